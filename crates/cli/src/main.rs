@@ -1,0 +1,2 @@
+//! The program `stoss`.
+fn main() {}

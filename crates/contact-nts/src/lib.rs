@@ -1,0 +1,1 @@
+//! Node-to-surface contact: direct form and energy-momentum element.

@@ -1,0 +1,126 @@
+//! The trait of a contact discretisation.
+
+use crate::ContactError;
+
+/// Where the contact force of a step is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ContactRule {
+    /// Gradient of the gap at `q_np1` (static, backward Euler).
+    EndPoint,
+    /// Gradient of the gap at `q_mid`, constraint at `q_np1`.
+    Midpoint,
+    /// Discrete gradient of the gap between `q_n` and `q_np1`: exact work.
+    EnergyMomentum,
+}
+
+/// Positions that a step's evaluation may read. All slices have `3 * nodes` entries, node-major.
+#[derive(Clone, Copy, Debug)]
+pub struct StepConfiguration<'a> {
+    /// Converged positions at `n`.
+    pub q_n: &'a [f64],
+    /// Iterate of the positions at `n+1`.
+    pub q_np1: &'a [f64],
+    /// Rule of the scheme.
+    pub rule: ContactRule,
+}
+
+/// One dense contribution: unknowns are the three components of each of `nodes`, then one pressure for each of `slots`.
+///
+/// `residual` has `dim() = 3 * nodes.len() + slots.len()` entries, `tangent` is row-major `dim() x dim()`:
+/// `d residual / d (q_np1 of nodes, p of slots)`.
+#[derive(Clone, Debug, Default)]
+pub struct LocalContribution {
+    /// Global node numbers, each at most once.
+    pub nodes: Vec<u32>,
+    /// Constraint slots, each at most once.
+    pub slots: Vec<u32>,
+    /// Residual in the sign of formulation (1.1): minus the contact force; then `-A g`.
+    pub residual: Vec<f64>,
+    /// Row-major tangent; empty or stale if the tangent was not asked for.
+    pub tangent: Vec<f64>,
+}
+
+impl LocalContribution {
+    /// Number of local unknowns.
+    pub fn dim(&self) -> usize {
+        3 * self.nodes.len() + self.slots.len()
+    }
+    /// Sizes and clears the arrays for the present `nodes` and `slots`.
+    pub fn reset(&mut self, want_tangent: bool) {
+        let n = self.dim();
+        self.residual.clear();
+        self.residual.resize(n, 0.0);
+        if want_tangent {
+            self.tangent.clear();
+            self.tangent.resize(n * n, 0.0);
+        }
+    }
+}
+
+/// What a slot did at the end of a step, for output (formulation §1.2 signs).
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlotReport {
+    /// Global slave node.
+    pub node: u32,
+    /// Reference area of the slave node.
+    pub weight: f64,
+    /// True gap at the given configuration; `None` if no master is within reach.
+    pub gap: Option<f64>,
+    /// Unit normal, master to slave (zero if there is none).
+    pub normal: [f64; 3],
+    /// Which geometric case the projection was ("face", "edge", "vertex", "none").
+    pub feature: &'static str,
+}
+
+/// A contact discretisation between one slave and one master surface.
+///
+/// # Protocol
+/// `begin_step(q_n)` once for every attempted step (it may be repeated with another step size); then any number of
+/// `assemble`, `complementarity_gap`, `repair`; `q_n` never changes in between. There is no undo and no commit: all history
+/// that frictionless contact needs follows from `q_n`. A method with history of its own also implements `commit`,
+/// `save_history` and `load_history`.
+///
+/// A *slot* is a potential constraint with one pressure; their number is constant for a run. Slots not active contribute nothing.
+pub trait ContactMethod: Send + Sync + std::fmt::Debug {
+    /// Name for reports and error messages.
+    fn name(&self) -> &str;
+    /// Number of slots.
+    fn slot_count(&self) -> usize;
+    /// Weight (reference area) of a slot.
+    fn slot_weight(&self, slot: usize) -> f64;
+    /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the
+    /// master in the step (candidates farther away need no pairing).
+    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
+    /// Nodes and slots of every active contribution, in the order in which `assemble` visits them.
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32]));
+    /// Residual and (if asked) tangent of every active slot, visited in slot order. `pressures` has one entry a slot.
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError>;
+    /// `gamma` of formulation §9 for every slot at `q_np1`: for an active slot the value of its constraint function, for an inactive one the
+    /// true gap (`f64::INFINITY` if out of reach). `out` has one entry a slot.
+    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError>;
+    /// Re-pairs active slots whose contact point left their face (and pairs slots that are about to be activated);
+    /// returns how many pairings changed. Stencils may be different afterwards.
+    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError>;
+    /// Gap, normal and feature of every slot at a configuration, for output and probes.
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;
+    /// Characteristic `c = E/h`-like factor is the solver's; this is the length scale `h` of the slave surface.
+    fn length_scale(&self) -> f64;
+    /// Called once when a step was accepted.
+    fn commit(&mut self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) {}
+    /// Opaque history for checkpoints; empty if there is none.
+    fn save_history(&self) -> Vec<u8> {
+        Vec::new()
+    }
+    /// Restores what `save_history` wrote.
+    fn load_history(&mut self, _bytes: &[u8]) -> Result<(), ContactError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! Strain and stress measures, the trait of a hyperelastic law, the discrete-gradient stress.
+
+pub use stoss_tensor::{SymmetricTensor2, Tensor4};
+
+/// Moduli of the law's linearisation at the reference state (units of stress; `poisson_ratio` without unit).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmallStrainModuli {
+    /// Shear modulus.
+    pub shear: f64,
+    /// Bulk modulus.
+    pub bulk: f64,
+}
+
+/// Why a law has no value at a state.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConstitutiveError {
+    /// `det C <= 0`.
+    #[error("det C = {det_c:e} is not positive")]
+    NonPositiveJacobian { det_c: f64 },
+    /// Energy or stress overflowed or is not a number.
+    #[error("the state of strain is out of the law's range (non-finite result)")]
+    NonFinite,
+}
+
+/// A hyperelastic law `W(C)`, `S = 2 dW/dC`, `CC = 2 dS/dC` (formulation §2).
+pub trait HyperelasticLaw: std::fmt::Debug + Send + Sync {
+    /// Name for reports.
+    fn name(&self) -> &str;
+    /// `W(C)`, energy per reference volume.
+    fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError>;
+    /// Second Piola-Kirchhoff stress.
+    fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError>;
+    /// Stress and elasticity tensor `2 dS/dC` together.
+    fn stress_and_elasticity(&self, right_cauchy_green: &SymmetricTensor2) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError>;
+    /// Moduli at `C = 1`.
+    fn small_strain_moduli(&self) -> SmallStrainModuli;
+    /// True if `W` is at most quadratic in `C` (the quotient of the discrete gradient is then zero and is skipped).
+    fn is_quadratic(&self) -> bool {
+        false
+    }
+}

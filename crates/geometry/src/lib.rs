@@ -1,0 +1,1 @@
+//! Bounding-volume tree with refit, bilinear patches, closest-point projection, predicates.

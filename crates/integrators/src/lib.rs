@@ -1,0 +1,1 @@
+//! Time-stepping schemes for constrained second-order systems.

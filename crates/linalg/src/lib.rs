@@ -1,0 +1,1 @@
+//! Fixed sparsity patterns, deterministic scatter, the trait of a linear solver, faer backends, refinement.

@@ -1,0 +1,1 @@
+//! Gmsh and Abaqus readers, VTU and PVD writers.

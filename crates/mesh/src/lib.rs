@@ -1,0 +1,1 @@
+//! Hexahedral meshes: connectivity, named sets, boundary facets, generators, quality.

@@ -1,0 +1,1 @@
+//! Newton iteration, line search, convergence tests, stop reasons.

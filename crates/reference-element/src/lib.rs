@@ -1,0 +1,1 @@
+//! Cells, shape functions, quadrature.

@@ -1,0 +1,1 @@
+//! The scene format: schema and validation, data only.

@@ -1,0 +1,1 @@
+//! Time and load stepping, active set, step control, energy ledger, checkpoints.

@@ -1,0 +1,1 @@
+//! Stoss: large-deformation contact elastodynamics.

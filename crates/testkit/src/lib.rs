@@ -1,0 +1,1 @@
+//! Batteries, derivative oracles and strategies for tests; never a normal dependency.

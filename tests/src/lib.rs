@@ -1,0 +1,1 @@
+//! Facade-level conservation and literature tests live in `tests/`.
