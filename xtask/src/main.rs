@@ -1,2 +1,87 @@
-//! Chores of the workspace.
-fn main() {}
+//! Chores of the workspace: `cargo xtask <command>`.
+//!
+//! Depends on none of the workspace's crates: `verify`, `schema` and `gallery` run the program `stoss` and read the files
+//! that it leaves.
+
+mod base64;
+mod gallery;
+mod layers;
+mod manifest;
+mod plot;
+mod program;
+mod reuse;
+mod schema;
+mod table;
+mod tidy;
+mod verify;
+mod vtu;
+mod workspace;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use workspace::{Outcome, Workspace};
+
+/// Chores of the workspace.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compares every crate's normal dependencies with layers.toml.
+    Layers,
+    /// Builds each reusable crate alone and compares its dependency list with docs/reuse/.
+    Reuse {
+        /// Writes the lists instead of comparing them.
+        #[arg(long)]
+        bless: bool,
+    },
+    /// Checks the habits that no compiler checks.
+    Tidy,
+    /// Writes docs/scene.schema.json from `stoss schema`.
+    Schema {
+        /// Compares instead of writing.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Runs the verification suites and writes target/verify/report.html and report.json.
+    Verify {
+        /// Shortens long scenes.
+        #[arg(long)]
+        quick: bool,
+        /// Names of suites; all if none is given.
+        suites: Vec<String>,
+    },
+    /// Draws docs/gallery/ from the runs of the shipped scenes.
+    Gallery {
+        /// One picture only.
+        scene: Option<String>,
+    },
+}
+
+fn dispatch(command: Command) -> Outcome<bool> {
+    let workspace = Workspace::find()?;
+    match command {
+        Command::Layers => layers::command(&workspace),
+        Command::Reuse { bless } => reuse::command(&workspace, bless),
+        Command::Tidy => tidy::command(&workspace),
+        Command::Schema { check } => schema::command(&workspace, check),
+        Command::Verify { quick, suites } => verify::command(&workspace, quick, &suites),
+        Command::Gallery { scene } => gallery::command(&workspace, scene.as_deref()),
+    }
+}
+
+fn main() -> ExitCode {
+    match dispatch(Arguments::parse().command) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("xtask: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

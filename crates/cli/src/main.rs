@@ -1,2 +1,118 @@
-//! The program `stoss`.
-fn main() {}
+//! The program `stoss`: runs scenes, checks them, prints the scene format's schema.
+//!
+//! Exit codes: 0 done; 1 files could not be read or written; 2 the scene or the command line is wrong; 3 the
+//! simulation stopped early (all completed steps are kept).
+
+mod diagnostics;
+mod progress;
+
+use clap::{Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use stoss::run::{RunError, RunOptions};
+
+/// Large-deformation contact elastodynamics.
+#[derive(Parser)]
+#[command(version, about, long_about = None)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Runs a scene and writes a folder of results.
+    Run {
+        /// The scene (TOML).
+        scene: PathBuf,
+        /// Folder for the results [default: the scene's name with `.out`, in the present folder].
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Threads for element loops; the results do not depend on it [default: all cores].
+        #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+        threads: Option<u16>,
+        /// Stop at this time instead of the scene's end.
+        #[arg(long)]
+        until: Option<f64>,
+        /// Continue from the checkpoint in the folder.
+        #[arg(long)]
+        resume: bool,
+        /// Print nothing but errors.
+        #[arg(long)]
+        quiet: bool,
+    },
+    /// Reports all problems of a scene, or the plan of its run.
+    Check {
+        /// The scene (TOML).
+        scene: PathBuf,
+    },
+    /// Prints the JSON schema of the scene format.
+    Schema,
+}
+
+fn main() -> ExitCode {
+    match Arguments::parse().command {
+        Command::Run { scene, out, threads, until, resume, quiet } => {
+            if let Some(threads) = threads
+                && let Err(error) = stoss::run::set_threads(usize::from(threads))
+            {
+                eprintln!("error: {error}");
+                return ExitCode::from(1);
+            }
+            let out = out.unwrap_or_else(|| default_folder(&scene));
+            run(&scene, RunOptions { out, until, resume }, quiet)
+        }
+        Command::Check { scene } => check(&scene),
+        Command::Schema => {
+            println!("{}", stoss::scene::json_schema());
+            ExitCode::SUCCESS
+        }
+    }
+}
+
+/// `scenes/ball-plate.toml` -> `ball-plate.out`.
+fn default_folder(scene: &Path) -> PathBuf {
+    let stem = scene.file_stem().map_or_else(|| "run".into(), |s| s.to_string_lossy().into_owned());
+    PathBuf::from(format!("{stem}.out"))
+}
+
+fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
+    let mut progress = progress::Progress::new(quiet);
+    match stoss::run::run_scene(path, &options, &mut |event| progress.show(&event)) {
+        Ok(summary) => {
+            progress.finish(&summary);
+            ExitCode::SUCCESS
+        }
+        Err(RunError::Scene(problems)) => {
+            diagnostics::print(path, &problems);
+            ExitCode::from(2)
+        }
+        Err(error @ RunError::Simulation { .. }) => {
+            progress.abandon();
+            eprintln!("error: {error}");
+            ExitCode::from(3)
+        }
+        Err(error) => {
+            progress.abandon();
+            eprintln!("error: {error}");
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn check(path: &Path) -> ExitCode {
+    match stoss::run::check_scene(path) {
+        Ok(plan) => {
+            println!("{plan}");
+            ExitCode::SUCCESS
+        }
+        Err(RunError::Scene(problems)) => {
+            diagnostics::print(path, &problems);
+            ExitCode::from(2)
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(1)
+        }
+    }
+}

@@ -1,1 +1,17 @@
-//! Node-to-surface contact: direct form and energy-momentum element.
+//! Node-to-surface contact: direct form and energy-momentum element (formulation §4, §6).
+//!
+//! * [`kinematics`]: gap of a node to an extended facet, first and second variation;
+//! * [`invariants`]: the frictionless energy-momentum element with 17 invariants, its local unknowns eliminated;
+//! * [`crossing`]: the element for a step from one facet to another;
+//! * [`NodeToSurface`]: all of them as a [`stoss_contact::ContactMethod`].
+//!
+//! The crate knows neither solids nor the global system. Friction and coordinate augmentation are not here yet.
+
+pub mod crossing;
+mod dual;
+pub mod invariants;
+pub mod kinematics;
+mod method;
+mod slot;
+
+pub use method::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};

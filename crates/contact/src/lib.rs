@@ -1,25 +1,20 @@
-//! Contact surfaces, pair search, gap kinematics, and the trait of a contact discretisation.
+//! Contact surfaces, pair search, active-set data, and the trait of a contact discretisation.
+//!
+//! The stages are types that can be looked at: [`ContactSurface`] (facets, nodes, adjacency, nodal areas) ->
+//! [`MasterSearch`] (tree over the master facets) -> [`MasterPoint`] (closest point, signed gap, which geometric case, pairing
+//! facet) -> [`ActiveSetControl`] (which constraints are closed). A contact discretisation implements [`ContactMethod`] on top of
+//! them, in a crate of its own.
+//!
+//! Not here: forces and tangents (they are a method's), the global system (the solver's), meshes' files.
 
+pub mod active_set;
+mod error;
 mod method;
-pub use method::{ContactMethod, ContactRule, LocalContribution, SlotReport, StepConfiguration};
+pub mod search;
+pub mod surface;
 
-/// Errors of contact geometry.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ContactError {
-    /// A projection did not converge.
-    #[error("closest-point projection of slave node {node} on master facet {facet} did not converge")]
-    Projection { node: u32, facet: u32 },
-    /// A surface has no facet.
-    #[error("the {side} surface is empty")]
-    EmptySurface { side: &'static str },
-    /// Slave and master share nodes.
-    #[error("slave and master surface share node {node}: a body cannot be in contact with itself here")]
-    SharedNode { node: u32 },
-    /// A facet has a degenerate normal.
-    #[error("facet {facet} is degenerate (area {area:e})")]
-    DegenerateFacet { facet: u32, area: f64 },
-    /// History bytes do not fit.
-    #[error("contact history does not fit this model: {reason}")]
-    History { reason: String },
-}
+pub use active_set::{ActiveSetControl, ActiveSetOutcome};
+pub use error::ContactError;
+pub use method::{ContactMethod, ContactRule, LocalContribution, SlotReport, StepConfiguration};
+pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
+pub use surface::{ContactSurface, IrregularEdge};

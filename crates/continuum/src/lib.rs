@@ -1,15 +1,16 @@
 //! Strain and stress measures, the trait of a hyperelastic law, the discrete-gradient stress.
+//!
+//! The trait [`HyperelasticLaw`] lives here, one layer below the catalogue, so that a law of a user's own needs no catalogue.
+//! This crate contains no law.
 
-pub use stoss_tensor::{SymmetricTensor2, Tensor4};
+pub mod discrete_gradient;
+mod measures;
+mod moduli;
 
-/// Moduli of the law's linearisation at the reference state (units of stress; `poisson_ratio` without unit).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SmallStrainModuli {
-    /// Shear modulus.
-    pub shear: f64,
-    /// Bulk modulus.
-    pub bulk: f64,
-}
+pub use discrete_gradient::{energy_momentum_stress, energy_momentum_stress_and_tangent};
+pub use measures::{cauchy_stress, green_lagrange, von_mises};
+pub use moduli::SmallStrainModuli;
+pub use stoss_tensor::{SymmetricTensor2, Tensor2, Tensor4};
 
 /// Why a law has no value at a state.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -17,7 +18,10 @@ pub struct SmallStrainModuli {
 pub enum ConstitutiveError {
     /// `det C <= 0`.
     #[error("det C = {det_c:e} is not positive")]
-    NonPositiveJacobian { det_c: f64 },
+    NonPositiveJacobian {
+        /// The determinant found.
+        det_c: f64,
+    },
     /// Energy or stress overflowed or is not a number.
     #[error("the state of strain is out of the law's range (non-finite result)")]
     NonFinite,

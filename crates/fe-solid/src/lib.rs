@@ -1,1 +1,36 @@
-//! Element and body integrals of finite-strain solids: energy, force, tangent, mass, momenta, loads.
+//! Element and body integrals of finite-strain solids (hex8, 2x2x2): energy, force, tangent, mass, momenta, loads.
+//!
+//! A [`SolidBody`] is a mesh with a law. It evaluates, for one of three [`StressRule`]s, the internal force
+//! `F(q_n, q_np1)` and its derivative with respect to `q_np1`, and adds both to the caller's global arrays.
+//! [`MassMatrix`] holds the inertia and the momenta, the functions of `load` ([`dead_traction`], [`follower_pressure`]) the loads.
+//!
+//! What it is *not*: no law (laws come in by the trait [`stoss_continuum::HyperelasticLaw`]), no time stepping, no
+//! boundary conditions, no linear solver.
+//!
+//! Conventions: all vectors over the model (`q`, `v`, forces) have `3 * nodes` entries, node-major (`x0 y0 z0 x1 ...`);
+//! positions, not displacements. Symmetric tensors as six numbers are in the order 11, 22, 33, 12, 23, 13, stresses plain.
+//! Free of units: with lengths in L and stresses in P, forces are in P L^2 and energies in P L^3.
+//!
+//! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress rules at the Gauss
+//! points of one element), [`SolidBody`] (all elements, order, threads, scatter). To add an element type, add its kernel
+//! arrays and a body that owns them; the rules and the scatter do not depend on the number of nodes.
+
+mod assembly;
+mod body;
+mod element;
+mod error;
+pub mod kernel;
+mod load;
+mod mass;
+mod recovery;
+
+pub use assembly::{TangentTarget, Workspace};
+pub use body::SolidBody;
+pub use element::{SolidStep, StressRule};
+pub use error::{Level, SolidError};
+pub use load::{
+    FacetTangent, FacetVectors, add_follower_pressure, dead_pressure, dead_traction, external_work, follower_pressure,
+    surface_area,
+};
+pub use mass::{MassKind, MassMatrix};
+pub use recovery::{GaussPointState, von_mises};

@@ -1,1 +1,33 @@
 //! Fixed sparsity patterns, deterministic scatter, the trait of a linear solver, faer backends, refinement.
+//!
+//! The stages are types: stencils -> [`SparsityPattern`] and [`ScatterMap`] (once per pattern) -> [`SparseMatrix`] (values
+//! added per iteration) -> [`LinearSolver`] (analyse once, factorise, solve). Every solution's residual is measured row by
+//! row on the original system and refined; a NaN is an error, not a result.
+//!
+//! It is *not* a linear-algebra library (small dense matrices are nalgebra's, in the crates that need them) and knows
+//! nothing of what the equations mean. faer is used in [`faer_backend`] only.
+//!
+//! **Invariant: the bits depend on the data only.** Sums run in a fixed order and the factorisations run sequentially
+//! ("sequential fixed"): faer's last bits change with its degree of parallelism, and that must not be a property of the machine.
+
+pub mod faer_backend;
+pub mod vector;
+
+mod auto;
+mod direct;
+mod error;
+mod matrix;
+mod pattern;
+mod refinement;
+mod scaling;
+mod scatter;
+mod solver;
+
+pub use auto::AutoSolver;
+pub use direct::{DirectSolver, Factorisation};
+pub use error::{LinalgError, Place};
+pub use faer_backend::{DenseSolver, FaerSolver};
+pub use matrix::SparseMatrix;
+pub use pattern::{NONE, SparsityPattern};
+pub use scatter::ScatterMap;
+pub use solver::{LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics};

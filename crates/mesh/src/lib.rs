@@ -1,1 +1,37 @@
-//! Hexahedral meshes: connectivity, named sets, boundary facets, generators, quality.
+//! Hexahedral meshes: nodes, connectivity, named sets, boundary facets, generators, quality.
+//!
+//! * [`Mesh`], [`Facet`]: the data, sets by name, boundary facets, rigid placement;
+//! * [`Region`]: sets from a box or a plane;
+//! * [`generate`]: block, hexahedron, indenter, hollow ball, hollow torus, L-shaped block;
+//! * [`QualityReport`], [`Mesh::quality`], [`Mesh::check`]: quality, and everything that makes a mesh unusable as a named error.
+//!
+//! # What it is not
+//! No files (`stoss-mesh-io`), no physics, no current configuration: coordinates are those of the reference configuration.
+//! Each body keeps its own mesh; there is no merging.
+//!
+//! ```
+//! use stoss_mesh::generate::Block;
+//! let plate = Block::with_size([2.5, 2.5, 0.25], [10, 10, 1]).generate()?;
+//! assert_eq!(plate.elements.len(), 100);
+//! assert_eq!(plate.facets_of("top")?.len(), 100);
+//! # Ok::<(), stoss_mesh::MeshError>(())
+//! ```
+
+mod check;
+mod error;
+mod facet;
+pub mod generate;
+mod mesh;
+mod quality;
+mod region;
+mod transform;
+
+pub use error::{MeshError, SetKind};
+pub use facet::{Facet, FacetIndex};
+pub use mesh::{ALL, BOUNDARY, Mesh};
+pub use quality::QualityReport;
+pub use region::Region;
+pub use transform::Rotation;
+
+/// The largest number of elements that a generator makes.
+pub const MAX_ELEMENTS: usize = 20_000_000;

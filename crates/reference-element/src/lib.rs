@@ -1,1 +1,22 @@
-//! Cells, shape functions, quadrature.
+//! Cells, shape functions, quadrature: everything about an element that does not depend on where its nodes are.
+//!
+//! * [`hex8`]: the trilinear hexahedron: vertices, shape functions and gradients, outward facets;
+//! * [`quad4`]: the bilinear quadrilateral, which is the facet of the hexahedron;
+//! * [`quadrature`]: Gauss rules on the line, the square and the cube as constants;
+//! * [`CellKind`]: the list of cells.
+//!
+//! # What it is not
+//! No physical coordinates, no Jacobians, no materials: see `stoss-mesh` for geometry and `stoss-fe-solid` for integrals.
+//! All functions take and return plain arrays; nothing here allocates.
+//!
+//! # How to add a cell
+//! Write `src/<cell>.rs` with the five items that [`hex8`] has (`VERTICES`, `FACETS`, `shape`, `shape_gradient`, and the
+//! facet's own cell), add a variant to [`CellKind`] (its exhaustive matches then fail to compile in every place that needs a
+//! line), and add one call of the battery in `tests/battery.rs`.
+
+mod cell;
+pub mod hex8;
+pub mod quad4;
+pub mod quadrature;
+
+pub use cell::CellKind;

@@ -1,1 +1,126 @@
 //! The scene format: schema and validation, data only.
+//!
+//! [`parse`] turns the text of a scene (TOML) into a [`Scene`] or into *all* of its problems at once, each with file, line, column,
+//! key, value, message and remedy. The types carry the documentation of every key; [`json_schema`] prints it for editors.
+//!
+//! # What it is not
+//! No mesh, no law, no simulation: whether a set exists, a file can be read or a mesh is inverted is for the facade, which reports
+//! it through [`Problem::at`] in the same form.
+//!
+//! # How to add a key
+//! A documented field in the type, one line in the reader under `read/`, and a malformed scene in `tests/malformed.rs`. A
+//! new scheme, quantity, field or contact method is one line in its enumeration: reading, error messages and schema follow.
+
+mod body;
+mod conditions;
+mod general;
+mod material;
+mod mesh;
+mod names;
+mod problem;
+mod read;
+mod results;
+#[cfg(test)]
+mod samples;
+mod schema;
+mod source;
+
+pub use body::{Body, Mass, Rotation, Rotations};
+pub use conditions::{
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Load, LoadKind, PlaneRegion, Prescribe, Series,
+    SetDefinition, Table, split_set,
+};
+pub use general::{Header, Integrator, Kind, LinearSolver, Scheme, Solver, Time};
+pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden};
+pub use mesh::{Block, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource};
+pub use problem::{Problem, SceneErrors};
+pub use results::{Expect, ExpectedValue, Field, Interval, Outcome, Output, Probe, Quantity};
+pub use schema::json_schema;
+pub use source::Location;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use source::Source;
+
+/// A scene, as [`parse`] returns it: complete, and consistent as far as that can be told without meshes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// `[scene]`.
+    #[serde(rename = "scene")]
+    pub header: Header,
+    /// `[time]`.
+    pub time: Time,
+    /// `[solver]`.
+    #[serde(default)]
+    pub solver: Solver,
+    /// `[[body]]`, at least one.
+    #[serde(rename = "body")]
+    pub bodies: Vec<Body>,
+    /// `[[set]]`.
+    #[serde(default, rename = "set", skip_serializing_if = "Vec::is_empty")]
+    pub sets: Vec<SetDefinition>,
+    /// `[[contact]]`.
+    #[serde(default, rename = "contact", skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<Contact>,
+    /// `[[prescribe]]`.
+    #[serde(default, rename = "prescribe", skip_serializing_if = "Vec::is_empty")]
+    pub prescriptions: Vec<Prescribe>,
+    /// `[[load]]`.
+    #[serde(default, rename = "load", skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<Load>,
+    /// `[[probe]]`.
+    #[serde(default, rename = "probe", skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Probe>,
+    /// `[output]`.
+    #[serde(default)]
+    pub output: Output,
+    /// `[expect]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expect: Option<Expect>,
+    #[serde(skip)]
+    source: Source,
+}
+
+impl Scene {
+    /// Name of the file, as it was given to [`parse`].
+    pub fn file(&self) -> &str {
+        &self.source.file
+    }
+
+    /// The text from which the scene was read.
+    pub fn text(&self) -> &str {
+        &self.source.text
+    }
+
+    /// Place of the value of a key in the file, for instance of `body[0].material`; `None` if the key is not there.
+    pub fn locate(&self, key: &str) -> Option<Location> {
+        self.source.locate(key)
+    }
+
+    /// As [`Self::locate`], or else the place of the nearest table around the key, or else the start of the file.
+    pub fn locate_nearest(&self, key: &str) -> Location {
+        self.source.locate_nearest(key)
+    }
+
+    /// Position of a body in [`Self::bodies`].
+    pub fn body_index(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.name == name)
+    }
+
+    /// True for a dynamic scene.
+    pub fn is_dynamic(&self) -> bool {
+        self.header.kind == Kind::Dynamic
+    }
+}
+
+/// Reads a scene.
+///
+/// `file` is what messages call it; nothing is read from disk.
+///
+/// # Errors
+/// All problems of the scene: those of TOML's syntax if there are any, otherwise unknown keys, wrong types, missing keys, values
+/// out of range and contradictions.
+pub fn parse(text: &str, file: &str) -> Result<Scene, SceneErrors> {
+    read::scene(text, file)
+}

@@ -1,1 +1,35 @@
 //! Time and load stepping, active set, step control, energy ledger, checkpoints.
+//!
+//! A [`Model`] (bodies, loads, prescribed motion, contact methods) and [`Settings`] make a [`Simulation`]; every call of
+//! [`Simulation::advance`] does one step, or fails with the state of the last completed step intact. Whoever calls writes the
+//! files; this crate prints nothing and knows no format but that of its own checkpoints.
+//!
+//! Quasi-static and dynamic problems differ in one argument (the scheme) and take the same path: without a scheme there is
+//! no inertia, no mass matrix is built, and all forces are taken at the end of the step.
+//!
+//! It is not a catalogue: material laws and contact methods come in through traits.
+
+mod assembly;
+mod checkpoint;
+mod control;
+mod error;
+mod ledger;
+mod loads;
+mod model;
+mod numbering;
+mod record;
+mod simulation;
+mod step;
+mod table;
+mod timing;
+
+pub use checkpoint::{Checkpoint, CheckpointError};
+pub use control::{Clock, StepControl};
+pub use error::{SimulationError, StepError};
+pub use ledger::Balance;
+pub use loads::{Load, LoadKind};
+pub use model::{Body, ContactPair, Model, Prescription};
+pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, StepRecord};
+pub use simulation::{Plan, Settings, Simulation};
+pub use table::{Table, TableError};
+pub use timing::{Phase, PhaseTime, Timings};

@@ -1,1 +1,39 @@
-//! Stoss: large-deformation contact elastodynamics.
+//! Stoss: large-deformation contact elastodynamics. The facade.
+//!
+//! Every crate of the stack is re-exported under its short name; a cargo feature leaves out what a project does not need.
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `nts` | node-to-surface contact ([`contact_nts`]) |
+//! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
+//! | `mesh-files` | Gmsh and Abaqus readers |
+//! | `output` | folders of results, and [`run`], which the program `stoss` is a thin layer over |
+//!
+//! This crate contains no algorithm: it translates a scene into a [`solver::Model`] and writes what the
+//! [`solver::Simulation`] did.
+
+pub use stoss_contact as contact;
+#[cfg(feature = "nts")]
+pub use stoss_contact_nts as contact_nts;
+pub use stoss_continuum as continuum;
+pub use stoss_fe_solid as fe_solid;
+pub use stoss_integrators as integrators;
+pub use stoss_linalg as linalg;
+#[cfg(feature = "scene")]
+pub use stoss_materials as materials;
+pub use stoss_mesh as mesh;
+#[cfg(any(feature = "mesh-files", feature = "output"))]
+pub use stoss_mesh_io as mesh_io;
+pub use stoss_newton as newton;
+pub use stoss_reference_element as reference_element;
+#[cfg(feature = "scene")]
+pub use stoss_scene as scene;
+pub use stoss_solver as solver;
+pub use stoss_tensor as tensor;
+
+#[cfg(feature = "scene")]
+pub mod build;
+#[cfg(feature = "output")]
+pub mod output;
+#[cfg(feature = "output")]
+pub mod run;

@@ -1,1 +1,21 @@
 //! Second- and fourth-order 3-D tensors, invariants, spectral forms and their derivatives.
+//!
+//! Symmetric tensors are stored as six *plain* components in the order 11, 22, 33, 12, 23, 13 (formulation §1.7); full
+//! tensors and vectors are nalgebra's. This crate knows no kinematics and no material.
+
+mod fourth_order;
+mod spectral;
+mod symmetric;
+
+pub use fourth_order::Tensor4;
+pub use nalgebra;
+pub use spectral::{Spectral, spectral};
+pub use symmetric::SymmetricTensor2;
+
+/// A vector of three components.
+pub type Vector3 = nalgebra::Vector3<f64>;
+/// A second-order tensor without symmetry, 3x3.
+pub type Tensor2 = nalgebra::Matrix3<f64>;
+
+/// Row and column of each of the six stored components.
+pub const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];

@@ -1,0 +1,77 @@
+//! Progress: a bar on a terminal, otherwise one line a step.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use stoss::run::{Event, Summary};
+
+/// Shows the events of a run.
+pub struct Progress {
+    quiet: bool,
+    terminal: bool,
+    bar: Option<ProgressBar>,
+}
+
+impl Progress {
+    /// Nothing is shown if `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        Self { quiet, terminal: std::io::stderr().is_terminal(), bar: None }
+    }
+
+    /// Shows one event.
+    pub fn show(&mut self, event: &Event<'_>) {
+        if self.quiet {
+            return;
+        }
+        match event {
+            Event::Start { title, out, end, step, resumed } => {
+                let verb = if *resumed { "resuming" } else { "running" };
+                eprintln!("{verb} \"{title}\" to t = {end} in steps of {step}, results in {}", out.display());
+                if self.terminal {
+                    let bar = ProgressBar::new(1000);
+                    if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3}% {msg} [{elapsed} < {eta}]") {
+                        bar.set_style(style);
+                    }
+                    self.bar = Some(bar);
+                }
+            }
+            Event::Step { record, end, .. } => {
+                let active = record.contact.as_ref().map_or(0, |c| c.active);
+                let line = format!(
+                    "step {:5}  t = {:<10.6}  Newton {:2}  contacts {active:4}",
+                    record.step, record.time, record.iterations
+                );
+                match &self.bar {
+                    Some(bar) => {
+                        bar.set_position((1000.0 * record.time / end).clamp(0.0, 1000.0) as u64);
+                        bar.set_message(line);
+                    }
+                    None => eprintln!("{line}  energy {:.10e}", record.balance.total()),
+                }
+                for decision in &record.decisions {
+                    let text = format!("  {:?} at t = {}: {}", decision.kind, decision.time, decision.reason);
+                    match &self.bar {
+                        Some(bar) => bar.println(text),
+                        None => eprintln!("{text}"),
+                    }
+                }
+            }
+            Event::Warning(text) => eprintln!("warning: {text}"),
+            _ => {}
+        }
+    }
+
+    /// Removes the bar and prints the outcome.
+    pub fn finish(&mut self, summary: &Summary) {
+        self.abandon();
+        if !self.quiet {
+            eprintln!("{summary}");
+        }
+    }
+
+    /// Removes the bar.
+    pub fn abandon(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! Gap of a point to an extended bilinear facet, with first and second variation (formulation §4.2, §4.4).
+
+use nalgebra::Vector3;
+use stoss_geometry::BilinearPatch;
+use stoss_reference_element::quad4;
+
+/// Number of local position components: slave node, then four master nodes.
+pub const LOCAL: usize = 15;
+/// A local vector: slave node, then four master nodes, three components each.
+pub type Local = [f64; LOCAL];
+/// A local matrix, row by row.
+pub type LocalMatrix = [[f64; LOCAL]; LOCAL];
+
+/// Gap kinematics at the foot of the normal through the slave node.
+#[derive(Clone, Debug)]
+pub struct Gap {
+    /// Signed gap `g = (x - x(xi)) . n`, positive outside.
+    pub gap: f64,
+    /// Convective coordinates of the foot; outside of `[-1, 1]` on the extension of the facet.
+    pub xi: [f64; 2],
+    /// Unit outward normal of the master.
+    pub normal: Vector3<f64>,
+    /// `N` of (4.1): `dg = N . dq`.
+    pub gradient: Local,
+    /// `D^alpha` of (4.1): `d xi^alpha = D^alpha . dq`.
+    pub xi_gradient: [Local; 2],
+    /// Derivatives of the shape functions at the foot.
+    shape_gradient: [[f64; 2]; 4],
+    metric: [[f64; 2]; 2],
+    curvature_12: f64,
+}
+
+/// Inverse of a symmetric 2x2 matrix; `None` if it is singular to working precision.
+fn inverse(m: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+    let det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    if det.abs() <= 1.0e-14 * (m[0][0].abs() + m[0][1].abs()) * (m[1][1].abs() + m[1][0].abs()) || det.is_nan() {
+        return None;
+    }
+    Some([[m[1][1] / det, -m[0][1] / det], [-m[1][0] / det, m[0][0] / det]])
+}
+
+impl Gap {
+    /// Projects `x` on the extended facet, from `start`; `None` if there is no foot, or the foot is a focal point (`A` singular).
+    pub fn project(x: &Vector3<f64>, patch: &BilinearPatch, start: [f64; 2]) -> Option<Self> {
+        let foot = patch.project(x, start);
+        if !foot.converged {
+            return None;
+        }
+        Self::at_foot(patch, foot.xi, foot.gap)
+    }
+
+    fn at_foot(patch: &BilinearPatch, xi: [f64; 2], gap: f64) -> Option<Self> {
+        let frame = patch.frame(xi);
+        let (shape, shape_gradient) = (quad4::shape(xi), quad4::shape_gradient(xi));
+        let (n, a) = (frame.normal, frame.tangents);
+        let mut gradient = [0.0; LOCAL];
+        put(&mut gradient, 0, &n, 1.0);
+        // A_ab = m_ab - g h_ab; only h_12 is not zero.
+        let off = frame.metric[0][1] - gap * frame.curvature_12;
+        let upper = inverse([[frame.metric[0][0], off], [off, frame.metric[1][1]]])?;
+        // T_b + g N_b.
+        let mut lower = [[0.0; LOCAL]; 2];
+        for b in 0..2 {
+            put(&mut lower[b], 0, &a[b], 1.0);
+        }
+        for i in 0..4 {
+            put(&mut gradient, i + 1, &n, -shape[i]);
+            for b in 0..2 {
+                put(&mut lower[b], i + 1, &a[b], -shape[i]);
+                put(&mut lower[b], i + 1, &n, gap * shape_gradient[i][b]);
+            }
+        }
+        let xi_gradient =
+            std::array::from_fn(|al| std::array::from_fn(|k| upper[al][0] * lower[0][k] + upper[al][1] * lower[1][k]));
+        Some(Self {
+            gap,
+            xi,
+            normal: n,
+            gradient,
+            xi_gradient,
+            shape_gradient,
+            metric: frame.metric,
+            curvature_12: frame.curvature_12,
+        })
+    }
+
+    /// Largest convective coordinate, beyond 1 outside of the facet.
+    pub fn outside(&self) -> f64 {
+        self.xi[0].abs().max(self.xi[1].abs()) - 1.0
+    }
+
+    /// Second variation of the gap, (4.3).
+    pub fn hessian(&self) -> LocalMatrix {
+        let [d_1, d_2] = &self.xi_gradient;
+        let h = self.curvature_12;
+        let mut n_a = [[0.0; LOCAL]; 2];
+        for i in 0..4 {
+            for (al, n_a) in n_a.iter_mut().enumerate() {
+                put(n_a, i + 1, &self.normal, self.shape_gradient[i][al]);
+            }
+        }
+        // N_bar_a = N_a + h_ab D^b.
+        let bar: [Local; 2] = [
+            std::array::from_fn(|k| n_a[0][k] + h * d_2[k]),
+            std::array::from_fn(|k| n_a[1][k] + h * d_1[k]),
+        ];
+        let m = self.metric;
+        let det = m[0][0] * m[1][1] - m[0][1] * m[0][1];
+        let scale = self.gap / det;
+        let (m_11, m_12, m_22) = (scale * m[1][1], -scale * m[0][1], scale * m[0][0]);
+        let mut out = [[0.0; LOCAL]; LOCAL];
+        for (i, row) in out.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = m_11 * bar[0][i] * bar[0][j]
+                    + m_12 * (bar[0][i] * bar[1][j] + bar[1][i] * bar[0][j])
+                    + m_22 * bar[1][i] * bar[1][j]
+                    - n_a[0][i] * d_1[j]
+                    - n_a[1][i] * d_2[j]
+                    - d_1[i] * n_a[0][j]
+                    - d_2[i] * n_a[1][j]
+                    - h * (d_1[i] * d_2[j] + d_2[i] * d_1[j]);
+            }
+        }
+        out
+    }
+}
+
+/// Adds `factor * v` to the block of a local node.
+fn put(local: &mut Local, node: usize, v: &Vector3<f64>, factor: f64) {
+    for i in 0..3 {
+        local[3 * node + i] += factor * v[i];
+    }
+}
+
+/// Positions of slave node and facet as points.
+pub fn points(local: &Local) -> (Vector3<f64>, BilinearPatch) {
+    let at = |k: usize| Vector3::new(local[3 * k], local[3 * k + 1], local[3 * k + 2]);
+    (at(0), BilinearPatch::new([at(1), at(2), at(3), at(4)]))
+}

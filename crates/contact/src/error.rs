@@ -1,0 +1,67 @@
+//! Errors of contact geometry.
+
+/// Errors of contact geometry.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// A projection did not converge.
+    #[error("closest-point projection of slave node {node} on master facet {facet} did not converge")]
+    Projection {
+        /// Global slave node.
+        node: u32,
+        /// Index of the master facet.
+        facet: u32,
+    },
+    /// A surface has no facet.
+    #[error("the {side} surface is empty")]
+    EmptySurface {
+        /// "slave" or "master".
+        side: &'static str,
+    },
+    /// Slave and master share nodes.
+    #[error("slave and master surface share node {node}: a body cannot be in contact with itself here")]
+    SharedNode {
+        /// Global node, the smallest shared one.
+        node: u32,
+    },
+    /// A facet has a degenerate normal.
+    #[error("facet {facet} is degenerate (area {area:e})")]
+    DegenerateFacet {
+        /// Index of the facet.
+        facet: u32,
+        /// Its reference area.
+        area: f64,
+    },
+    /// A facet names a node that does not exist.
+    #[error("facet {facet} refers to node {node}, but there are only {count} nodes")]
+    MissingNode {
+        /// Index of the facet.
+        facet: u32,
+        /// Global node.
+        node: u32,
+        /// Number of nodes of the reference coordinates.
+        count: usize,
+    },
+    /// A coordinate is not finite.
+    #[error("node {node} has a coordinate that is not finite")]
+    NotFinite {
+        /// Global node.
+        node: u32,
+    },
+    /// A search option is out of its range.
+    #[error("search option `{option}` must be {range}, but is {value}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// Value given.
+        value: f64,
+        /// Allowed values.
+        range: &'static str,
+    },
+    /// History bytes do not fit.
+    #[error("contact history does not fit this model: {reason}")]
+    History {
+        /// What does not fit.
+        reason: String,
+    },
+}

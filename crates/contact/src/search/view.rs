@@ -1,0 +1,165 @@
+//! Queries of the search at given positions.
+
+use super::resolve::Foot;
+use super::{Feature, MasterPoint, MasterSearch, Pairing};
+use crate::surface::position;
+use nalgebra::Vector3;
+use stoss_geometry::PatchFeature;
+
+/// Longest walk from facet to facet; a longer slide is left to the tree.
+const MAX_WALK: usize = 256;
+
+/// Cosine below which two places of the surface are sheets that face away from each other: 120 degrees leave every edge of a
+/// body with a dihedral angle above 60 degrees to the plain closest point.
+const OPPOSITE_COSINE: f64 = -0.5;
+
+/// Whether `own`, where the node came from, is penetrated and `global` is the far side of the same thin body.
+fn other_sheet(own: &MasterPoint, global: &MasterPoint) -> bool {
+    own.pairing.is_some()
+        && own.gap < 0.0
+        && matches!(own.feature, Feature::Face { .. })
+        && (global.pairing.is_none() || own.normal.dot(&global.normal) < OPPOSITE_COSINE)
+}
+
+/// Queries at given positions; see [`MasterSearch::at`]. Cheap to make, copies nothing, allocates nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchView<'a> {
+    pub(super) search: &'a MasterSearch,
+    pub(super) q: &'a [f64],
+    /// Mean displacement since the tree was refitted.
+    shift: Vector3<f64>,
+    /// No node moved farther than this from its place shifted by the mean.
+    excess: f64,
+}
+
+impl<'a> SearchView<'a> {
+    pub(super) fn new(search: &'a MasterSearch, q: &'a [f64]) -> Self {
+        let moved = || search.surface.nodes().iter().zip(&search.fitted).map(|(&n, old)| position(q, n) - old);
+        let shift = moved().sum::<Vector3<f64>>() / search.fitted.len() as f64;
+        let excess = moved().map(|u| (u - shift).norm()).fold(0.0, f64::max);
+        Self { search, q, shift, excess }
+    }
+
+    /// The signed closest point of the whole master surface.
+    ///
+    /// `slave_normal` (unit, outwards of the slave) restricts the partners to facets that oppose it
+    /// ([`super::SearchOptions::opposing_cosine`]); facets that do not are treated as if the surface ended there.
+    pub fn closest(&self, x: &Vector3<f64>, slave_normal: Option<&Vector3<f64>>) -> MasterPoint {
+        match self.global_foot(x, slave_normal) {
+            Some(foot) => self.limited(self.resolve(x, &foot, slave_normal)),
+            None => MasterPoint::NONE,
+        }
+    }
+
+    /// The partner of a slave node that was paired with facet `hint` before.
+    ///
+    /// The facet is kept while the normal projection stays on it, or leaves it by no more than the hysteresis. Otherwise the facets
+    /// are walked from `hint` towards the point. The tree's answer is taken unless it lies on the opposite sheet of a thin body (its
+    /// normal is turned by more than 120 degrees from the walk's) and the point has penetrated the sheet that it came from,
+    /// no deeper than the depth limit. Without a hint, and with a facet number that does not exist, this is [`SearchView::closest`].
+    ///
+    /// [`MasterPoint::gap`] and `feature` are those of the closest point whenever that is on the same sheet as the kept facet.
+    pub fn pair(&self, x: &Vector3<f64>, hint: Option<u32>, slave_normal: Option<&Vector3<f64>>) -> MasterPoint {
+        let global = self.closest(x, slave_normal);
+        let Some(hint) = hint.filter(|&f| (f as usize) < self.search.surface.facets().len()) else {
+            return global;
+        };
+        let options = &self.search.options;
+        // The largest difference between the gap of a kept facet and the true gap.
+        let slack = 0.1 * options.hysteresis * self.search.surface.length_scale();
+
+        let patch = self.patch(hint);
+        let start = patch.closest_point(x);
+        let kept = patch.project(x, start.xi);
+        let outside = kept.xi[0].abs().max(kept.xi[1].abs()) - 1.0;
+        if kept.converged && outside <= options.hysteresis && self.opposes(&kept.normal, slave_normal) {
+            let pairing = Pairing { facet: hint, xi: kept.xi, gap: kept.gap, normal: kept.normal };
+            if (global.gap - kept.gap).abs() <= slack {
+                return MasterPoint { pairing: Some(pairing), ..global };
+            }
+            if outside <= 0.0 && start.feature == PatchFeature::Interior {
+                let feature = Feature::Face { facet: hint, xi: kept.xi };
+                let point = x - kept.normal * kept.gap;
+                let own = MasterPoint { feature, gap: kept.gap, normal: kept.normal, point, pairing: Some(pairing) };
+                let own = self.limited(own);
+                if other_sheet(&own, &global) {
+                    return own;
+                }
+            }
+        }
+
+        let local = self.limited(self.resolve(x, &self.walk(x, Foot::new(hint, start)), slave_normal));
+        let accepted = local.pairing.is_some_and(|p| self.opposes(&p.normal, slave_normal));
+        if accepted && other_sheet(&local, &global) { local } else { global }
+    }
+
+    /// Nearest foot over all facets that oppose the slave normal, within reach.
+    fn global_foot(&self, x: &Vector3<f64>, slave_normal: Option<&Vector3<f64>>) -> Option<Foot> {
+        let radius = self.search.reach.max(self.search.depth_limit());
+        let mut best: Option<Foot> = None;
+        // The relative margin keeps ties in spite of the rounding of the boxes' distances.
+        let bound = |distance: f64| distance * (1.0 + 1e-12) + self.excess;
+        self.search.tree.nearest(&(x - self.shift), bound(radius), |facet, limit| {
+            let facet = facet as u32;
+            let patch = self.patch(facet);
+            let closest = patch.closest_point(x);
+            let smaller = match &best {
+                Some(b) => closest.distance_squared < b.closest.distance_squared,
+                None => closest.distance_squared <= radius * radius,
+            };
+            if smaller && (slave_normal.is_none() || self.opposes(&patch.normal(closest.xi), slave_normal)) {
+                best = Some(Foot::new(facet, closest));
+                return limit.min(bound(closest.distance_squared.sqrt()));
+            }
+            limit
+        });
+        best
+    }
+
+    /// From facet to facet, always to the nearest one around the present foot.
+    fn walk(&self, x: &Vector3<f64>, start: Foot) -> Foot {
+        let surface = &self.search.surface;
+        let mut foot = start;
+        for _ in 0..MAX_WALK {
+            let here = foot;
+            let mut consider = |facet: u32| {
+                let closest = self.patch(facet).closest_point(x);
+                // The margin prevents walking in circles among facets that share the closest point.
+                if closest.distance_squared < foot.closest.distance_squared * (1.0 - 1e-13) {
+                    foot = Foot::new(facet, closest);
+                }
+            };
+            match here.closest.feature {
+                PatchFeature::Interior => break,
+                PatchFeature::Edge(k) => surface.neighbour(here.facet, k).into_iter().for_each(&mut consider),
+                PatchFeature::Vertex(k) => {
+                    let node = surface.local_facets()[here.facet as usize][k] as usize;
+                    surface.facets_around(node).iter().copied().for_each(&mut consider);
+                }
+            }
+            if foot.facet == here.facet {
+                break;
+            }
+        }
+        foot
+    }
+
+    /// Drops partners that are out of reach or too deep.
+    fn limited(&self, point: MasterPoint) -> MasterPoint {
+        if point.gap > self.search.reach {
+            return if point.pairing.is_some() { MasterPoint::NONE } else { point };
+        }
+        if point.gap < -self.search.depth_limit() {
+            return MasterPoint { gap: f64::INFINITY, pairing: None, ..point };
+        }
+        point
+    }
+
+    pub(super) fn patch(&self, facet: u32) -> stoss_geometry::BilinearPatch {
+        self.search.surface.patch(facet, self.q)
+    }
+
+    pub(super) fn opposes(&self, normal: &Vector3<f64>, slave_normal: Option<&Vector3<f64>>) -> bool {
+        slave_normal.is_none_or(|n| normal.dot(n) < self.search.options.opposing_cosine)
+    }
+}

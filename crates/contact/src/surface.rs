@@ -1,0 +1,262 @@
+//! A contact surface: facets, nodes, adjacency and reference areas.
+//!
+//! Made once from the reference configuration. It holds no positions of the deformed state: whatever depends on them takes
+//! `q` (`3 * nodes` entries, node-major). It searches nothing; that is [`crate::search`].
+
+use crate::ContactError;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use stoss_geometry::BilinearPatch;
+use stoss_reference_element::{quad4, quadrature::gauss_quad_2};
+
+const NONE: u32 = u32::MAX;
+
+/// An edge at which the surface is not an oriented manifold. Its facets are not connected there: contact ends at the edge as at
+/// a rim.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IrregularEdge {
+    /// Global nodes, the smaller first.
+    pub nodes: [u32; 2],
+    /// Facets that have the edge, ascending: three or more, or two whose orientations disagree.
+    pub facets: Vec<u32>,
+}
+
+/// Facets of four nodes each, numbered so that `a_1 x a_2` points out of the body (formulation §1.1).
+///
+/// Facets and surface nodes have local numbers, the positions in [`ContactSurface::facets`] and [`ContactSurface::nodes`]. Edge `k` of a facet
+/// runs from its corner `k` to corner `(k + 1) % 4`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactSurface {
+    facets: Vec<[u32; 4]>,
+    nodes: Vec<u32>,
+    local_facets: Vec<[u32; 4]>,
+    neighbours: Vec<[u32; 4]>,
+    around_start: Vec<u32>,
+    around: Vec<u32>,
+    nodal_areas: Vec<f64>,
+    length_scale: f64,
+    irregular_edges: Vec<IrregularEdge>,
+}
+
+/// Position of a global node in `q`.
+pub(crate) fn position(q: &[f64], node: u32) -> Vector3<f64> {
+    let i = 3 * node as usize;
+    Vector3::new(q[i], q[i + 1], q[i + 2])
+}
+
+impl ContactSurface {
+    /// Builds the surface from facets (global nodes, outward numbering) and the reference coordinates of all nodes.
+    ///
+    /// `side` ("slave" or "master") is for messages.
+    ///
+    /// # Errors
+    /// [`ContactError::EmptySurface`], [`ContactError::MissingNode`], [`ContactError::NotFinite`], and
+    /// [`ContactError::DegenerateFacet`] if a facet has no area, an edge without length, or a reference normal that turns over
+    /// between two of its corners. Edges that are not manifold are no error: see [`ContactSurface::irregular_edges`].
+    pub fn new(side: &'static str, facets: &[[u32; 4]], reference: &[f64]) -> Result<Self, ContactError> {
+        if facets.is_empty() {
+            return Err(ContactError::EmptySurface { side });
+        }
+        let count = reference.len() / 3;
+        for (facet, corners) in facets.iter().enumerate() {
+            for &node in corners {
+                if node as usize >= count {
+                    return Err(ContactError::MissingNode { facet: facet as u32, node, count });
+                }
+                if !position(reference, node).iter().all(|c| c.is_finite()) {
+                    return Err(ContactError::NotFinite { node });
+                }
+            }
+            check_facet(facet as u32, &BilinearPatch::new(corners.map(|n| position(reference, n))))?;
+        }
+
+        let mut nodes: Vec<u32> = facets.iter().flatten().copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let local = |node: u32| nodes.partition_point(|&n| n < node) as u32;
+        let local_facets: Vec<[u32; 4]> = facets.iter().map(|f| f.map(local)).collect();
+
+        let (neighbours, irregular_edges) = connect(facets);
+        let (around_start, around) = facets_around_nodes(&local_facets, nodes.len());
+
+        let mut nodal_areas = vec![0.0; nodes.len()];
+        let (mut length, mut edges) = (0.0, 0usize);
+        for (facet, local_nodes) in facets.iter().zip(&local_facets) {
+            let patch = BilinearPatch::new(facet.map(|n| position(reference, n)));
+            for (node, area) in local_nodes.iter().zip(shape_integrals(&patch)) {
+                nodal_areas[*node as usize] += area;
+            }
+            for k in 0..4 {
+                length += (patch.corners[(k + 1) % 4] - patch.corners[k]).norm();
+                edges += 1;
+            }
+        }
+        Ok(Self {
+            facets: facets.to_vec(),
+            nodes,
+            local_facets,
+            neighbours,
+            around_start,
+            around,
+            nodal_areas,
+            length_scale: length / edges as f64,
+            irregular_edges,
+        })
+    }
+
+    /// Global nodes of every facet.
+    pub fn facets(&self) -> &[[u32; 4]] {
+        &self.facets
+    }
+
+    /// Local nodes of every facet.
+    pub fn local_facets(&self) -> &[[u32; 4]] {
+        &self.local_facets
+    }
+
+    /// Global numbers of the surface's nodes, ascending.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Local number of a global node, if it is on the surface.
+    pub fn local_node(&self, node: u32) -> Option<usize> {
+        self.nodes.binary_search(&node).ok()
+    }
+
+    /// Facet on the other side of edge `edge` of `facet`; `None` at a rim and at an irregular edge.
+    pub fn neighbour(&self, facet: u32, edge: usize) -> Option<u32> {
+        let other = self.neighbours[facet as usize][edge];
+        (other != NONE).then_some(other)
+    }
+
+    /// Facets that have a (local) node, ascending.
+    pub fn facets_around(&self, local_node: usize) -> &[u32] {
+        &self.around[self.around_start[local_node] as usize..self.around_start[local_node + 1] as usize]
+    }
+
+    /// Edges at which facets could not be connected.
+    pub fn irregular_edges(&self) -> &[IrregularEdge] {
+        &self.irregular_edges
+    }
+
+    /// Number of facet edges without a neighbour (the rim, irregular edges included).
+    pub fn boundary_edge_count(&self) -> usize {
+        self.neighbours.iter().flatten().filter(|&&n| n == NONE).count()
+    }
+
+    /// `A^s = int N_s dA` over the reference surface for every local node (formulation §1.5), an area; 2x2 Gauss points a facet.
+    pub fn nodal_areas(&self) -> &[f64] {
+        &self.nodal_areas
+    }
+
+    /// Sum of the nodal areas.
+    pub fn area(&self) -> f64 {
+        self.nodal_areas.iter().sum()
+    }
+
+    /// Characteristic length `h`: mean length of the facets' reference edges.
+    pub fn length_scale(&self) -> f64 {
+        self.length_scale
+    }
+
+    /// The patch of a facet at positions `q`.
+    pub fn patch(&self, facet: u32, q: &[f64]) -> BilinearPatch {
+        BilinearPatch::new(self.facets[facet as usize].map(|n| position(q, n)))
+    }
+
+    /// Unit normal of the surface at a local node: mean of the surrounding facets' normals weighted by their angles there
+    /// (Baerentzen and Aanaes 2005); zero if the normals cancel.
+    pub fn node_normal(&self, local_node: usize, q: &[f64]) -> Vector3<f64> {
+        let mut sum = Vector3::zeros();
+        for &facet in self.facets_around(local_node) {
+            let patch = self.patch(facet, q);
+            for corner in 0..4 {
+                if self.local_facets[facet as usize][corner] as usize == local_node {
+                    sum += patch.normal(quad4::VERTICES[corner]) * patch.corner_angle(corner);
+                }
+            }
+        }
+        let length = sum.norm();
+        if length > 1e-12 { sum / length } else { Vector3::zeros() }
+    }
+
+    /// Checks that two surfaces have no node in common.
+    ///
+    /// # Errors
+    /// [`ContactError::SharedNode`] with the smallest shared node.
+    pub fn check_disjoint(&self, other: &Self) -> Result<(), ContactError> {
+        match self.nodes.iter().find(|n| other.nodes.binary_search(n).is_ok()) {
+            Some(&node) => Err(ContactError::SharedNode { node }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// `int N_I dA` for the four corners.
+fn shape_integrals(patch: &BilinearPatch) -> [f64; 4] {
+    let mut areas = [0.0; 4];
+    for (xi, weight) in gauss_quad_2() {
+        let shape = quad4::shape(xi);
+        let density = patch.area_vector(xi).norm() * weight;
+        for (area, n) in areas.iter_mut().zip(shape) {
+            *area += n * density;
+        }
+    }
+    areas
+}
+
+fn check_facet(facet: u32, patch: &BilinearPatch) -> Result<(), ContactError> {
+    let area: f64 = shape_integrals(patch).iter().sum();
+    let longest = (0..4).map(|k| (patch.corners[(k + 1) % 4] - patch.corners[k]).norm()).fold(0.0, f64::max);
+    let centre = patch.normal([0.0, 0.0]);
+    let turned = quad4::VERTICES.iter().any(|&xi| patch.area_vector(xi).dot(&centre) <= 1e-10 * longest * longest);
+    if area <= 1e-10 * longest * longest || turned {
+        return Err(ContactError::DegenerateFacet { facet, area });
+    }
+    Ok(())
+}
+
+/// Neighbours over edges; edges that are not shared by exactly two facets of opposite direction are left open.
+fn connect(facets: &[[u32; 4]]) -> (Vec<[u32; 4]>, Vec<IrregularEdge>) {
+    // Nodes of the edge, smaller first -> (facet, edge, whether it runs from the smaller to the larger).
+    let mut edges: BTreeMap<[u32; 2], Vec<(u32, usize, bool)>> = BTreeMap::new();
+    for (facet, corners) in facets.iter().enumerate() {
+        for k in 0..4 {
+            let (from, to) = (corners[k], corners[(k + 1) % 4]);
+            edges.entry([from.min(to), from.max(to)]).or_default().push((facet as u32, k, from < to));
+        }
+    }
+    let mut neighbours = vec![[NONE; 4]; facets.len()];
+    let mut irregular = Vec::new();
+    for (nodes, uses) in edges {
+        match uses[..] {
+            [_] => {}
+            [(f, k, forward), (g, l, other)] if forward != other && f != g => {
+                neighbours[f as usize][k] = g;
+                neighbours[g as usize][l] = f;
+            }
+            _ => irregular.push(IrregularEdge { nodes, facets: uses.iter().map(|u| u.0).collect() }),
+        }
+    }
+    (neighbours, irregular)
+}
+
+fn facets_around_nodes(local_facets: &[[u32; 4]], nodes: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0u32; nodes + 1];
+    for &node in local_facets.iter().flatten() {
+        start[node as usize + 1] += 1;
+    }
+    for i in 0..nodes {
+        start[i + 1] += start[i];
+    }
+    let mut fill = start.clone();
+    let mut around = vec![0; 4 * local_facets.len()];
+    for (facet, corners) in local_facets.iter().enumerate() {
+        for &node in corners {
+            around[fill[node as usize] as usize] = facet as u32;
+            fill[node as usize] += 1;
+        }
+    }
+    (start, around)
+}

@@ -1,0 +1,137 @@
+//! The rule on linear complementarity problems with known solutions, thresholds, cycling.
+
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+use stoss_contact::active_set::{ActiveSetTolerance, update};
+use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
+
+const EXACT: ActiveSetTolerance = ActiveSetTolerance { gap: 0.0, pressure: 0.0 };
+
+/// Pressures with `g_s = 0` on the active slots and `p_s = 0` elsewhere, and the gaps `g = g_0 + A p`.
+fn solve(a: &DMatrix<f64>, g_0: &DVector<f64>, active: &[bool]) -> (DVector<f64>, DVector<f64>) {
+    let n = g_0.len();
+    let mut matrix = DMatrix::identity(n, n);
+    let mut right = DVector::zeros(n);
+    for s in (0..n).filter(|&s| active[s]) {
+        matrix.row_mut(s).copy_from(&a.row(s));
+        right[s] = -g_0[s];
+    }
+    let p = matrix.lu().solve(&right).expect("regular");
+    let mut g = g_0 + a * &p;
+    (0..n).filter(|&s| active[s]).for_each(|s| g[s] = 0.0);
+    (p, g)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    /// Symmetric M-matrices (springs between the nodes), for which the primal-dual method is known to converge; the solution
+    /// comes from trying all sets.
+    #[test]
+    fn solves_complementarity_problems(
+        springs in proptest::collection::vec(0.01..1.0f64, 25), g_0 in proptest::collection::vec(-1.0..1.0f64, 5),
+        start in proptest::collection::vec(any::<bool>(), 5), c in 0.1..10.0f64,
+    ) {
+        let n = 5;
+        let off = DMatrix::from_fn(n, n, |i, j| if i == j { 0.0 } else { springs[n * i.min(j) + i.max(j)] });
+        let diagonal = DMatrix::from_diagonal(&DVector::from_fn(n, |i, _| off.row(i).sum() + 0.1));
+        let a = diagonal - off;
+        let g_0 = DVector::from_vec(g_0);
+
+        let mut control = ActiveSetControl::new(ActiveSetTolerance::for_length_scale(1.0));
+        let mut active = start;
+        let mut rounds = 0;
+        loop {
+            let (p, g) = solve(&a, &g_0, &active);
+            match control.propose(&mut active, p.as_slice(), g.as_slice(), &vec![c; n]) {
+                ActiveSetOutcome::Unchanged => break,
+                ActiveSetOutcome::Changed { activated, released } => prop_assert!(activated + released > 0),
+                ActiveSetOutcome::Cycling => prop_assert!(false, "cycling"),
+            }
+            rounds += 1;
+            prop_assert!(rounds <= 20);
+        }
+        let solution = (0..1u32 << n)
+            .map(|bits| (0..n).map(|s| bits >> s & 1 == 1).collect::<Vec<bool>>())
+            .filter(|set| {
+                let (p, g) = solve(&a, &g_0, set);
+                p.iter().all(|p| *p >= 0.0) && g.iter().all(|g| *g >= 0.0)
+            })
+            .map(|set| solve(&a, &g_0, &set).0)
+            .next().expect("an M-matrix problem has a solution");
+        let (p, _) = solve(&a, &g_0, &active);
+        prop_assert!((p - solution).norm() < 1e-8);
+    }
+
+    #[test]
+    fn rule_is_the_sign_of_p_minus_c_gamma(p in -1.0..1.0f64, gamma in -1.0..1.0f64, c in 0.1..10.0f64) {
+        let mut proposed = [false];
+        // Closed slots follow the complementarity function, open ones (p = 0) the sign of the gap.
+        update(&[true], &[p], &[gamma], &[c], EXACT, &mut proposed);
+        prop_assert_eq!(proposed[0], p - c * gamma > 0.0);
+        update(&[false], &[0.0], &[gamma], &[c], EXACT, &mut proposed);
+        prop_assert_eq!(proposed[0], gamma < 0.0);
+    }
+}
+
+#[test]
+fn boundary_cases() {
+    let mut proposed = [true; 4];
+    let counts = update(
+        &[true, false, true, false],
+        &[0.0, 0.0, 1.0, 0.0],
+        &[0.0, 0.0, f64::INFINITY, f64::INFINITY],
+        &[1.0; 4],
+        EXACT,
+        &mut proposed,
+    );
+    assert_eq!((counts, proposed), ((0, 2), [false; 4]));
+}
+
+#[test]
+fn round_off_does_not_chatter() {
+    // Slot 0 carries 100, slot 1 just touches: its pressure and then its gap are noise of the solution.
+    let c = [1e3, 1e3];
+    let mut control = ActiveSetControl::new(ActiveSetTolerance::for_length_scale(1.0));
+    let mut active = [true, true];
+    assert_eq!(
+        control.propose(&mut active, &[100.0, -3e-11], &[0.0, 0.0], &c),
+        ActiveSetOutcome::Changed { activated: 0, released: 1 }
+    );
+    assert_eq!(control.propose(&mut active, &[100.0, 0.0], &[0.0, -3e-14], &c), ActiveSetOutcome::Unchanged);
+    // A penetration that means something closes.
+    assert_eq!(
+        control.propose(&mut active, &[100.0, 0.0], &[0.0, -1e-9], &c),
+        ActiveSetOutcome::Changed { activated: 1, released: 0 }
+    );
+}
+
+#[test]
+fn a_cycle_takes_the_union_once_and_is_then_reported() {
+    let mut control = ActiveSetControl::new(EXACT);
+    let c = [1.0; 3];
+    let mut active = [true, false, false];
+    // {0} -> {1} -> {0}: the union {0, 1}.
+    let first = control.propose(&mut active, &[-1.0, 0.0, 0.0], &[0.0, -1.0, 1.0], &c);
+    assert_eq!((first, active), (ActiveSetOutcome::Changed { activated: 1, released: 1 }, [false, true, false]));
+    let second = control.propose(&mut active, &[0.0, -1.0, 0.0], &[-1.0, 0.0, 1.0], &c);
+    assert_eq!((second, active), (ActiveSetOutcome::Changed { activated: 1, released: 0 }, [true, true, false]));
+    assert_eq!(control.tried(), 2);
+    // Once more {0}: cycling, and the set stays.
+    let third = control.propose(&mut active, &[1.0, -1.0, 0.0], &[0.0, 0.0, 1.0], &c);
+    assert_eq!((third, active), (ActiveSetOutcome::Cycling, [true, true, false]));
+    // A new step forgets.
+    control.reset();
+    assert_eq!(control.tried(), 0);
+    let again = control.propose(&mut active, &[1.0, -1.0, 0.0], &[0.0, 0.0, 1.0], &c);
+    assert_eq!(again, ActiveSetOutcome::Changed { activated: 0, released: 1 });
+}
+
+#[test]
+fn a_cycle_whose_union_was_tried_is_reported_at_once() {
+    let mut control = ActiveSetControl::new(EXACT);
+    let mut active = [true];
+    assert_ne!(control.propose(&mut active, &[-1.0], &[0.0], &[1.0]), ActiveSetOutcome::Unchanged);
+    assert_eq!(control.propose(&mut active, &[0.0], &[-1.0], &[1.0]), ActiveSetOutcome::Cycling);
+    assert_eq!(active, [false]);
+}

@@ -1,0 +1,167 @@
+//! Cost of an element: force and tangent by rule and law, the parts of the kernel, and a body with scatter.
+//!
+//! `cargo bench -p stoss-fe-solid`; every figure of a `body` group is for all its elements (divide by the number in the
+//! name), on one thread.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::{hint::black_box, sync::Arc};
+use stoss_continuum::HyperelasticLaw;
+use stoss_fe_solid::{
+    MassKind, SolidBody, SolidStep, StressRule, TangentTarget, Workspace,
+    kernel::{self, GAUSS_POINTS, LocalTangent, NODES, TangentFactors, UNKNOWNS},
+};
+use stoss_linalg::{ScatterMap, SparsityPattern};
+use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_mesh::generate::Block;
+use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
+
+/// `n^3` elements that are sheared and waved, everything assembled.
+struct Problem {
+    body: SolidBody,
+    q_n: Vec<f64>,
+    q_np1: Vec<f64>,
+    map: ScatterMap,
+    values: Vec<f64>,
+    force: Vec<f64>,
+    workspace: Workspace,
+}
+
+impl Problem {
+    fn new(n: usize, law: Arc<dyn HyperelasticLaw>) -> Self {
+        let mesh = Block::new([0.0; 3], [n as f64; 3], [n; 3]).generate().expect("a block");
+        let waved = |amplitude: f64| -> Vec<f64> {
+            let wave = |x: &[f64; 3]| {
+                [
+                    x[0] + amplitude * (1.3 * x[1] + x[2]).sin(),
+                    x[1] * (1.0 + 0.5 * amplitude),
+                    x[2] + amplitude * x[0].cos(),
+                ]
+            };
+            mesh.nodes.iter().flat_map(wave).collect()
+        };
+        let (q_n, q_np1) = (waved(0.08), waved(0.1));
+        let body = SolidBody::new("block", &mesh, 0, law).expect("a good mesh");
+        let stencils: Vec<Vec<u32>> = body
+            .connectivity()
+            .iter()
+            .map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect())
+            .collect();
+        let stencils = || stencils.iter().map(Vec::as_slice);
+        let pattern = SparsityPattern::from_stencils(q_n.len(), stencils()).expect("a small pattern");
+        let map = ScatterMap::new(&pattern, stencils()).expect("the same stencils");
+        let (values, force) = (vec![0.0; pattern.nnz()], vec![0.0; q_n.len()]);
+        Self { body, q_n, q_np1, map, values, force, workspace: Workspace::default() }
+    }
+
+    fn assemble(&mut self, rule: StressRule, with_tangent: bool) {
+        let step = SolidStep { q_n: &self.q_n, q_np1: &self.q_np1, rule };
+        let target = with_tangent.then_some(TangentTarget {
+            map: &self.map,
+            first_stencil: 0,
+            factor: 1.0,
+            values: &mut self.values,
+        });
+        self.body.assemble(step, 1.0, &mut self.force, target, &mut self.workspace).expect("no element is inverted");
+    }
+}
+
+fn laws() -> Vec<Arc<dyn HyperelasticLaw>> {
+    const GOOD: &str = "good parameters";
+    vec![
+        Arc::new(NeoHooke::new(1298.0769, 865.3846).expect(GOOD)),
+        Arc::new(SaintVenantKirchhoff::new(1298.0769, 865.3846).expect(GOOD)),
+        Arc::new(MooneyRivlin::new(176051.0, 4332.63, 2.0e6).expect(GOOD)),
+        Arc::new(Ogden::new(&[6300.0, 12.0, -100.0], &[1.3, 5.0, -2.0], 2000.0, 9.0).expect(GOOD)),
+    ]
+}
+
+fn bodies(criterion: &mut Criterion) {
+    // While it exists this thread is the one worker of the current pool: the serial path.
+    let _pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("a pool");
+    assert_eq!(rayon::current_num_threads(), 1);
+    for (name, n) in [("element", 1), ("body of 512 elements", 8)] {
+        let mut group = criterion.benchmark_group(name);
+        for law in laws() {
+            let mut problem = Problem::new(n, law.clone());
+            for rule in [StressRule::EndPoint, StressRule::Midpoint, StressRule::EnergyMomentum] {
+                problem.body.begin_step(&problem.q_n, rule).expect("no element is inverted");
+                group.bench_function(format!("{} {rule:?} force and tangent", law.name()), |bencher| {
+                    bencher.iter(|| problem.assemble(black_box(rule), true));
+                });
+                group.bench_function(format!("{} {rule:?} force", law.name()), |bencher| {
+                    bencher.iter(|| problem.assemble(black_box(rule), false));
+                });
+            }
+        }
+    }
+    let mut problem = Problem::new(8, laws().swap_remove(0));
+    let mass = problem.body.mass(1.0, MassKind::Consistent);
+    criterion.bench_function("body of 512 elements, mass times vector", |bencher| {
+        bencher.iter(|| mass.multiply_add(1.0, black_box(&problem.q_n), &mut problem.force));
+    });
+    let local = [1.0; UNKNOWNS * UNKNOWNS];
+    criterion.bench_function("body of 512 elements, scatter alone", |bencher| {
+        bencher.iter(|| {
+            for element in 0..512 {
+                problem.map.add(element, black_box(&local), &mut problem.values);
+            }
+        });
+    });
+}
+
+fn kernels(criterion: &mut Criterion) {
+    let natural = std::array::from_fn(|g| {
+        let gradient = hex8::shape_gradient(GAUSS_HEX_2[g].0);
+        std::array::from_fn(|a| std::array::from_fn(|node| gradient[node][a]))
+    });
+    let x = std::array::from_fn(|i| std::array::from_fn(|node| hex8::VERTICES[node][i]));
+    let Ok(integration) = kernel::integration(&x, &natural, &[1.0; GAUSS_POINTS]) else {
+        unreachable!("the cube is not inverted");
+    };
+    let f = [[1.1, 0.1, 0.0], [0.2, 0.9, 0.1], [0.0, 0.1, 1.0]];
+    let (moduli, stress) = ([[1.0; 6]; 6], [1.0; 6]);
+    let mut factors: TangentFactors = [[[0.0; NODES]; 3 * GAUSS_POINTS]; 9];
+    let mut tangent: LocalTangent = [0.0; UNKNOWNS * UNKNOWNS];
+    for symmetric in [true, false] {
+        criterion.bench_function(&format!("kernel, right factors, symmetric = {symmetric}"), |bencher| {
+            bencher.iter(|| {
+                for g in 0..GAUSS_POINTS {
+                    kernel::tangent_factors(
+                        black_box(&f),
+                        &f,
+                        black_box(&moduli),
+                        &stress,
+                        1.0,
+                        &integration.gradients[g],
+                        1.0,
+                        g,
+                        symmetric,
+                        &mut factors,
+                    );
+                }
+                black_box(&factors);
+            });
+        });
+        criterion.bench_function(&format!("kernel, products, symmetric = {symmetric}"), |bencher| {
+            bencher.iter(|| {
+                kernel::tangent_from_factors(
+                    &integration.gradients,
+                    black_box(&factors),
+                    symmetric,
+                    1.0,
+                    black_box(&mut tangent),
+                );
+            });
+        });
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .sample_size(30)
+        .warm_up_time(std::time::Duration::from_millis(300))
+        .measurement_time(std::time::Duration::from_secs(1));
+    targets = kernels, bodies
+}
+criterion_main!(benches);

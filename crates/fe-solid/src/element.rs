@@ -1,0 +1,222 @@
+//! The stress rules at the Gauss points of one element. Not the arithmetic ([`crate::kernel`]), not the loop over elements.
+
+use crate::{
+    Level,
+    kernel::{self, ElementIntegration, GAUSS_POINTS, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+};
+use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
+
+/// Which stress acts on which configuration during a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StressRule {
+    /// `S(C_np1)` with `F_np1` (statics, end-point schemes). Symmetric tangent.
+    EndPoint,
+    /// `S(F_mid^T F_mid)` with `F_mid = F(q_mid)`. Keeps both momenta. Symmetric tangent.
+    Midpoint,
+    /// The stress (3.2) of the formulation with `F_mid`. Keeps momenta, and its work is the change of strain energy.
+    /// Unsymmetric tangent (3.3).
+    EnergyMomentum,
+}
+
+/// The two configurations of a step and the rule. Positions of the whole model, node-major, `3 * nodes` entries; a length.
+#[derive(Clone, Copy, Debug)]
+pub struct SolidStep<'a> {
+    /// Beginning of the step (not used by [`StressRule::EndPoint`]).
+    pub q_n: &'a [f64],
+    /// End of the step: the unknown.
+    pub q_np1: &'a [f64],
+    /// The rule.
+    pub rule: StressRule,
+}
+
+/// What the energy-momentum stress keeps of `q_n` at a Gauss point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GaussPointHistory {
+    pub right_cauchy_green: SymmetricTensor2,
+    pub energy: f64,
+}
+
+/// Why an element has no value.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Failure {
+    pub gauss_point: usize,
+    pub kind: FailureKind,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FailureKind {
+    Inverted { determinant: f64, level: Level },
+    Constitutive(ConstitutiveError),
+}
+
+impl FailureKind {
+    fn at(self, gauss_point: usize) -> Failure {
+        Failure { gauss_point, kind: self }
+    }
+}
+
+impl From<ConstitutiveError> for FailureKind {
+    fn from(error: ConstitutiveError) -> Self {
+        Self::Constitutive(error)
+    }
+}
+
+/// `det F > 0` or the reason. Checked on `F` itself: `det C` is positive for an inverted element too.
+fn check_orientation(f: &Matrix3, level: Level) -> Result<(), FailureKind> {
+    let determinant = kernel::determinant(f);
+    if determinant > 0.0 { Ok(()) } else { Err(FailureKind::Inverted { determinant, level }) }
+}
+
+/// `F` (checked) and `C` of an element's configuration at a Gauss point.
+pub(crate) fn strain(
+    q: &NodalVectors,
+    integration: &ElementIntegration,
+    gauss_point: usize,
+    level: Level,
+) -> Result<(Matrix3, SymmetricTensor2), Failure> {
+    let f = kernel::deformation_gradient(q, &integration.gradients[gauss_point]);
+    check_orientation(&f, level).map_err(|kind| kind.at(gauss_point))?;
+    Ok((f, SymmetricTensor2::from_voigt(kernel::right_cauchy_green(&f))))
+}
+
+/// `C_n` and `W_n` at every Gauss point.
+pub(crate) fn history(
+    law: &dyn HyperelasticLaw,
+    integration: &ElementIntegration,
+    q: &NodalVectors,
+) -> Result<[GaussPointHistory; GAUSS_POINTS], Failure> {
+    let mut out = [GaussPointHistory { right_cauchy_green: SymmetricTensor2::identity(), energy: 0.0 }; GAUSS_POINTS];
+    for (g, slot) in out.iter_mut().enumerate() {
+        let (_, c) = strain(q, integration, g, Level::Start)?;
+        let energy = law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
+        *slot = GaussPointHistory { right_cauchy_green: c, energy };
+    }
+    Ok(out)
+}
+
+/// `int W dV`.
+pub(crate) fn energy(
+    law: &dyn HyperelasticLaw,
+    integration: &ElementIntegration,
+    q: &NodalVectors,
+) -> Result<f64, Failure> {
+    let mut total = 0.0;
+    for g in 0..GAUSS_POINTS {
+        let (_, c) = strain(q, integration, g, Level::End)?;
+        total += integration.weights[g] * law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
+    }
+    Ok(total)
+}
+
+/// The configurations of one element in a step.
+#[derive(Clone, Copy)]
+pub(crate) struct ElementStep<'a> {
+    pub rule: StressRule,
+    pub q_n: &'a NodalVectors,
+    pub q_np1: &'a NodalVectors,
+    /// Present for the energy-momentum rule.
+    pub history: Option<&'a [GaussPointHistory; GAUSS_POINTS]>,
+}
+
+/// Internal force (overwritten) and, if wanted, `factor` times its derivative by `q_np1` (overwritten).
+pub(crate) fn force_and_tangent(
+    law: &dyn HyperelasticLaw,
+    integration: &ElementIntegration,
+    step: ElementStep<'_>,
+    factor: f64,
+    force: &mut NodalVectors,
+    tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
+) -> Result<(), Failure> {
+    *force = [[0.0; kernel::NODES]; 3];
+    match (step.rule, step.history) {
+        (StressRule::EnergyMomentum, Some(history)) => {
+            energy_momentum(law, integration, step, history, factor, force, tangent)
+        }
+        // The body hands over the history whenever the rule is energy-momentum.
+        (StressRule::EnergyMomentum, None) => unreachable!("energy-momentum rule without history"),
+        (StressRule::EndPoint, _) => {
+            one_configuration(law, integration, step.q_np1, Level::End, factor, force, tangent)
+        }
+        (StressRule::Midpoint, _) => {
+            for g in 0..GAUSS_POINTS {
+                let f = kernel::deformation_gradient(step.q_np1, &integration.gradients[g]);
+                check_orientation(&f, Level::End).map_err(|kind| kind.at(g))?;
+            }
+            let q_mid = mean(step.q_n, step.q_np1);
+            // d q_mid / d q_np1 = 1/2
+            one_configuration(law, integration, &q_mid, Level::Midpoint, 0.5 * factor, force, tangent)
+        }
+    }
+}
+
+fn mean(a: &NodalVectors, b: &NodalVectors) -> NodalVectors {
+    std::array::from_fn(|i| std::array::from_fn(|node| 0.5 * (a[i][node] + b[i][node])))
+}
+
+/// Force and tangent of a stress that depends on the same configuration as `B` does (formulation §3.3).
+fn one_configuration(
+    law: &dyn HyperelasticLaw,
+    integration: &ElementIntegration,
+    q: &NodalVectors,
+    level: Level,
+    factor: f64,
+    force: &mut NodalVectors,
+    tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
+) -> Result<(), Failure> {
+    let Some((tangent, factors)) = tangent else {
+        for g in 0..GAUSS_POINTS {
+            let (f, c) = strain(q, integration, g, level)?;
+            let stress = law.stress(&c).map_err(|e| FailureKind::from(e).at(g))?;
+            kernel::add_force(&f, &stress.to_voigt(), &integration.gradients[g], integration.weights[g], force);
+        }
+        return Ok(());
+    };
+    for g in 0..GAUSS_POINTS {
+        let (f, c) = strain(q, integration, g, level)?;
+        let (stress, moduli) = law.stress_and_elasticity(&c).map_err(|e| FailureKind::from(e).at(g))?;
+        let stress = stress.to_voigt();
+        let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
+        kernel::add_force(&f, &stress, gradients, weight, force);
+        kernel::tangent_factors(&f, &f, &moduli.0, &stress, 1.0, gradients, weight, g, true, factors);
+    }
+    kernel::tangent_from_factors(&integration.gradients, factors, true, factor, tangent);
+    Ok(())
+}
+
+/// Force and tangent with the energy-momentum stress (formulation (3.2), (3.3)).
+fn energy_momentum(
+    law: &dyn HyperelasticLaw,
+    integration: &ElementIntegration,
+    step: ElementStep<'_>,
+    history: &[GaussPointHistory; GAUSS_POINTS],
+    factor: f64,
+    force: &mut NodalVectors,
+    tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
+) -> Result<(), Failure> {
+    let q_mid = mean(step.q_n, step.q_np1);
+    let mut tangent = tangent;
+    for g in 0..GAUSS_POINTS {
+        let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
+        let (f_np1, c_np1) = strain(step.q_np1, integration, g, Level::End)?;
+        let f_mid = kernel::deformation_gradient(&q_mid, gradients);
+        let GaussPointHistory { right_cauchy_green: c_n, energy } = &history[g];
+        match &mut tangent {
+            None => {
+                let stress = stoss_continuum::energy_momentum_stress(law, c_n, *energy, &c_np1)
+                    .map_err(|e| FailureKind::from(e).at(g))?;
+                kernel::add_force(&f_mid, &stress.to_voigt(), gradients, weight, force);
+            }
+            Some((_, factors)) => {
+                let (stress, moduli) = stoss_continuum::energy_momentum_stress_and_tangent(law, c_n, *energy, &c_np1)
+                    .map_err(|e| FailureKind::from(e).at(g))?;
+                let stress = stress.to_voigt();
+                kernel::add_force(&f_mid, &stress, gradients, weight, force);
+                kernel::tangent_factors(&f_mid, &f_np1, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
+            }
+        }
+    }
+    if let Some((tangent, factors)) = tangent {
+        kernel::tangent_from_factors(&integration.gradients, factors, false, factor, tangent);
+    }
+    Ok(())
+}

@@ -1,0 +1,116 @@
+//! What can go wrong with a body of finite elements.
+
+use stoss_continuum::ConstitutiveError;
+
+/// The configuration at which a quantity was evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// The end of the step, `q_np1` (or the single configuration of a query).
+    End,
+    /// The mean `(q_n + q_np1)/2`.
+    Midpoint,
+    /// The beginning of the step, `q_n`.
+    Start,
+}
+
+impl std::fmt::Display for Level {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(match self {
+            Self::End => "end of step",
+            Self::Midpoint => "midpoint of step",
+            Self::Start => "start of step",
+        })
+    }
+}
+
+/// Errors of this crate. Elements are counted from 0 within the body, Gauss points from 0 in the element.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolidError {
+    /// `det F <= 0` (or not a number). A step control answers it with a smaller step.
+    #[error(
+        "body '{body}': element {element} is inverted at Gauss point {gauss_point} (det F = {determinant:e}, {level})"
+    )]
+    InvertedElement {
+        /// Name of the body.
+        body: String,
+        /// Element in the body.
+        element: usize,
+        /// Gauss point in the element.
+        gauss_point: usize,
+        /// `det F`.
+        determinant: f64,
+        /// Where in the step.
+        level: Level,
+    },
+    /// The law has no value at a state of strain.
+    #[error("body '{body}': element {element}, Gauss point {gauss_point}: {source}")]
+    Constitutive {
+        /// Name of the body.
+        body: String,
+        /// Element in the body.
+        element: usize,
+        /// Gauss point in the element.
+        gauss_point: usize,
+        /// What the law says.
+        source: ConstitutiveError,
+    },
+    /// The mesh itself is inverted or flat: `det dX/dxi <= 0`.
+    #[error(
+        "body '{body}': the mesh is inverted in element {element} at Gauss point {gauss_point} (det dX/dxi = {determinant:e})"
+    )]
+    InvertedReference {
+        /// Name of the body.
+        body: String,
+        /// Element in the body.
+        element: usize,
+        /// Gauss point in the element.
+        gauss_point: usize,
+        /// `det dX/dxi`.
+        determinant: f64,
+    },
+    /// An element names a node that the mesh does not have.
+    #[error("body '{body}': element {element} names node {node}, but the mesh has {count} nodes")]
+    NoSuchNode {
+        /// Name of the body.
+        body: String,
+        /// Element in the body.
+        element: usize,
+        /// The node, counted in the mesh.
+        node: u32,
+        /// Number of nodes of the mesh.
+        count: usize,
+    },
+    /// A mesh without elements.
+    #[error("body '{body}' has no elements")]
+    Empty {
+        /// Name of the body.
+        body: String,
+    },
+    /// Energy-momentum force without [`crate::SolidBody::begin_step`] for the rule.
+    #[error("body '{body}': begin_step was not called for the energy-momentum rule")]
+    StepNotBegun {
+        /// Name of the body.
+        body: String,
+    },
+    /// A vector of the model is too short for the body's nodes, or an output array has the wrong length.
+    #[error("'{name}': {what} has {found} entries, {expected} are needed")]
+    Length {
+        /// Name of the body or load.
+        name: String,
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that is needed.
+        expected: usize,
+    },
+    /// A loaded facet has no area, or names a node beyond the positions.
+    #[error("facet {facet} of the loaded surface is degenerate (area {area:e})")]
+    DegenerateFacet {
+        /// Facet in the load's list.
+        facet: usize,
+        /// Its reference area.
+        area: f64,
+    },
+}

@@ -1,0 +1,146 @@
+//! Bodies, random configurations and dense assembly for the tests of this crate.
+#![allow(dead_code)] // every test binary uses a part
+
+use std::sync::Arc;
+use stoss_continuum::HyperelasticLaw;
+use stoss_fe_solid::{SolidBody, SolidError, SolidStep, TangentTarget, Workspace};
+use stoss_linalg::{ScatterMap, SparsityPattern};
+use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_mesh::{Mesh, generate::Block};
+
+/// A small generator (splitmix64), so that a test's state follows from one seed.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        2.0 * ((z >> 11) as f64 / (1u64 << 53) as f64) - 1.0
+    }
+
+    /// `x + amplitude * (-1..1)` in each component.
+    pub fn perturbed(&mut self, x: &[f64], amplitude: f64) -> Vec<f64> {
+        x.iter().map(|x| x + amplitude * self.next()).collect()
+    }
+
+    /// A rotation matrix (from a random unit quaternion).
+    pub fn rotation(&mut self) -> [[f64; 3]; 3] {
+        let q = [self.next(), self.next(), self.next(), self.next() + 1.5];
+        let n = q.iter().map(|a| a * a).sum::<f64>().sqrt();
+        let [x, y, z, w] = q.map(|a| a / n);
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    }
+}
+
+/// A block of unit elements whose nodes are moved at random.
+pub fn distorted_block(divisions: [usize; 3], amplitude: f64, seed: u64) -> Mesh {
+    let mut random = Random(seed);
+    let mut mesh = Block::new([0.0; 3], divisions.map(|n| n as f64), divisions).generate().unwrap();
+    for x in &mut mesh.nodes {
+        for x in x {
+            *x += amplitude * random.next();
+        }
+    }
+    mesh
+}
+
+pub fn positions(mesh: &Mesh) -> Vec<f64> {
+    mesh.nodes.iter().flatten().copied().collect()
+}
+
+pub fn map_positions(q: &[f64], map: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
+    q.chunks_exact(3).flat_map(|x| map([x[0], x[1], x[2]])).collect()
+}
+
+pub fn body(mesh: &Mesh, law: &Arc<dyn HyperelasticLaw>) -> SolidBody {
+    SolidBody::new("body", mesh, 0, law.clone()).unwrap()
+}
+
+pub fn force(body: &SolidBody, step: SolidStep<'_>) -> Result<Vec<f64>, SolidError> {
+    let mut force = vec![0.0; step.q_np1.len()];
+    body.assemble(step, 1.0, &mut force, None, &mut Workspace::default())?;
+    Ok(force)
+}
+
+/// Pattern and scatter map of a body all of whose components are unknowns.
+pub fn pattern(body: &SolidBody, unknowns: usize) -> (SparsityPattern, ScatterMap) {
+    let stencils: Vec<Vec<u32>> = body
+        .connectivity()
+        .iter()
+        .map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect())
+        .collect();
+    let iter = || stencils.iter().map(Vec::as_slice);
+    let pattern = SparsityPattern::from_stencils(unknowns, iter()).unwrap();
+    let map = ScatterMap::new(&pattern, iter()).unwrap();
+    (pattern, map)
+}
+
+/// Force, and tangent as rows.
+pub fn force_and_tangent(body: &SolidBody, step: SolidStep<'_>) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let n = step.q_np1.len();
+    let (pattern, map) = pattern(body, n);
+    let mut values = vec![0.0; pattern.nnz()];
+    let mut force = vec![0.0; n];
+    let target = TangentTarget { map: &map, first_stencil: 0, factor: 1.0, values: &mut values };
+    body.assemble(step, 1.0, &mut force, Some(target), &mut Workspace::default()).unwrap();
+    (force, dense(&pattern, &values))
+}
+
+pub fn dense(pattern: &SparsityPattern, values: &[f64]) -> Vec<Vec<f64>> {
+    let mut rows = vec![vec![0.0; pattern.n()]; pattern.n()];
+    for column in 0..pattern.n() {
+        for (row, k) in pattern.column(column).iter().zip(pattern.column_range(column)) {
+            rows[*row][column] = values[k];
+        }
+    }
+    rows
+}
+
+pub fn max_abs(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, v| m.max(v.abs()))
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `sum_I f_I` and `sum_I x_I x f_I`.
+pub fn resultant_and_moment(x: &[f64], f: &[f64]) -> ([f64; 3], [f64; 3]) {
+    let (mut sum, mut moment) = ([0.0; 3], [0.0; 3]);
+    for (x, f) in x.chunks_exact(3).zip(f.chunks_exact(3)) {
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            sum[i] += f[i];
+            moment[i] += x[j] * f[k] - x[k] * f[j];
+        }
+    }
+    (sum, moment)
+}
+
+/// Fourth-order central difference of a vector function along component `j`.
+pub fn derivative(x: &[f64], j: usize, h: f64, f: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let at = |t: f64| {
+        let mut x = x.to_vec();
+        x[j] += t;
+        f(&x)
+    };
+    let (a, b, c, d) = (at(h), at(-h), at(2.0 * h), at(-2.0 * h));
+    (0..a.len()).map(|i| (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * h)).collect()
+}
+
+/// The four laws at parameters of the literature's order of magnitude.
+pub fn laws() -> Vec<Arc<dyn HyperelasticLaw>> {
+    vec![
+        Arc::new(SaintVenantKirchhoff::new(1298.0769, 865.3846).unwrap()),
+        Arc::new(NeoHooke::new(1298.0769, 865.3846).unwrap()),
+        Arc::new(MooneyRivlin::new(176051.0, 4332.63, 2.0e6).unwrap()),
+        Arc::new(Ogden::new(&[6300.0, 12.0, -100.0], &[1.3, 5.0, -2.0], 2000.0, 9.0).unwrap()),
+    ]
+}

@@ -1,0 +1,89 @@
+//! Identities of the element at random configurations (formulation §3.4, §16 rows 1 and 2).
+mod common;
+use common::*;
+use proptest::prelude::*;
+use stoss_fe_solid::{SolidStep, StressRule};
+
+const RULES: [StressRule; 2] = [StressRule::Midpoint, StressRule::EnergyMomentum];
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn forces_and_moments_about_the_midpoint_vanish(seed in any::<u64>(), shift in -50.0..50.0f64, law in 0usize..4) {
+        let mesh = distorted_block([2, 1, 1], 0.15, seed);
+        let mut random = Random(!seed);
+        let q_n: Vec<f64> = random.perturbed(&positions(&mesh), 0.12).iter().map(|x| x + shift).collect();
+        let q_np1 = random.perturbed(&q_n, 0.12);
+        let q_mid: Vec<f64> = q_n.iter().zip(&q_np1).map(|(a, b)| 0.5 * (a + b)).collect();
+        let mut body = body(&mesh, &laws()[law]);
+        for rule in RULES {
+            body.begin_step(&q_n, rule).unwrap();
+            let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule }).unwrap();
+            let scale = max_abs(&f);
+            prop_assume!(scale > 1e-3);
+            let (sum, moment) = resultant_and_moment(&q_mid, &f);
+            prop_assert!(max_abs(&sum) < 1e-13 * scale * f.len() as f64);
+            prop_assert!(max_abs(&moment) < 1e-13 * scale * f.len() as f64 * max_abs(&q_mid).max(1.0));
+        }
+    }
+
+    #[test]
+    fn energy_momentum_work_is_the_change_of_energy(seed in any::<u64>(), size in -5.0..-0.9f64, law in 0usize..4) {
+        let mesh = distorted_block([2, 1, 1], 0.15, seed);
+        let mut random = Random(!seed);
+        let q_n = random.perturbed(&positions(&mesh), 0.12);
+        // Increments from 1e-5 to 0.12.
+        let q_np1 = random.perturbed(&q_n, 10f64.powf(size));
+        let mut body = body(&mesh, &laws()[law]);
+        body.begin_step(&q_n, StressRule::EnergyMomentum).unwrap();
+        let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule: StressRule::EnergyMomentum }).unwrap();
+        let increment: Vec<f64> = q_np1.iter().zip(&q_n).map(|(a, b)| a - b).collect();
+        let (v_n, v_np1) = (body.strain_energy(&q_n).unwrap(), body.strain_energy(&q_np1).unwrap());
+        // Round-off of the energies themselves (whose terms are of the size of the moduli) and of the work's terms.
+        let moduli = laws()[law].small_strain_moduli();
+        let scale = v_n.abs() + v_np1.abs() + (moduli.shear + moduli.bulk) * body.volume();
+        prop_assert!((dot(&f, &increment) - (v_np1 - v_n)).abs() < 4e-14 * scale);
+    }
+
+    #[test]
+    fn rigid_motions_need_no_force(seed in any::<u64>(), law in 0usize..4) {
+        let mesh = distorted_block([2, 1, 1], 0.15, seed);
+        let mut random = Random(!seed);
+        let mut rigid = || {
+            let (r, c) = (random.rotation(), [random.next(), random.next(), random.next()]);
+            map_positions(&positions(&mesh), |x| {
+                std::array::from_fn(|i| c[i] + r[i][0] * x[0] + r[i][1] * x[1] + r[i][2] * x[2])
+            })
+        };
+        let (q_n, q_np1) = (rigid(), rigid());
+        let translated: Vec<f64> = q_n.iter().map(|x| x + 0.7).collect();
+        let law = &laws()[law];
+        let mut body = body(&mesh, law);
+        body.begin_step(&q_n, StressRule::EnergyMomentum).unwrap();
+        let moduli = law.small_strain_moduli();
+        for (q_np1, rule) in [
+            (&q_np1, StressRule::EndPoint),
+            (&q_np1, StressRule::EnergyMomentum),
+            (&translated, StressRule::Midpoint),
+        ] {
+            let f = force(&body, SolidStep { q_n: &q_n, q_np1, rule }).unwrap();
+            prop_assert!(max_abs(&f) < 1e-13 * (moduli.shear + moduli.bulk) * 10.0, "{rule:?}");
+        }
+    }
+}
+
+#[test]
+fn the_midpoint_rule_does_not_keep_the_energy() {
+    // The counterpart of the work identity: the test above could not see a wrong energy otherwise.
+    let mesh = distorted_block([1, 1, 1], 0.1, 1);
+    let q_n = Random(2).perturbed(&positions(&mesh), 0.1);
+    let q_np1 = Random(3).perturbed(&q_n, 0.1);
+    for law in laws() {
+        let body = body(&mesh, &law);
+        let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule: StressRule::Midpoint }).unwrap();
+        let increment: Vec<f64> = q_np1.iter().zip(&q_n).map(|(a, b)| a - b).collect();
+        let change = body.strain_energy(&q_np1).unwrap() - body.strain_energy(&q_n).unwrap();
+        assert!((dot(&f, &increment) - change).abs() > 1e-6 * change.abs(), "{}", law.name());
+    }
+}

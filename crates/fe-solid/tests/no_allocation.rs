@@ -1,0 +1,67 @@
+//! The element loop allocates nothing once its workspace is warm.
+#![allow(unsafe_code)] // a global allocator is an unsafe trait; this one only counts and hands over to the system's
+mod common;
+use common::*;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, Workspace};
+
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// One test only in this binary: the counter sees all threads.
+#[test]
+fn assembly_allocates_nothing_once_warm() {
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let mesh = distorted_block([6, 5, 5], 0.1, 1);
+    assert!(ALLOCATIONS.load(Ordering::Relaxed) > before, "the counter counts");
+    let mut random = Random(2);
+    let q_n = random.perturbed(&positions(&mesh), 0.1);
+    let q_np1 = random.perturbed(&q_n, 0.1);
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        for law in laws() {
+            let mut body = body(&mesh, &law);
+            let (pattern, map) = pattern(&body, q_n.len());
+            let (mut force, mut values) = (vec![0.0; q_n.len()], vec![0.0; pattern.nnz()]);
+            let mut workspace = Workspace::default();
+            pool.install(|| {
+                for rule in [StressRule::EndPoint, StressRule::Midpoint, StressRule::EnergyMomentum] {
+                    body.begin_step(&q_n, rule).unwrap();
+                    let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule };
+                    let mut assemble = || {
+                        let target = TangentTarget { map: &map, first_stencil: 0, factor: 1.0, values: &mut values };
+                        body.assemble(step, 1.0, &mut force, Some(target), &mut workspace).unwrap();
+                        body.assemble(step, 1.0, &mut force, None, &mut workspace).unwrap();
+                    };
+                    assemble();
+                    let warm = ALLOCATIONS.load(Ordering::Relaxed);
+                    assemble();
+                    let count = ALLOCATIONS.load(Ordering::Relaxed) - warm;
+                    assert_eq!(count, 0, "{} {rule:?} {threads} threads", law.name());
+                    // A later step reuses the history.
+                    body.begin_step(&q_n, rule).unwrap();
+                    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - warm, 0);
+                }
+            });
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! A sparse matrix: a shared pattern and values. Products and norms, no factorisation.
+
+use crate::{LinalgError, SparsityPattern};
+use std::sync::Arc;
+
+/// A square sparse matrix. The pattern is shared, the values are the matrix's own, in the order of the pattern.
+#[derive(Debug, Clone)]
+pub struct SparseMatrix {
+    /// The pattern.
+    pub pattern: Arc<SparsityPattern>,
+    /// One value for each entry of the pattern.
+    pub values: Vec<f64>,
+}
+
+impl SparseMatrix {
+    /// The zero matrix on a pattern.
+    pub fn zeros(pattern: Arc<SparsityPattern>) -> Self {
+        let values = vec![0.0; pattern.nnz()];
+        Self { pattern, values }
+    }
+
+    /// Sets all values to zero and keeps the pattern.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    /// Number of rows and columns.
+    pub fn n(&self) -> usize {
+        self.pattern.n()
+    }
+
+    /// `y = A x`.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        multiply(&self.pattern, &self.values, x, y);
+    }
+
+    /// `y = |A| |x|`, entry by entry.
+    pub fn multiply_abs(&self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for j in 0..self.n() {
+            let xj = x[j].abs();
+            for k in self.pattern.column_range(j) {
+                y[self.pattern.row_indices()[k]] += self.values[k].abs() * xj;
+            }
+        }
+    }
+
+    /// The largest absolute value in each row.
+    pub fn row_max(&self, rows: &mut [f64]) {
+        row_max(&self.pattern, &self.values, rows);
+    }
+
+    /// The infinity norm: the largest sum of absolute values of a row.
+    pub fn norm_inf(&self) -> f64 {
+        let mut sums = vec![0.0; self.n()];
+        for (&i, v) in self.pattern.row_indices().iter().zip(&self.values) {
+            sums[i] += v.abs();
+        }
+        crate::vector::norm_inf(&sums)
+    }
+
+    /// Value of entry `(row, col)`; zero where the pattern has none.
+    pub fn get(&self, row: u32, col: u32) -> f64 {
+        self.pattern.position(row, col).map_or(0.0, |k| self.values[k])
+    }
+
+    /// A view for the algorithms of `sprs`, without a copy.
+    ///
+    /// # Errors
+    /// [`LinalgError::Length`] if the values were resized by hand.
+    pub fn to_sprs(&self) -> Result<sprs::CsMatView<'_, f64>, LinalgError> {
+        let (n, p) = (self.n(), &self.pattern);
+        sprs::CsMatView::try_new_csc((n, n), p.column_pointers(), p.row_indices(), &self.values)
+            .map_err(|_| LinalgError::Length { what: "values", expected: p.nnz(), found: self.values.len() })
+    }
+}
+
+/// `y = A x`.
+pub(crate) fn multiply(pattern: &SparsityPattern, values: &[f64], x: &[f64], y: &mut [f64]) {
+    y.fill(0.0);
+    for j in 0..pattern.n() {
+        let xj = x[j];
+        let range = pattern.column_range(j);
+        for (&i, &v) in pattern.row_indices()[range.clone()].iter().zip(&values[range]) {
+            y[i] += v * xj;
+        }
+    }
+}
+
+/// The largest absolute value in each row.
+pub(crate) fn row_max(pattern: &SparsityPattern, values: &[f64], rows: &mut [f64]) {
+    rows.fill(0.0);
+    for (&i, v) in pattern.row_indices().iter().zip(values) {
+        rows[i] = rows[i].max(v.abs());
+    }
+}

@@ -1,0 +1,123 @@
+//! Sparsity patterns: which equations are coupled. Not the values.
+
+use crate::LinalgError;
+
+/// In a stencil: this local unknown has no equation (a prescribed component). In a [`crate::ScatterMap`]: this local
+/// entry is dropped.
+pub const NONE: u32 = u32::MAX;
+
+/// Pattern of an `n x n` matrix, stored by columns; the rows of a column increase strictly. The diagonal is always there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SparsityPattern {
+    n: usize,
+    column_pointers: Vec<usize>,
+    row_indices: Vec<usize>,
+}
+
+impl SparsityPattern {
+    /// The pattern of a sum of dense local blocks. A stencil lists the equations that are coupled with each other; entries
+    /// that are [`NONE`] are skipped. A stencil may name an equation twice. The pattern is symmetric by construction.
+    ///
+    /// # Errors
+    /// [`LinalgError::EquationOutOfRange`], [`LinalgError::TooLarge`].
+    pub fn from_stencils<'a>(n: usize, stencils: impl Iterator<Item = &'a [u32]> + Clone) -> Result<Self, LinalgError> {
+        if n >= NONE as usize {
+            return Err(LinalgError::TooLarge { what: "number of equations", count: n });
+        }
+        // Which stencils touch an equation: offsets by counting, then the list.
+        let mut offsets = vec![0usize; n + 1];
+        let mut count = 0usize;
+        for (k, stencil) in stencils.clone().enumerate() {
+            count = k + 1;
+            for (entry, &equation) in stencil.iter().enumerate() {
+                if equation == NONE {
+                    continue;
+                }
+                if equation as usize >= n {
+                    return Err(LinalgError::EquationOutOfRange { stencil: k, entry, equation, n });
+                }
+                offsets[equation as usize + 1] += 1;
+            }
+        }
+        for j in 0..n {
+            offsets[j + 1] += offsets[j];
+        }
+        let mut list: Vec<&[u32]> = vec![&[]; offsets[n]];
+        let mut next = offsets.clone();
+        for stencil in stencils.take(count) {
+            for &equation in stencil.iter().filter(|&&e| e != NONE) {
+                list[next[equation as usize]] = stencil;
+                next[equation as usize] += 1;
+            }
+        }
+        let mut column_pointers = Vec::with_capacity(n + 1);
+        let mut row_indices = Vec::new();
+        let mut mark = vec![NONE; n];
+        column_pointers.push(0);
+        for j in 0..n {
+            let start = row_indices.len();
+            mark[j] = j as u32;
+            row_indices.push(j);
+            for stencil in &list[offsets[j]..offsets[j + 1]] {
+                for &i in stencil.iter().filter(|&&i| i != NONE) {
+                    if mark[i as usize] != j as u32 {
+                        mark[i as usize] = j as u32;
+                        row_indices.push(i as usize);
+                    }
+                }
+            }
+            row_indices[start..].sort_unstable();
+            column_pointers.push(row_indices.len());
+        }
+        if row_indices.len() >= NONE as usize {
+            return Err(LinalgError::TooLarge { what: "number of entries", count: row_indices.len() });
+        }
+        row_indices.shrink_to_fit();
+        Ok(Self { n, column_pointers, row_indices })
+    }
+
+    /// Number of equations.
+    pub fn n(&self) -> usize {
+        self.n
+    }
+
+    /// Number of stored entries.
+    pub fn nnz(&self) -> usize {
+        self.row_indices.len()
+    }
+
+    /// Where the columns begin, `n + 1` positions.
+    pub fn column_pointers(&self) -> &[usize] {
+        &self.column_pointers
+    }
+
+    /// Row of each stored entry.
+    pub fn row_indices(&self) -> &[usize] {
+        &self.row_indices
+    }
+
+    /// The rows of a column, in increasing order.
+    pub fn column(&self, j: usize) -> &[usize] {
+        &self.row_indices[self.column_range(j)]
+    }
+
+    /// Positions of a column's entries.
+    pub fn column_range(&self, j: usize) -> std::ops::Range<usize> {
+        self.column_pointers[j]..self.column_pointers[j + 1]
+    }
+
+    /// Position of entry `(row, col)` in the list of values; `None` where the pattern has none or the indices are too large.
+    pub fn position(&self, row: u32, col: u32) -> Option<usize> {
+        let (row, col) = (row as usize, col as usize);
+        if col >= self.n {
+            return None;
+        }
+        let start = self.column_pointers[col];
+        self.column(col).binary_search(&row).ok().map(|k| start + k)
+    }
+
+    /// Heap memory in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<usize>() * (self.column_pointers.capacity() + self.row_indices.capacity())
+    }
+}

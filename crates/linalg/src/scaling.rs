@@ -1,0 +1,150 @@
+//! Equilibration by powers of two, which changes no bit of a mantissa. Not a pivoting strategy.
+
+use crate::{MatrixKind, SparsityPattern};
+
+/// `A_s = R A C` with diagonal `R`, `C` whose entries are powers of two.
+///
+/// In general first the largest entry of each row is brought to about 1, then the largest of each column: a saddle point with
+/// stiffness `1e6` and constraint gradients of 1 becomes a matrix of entries around 1, so that the size of a pivot means
+/// something. For a matrix announced as positive definite `R = C` brings the diagonal to about 1 and keeps the symmetry.
+#[derive(Debug, Default)]
+pub struct Equilibration {
+    rows: Vec<f64>,
+    columns: Vec<f64>,
+}
+
+impl Equilibration {
+    /// Computes the factors and writes the scaled values.
+    ///
+    /// # Errors
+    /// The index of a row or column of zeros.
+    pub fn compute(
+        &mut self,
+        pattern: &SparsityPattern,
+        values: &[f64],
+        kind: MatrixKind,
+        scaled: &mut Vec<f64>,
+    ) -> Result<(), usize> {
+        let n = pattern.n();
+        self.rows.clear();
+        self.rows.resize(n, 0.0);
+        self.columns.clear();
+        scaled.clear();
+        if kind == MatrixKind::SymmetricPositiveDefinite && self.set_from_diagonal(pattern, values) {
+            for j in 0..n {
+                let range = pattern.column_range(j);
+                let c = self.columns[j];
+                let rows = &pattern.row_indices()[range.clone()];
+                scaled.extend((rows.iter().zip(&values[range])).map(|(&i, v)| v * self.rows[i] * c));
+            }
+            return Ok(());
+        }
+        crate::matrix::row_max(pattern, values, &mut self.rows);
+        if let Some(row) = self.rows.iter().position(|&m| m == 0.0) {
+            return Err(row);
+        }
+        for r in &mut self.rows {
+            *r = power_of_two(-exponent(*r));
+        }
+        for j in 0..n {
+            let range = pattern.column_range(j);
+            let rows = &pattern.row_indices()[range.clone()];
+            let mut largest = 0.0f64;
+            let start = scaled.len();
+            for (&i, v) in rows.iter().zip(&values[range]) {
+                let s = v * self.rows[i];
+                largest = largest.max(s.abs());
+                scaled.push(s);
+            }
+            if largest == 0.0 {
+                return Err(j);
+            }
+            let c = power_of_two(-exponent(largest));
+            scaled[start..].iter_mut().for_each(|s| *s *= c);
+            self.columns.push(c);
+        }
+        Ok(())
+    }
+
+    /// `R = C` from the diagonal; false if an entry of it is not positive.
+    fn set_from_diagonal(&mut self, pattern: &SparsityPattern, values: &[f64]) -> bool {
+        for j in 0..pattern.n() {
+            let range = pattern.column_range(j);
+            // The diagonal is always in the pattern.
+            let k = pattern.column(j).partition_point(|&i| i < j) + range.start;
+            if values[k] <= 0.0 {
+                return false;
+            }
+            self.rows[j] = power_of_two(-exponent(values[k]).div_euclid(2));
+        }
+        self.columns.extend_from_slice(&self.rows);
+        true
+    }
+
+    /// `v <- R v`.
+    pub fn scale_rhs(&self, v: &mut [f64]) {
+        v.iter_mut().zip(&self.rows).for_each(|(v, r)| *v *= r);
+    }
+
+    /// `v <- C v`.
+    pub fn scale_solution(&self, v: &mut [f64]) {
+        v.iter_mut().zip(&self.columns).for_each(|(v, c)| *v *= c);
+    }
+
+    /// `max_j |x_j / c_j|`: the largest unknown of the equilibrated system.
+    pub fn largest_scaled_unknown(&self, x: &[f64]) -> f64 {
+        let scaled = x.iter().zip(&self.columns).map(|(x, c)| (x / c).abs());
+        scaled.fold(0.0, f64::max)
+    }
+
+    /// The size of the largest possible term of row `i` of `A x`, in the original units; the equilibrated row's largest entry
+    /// is about 1.
+    pub fn row_size(&self, i: usize, largest_scaled_unknown: f64) -> f64 {
+        largest_scaled_unknown / self.rows[i]
+    }
+
+    /// Heap memory in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<f64>() * (self.rows.capacity() + self.columns.capacity())
+    }
+}
+
+/// The `e` with `2^e <= x < 2^(e+1)`, for positive normal `x`; clamped so that `2^-e` is a normal number too.
+fn exponent(x: f64) -> i64 {
+    (((x.to_bits() >> 52) & 0x7ff) as i64 - 1023).clamp(-1000, 1000)
+}
+
+/// `2^e` for `|e| <= 1000`.
+fn power_of_two(e: i64) -> f64 {
+    f64::from_bits(((1023 + e) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two_bracket_one() {
+        for x in [1.0, 1.5, 2.0, 3e-9, 7e200, 0.999, 1e-300] {
+            let p = power_of_two(-exponent(x));
+            assert!((1.0..2.0).contains(&(x * p)), "{x}");
+            assert_eq!(p.to_bits() << 12, 0, "a power of two has an empty mantissa");
+        }
+    }
+
+    #[test]
+    fn general_scaling_brings_rows_and_columns_to_one() {
+        let all: Vec<u32> = (0..4).collect();
+        let pattern = SparsityPattern::from_stencils(4, std::iter::once(&all[..])).unwrap();
+        let values: Vec<f64> =
+            (0..16).map(|k| 10f64.powi((k * 7) % 17 - 8) * if k % 3 == 0 { -1.5 } else { 2.5 }).collect();
+        let (mut e, mut scaled) = (Equilibration::default(), Vec::new());
+        e.compute(&pattern, &values, MatrixKind::General, &mut scaled).unwrap();
+        for k in 0..4 {
+            let column = scaled[4 * k..4 * k + 4].iter().fold(0f64, |m, v| m.max(v.abs()));
+            let row = (0..4).fold(0f64, |m, j| m.max(scaled[4 * j + k].abs()));
+            assert!((1.0..2.0).contains(&column), "column {k}: {column}");
+            assert!((0.5..2.0).contains(&row), "row {k}: {row}");
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The trait of a direct linear solver, what it reports, and its settings. The implementations are in
+//! [`crate::faer_backend`] and [`crate::AutoSolver`].
+//!
+//! # To add a solver
+//! Implement [`crate::Factorisation`] and wrap it in [`crate::DirectSolver`], so that all solvers promise the same, and add
+//! a line to the battery in `tests/solvers.rs`. An iterative solver implements [`LinearSolver`] itself and uses
+//! the residual check in `refinement.rs`.
+
+use crate::{LinalgError, SparsityPattern};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// What is known of the values. The pattern always holds both triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum MatrixKind {
+    /// Nothing: unsymmetric, indefinite, zero blocks on the diagonal.
+    #[default]
+    General,
+    /// `A = A^T`, possibly indefinite.
+    Symmetric,
+    /// `A = A^T` and probably positive definite. A promise that turns out to be wrong costs time, not the answer:
+    /// a Newton tangent need not stay definite.
+    SymmetricPositiveDefinite,
+}
+
+/// The quality of one solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolveReport {
+    /// Row-wise backward error `max_i |b - A x|_i / (|A| |x| + |b|)_i` of the original, unscaled system
+    ///
+    /// In a row whose denominator is at round-off level (sparse right-hand sides and solutions make such rows) the
+    /// quotient means nothing; there the row's largest term is added to the denominator, taken in the equilibrated
+    /// variables, after Arioli, Demmel and Duff (SIAM J. Matrix Anal. Appl. 10, 1989). A small value says that `x` solves
+    /// exactly a system in which every entry was changed by so much relative to itself: with badly scaled rows a residual
+    /// measured by one norm of all rows proves nothing.
+    pub backward_error: f64,
+    /// Steps of iterative refinement that were needed.
+    pub refinement_steps: u32,
+}
+
+/// What a solver did since it was made.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SolverStatistics {
+    /// Symbolic analyses (calls of `analyse` that found the pattern unchanged are not counted).
+    pub analyses: u64,
+    /// Numeric factorisations, failed ones and fallbacks included.
+    pub factorisations: u64,
+    /// Solutions.
+    pub solves: u64,
+    /// Steps of iterative refinement.
+    pub refinement_steps: u64,
+    /// Matrices announced as positive definite that were not, and were factorised by LU instead.
+    pub indefinite_fallbacks: u64,
+}
+
+impl std::ops::Add for SolverStatistics {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            analyses: self.analyses + other.analyses,
+            factorisations: self.factorisations + other.factorisations,
+            solves: self.solves + other.solves,
+            refinement_steps: self.refinement_steps + other.refinement_steps,
+            indefinite_fallbacks: self.indefinite_fallbacks + other.indefinite_fallbacks,
+        }
+    }
+}
+
+/// Settings common to all solvers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolverOptions {
+    /// Refine until the row-wise backward error is at most this.
+    pub target_backward_error: f64,
+    /// An error above this after refinement is [`LinalgError::NotConverged`].
+    pub acceptable_backward_error: f64,
+    /// At most so many refinement steps a solution.
+    pub max_refinement_steps: u32,
+    /// After a factorisation the equilibrated system is solved once for a fixed right-hand side of entries in [-1, 1). If the
+    /// solution is larger than this the matrix is [`LinalgError::Singular`]: its smallest singular value is at round-off level,
+    /// and Newton would follow noise. Without this test a body that nothing holds passes unnoticed, because its residual
+    /// is self-equilibrated.
+    pub singular_growth: f64,
+}
+
+impl Default for SolverOptions {
+    fn default() -> Self {
+        Self {
+            target_backward_error: 1e-14,
+            acceptable_backward_error: 1e-9,
+            max_refinement_steps: 8,
+            singular_growth: 1e13,
+        }
+    }
+}
+
+/// A direct solver for `A x = b` with a pattern that seldom changes.
+///
+/// The three phases are called in order; `factorise` may be repeated with new values, `solve` with new right-hand sides.
+/// The result depends on the input only: a repetition gives the same bits, on any number of threads.
+pub trait LinearSolver: Send + Debug {
+    /// Symbolic phase: ordering, storage. A no-op if pattern (the same `Arc`, or an equal one) and kind are those of the last
+    /// call. A change invalidates the factorisation.
+    ///
+    /// # Errors
+    /// [`LinalgError::Backend`] for want of memory.
+    fn analyse(&mut self, pattern: &Arc<SparsityPattern>, kind: MatrixKind) -> Result<(), LinalgError>;
+
+    /// Numeric phase. `values` in the order of the pattern; they are copied.
+    ///
+    /// # Errors
+    /// [`LinalgError::NonFinite`], [`LinalgError::Singular`], [`LinalgError::Length`], [`LinalgError::CallOrder`],
+    /// [`LinalgError::Backend`]. After an error there is no factorisation.
+    fn factorise(&mut self, values: &[f64]) -> Result<(), LinalgError>;
+
+    /// Solves with the last factorisation, checks the residual and refines.
+    ///
+    /// # Errors
+    /// [`LinalgError::NonFinite`], [`LinalgError::NotConverged`], [`LinalgError::Length`], [`LinalgError::CallOrder`].
+    /// `solution` is then meaningless.
+    fn solve(&mut self, rhs: &[f64], solution: &mut [f64]) -> Result<SolveReport, LinalgError>;
+
+    /// Heap memory in bytes: exact for our own arrays, an estimate for the library's factors.
+    fn memory_bytes(&self) -> usize;
+
+    /// A short name for records.
+    fn name(&self) -> &str;
+
+    /// What was done so far.
+    fn statistics(&self) -> SolverStatistics;
+}

@@ -1,0 +1,200 @@
+//! Ogden, decoupled form (formulation §2.4, thesis (3.113)-(3.118)).
+
+use crate::error::{MaterialError, finite, stable};
+use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
+use stoss_tensor::spectral;
+
+const NAME: &str = "ogden";
+
+/// Relative distance of squared stretches below which the limit of the shear term is used: there the quotient of differences
+/// would lose more digits than the limit, whose error is of the order of that distance.
+const REPEATED: f64 = 1.0e-6;
+
+/// `W = sum_P mu_P/alpha_P (sum_A lbar_A^alpha_P - 3) + kappa (ln J / beta + (J^-beta - 1)/beta^2)` with the isochoric
+/// principal stretches `lbar_A = J^(-1/3) lambda_A`; any number of terms.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ogden {
+    terms: Vec<(f64, f64)>,
+    kappa: f64,
+    beta: f64,
+}
+
+/// What all three evaluations need: `J` and, for each term, the powers of the isochoric stretches.
+struct State {
+    squares: [f64; 3],
+    vectors: [stoss_tensor::Vector3; 3],
+    log_j: f64,
+    /// Logarithms of the isochoric principal stretches.
+    logs: [f64; 3],
+}
+
+impl State {
+    fn new(c: &SymmetricTensor2) -> Result<Self, ConstitutiveError> {
+        if !c.is_finite() {
+            return Err(ConstitutiveError::NonFinite);
+        }
+        let form = spectral(c);
+        // The eigenvalues' product is the determinant without the cancellation of the expanded formula.
+        if form.values[0] <= 0.0 {
+            return Err(ConstitutiveError::NonPositiveJacobian { det_c: form.values.iter().product() });
+        }
+        let half_logs = form.values.map(|x| 0.5 * x.ln());
+        let log_j = half_logs.iter().sum::<f64>();
+        Ok(Self { squares: form.values, vectors: form.vectors, log_j, logs: half_logs.map(|x| x - log_j / 3.0) })
+    }
+
+    fn powers(&self, alpha: f64) -> [f64; 3] {
+        self.logs.map(|l| (alpha * l).exp())
+    }
+}
+
+impl Ogden {
+    /// From the terms `mu_P` [stress], `alpha_P`, the bulk modulus `kappa` [stress] and `beta` (not zero).
+    ///
+    /// # Errors
+    /// Lists of different lengths or empty, values that are not finite, `beta = 0`, an `alpha_P = 0`, bulk modulus `kappa` or shear modulus
+    /// `sum mu_P alpha_P / 2` not positive.
+    pub fn new(mu: &[f64], alpha: &[f64], kappa: f64, beta: f64) -> Result<Self, MaterialError> {
+        if mu.len() != alpha.len() || mu.is_empty() {
+            return Err(MaterialError::Lengths { law: NAME, mu: mu.len(), alpha: alpha.len() });
+        }
+        finite(NAME, &[("kappa", kappa), ("beta", beta)])?;
+        for (&mu, &alpha) in mu.iter().zip(alpha) {
+            finite(NAME, &[("mu", mu), ("alpha", alpha)])?;
+            if alpha == 0.0 {
+                return Err(MaterialError::OutOfRange { law: NAME, parameter: "alpha", value: alpha, range: "not zero" });
+            }
+        }
+        if beta == 0.0 {
+            return Err(MaterialError::OutOfRange { law: NAME, parameter: "beta", value: beta, range: "not zero" });
+        }
+        let law = Self { terms: mu.iter().copied().zip(alpha.iter().copied()).collect(), kappa, beta };
+        stable(NAME, law.small_strain_moduli(), "shear = sum of mu alpha / 2, bulk = kappa")?;
+        Ok(law)
+    }
+
+    /// `T_A = lambda_A dW_iso/dlambda_A`, deviatoric.
+    fn principal(&self, state: &State) -> [f64; 3] {
+        let mut t = [0.0; 3];
+        for &(mu, alpha) in &self.terms {
+            let p = state.powers(alpha);
+            let mean = (p[0] + p[1] + p[2]) / 3.0;
+            for a in 0..3 {
+                t[a] += mu * (p[a] - mean);
+            }
+        }
+        t
+    }
+
+    /// `kappa/beta (1 - J^-beta)` and `J^-beta`.
+    fn volumetric(&self, log_j: f64) -> (f64, f64) {
+        let power = (-self.beta * log_j).exp();
+        (-self.kappa / self.beta * (-self.beta * log_j).exp_m1(), power)
+    }
+
+    /// Spectral sum of the principal stresses; the volumetric part is spectral too (`C^-1` has the same eigenvectors).
+    fn assemble(state: &State, principal: &[f64; 3], pressure: f64) -> SymmetricTensor2 {
+        let mut stress = SymmetricTensor2::ZERO;
+        for a in 0..3 {
+            let n = &state.vectors[a];
+            stress += outer(n) * ((principal[a] + pressure) / state.squares[a]);
+        }
+        stress
+    }
+}
+
+fn outer(n: &stoss_tensor::Vector3) -> SymmetricTensor2 {
+    SymmetricTensor2(stoss_tensor::VOIGT.map(|(i, j)| n[i] * n[j]))
+}
+
+/// Symmetrised `a (x) b`.
+fn mixed(a: &stoss_tensor::Vector3, b: &stoss_tensor::Vector3) -> SymmetricTensor2 {
+    SymmetricTensor2(stoss_tensor::VOIGT.map(|(i, j)| 0.5 * (a[i] * b[j] + a[j] * b[i])))
+}
+
+fn checked(value: f64) -> Result<f64, ConstitutiveError> {
+    if value.is_finite() { Ok(value) } else { Err(ConstitutiveError::NonFinite) }
+}
+
+impl HyperelasticLaw for Ogden {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
+        let state = State::new(right_cauchy_green)?;
+        let mut w = 0.0;
+        for &(mu, alpha) in &self.terms {
+            // exp(x) - 1 summed: no cancellation near the reference state.
+            w += mu / alpha * state.logs.iter().map(|l| (alpha * l).exp_m1()).sum::<f64>();
+        }
+        let x = self.beta * state.log_j;
+        checked(w + self.kappa * (x + (-x).exp_m1()) / (self.beta * self.beta))
+    }
+
+    fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
+        let state = State::new(right_cauchy_green)?;
+        let (pressure, _) = self.volumetric(state.log_j);
+        checked(pressure)?;
+        Ok(Self::assemble(&state, &self.principal(&state), pressure))
+    }
+
+    fn stress_and_elasticity(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+    ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
+        let state = State::new(right_cauchy_green)?;
+        let (pressure, power) = self.volumetric(state.log_j);
+        checked(pressure)?;
+        let t = self.principal(&state);
+        let x = state.squares;
+        // H_AB = lambda_B dT_A/dlambda_B, f_AB = lambda_B^-1 dS_A/dlambda_B.
+        let mut h = [[0.0; 3]; 3];
+        for &(mu, alpha) in &self.terms {
+            let p = state.powers(alpha);
+            let sum = p[0] + p[1] + p[2];
+            for a in 0..3 {
+                for b in 0..3 {
+                    let diagonal = if a == b { p[a] } else { 0.0 };
+                    h[a][b] += mu * alpha * (diagonal - (p[a] + p[b]) / 3.0 + sum / 9.0);
+                }
+            }
+        }
+        let mut f = [[0.0; 3]; 3];
+        for a in 0..3 {
+            for b in 0..3 {
+                f[a][b] = h[a][b] / (x[a] * x[b]) - if a == b { 2.0 * t[a] / (x[a] * x[a]) } else { 0.0 };
+            }
+        }
+        let projections = state.vectors.map(|n| outer(&n));
+        let mut elasticity = Tensor4::ZERO;
+        for a in 0..3 {
+            for b in 0..3 {
+                elasticity.add_dyad(f[a][b], &projections[a], &projections[b]);
+            }
+        }
+        for a in 0..3 {
+            for b in a + 1..3 {
+                let gamma = if (x[b] - x[a]).abs() <= REPEATED * x[a].max(x[b]) {
+                    0.25 * (f[b][b] - f[a][b] + f[a][a] - f[b][a])
+                } else {
+                    (t[b] / x[b] - t[a] / x[a]) / (x[b] - x[a])
+                };
+                // Both ordered pairs: gamma (N_ABAB + N_ABBA + N_BABA + N_BAAB) = 4 gamma sym(N_A N_B) (x) sym(N_A N_B).
+                let m = mixed(&state.vectors[a], &state.vectors[b]);
+                elasticity.add_dyad(4.0 * gamma, &m, &m);
+            }
+        }
+        let mut inverse = SymmetricTensor2::ZERO;
+        for a in 0..3 {
+            inverse += projections[a] * (1.0 / x[a]);
+        }
+        elasticity.add_scaled(2.0 * pressure, &Tensor4::inverse_derivative(&inverse));
+        elasticity.add_dyad(self.kappa * power, &inverse, &inverse);
+        Ok((Self::assemble(&state, &t, pressure), elasticity))
+    }
+
+    fn small_strain_moduli(&self) -> SmallStrainModuli {
+        SmallStrainModuli { shear: 0.5 * self.terms.iter().map(|(mu, alpha)| mu * alpha).sum::<f64>(), bulk: self.kappa }
+    }
+}

@@ -1,0 +1,190 @@
+//! Every law of the catalogue, and a user's own, through the battery; derivatives against dual numbers.
+
+use num_dual::DualNum;
+use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
+use stoss_materials::{MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_testkit::laws::{EnergyOracle, against_dual_numbers, battery, invariants};
+
+const YOUNG: f64 = 2250.0;
+const POISSON: f64 = 0.3;
+
+fn lame() -> (f64, f64) {
+    (YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)), YOUNG / (2.0 * (1.0 + POISSON)))
+}
+
+/// The ball of formulation §13.1.
+fn ogden() -> Ogden {
+    Ogden::new(&[6300.0, 12.0, -100.0], &[1.3, 5.0, -2.0], 2000.0, 9.0).unwrap()
+}
+
+struct SvkEnergy;
+impl EnergyOracle for SvkEnergy {
+    fn energy<D: DualNum<Primitive = f64> + Copy>(&self, c: [D; 6]) -> D {
+        let (lambda, mu) = lame();
+        let e: [D; 6] = std::array::from_fn(|i| if i < 3 { (c[i] - 1.0) * 0.5 } else { c[i] * 0.5 });
+        let trace = e[0] + e[1] + e[2];
+        let square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + (e[3] * e[3] + e[4] * e[4] + e[5] * e[5]) * 2.0;
+        trace * trace * (0.5 * lambda) + square * mu
+    }
+}
+
+struct NeoHookeEnergy;
+impl EnergyOracle for NeoHookeEnergy {
+    fn energy<D: DualNum<Primitive = f64> + Copy>(&self, c: [D; 6]) -> D {
+        let (lambda, mu) = lame();
+        let log_j = invariants::det(c).ln() * 0.5;
+        (invariants::trace(c) - 3.0) * (0.5 * mu) + log_j * log_j * (0.5 * lambda) - log_j * mu
+    }
+}
+
+struct MooneyRivlinEnergy;
+impl EnergyOracle for MooneyRivlinEnergy {
+    fn energy<D: DualNum<Primitive = f64> + Copy>(&self, c: [D; 6]) -> D {
+        let (c1, c2, c3) = (176_051.0, 4332.63, 2.0e6);
+        let j = invariants::det(c).sqrt();
+        (invariants::trace(c) - 3.0) * c1 + (invariants::second(c) - 3.0) * c2 + (j - 1.0) * (j - 1.0) * c3
+            - j.ln() * (2.0 * (c1 + 2.0 * c2))
+    }
+}
+
+#[test]
+fn saint_venant_kirchhoff() {
+    let law = SaintVenantKirchhoff::from_young_poisson(YOUNG, POISSON).unwrap();
+    battery(&law, 1e-13);
+    against_dual_numbers(&law, &SvkEnergy, 1e-12);
+    // Energy of a body crushed to nothing is finite (formulation §2.1).
+    let (lambda, mu) = lame();
+    let nearly_nothing = SymmetricTensor2::IDENTITY * 1e-9;
+    let expected = 9.0 / 8.0 * lambda + 0.75 * mu;
+    assert!((law.energy(&nearly_nothing).unwrap() / expected - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn neo_hooke() {
+    let law = NeoHooke::from_young_poisson(YOUNG, POISSON).unwrap();
+    battery(&law, 1e-13);
+    against_dual_numbers(&law, &NeoHookeEnergy, 1e-11);
+}
+
+#[test]
+fn mooney_rivlin() {
+    let law = MooneyRivlin::new(176_051.0, 4332.63, 2.0e6).unwrap();
+    battery(&law, 1e-13);
+    against_dual_numbers(&law, &MooneyRivlinEnergy, 1e-11);
+}
+
+#[test]
+fn ogden_of_three_terms() {
+    // The limit for repeated stretches is used up to a relative gap of 1e-6 and costs that accuracy at the worst; the
+    // battery's differences (1e-6) cover it.
+    battery(&ogden(), 1e-11);
+}
+
+#[test]
+fn ogden_contains_two_closed_forms() {
+    // One term with alpha = 2 is the isochoric neo-Hooke law mu/2 (J^(-2/3) I1 - 3), whose derivatives dual numbers give exactly.
+    struct Isochoric;
+    impl EnergyOracle for Isochoric {
+        fn energy<D: DualNum<Primitive = f64> + Copy>(&self, c: [D; 6]) -> D {
+            let j = invariants::det(c).sqrt();
+            let log_j = j.ln();
+            (j.powf(-2.0 / 3.0) * invariants::trace(c) - 3.0) * 400.0
+                + (log_j / 9.0 + (j.powf(-9.0) - 1.0) / 81.0) * 2000.0
+        }
+    }
+    let law = Ogden::new(&[800.0], &[2.0], 2000.0, 9.0).unwrap();
+    battery(&law, 1e-11);
+    against_dual_numbers(&law, &Isochoric, 2e-6);
+    // alpha = -2 is mu/2 (J^(2/3) tr C^-1 - 3) = mu/2 (J^(-4/3) I2 - 3), with a minus from mu/alpha.
+    struct Second;
+    impl EnergyOracle for Second {
+        fn energy<D: DualNum<Primitive = f64> + Copy>(&self, c: [D; 6]) -> D {
+            let j = invariants::det(c).sqrt();
+            let log_j = j.ln();
+            (j.powf(-4.0 / 3.0) * invariants::second(c) - 3.0) * 300.0
+                + (log_j / -3.0 + (j.powf(3.0) - 1.0) / 9.0) * 2000.0
+        }
+    }
+    let law = Ogden::new(&[-600.0], &[-2.0], 2000.0, -3.0).unwrap();
+    against_dual_numbers(&law, &Second, 2e-6);
+}
+
+#[test]
+fn moduli_of_the_examples() {
+    // Formulation §2.5.
+    let close = |value: f64, expected: f64, digits: f64| {
+        assert!((value / expected - 1.0).abs() < digits, "{value} against {expected}");
+    };
+    let m = NeoHooke::from_young_poisson(2250.0, 0.3).unwrap().small_strain_moduli();
+    close(m.shear, 865.384_615_4, 1e-9);
+    close(m.bulk, 1875.0, 1e-12);
+    let m = MooneyRivlin::new(176_051.0, 4332.63, 2.0e6).unwrap().small_strain_moduli();
+    close(m.shear, 360_767.26, 1e-7);
+    close(m.bulk, 4.257_84e6, 1e-5);
+    close(m.young_modulus(), 1.052_57e6, 1e-5);
+    close(m.poisson_ratio(), 0.4588, 1e-4);
+    let m = Ogden::new(&[6.3e5, 1.2e3, -1.0e4], &[1.3, 5.0, -2.0], 2.0e5, 9.0).unwrap().small_strain_moduli();
+    close(m.shear, 422_500.0, 1e-12);
+    close(m.young_modulus(), 743_765.0, 1e-5);
+    close(m.poisson_ratio(), -0.1198, 1e-3);
+    let m = ogden().small_strain_moduli();
+    close(m.shear, 4225.0, 1e-12);
+    close(m.young_modulus(), 7437.65, 1e-5);
+}
+
+#[test]
+fn parameters_that_are_no_material() {
+    assert!(matches!(NeoHooke::new(f64::NAN, 1.0), Err(MaterialError::NotFinite { parameter: "lambda", .. })));
+    assert!(matches!(NeoHooke::new(1.0, -1.0), Err(MaterialError::UnstableModuli { .. })));
+    assert!(matches!(NeoHooke::from_young_poisson(1.0, 0.5), Err(MaterialError::OutOfRange { parameter: "poisson", .. })));
+    assert!(matches!(
+        SaintVenantKirchhoff::from_young_poisson(-1.0, 0.2),
+        Err(MaterialError::OutOfRange { parameter: "young", .. })
+    ));
+    assert!(matches!(MooneyRivlin::new(-2.0, 1.0, 5.0), Err(MaterialError::UnstableModuli { .. })));
+    assert!(matches!(Ogden::new(&[1.0], &[], 1.0, 1.0), Err(MaterialError::Lengths { mu: 1, alpha: 0, .. })));
+    assert!(matches!(Ogden::new(&[1.0], &[2.0], 1.0, 0.0), Err(MaterialError::OutOfRange { parameter: "beta", .. })));
+    assert!(matches!(Ogden::new(&[1.0], &[0.0], 1.0, 1.0), Err(MaterialError::OutOfRange { parameter: "alpha", .. })));
+    let text = Ogden::new(&[-6300.0], &[1.3], 2000.0, 9.0).unwrap_err().to_string();
+    assert!(text.contains("-4095") && text.contains("positive"), "{text}");
+}
+
+/// A law that a user wrote outside of the catalogue: Blatz-Ko like, `W = mu/2 (I1 - 3 + 2/beta (J^-beta - 1))`.
+#[derive(Debug)]
+struct UsersLaw {
+    mu: f64,
+    beta: f64,
+}
+
+impl HyperelasticLaw for UsersLaw {
+    fn name(&self) -> &str {
+        "blatz-ko"
+    }
+    fn energy(&self, c: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
+        let det_c = c.det();
+        if det_c > 0.0 {
+            Ok(0.5 * self.mu * (c.trace() - 3.0 + 2.0 / self.beta * (det_c.powf(-0.5 * self.beta) - 1.0)))
+        } else {
+            Err(ConstitutiveError::NonPositiveJacobian { det_c })
+        }
+    }
+    fn stress(&self, c: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
+        Ok(self.stress_and_elasticity(c)?.0)
+    }
+    fn stress_and_elasticity(&self, c: &SymmetricTensor2) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
+        self.energy(c)?;
+        let power = c.det().powf(-0.5 * self.beta);
+        let inverse = c.inverse();
+        let mut elasticity = Tensor4::inverse_derivative(&inverse) * (-2.0 * self.mu * power);
+        elasticity.add_dyad(self.mu * self.beta * power, &inverse, &inverse);
+        Ok(((SymmetricTensor2::IDENTITY - inverse * power) * self.mu, elasticity))
+    }
+    fn small_strain_moduli(&self) -> SmallStrainModuli {
+        SmallStrainModuli::from_lame(self.mu * self.beta, self.mu)
+    }
+}
+
+#[test]
+fn a_law_of_the_users_own() {
+    battery(&UsersLaw { mu: 80.0, beta: 1.5 }, 1e-13);
+}

@@ -1,0 +1,129 @@
+//! The errors of this crate.
+
+use std::path::PathBuf;
+
+use stoss_mesh::MeshError;
+
+/// Why a file could not be read or written. Lines count from 1; element and node numbers are those of the file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshIoError {
+    /// The operating system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// Neither the name nor the content of the file belongs to a known format.
+    #[error("{}: unknown mesh format; known are {}", path.display(), known.join(", "))]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+        /// Names and extensions of the known formats.
+        known: Vec<String>,
+    },
+    /// A line does not say what it must.
+    #[error("{}:{line}: {value:?}: {remedy}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The line; the last one if something is missing at the end.
+        line: usize,
+        /// What stands there.
+        value: String,
+        /// What is expected.
+        remedy: String,
+    },
+    /// Something that is correct, but that Stoss does not compute with: other cells, other versions, several bodies.
+    #[error("{}:{line}: {value}: {remedy}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// The line of the first occurrence.
+        line: usize,
+        /// What it is.
+        value: String,
+        /// What to do instead.
+        remedy: String,
+    },
+    /// A number refers to something that the file does not define.
+    #[error("{}:{line}: there is no {kind} {number}: define it or remove the reference", path.display())]
+    Unknown {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// "node", "element", "node set", ...
+        kind: &'static str,
+        /// Its number or name.
+        number: String,
+    },
+    /// There are no 8-node hexahedra in the file.
+    #[error("{}: there are no 8-node hexahedra in this file", path.display())]
+    NoHexahedra {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The Jacobian determinant of an element is not positive at a Gauss point.
+    #[error(
+        "{}:{line}: element {element} with nodes {nodes:?} has det J = {jacobian:e} at a Gauss point: it is inverted or degenerate; \
+         number the bottom counter-clockwise seen from the top, then the top", path.display()
+    )]
+    InvertedElement {
+        /// The file.
+        path: PathBuf,
+        /// The line of the element.
+        line: usize,
+        /// The element's number.
+        element: u64,
+        /// Its nodes' numbers.
+        nodes: [u64; 8],
+        /// `det J` (a volume per reference volume).
+        jacobian: f64,
+    },
+    /// Two nodes at the same place.
+    #[error(
+        "{}:{line}: node {second} is at the place of node {first} (distance {distance:e}): merge coincident nodes (in Gmsh: Coherence \
+         Mesh), or write one file for each body", path.display()
+    )]
+    CoincidentNodes {
+        /// The file.
+        path: PathBuf,
+        /// The line of the second node.
+        line: usize,
+        /// The one node.
+        first: u64,
+        /// The other node.
+        second: u64,
+        /// Their distance.
+        distance: f64,
+    },
+    /// Two elements on the same side of a facet.
+    #[error("{}:{line}: elements {} and {} overlap: remove one of them", path.display(), elements[0], elements[1])]
+    OverlappingElements {
+        /// The file.
+        path: PathBuf,
+        /// The line of the second element.
+        line: usize,
+        /// Their numbers.
+        elements: [u64; 2],
+    },
+    /// Any other problem of the mesh.
+    #[error("{}: {source}", path.display())]
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// The problem; numbers count from 0 in the order of the file.
+        source: MeshError,
+    },
+    /// The data given to a writer do not fit together.
+    #[error("cannot write {name:?}: {problem}")]
+    Output {
+        /// Name of the field or the part of the frame.
+        name: String,
+        /// What is wrong.
+        problem: String,
+    },
+}

@@ -1,0 +1,172 @@
+//! VTU: one frame of results as a VTK unstructured grid (XML, version 1.0).
+//!
+//! Arrays are inline, `format="binary"`: base64 of an 8-byte length and the values, little endian, not compressed. Coordinates
+//! and fields are `Float64`, connectivity and offsets `Int64`, cell types `UInt8` (12, the hexahedron). NaN passes through.
+//! The time goes into the field array `TimeValue`, which VTK's XML readers take as the time of the frame.
+//!
+//! Parallel pieces, compression and cells other than hexahedra are not here.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use crate::atomic::{self, WriteError};
+use crate::base64::Encoder;
+use crate::{MeshIoError, xml};
+
+/// Name of the field array that holds the time.
+pub(crate) const TIME: &str = "TimeValue";
+/// VTK's number of the hexahedron, whose nodes are numbered as those of `hex8`.
+pub(crate) const VTK_HEXAHEDRON: u8 = 12;
+
+/// A named array with a fixed number of components a point or a cell.
+///
+/// ParaView takes 3 components as a vector and 6 as a symmetric tensor in the order xx, yy, zz, xy, yz, xz.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Field<'a> {
+    /// Its name in ParaView.
+    pub name: &'a str,
+    /// Number of components.
+    pub components: usize,
+    /// The values, all components of the first point or cell first.
+    pub values: &'a [f64],
+}
+
+/// A frame.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct VtuFrame<'a> {
+    /// Coordinates of the points. (For deformed pictures write the reference coordinates and a displacement field.)
+    pub points: &'a [[f64; 3]],
+    /// Points of the hexahedra in the order of `hex8`.
+    pub hexahedra: &'a [[u32; 8]],
+    /// Fields with one tuple a point.
+    pub point_data: Vec<Field<'a>>,
+    /// Fields with one tuple a hexahedron.
+    pub cell_data: Vec<Field<'a>>,
+    /// Fields of the frame as a whole, of any number of tuples.
+    pub field_data: Vec<Field<'a>>,
+    /// The time of the frame.
+    pub time: Option<f64>,
+}
+
+impl VtuFrame<'_> {
+    /// Checks that everything fits together.
+    ///
+    /// # Errors
+    /// [`MeshIoError::Output`]: lengths, names that are empty, repeated or not possible in XML, hexahedra with points that do not
+    /// exist.
+    pub fn validate(&self) -> Result<(), MeshIoError> {
+        let bad = |name: &str, problem: String| Err(MeshIoError::Output { name: name.to_owned(), problem });
+        for (e, nodes) in self.hexahedra.iter().enumerate() {
+            if let Some(n) = nodes.iter().find(|&&n| n as usize >= self.points.len()) {
+                return bad(
+                    "hexahedra",
+                    format!("hexahedron {e} has point {n}, but there are {} points", self.points.len()),
+                );
+            }
+        }
+        let groups = [
+            (&self.point_data, Some(self.points.len()), "points"),
+            (&self.cell_data, Some(self.hexahedra.len()), "hexahedra"),
+            (&self.field_data, None, ""),
+        ];
+        for (fields, tuples, what) in groups {
+            for (i, field) in fields.iter().enumerate() {
+                let reserved = tuples.is_none() && field.name == TIME;
+                if field.name.is_empty() || xml::escape(field.name).is_none() || reserved {
+                    return bad(
+                        field.name,
+                        "a name must not be empty, have control characters, or be that of the time".to_owned(),
+                    );
+                }
+                if fields[..i].iter().any(|f| f.name == field.name) {
+                    return bad(field.name, "there are two fields of this name".to_owned());
+                }
+                let c = field.components;
+                if c == 0 || field.values.len() % c != 0 {
+                    return bad(field.name, format!("{} values cannot have {c} components", field.values.len()));
+                }
+                if let Some(tuples) = tuples.filter(|&t| t * c != field.values.len()) {
+                    return bad(
+                        field.name,
+                        format!("{} values with {c} components do not fit {tuples} {what}", field.values.len()),
+                    );
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes a frame to a file, under a temporary name first.
+///
+/// # Errors
+/// [`MeshIoError::Output`] if the data do not fit together, [`MeshIoError::Io`].
+pub fn write_vtu(path: impl AsRef<Path>, frame: &VtuFrame) -> Result<(), MeshIoError> {
+    frame.validate()?;
+    atomic::write(path.as_ref(), |out| write_frame(out, frame).map_err(WriteError::Io))
+}
+
+/// Writes a frame to anything; buffer it if it is a file.
+///
+/// # Errors
+/// [`MeshIoError::Output`] if the data do not fit together, [`MeshIoError::Io`] (without a path).
+pub fn write_vtu_to(out: &mut impl Write, frame: &VtuFrame) -> Result<(), MeshIoError> {
+    frame.validate()?;
+    write_frame(out, frame).map_err(|source| MeshIoError::Io { path: "(stream)".into(), source })
+}
+
+fn write_frame(out: &mut impl Write, frame: &VtuFrame) -> io::Result<()> {
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    writeln!(
+        out,
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
+    )?;
+    writeln!(out, "<UnstructuredGrid>")?;
+    if frame.time.is_some() || !frame.field_data.is_empty() {
+        writeln!(out, "<FieldData>")?;
+        if let Some(time) = frame.time {
+            field(out, &Field { name: TIME, components: 1, values: &[time] }, true)?;
+        }
+        frame.field_data.iter().try_for_each(|f| field(out, f, true))?;
+        writeln!(out, "</FieldData>")?;
+    }
+    let (points, cells) = (frame.points.len(), frame.hexahedra.len());
+    writeln!(out, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">")?;
+    for (tag, fields) in [("PointData", &frame.point_data), ("CellData", &frame.cell_data)] {
+        writeln!(out, "<{tag}>")?;
+        fields.iter().try_for_each(|f| field(out, f, false))?;
+        writeln!(out, "</{tag}>")?;
+    }
+    writeln!(out, "<Points>")?;
+    field(out, &Field { name: "Points", components: 3, values: frame.points.as_flattened() }, false)?;
+    writeln!(out, "</Points>\n<Cells>")?;
+    let nodes = frame.hexahedra.as_flattened();
+    array(out, "type=\"Int64\" Name=\"connectivity\"", nodes.iter().map(|&n| i64::from(n).to_le_bytes()))?;
+    array(out, "type=\"Int64\" Name=\"offsets\"", (0..cells).map(|e| (8 * (e as i64 + 1)).to_le_bytes()))?;
+    array(out, "type=\"UInt8\" Name=\"types\"", (0..cells).map(|_| [VTK_HEXAHEDRON]))?;
+    writeln!(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>")
+}
+
+fn field(out: &mut impl Write, field: &Field, count: bool) -> io::Result<()> {
+    let name = xml::escape(field.name).unwrap_or_default(); // validated
+    let mut attributes = format!("type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{}\"", field.components);
+    if count {
+        attributes.push_str(&format!(" NumberOfTuples=\"{}\"", field.values.len() / field.components));
+    }
+    array(out, &attributes, field.values.iter().map(|v| v.to_le_bytes()))
+}
+
+fn array<const N: usize>(
+    out: &mut impl Write,
+    attributes: &str,
+    values: impl ExactSizeIterator<Item = [u8; N]>,
+) -> io::Result<()> {
+    writeln!(out, "<DataArray {attributes} format=\"binary\">")?;
+    let mut encoder = Encoder::new(&mut *out);
+    encoder.push(&((N * values.len()) as u64).to_le_bytes())?;
+    for value in values {
+        encoder.push(&value)?;
+    }
+    encoder.finish()?;
+    writeln!(out, "\n</DataArray>")
+}

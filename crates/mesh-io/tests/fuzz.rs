@@ -1,0 +1,163 @@
+//! Damaged files: whatever is cut off, replaced, doubled or exchanged, a reader returns a checked mesh or an error that
+//! names the file. It never panics and never hangs.
+
+use proptest::prelude::*;
+use stoss_mesh_io::{Field, VtuFrame, read_mesh_from_str, read_vtu_from_str, write_vtu_to};
+
+const FILES: [(&str, &str); 4] = [
+    ("a.msh", include_str!("data/ring-22.msh")),
+    ("a.msh", include_str!("data/ring-41.msh")),
+    ("a.inp", include_str!("data/assembly.inp")),
+    ("a.vtu", ""),
+];
+
+fn vtu() -> String {
+    let points = stoss_reference_element::hex8::VERTICES;
+    let values = [1.0; 24];
+    let frame = VtuFrame {
+        points: &points,
+        hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+        point_data: vec![Field { name: "u", components: 3, values: &values }],
+        time: Some(0.5),
+        ..VtuFrame::default()
+    };
+    let mut out = Vec::new();
+    write_vtu_to(&mut out, &frame).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+#[derive(Debug, Clone)]
+enum Damage {
+    Truncate(usize),
+    Token(usize, String),
+    DeleteLine(usize),
+    RepeatLine(usize),
+    SwapLines(usize, usize),
+    Insert(usize, String),
+}
+
+fn token() -> impl Strategy<Value = String> {
+    prop_oneof![
+        Just("0"),
+        Just("-1"),
+        Just("1"),
+        Just("3"),
+        Just("18446744073709551615"),
+        Just("99999999999999999999999"),
+        Just("1e308"),
+        Just("nan"),
+        Just("inf"),
+        Just(""),
+        Just("$End"),
+        Just("*ELEMENT, TYPE=C3D8"),
+        Just("*"),
+        Just("\""),
+        Just("=,="),
+        Just("ä\u{0}"),
+        Just("4294967296"),
+        Just("-9223372036854775808"),
+        Just("<DataArray"),
+        Just("*ASSEMBLY"),
+        Just("="),
+    ]
+    .prop_map(str::to_owned)
+}
+
+fn damage() -> impl Strategy<Value = Damage> {
+    let n = 0usize..100_000;
+    prop_oneof![
+        n.clone().prop_map(Damage::Truncate),
+        (n.clone(), token()).prop_map(|(i, t)| Damage::Token(i, t)),
+        (n.clone(), token()).prop_map(|(i, t)| Damage::Token(i, t)),
+        n.clone().prop_map(Damage::DeleteLine),
+        n.clone().prop_map(Damage::RepeatLine),
+        (n.clone(), n.clone()).prop_map(|(i, j)| Damage::SwapLines(i, j)),
+        (n, token()).prop_map(|(i, t)| Damage::Insert(i, t)),
+    ]
+}
+
+fn apply(text: &str, damage: &Damage) -> String {
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    if lines.is_empty() {
+        return text.to_owned();
+    }
+    let count = lines.len();
+    match damage {
+        Damage::Truncate(i) => {
+            let mut end = i % (text.len() + 1);
+            while !text.is_char_boundary(end) {
+                end -= 1;
+            }
+            return text[..end].to_owned();
+        }
+        Damage::Token(i, token) => {
+            let line = &mut lines[i % count];
+            let separator = if line.contains(',') { "," } else { " " };
+            let mut tokens: Vec<&str> = line.split(separator).collect();
+            let place = (i / count) % tokens.len();
+            tokens[place] = token;
+            *line = tokens.join(separator);
+        }
+        Damage::DeleteLine(i) => drop(lines.remove(i % count)),
+        Damage::RepeatLine(i) => lines.insert(i % count, lines[i % count].clone()),
+        Damage::SwapLines(i, j) => lines.swap(i % count, j % count),
+        Damage::Insert(i, token) => lines.insert(i % count, token.clone()),
+    }
+    lines.join("\n")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn damaged_files_give_a_good_mesh_or_an_error(file in 0usize..4, list in prop::collection::vec(damage(), 1..4)) {
+        let (name, text) = FILES[file];
+        let original = if name == "a.vtu" { vtu() } else { text.to_owned() };
+        let damaged = list.iter().fold(original, |text, d| apply(&text, d));
+        let error = if name == "a.vtu" {
+            match read_vtu_from_str(name, &damaged) {
+                Ok(data) => {
+                    prop_assert!(data.hexahedra.as_flattened().iter().all(|&n| (n as usize) < data.points.len()));
+                    return Ok(());
+                }
+                Err(error) => error,
+            }
+        } else {
+            match read_mesh_from_str(name, &damaged) {
+                Ok(mesh) => {
+                    prop_assert_eq!(mesh.check(), Ok(()));
+                    return Ok(());
+                }
+                Err(error) => error,
+            }
+        };
+        prop_assert!(error.to_string().starts_with(name), "{}", error);
+    }
+
+    #[test]
+    fn any_text_is_no_reason_to_panic(text in "(\\$MeshFormat\n(2.2|4.1) 0 8\n\\$EndMeshFormat\n)?([$*a-zA-Z0-9 ,.=\"<>/\n-]|\\$Nodes|\\$Elements){0,200}") {
+        for name in ["a.msh", "a.inp"] {
+            prop_assert!(read_mesh_from_str(name, &text).is_err());
+        }
+        prop_assert!(read_vtu_from_str("a.vtu", &text).is_err());
+    }
+}
+
+/// Every prefix of the files: a truncated file is an error, or (Abaqus has no end mark) a mesh without the sets at its end.
+#[test]
+fn every_truncation() {
+    for (name, text) in FILES {
+        let original = if name == "a.vtu" { vtu() } else { text.to_owned() };
+        for end in (0..original.trim_end().len()).filter(|&e| original.is_char_boundary(e)).step_by(7) {
+            let cut = &original[..end];
+            match name {
+                "a.vtu" => assert!(read_vtu_from_str(name, cut).is_err(), "{end}"),
+                "a.msh" => assert!(read_mesh_from_str(name, cut).is_err(), "{end}"),
+                _ => {
+                    if let Ok(mesh) = read_mesh_from_str(name, cut) {
+                        assert_eq!(mesh.check(), Ok(()));
+                    }
+                }
+            }
+        }
+    }
+}

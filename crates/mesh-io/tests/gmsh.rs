@@ -1,0 +1,204 @@
+//! Gmsh files. `tests/data/ring-*.msh` were saved by Gmsh 4: a quarter ring (radii 1 and 2, height 0.5) of two
+//! volumes of 45 degrees with 2 x 3 x 2 hexahedra each, groups of all dimensions, one surface between the volumes.
+
+use std::path::Path;
+
+use stoss_mesh::{Mesh, MeshError};
+use stoss_mesh_io::{MeshIoError, read_mesh, read_mesh_from_str};
+
+fn data(name: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+fn text(name: &str) -> String {
+    std::fs::read_to_string(data(name)).unwrap()
+}
+
+fn read(text: &str) -> Result<Mesh, MeshIoError> {
+    read_mesh_from_str("part.msh", text)
+}
+
+/// One unit cube in MSH 2.2 with a line of extra elements.
+fn cube(extra: &[&str]) -> String {
+    let mut text = String::from(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"lid\"\n$EndPhysicalNames\n$Nodes\n8\n",
+    );
+    for (i, x) in stoss_reference_element::hex8::VERTICES.iter().enumerate() {
+        text += &format!("{} {} {} {}\n", 10 * i + 5, x[0], x[1], x[2]);
+    }
+    text += &format!("$EndNodes\n$Elements\n{}\n3 5 2 0 1 5 15 25 35 45 55 65 75\n", 1 + extra.len());
+    for line in extra {
+        text += &format!("{line}\n");
+    }
+    text + "$EndElements\n"
+}
+
+fn radius(x: [f64; 3]) -> f64 {
+    x[0].hypot(x[1])
+}
+
+#[test]
+fn both_versions_give_the_ring_with_its_groups() {
+    for name in ["ring-22.msh", "ring-41.msh"] {
+        let mesh = read_mesh(data(name)).unwrap();
+        assert_eq!((mesh.elements.len(), mesh.nodes.len()), (24, 3 * 7 * 3), "{name}");
+        assert_eq!(mesh.elements_of("first half").unwrap().len(), 12);
+        assert_eq!(mesh.elements_of("whole").unwrap().len(), 24);
+        for e in mesh.elements_of("first half").unwrap() {
+            assert!(mesh.element_coordinates(e).iter().all(|x| x[1] < x[0] + 1e-9));
+        }
+        for (group, count) in [("top", 12), ("outer", 12), ("surface-24", 12)] {
+            let facets = mesh.facets_of(group).unwrap();
+            assert_eq!(facets.len(), count, "{name} {group}");
+            for f in facets {
+                let x = f.nodes.map(|n| mesh.nodes[n as usize]);
+                let d = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[a][i] - x[b][i]) };
+                let (a, b) = (d(2, 0), d(3, 1));
+                let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+                let good = match group {
+                    "top" => n[2] > 0.0 && x.iter().all(|x| (x[2] - 0.5).abs() < 1e-12),
+                    "outer" => {
+                        n[0] * x[0][0] + n[1] * x[0][1] > 0.0 && x.iter().all(|&x| (radius(x) - 2.0).abs() < 1e-12)
+                    }
+                    _ => n[2] < 0.0 && x.iter().all(|x| x[2].abs() < 1e-12),
+                };
+                assert!(good, "{name} {group}");
+            }
+        }
+        // between two volumes: nodes, no facets
+        let interface = mesh.nodes_of("interface").unwrap();
+        assert_eq!(interface.len(), 9);
+        assert!(interface.iter().all(|&n| (mesh.nodes[n as usize][0] - mesh.nodes[n as usize][1]).abs() < 1e-12));
+        assert!(matches!(mesh.facets_of("interface"), Err(MeshError::WrongSetKind { .. })));
+        let arc = mesh.nodes_of("arc").unwrap();
+        assert_eq!(arc.len(), 4);
+        assert!(arc.iter().all(|&n| (radius(mesh.nodes[n as usize]) - 1.0).abs() < 1e-12));
+    }
+    let volumes = ["ring-22.msh", "ring-41.msh"].map(|n| read_mesh(data(n)).unwrap().quality().volume);
+    assert!((volumes[0] - volumes[1]).abs() < 1e-13);
+    let chords = 6.0 * 0.5 * (std::f64::consts::PI / 12.0).sin() * 3.0 * 0.5;
+    assert!((volumes[0] - chords).abs() < 1e-9, "{} {chords}", volumes[0]);
+}
+
+/// The format is found by content where the extension says nothing.
+#[test]
+fn content_decides_without_an_extension() {
+    let mesh = read_mesh_from_str("part.mesh", &cube(&[])).unwrap();
+    assert_eq!(mesh.elements, [[0, 1, 2, 3, 4, 5, 6, 7]]);
+    let error = read_mesh_from_str("part.stl", "solid x").unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "part.stl: unknown mesh format; known are Gmsh MSH 2.2 and 4.1 (text) (.msh), Abaqus input (.inp)"
+    );
+    assert!(matches!(read_mesh("no/such/file.msh"), Err(MeshIoError::Io { .. })));
+}
+
+#[test]
+fn quads_become_outward_facets_whatever_their_own_sense() {
+    for quad in ["1 3 2 7 1 45 55 65 75", "1 3 2 7 1 75 65 55 45", "1 3 2 7 1 65 75 45 55"] {
+        let mesh = read(&cube(&[quad])).unwrap();
+        let lid = mesh.facets_of("lid").unwrap();
+        assert_eq!((lid.len(), lid[0].nodes), (1, [4, 5, 6, 7]));
+    }
+}
+
+#[test]
+fn unused_nodes_are_dropped() {
+    let with_unused = cube(&["9 15 2 3 1 99"]).replace("$Nodes\n8\n", "$Nodes\n9\n99 7 7 7\n");
+    let mesh = read(&with_unused).unwrap();
+    assert_eq!(mesh.nodes.len(), 8);
+    assert!(!mesh.has_set("point-3"));
+    let kept = read(&cube(&["9 15 2 3 1 25"])).unwrap();
+    assert_eq!(kept.nodes_of("point-3").unwrap(), [2]);
+}
+
+#[test]
+fn other_cells_are_counted_and_refused() {
+    let error = read_mesh(data("tetrahedra-41.msh")).unwrap_err();
+    let MeshIoError::Unsupported { line, value, remedy, .. } = &error else { panic!("{error}") };
+    let source = text("tetrahedra-41.msh");
+    // the count by another route: the block header `3 entity 4 count`
+    let tetrahedra: u64 = source
+        .lines()
+        .skip_while(|l| *l != "$Elements")
+        .map(|l| l.split_whitespace().collect::<Vec<_>>())
+        .find(|l| l.len() == 4 && l[0] == "3" && l[2] == "4")
+        .map_or(0, |l| l[3].parse().unwrap());
+    assert!(tetrahedra > 0 && value.contains(&format!("{tetrahedra} tetrahedra (type 4)")), "{value}");
+    assert!(value.contains("triangles (type 2)") && remedy.contains("RecombineAll"), "{error}");
+    assert!(*line > 1 && source.lines().nth(*line - 1).unwrap().split_whitespace().count() == 4);
+}
+
+/// Each bad file, the line that its error must name, and a piece of the message.
+#[test]
+fn errors_name_the_line() {
+    let good = cube(&["1 3 2 7 1 45 55 65 75"]);
+    read(&good).unwrap();
+    let replaced = |from: &str, to: &str| good.replacen(from, to, 1);
+    let rows = [
+        (replaced("2.2 0 8", "1.0 0 8"), 2, "MSH version 1.0"),
+        (replaced("2.2 0 8", "4.0 0 8"), 2, "MSH version 4.0"),
+        (replaced("2.2 0 8", "2.2 1 8"), 2, "binary"),
+        (replaced("$MeshFormat", "$NOD"), 1, "begins with $MeshFormat"),
+        (replaced("2 7 \"lid\"", "2 7 lid"), 6, "in quotes"),
+        (replaced("5 -1 -1 -1", "5 -1 x -1"), 10, "\"x\": expected a coordinate"),
+        (replaced("5 -1 -1 -1", "5 -1 -1"), 10, "end of line"),
+        (replaced("5 -1 -1 -1", "5 -1 nan -1"), 10, "finite"),
+        (replaced("5 -1 -1 -1", "15 -1 -1 -1"), 11, "already at another place in line 10"),
+        (replaced("$Nodes\n8", "$Nodes\n9"), 18, "\"$EndNodes\": expected a node number"),
+        (replaced("$Nodes\n8", "$Nodes\n7"), 17, "expected $EndNodes"),
+        (replaced("$Nodes\n8", "$Nodes\nmany"), 9, "number of nodes"),
+        (replaced("5 15 25 35 45", "5 15 25 36 45"), 21, "no node 36"),
+        (replaced("5 15 25 35 45", "5 15 25 25 45"), 21, "uses this node twice"),
+        (replaced("5 15 25 35 45 55 65 75", "5 15 25 35 45 55 65"), 21, "8 nodes, not 7"),
+        (replaced("5 15 25 35 45 55 65 75", "45 55 65 75 5 15 25 35"), 21, "element 3 with nodes [45, 55"),
+        (replaced("1 3 2 7 1 45 55 65 75", "1 3 2 7 1 45 55 65 35"), 22, "no facet of a hexahedron"),
+        (replaced("1 3 2 7 1 45 55 65 75", "1 3 2 7 1 45 55 65 99"), 22, "no node 99"),
+        (replaced("$Elements\n2", "$Elements\n3"), 23, "\"$EndElements\""),
+        (replaced("$EndElements\n", ""), 22, "cut off"),
+        (replaced("$Elements", "$Elephants").replace("$EndElements", "$EndElephants"), 23, "no $Elements section"),
+        (replaced("$Nodes", "$NodeData").replace("$EndNodes", "$EndNodeData"), 19, "$Nodes must come before"),
+        (replaced("$EndNodes\n", "$EndNodes\nhello\n"), 19, "beginning of a section"),
+        (replaced("3 5 2 0 1", "3 17 2 0 1"), 21, "1 20-node hexahedra (type 17)"),
+        (
+            cube(&["1 1 2 7 1 45 55"])
+                .replace("2 7 \"lid\"", "1 7 \"lid\"")
+                .replace("\n1\n1 7", "\n2\n2 8 \"lid\"\n1 7"),
+            23,
+            "rename",
+        ),
+    ];
+    for (source, line, message) in rows {
+        let error = read(&source).unwrap_err().to_string();
+        assert!(
+            error.starts_with(&format!("part.msh:{line}: ")) && error.contains(message),
+            "{error}\nfor line {line}, {message}"
+        );
+    }
+}
+
+#[test]
+fn problems_of_the_mesh_are_told_in_the_numbers_of_the_file() {
+    // two cubes on one another with their own nodes each
+    let mut two = cube(&["4 5 2 0 1 105 115 125 135 145 155 165 175"]).replace("$Nodes\n8", "$Nodes\n16");
+    let mut extra = String::new();
+    for (i, x) in stoss_reference_element::hex8::VERTICES.iter().enumerate() {
+        extra += &format!("{} {} {} {}\n", 105 + 10 * i, x[0], x[1], x[2] + 2.0);
+    }
+    two = two.replace("$EndNodes", &format!("{extra}$EndNodes"));
+    let error = read(&two).unwrap_err();
+    assert!(matches!(error, MeshIoError::CoincidentNodes { first: 45, second: 105, line: 18, .. }), "{error}");
+    let overlap = cube(&["8 5 2 0 1 15 25 35 5 55 65 75 45"]);
+    let error = read(&overlap).unwrap_err();
+    assert!(matches!(error, MeshIoError::OverlappingElements { elements: [3, 8], line: 22, .. }), "{error}");
+    let none = cube(&[]).replace("$Elements\n1\n3 5 2 0 1 5 15 25 35 45 55 65 75", "$Elements\n0");
+    assert!(matches!(read(&none), Err(MeshIoError::NoHexahedra { .. })));
+}
+
+/// An element that belongs to two groups stands in a 2.2 file twice.
+#[test]
+fn an_element_of_two_groups_is_one_element() {
+    let mesh = read(&cube(&["4 5 2 8 1 5 15 25 35 45 55 65 75", "4 5 2 9 1 5 15 25 35 45 55 65 75"])).unwrap();
+    assert_eq!(mesh.elements.len(), 1);
+    assert_eq!((mesh.elements_of("volume-8").unwrap(), mesh.elements_of("volume-9").unwrap()), (vec![0], vec![0]));
+}

@@ -1,0 +1,166 @@
+//! Everything that makes a mesh unusable, as a named error.
+
+use std::collections::HashMap;
+
+use stoss_reference_element::quadrature::GAUSS_HEX_2;
+
+use crate::quality::{det, edge_range, jacobian};
+use crate::{Facet, FacetIndex, Mesh, MeshError, SetKind};
+
+/// Two nodes are one if they are closer than this times the shortest edge of the mesh. Files with 6 digits of an element
+/// of 1/1000 of the body's size still tell neighbours from copies.
+const COINCIDENT: f64 = 1e-4;
+
+impl Mesh {
+    /// Checks that the mesh can be computed with: elements exist, their nodes exist and differ, coordinates are finite,
+    /// `det J > 0` at all Gauss points, no unused and no coincident nodes, no overlapping elements, sets in range.
+    ///
+    /// # Errors
+    /// The first problem found, in this order.
+    pub fn check(&self) -> Result<(), MeshError> {
+        if self.elements.is_empty() {
+            return Err(MeshError::NoElements);
+        }
+        self.check_node_numbers()?;
+        self.check_geometry()?;
+        self.check_unused()?;
+        self.check_coincident()?;
+        self.check_overlap()?;
+        self.check_sets()
+    }
+
+    pub(crate) fn check_node_numbers(&self) -> Result<(), MeshError> {
+        let count = self.nodes.len();
+        for (e, nodes) in self.elements.iter().enumerate() {
+            if let Some(&node) = nodes.iter().find(|&&n| n as usize >= count) {
+                return Err(MeshError::NodeOutOfRange { element: e as u32, node, count });
+            }
+        }
+        Ok(())
+    }
+
+    /// Finite coordinates, no node twice in an element, positive orientation.
+    pub(crate) fn check_geometry(&self) -> Result<(), MeshError> {
+        if let Some(n) = self.nodes.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
+            return Err(MeshError::NonFiniteNode { node: n as u32, coordinates: self.nodes[n] });
+        }
+        for (e, &nodes) in self.elements.iter().enumerate() {
+            let element = e as u32;
+            if let Some(i) = (1..8).find(|&i| nodes[..i].contains(&nodes[i])) {
+                return Err(MeshError::RepeatedNode { element, nodes, node: nodes[i] });
+            }
+            let x = self.element_coordinates(element);
+            for (point, (xi, _)) in GAUSS_HEX_2.into_iter().enumerate() {
+                let jacobian = det(&jacobian(&x, xi));
+                if jacobian.is_nan() || jacobian <= 0.0 {
+                    return Err(MeshError::InvertedElement { element, nodes, point, jacobian });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_unused(&self) -> Result<(), MeshError> {
+        let mut used = vec![false; self.nodes.len()];
+        for nodes in &self.elements {
+            for &n in nodes {
+                used[n as usize] = true;
+            }
+        }
+        match used.iter().position(|u| !u) {
+            None => Ok(()),
+            Some(first) => Err(MeshError::UnusedNodes {
+                count: used.iter().filter(|u| !**u).count(),
+                first: first as u32,
+                coordinates: self.nodes[first],
+            }),
+        }
+    }
+
+    /// Sorts the nodes into cells as large as the shortest edge, so that each cell holds few, and compares within a tolerance.
+    fn check_coincident(&self) -> Result<(), MeshError> {
+        let shortest = (0..self.elements.len() as u32)
+            .map(|e| edge_range(&self.element_coordinates(e)).0)
+            .fold(f64::INFINITY, f64::min);
+        // An edge of length zero joins two coincident nodes; a tiny cell size then still finds them.
+        let (min, max) = self.bounding_box();
+        let size = (0..3).map(|i| max[i] - min[i]).fold(0.0, f64::max);
+        let cell = shortest.max(1e-12 * size).max(f64::MIN_POSITIVE);
+        let tolerance = COINCIDENT * cell;
+        let index = |x: [f64; 3], shift: [f64; 3]| -> [i64; 3] {
+            std::array::from_fn(|i| ((x[i] - min[i] + shift[i]) / cell).floor() as i64)
+        };
+        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(self.nodes.len());
+        for (n, &x) in self.nodes.iter().enumerate() {
+            let (low, high) = (index(x, [-tolerance; 3]), index(x, [tolerance; 3]));
+            for i in low[0]..=high[0] {
+                for j in low[1]..=high[1] {
+                    for k in low[2]..=high[2] {
+                        for &m in cells.get(&[i, j, k]).map_or(&[][..], Vec::as_slice) {
+                            let y = self.nodes[m as usize];
+                            let distance = (0..3).map(|c| (x[c] - y[c]) * (x[c] - y[c])).sum::<f64>().sqrt();
+                            if distance <= tolerance {
+                                return Err(MeshError::DuplicateNodes {
+                                    first: m,
+                                    second: n as u32,
+                                    coordinates: y,
+                                    distance,
+                                });
+                            }
+                        }
+                    }
+                }
+            }
+            cells.entry(index(x, [0.0; 3])).or_default().push(n as u32);
+        }
+        Ok(())
+    }
+
+    fn check_overlap(&self) -> Result<(), MeshError> {
+        for group in FacetIndex::new(&self.elements).groups() {
+            for (i, (_, a)) in group.iter().enumerate() {
+                if let Some((_, b)) = group[i + 1..].iter().find(|(_, b)| a.same_side(b)) {
+                    return Err(MeshError::OverlappingElements { elements: [a.element, b.element], nodes: a.nodes });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_sets(&self) -> Result<(), MeshError> {
+        let range = |name: &String, kind: SetKind, index: u32, count: usize| {
+            if (index as usize) < count {
+                Ok(())
+            } else {
+                Err(MeshError::SetOutOfRange { name: name.clone(), kind, index, count })
+            }
+        };
+        for (name, set) in &self.node_sets {
+            set.iter().try_for_each(|&n| range(name, SetKind::Nodes, n, self.nodes.len()))?;
+        }
+        for (name, set) in &self.element_sets {
+            set.iter().try_for_each(|&e| range(name, SetKind::Elements, e, self.elements.len()))?;
+        }
+        for (name, set) in &self.facet_sets {
+            for facet in set {
+                range(name, SetKind::Elements, facet.element, self.elements.len())?;
+                let exists = facet.local < 6 && *facet == self.facet(facet.element, facet.local as usize);
+                if !exists {
+                    return Err(MeshError::SetOutOfRange {
+                        name: name.clone(),
+                        kind: SetKind::Facets,
+                        index: u32::from(facet.local),
+                        count: 6,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Sorts a set of facets and drops repetitions.
+pub(crate) fn normalise(facets: &mut Vec<Facet>) {
+    facets.sort_unstable();
+    facets.dedup();
+}

@@ -1,0 +1,179 @@
+//! The errors of this crate.
+
+/// What a named set holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SetKind {
+    /// Nodes.
+    Nodes,
+    /// Facets of elements.
+    Facets,
+    /// Elements.
+    Elements,
+}
+
+impl std::fmt::Display for SetKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            SetKind::Nodes => "nodes",
+            SetKind::Facets => "facets",
+            SetKind::Elements => "elements",
+        })
+    }
+}
+
+/// Why a mesh cannot be made or used. Node and element numbers count from 0 in the order of the mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A parameter of a generator, a region or a placement is out of its admissible range.
+    #[error("{parameter} = {value}: {remedy}")]
+    Parameter {
+        /// The parameter's name.
+        parameter: &'static str,
+        /// The value given.
+        value: String,
+        /// What is admissible.
+        remedy: String,
+    },
+    /// A mesh with this number of elements is refused.
+    #[error("divisions {divisions} give more than {limit} elements: use fewer divisions")]
+    TooLarge {
+        /// The divisions given.
+        divisions: String,
+        /// The largest number of elements.
+        limit: usize,
+    },
+    /// There is no set of this name.
+    #[error("no set named \"{name}\"; the mesh has: {}", available.join(", "))]
+    UnknownSet {
+        /// The name asked for.
+        name: String,
+        /// All names that exist.
+        available: Vec<String>,
+    },
+    /// The set exists but holds something from which the things wanted do not follow.
+    #[error("set \"{name}\" has {has}, but {wanted} are needed here")]
+    WrongSetKind {
+        /// The name asked for.
+        name: String,
+        /// What the set has.
+        has: SetKind,
+        /// What is needed.
+        wanted: SetKind,
+    },
+    /// A set of this name exists already.
+    #[error("a set named \"{name}\" exists already: choose another name")]
+    SetExists {
+        /// The name.
+        name: String,
+    },
+    /// No node lies in the region of the set.
+    #[error("set \"{name}\" is empty: no node lies in {region}; the mesh spans {min:?} to {max:?}")]
+    EmptySet {
+        /// The name.
+        name: String,
+        /// The region in words.
+        region: String,
+        /// Smallest coordinates of the mesh.
+        min: [f64; 3],
+        /// Largest coordinates of the mesh.
+        max: [f64; 3],
+    },
+    /// The mesh has no element.
+    #[error("the mesh has no element")]
+    NoElements,
+    /// An element refers to a node that does not exist.
+    #[error("element {element} refers to node {node}, but the mesh has {count} nodes")]
+    NodeOutOfRange {
+        /// The element.
+        element: u32,
+        /// The node.
+        node: u32,
+        /// Number of nodes.
+        count: usize,
+    },
+    /// A set refers to something that does not exist.
+    #[error("set \"{name}\" refers to {kind} number {index}, but the mesh has only {count}")]
+    SetOutOfRange {
+        /// The set.
+        name: String,
+        /// What it holds.
+        kind: SetKind,
+        /// The bad number.
+        index: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A coordinate is infinite or not a number.
+    #[error("node {node} is at {coordinates:?}: coordinates must be finite")]
+    NonFiniteNode {
+        /// The node.
+        node: u32,
+        /// Its coordinates.
+        coordinates: [f64; 3],
+    },
+    /// An element uses a node twice.
+    #[error(
+        "element {element} with nodes {nodes:?} uses node {node} twice: collapsed hexahedra are not supported, use 8 different nodes"
+    )]
+    RepeatedNode {
+        /// The element.
+        element: u32,
+        /// Its nodes.
+        nodes: [u32; 8],
+        /// The node that occurs twice.
+        node: u32,
+    },
+    /// The Jacobian determinant of an element is not positive at a Gauss point.
+    #[error(
+        "element {element} with nodes {nodes:?} has det J = {jacobian:e} at Gauss point {point}: it is inverted or degenerate; \
+         check the order of its nodes (bottom counter-clockwise seen from the top, then top)"
+    )]
+    InvertedElement {
+        /// The element.
+        element: u32,
+        /// Its nodes.
+        nodes: [u32; 8],
+        /// The point of the 2 x 2 x 2 rule.
+        point: usize,
+        /// `det J` there (a volume per reference volume).
+        jacobian: f64,
+    },
+    /// Nodes that belong to no element.
+    #[error("{count} nodes belong to no element, the first is node {first} at {coordinates:?}: remove them")]
+    UnusedNodes {
+        /// How many.
+        count: usize,
+        /// The first of them.
+        first: u32,
+        /// Where it is.
+        coordinates: [f64; 3],
+    },
+    /// Two nodes at the same place.
+    #[error(
+        "nodes {first} and {second} are both at {coordinates:?} (distance {distance:e}): merge coincident nodes, or make two bodies"
+    )]
+    DuplicateNodes {
+        /// The one node.
+        first: u32,
+        /// The other node.
+        second: u32,
+        /// Where the first is.
+        coordinates: [f64; 3],
+        /// Their distance.
+        distance: f64,
+    },
+    /// Elements that overlap: a facet shared by more than two, or by two on the same side of it.
+    #[error("elements {elements:?} lie on the same side of the facet with nodes {nodes:?}: they overlap, remove one")]
+    OverlappingElements {
+        /// The elements.
+        elements: [u32; 2],
+        /// The facet's nodes.
+        nodes: [u32; 4],
+    },
+}
+
+/// Shorthand for [`MeshError::Parameter`].
+pub(crate) fn parameter<T: std::fmt::Debug>(parameter: &'static str, value: T, remedy: impl Into<String>) -> MeshError {
+    MeshError::Parameter { parameter, value: format!("{value:?}"), remedy: remedy.into() }
+}

@@ -1,0 +1,74 @@
+//! Settings of the iteration, and their defaults with reasons.
+
+/// When and how a step is shortened.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum LineSearch {
+    /// Full steps only. A trial that is not admissible ends the iteration with the problem's error.
+    #[default]
+    Off,
+    /// A full step is tried first, and assembled at once, so that the line search costs nothing while it is not needed.
+    /// If the step is not admissible or the residual grows too much, the step is shortened until both are fine.
+    Backtracking {
+        /// A step is accepted if the residual is at most this times the previous one. At contact a residual may well
+        /// grow in one iteration; 1 would suffocate the iteration there.
+        max_growth: f64,
+        /// Factor between two trials, in (0, 1).
+        reduction: f64,
+        /// At most so many reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
+        max_reductions: u32,
+    },
+}
+
+impl LineSearch {
+    /// Halving, at most 8 times, when the residual grows tenfold.
+    pub fn backtracking() -> Self {
+        Self::Backtracking { max_growth: 10.0, reduction: 0.5, max_reductions: 8 }
+    }
+}
+
+/// Settings of the iteration. Norms are those of the problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NewtonOptions {
+    /// At most so many linear systems are solved, those of the polishing included.
+    pub max_iterations: u32,
+    /// Converged when `residual <= absolute_tolerance + relative_tolerance * scale`. A residual's unit.
+    pub absolute_tolerance: f64,
+    /// See [`Self::absolute_tolerance`]. Without unit.
+    pub relative_tolerance: f64,
+    /// At most so many further iterations after the tolerance is reached, each only if the one before reduced the residual
+    /// by [`Self::polish_factor`] and round-off is not reached yet. Zero: stop at the tolerance.
+    pub polish: u32,
+    /// An iteration of the polishing has paid if the residual fell at least by this factor, in (0, 1).
+    pub polish_factor: f64,
+    /// No polishing below `round_off_level * scale`: there is nothing left to gain.
+    pub round_off_level: f64,
+    /// A residual that no longer falls by [`Self::polish_factor`] counts as converged to round-off although the tolerance is
+    /// not reached, if it is at most this times the scale, or ...
+    pub stagnation_residual: f64,
+    /// ... if the increment is at most this times the norm of the iterate: the last bits of the iterate decide then.
+    pub stagnation_increment: f64,
+    /// Stop as stagnated after so many iterations without a new smallest residual.
+    pub stagnation_iterations: u32,
+    /// Stop as diverged when the residual exceeds this times the larger of first residual and first scale.
+    pub divergence_factor: f64,
+    /// The line search.
+    pub line_search: LineSearch,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self {
+            max_iterations: 25,
+            absolute_tolerance: 0.0,
+            relative_tolerance: 1e-9,
+            polish: 1,
+            polish_factor: 0.5,
+            round_off_level: 1e-15,
+            stagnation_residual: 1e-11,
+            stagnation_increment: 1e-13,
+            stagnation_iterations: 10,
+            divergence_factor: 1e8,
+            line_search: LineSearch::Off,
+        }
+    }
+}

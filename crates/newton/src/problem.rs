@@ -1,0 +1,60 @@
+//! The trait of a problem `R(q) = 0`.
+
+/// Size of the residual, and what it is to be compared with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResidualNorms {
+    /// Norm of the residual; zero at the solution.
+    pub residual: f64,
+    /// Size of the terms whose sum the residual is, in the same norm (for a balance of forces: the largest of the norms of
+    /// inertial, internal, external and contact forces). Round-off leaves a residual of about `1e-16 * scale`. May be zero.
+    pub scale: f64,
+}
+
+/// A system of equations at an iterate that the problem itself stores.
+///
+/// Calls come in this order: `assemble`, then for each iteration `solve`, `update(1.0)`, `assemble`; where a line search or
+/// the polishing rejects that step, `update(s)` with smaller `s` (0 included), `residual_norm`, and `assemble` again.
+pub trait NewtonProblem {
+    /// What can go wrong in the problem.
+    type Error;
+
+    /// Assembles residual and tangent at the present iterate and returns the residual's norms.
+    ///
+    /// # Errors
+    /// The problem's own; recoverable ones (see [`Self::is_recoverable`]) lead to a shorter step.
+    fn assemble(&mut self) -> Result<ResidualNorms, Self::Error>;
+
+    /// Solves `K du = -R` with what was assembled last, remembers the iterate as the base of `update`, and returns the norm
+    /// of `du`.
+    ///
+    /// # Errors
+    /// The problem's own, for instance a singular tangent. They end the iteration.
+    fn solve(&mut self) -> Result<f64, Self::Error>;
+
+    /// Sets the iterate to `base + factor * du`, where `base` is the iterate at which `solve` was called. A second call replaces
+    /// the first. After an error it must be possible to call it again with a smaller factor; `factor = 0` must restore
+    /// the base, bit by bit.
+    ///
+    /// # Errors
+    /// The problem's own.
+    fn update(&mut self, factor: f64) -> Result<(), Self::Error>;
+
+    /// Norm of the residual alone at the present (trial) iterate. The default assembles everything.
+    ///
+    /// # Errors
+    /// As [`Self::assemble`].
+    fn residual_norm(&mut self) -> Result<f64, Self::Error> {
+        Ok(self.assemble()?.residual)
+    }
+
+    /// Whether a shorter step may help: true for an inadmissible trial (an inverted element), false for everything that
+    /// no step length changes. By default false.
+    fn is_recoverable(&self, _error: &Self::Error) -> bool {
+        false
+    }
+
+    /// Norm of the iterate, in the norm of the increment, for the relative size of an increment; zero if unknown (default).
+    fn iterate_norm(&self) -> f64 {
+        0.0
+    }
+}

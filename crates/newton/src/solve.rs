@@ -1,0 +1,202 @@
+//! The iteration itself.
+
+use crate::{
+    IterationRecord, LineSearch, NewtonFailure, NewtonOptions, NewtonProblem, NewtonReport, ResidualNorms, StopReason,
+};
+
+/// Iterates until a stop reason applies. On success the problem's iterate is the solution. After a failure it is undefined:
+/// the caller restores its last good state.
+///
+/// On success residual and tangent held by the problem belong to the solution, and `iterations.last()` is its record,
+/// unless the last step was taken back: then its record has step length zero.
+///
+/// # Errors
+/// [`NewtonFailure::NotConverged`] with the reason, or [`NewtonFailure::Problem`] with the problem's own error.
+pub fn solve<P: NewtonProblem>(
+    problem: &mut P,
+    options: &NewtonOptions,
+) -> Result<NewtonReport, NewtonFailure<P::Error>> {
+    let mut course = Course { options, records: Vec::with_capacity(options.max_iterations as usize + 1) };
+    match course.run(problem) {
+        Ok(reason) if reason.is_converged() => Ok(course.report(reason)),
+        Ok(reason) => Err(NewtonFailure::NotConverged(course.report(reason))),
+        Err(error) => Err(NewtonFailure::Problem { error, report: course.report(StopReason::ProblemError) }),
+    }
+}
+
+/// What became of a step.
+enum Step {
+    Taken { norms: ResidualNorms, length: f64 },
+    NotAcceptable,
+    NotFinite,
+}
+
+struct Course<'a> {
+    options: &'a NewtonOptions,
+    records: Vec<IterationRecord>,
+}
+
+impl Course<'_> {
+    fn report(self, reason: StopReason) -> NewtonReport {
+        NewtonReport { reason, iterations: self.records }
+    }
+
+    fn run<P: NewtonProblem>(&mut self, problem: &mut P) -> Result<StopReason, P::Error> {
+        let o = self.options;
+        let mut norms = problem.assemble()?;
+        self.record(norms, 0.0, 0.0);
+        if !norms.is_finite() {
+            return Ok(StopReason::NotFinite);
+        }
+        let divergence = o.divergence_factor * norms.residual.max(norms.scale);
+        let mut smallest = norms.residual;
+        let mut since_smallest = 0;
+        let mut solves = 0;
+        while !self.within_tolerance(norms) {
+            if solves == o.max_iterations {
+                return Ok(StopReason::MaxIterations);
+            }
+            solves += 1;
+            let increment = problem.solve()?;
+            if !increment.is_finite() {
+                return Ok(StopReason::NotFinite);
+            }
+            let previous = norms.residual;
+            let length = match self.step(problem, previous)? {
+                Step::Taken { norms: new, length } => {
+                    norms = new;
+                    length
+                }
+                Step::NotAcceptable => return Ok(StopReason::LineSearchFailed),
+                Step::NotFinite => return Ok(StopReason::NotFinite),
+            };
+            self.record(norms, increment, length);
+            if self.within_tolerance(norms) {
+                break;
+            }
+            // Full steps only: a short step says nothing about what a full one would gain.
+            let fell = norms.residual <= o.polish_factor * previous || length < 1.0;
+            let at_round_off = norms.residual <= o.stagnation_residual * norms.scale
+                || (increment <= o.stagnation_increment * problem.iterate_norm() && increment > 0.0);
+            if !fell && at_round_off {
+                return Ok(StopReason::ConvergedToRoundOff);
+            }
+            if norms.residual > divergence {
+                return Ok(StopReason::Diverged);
+            }
+            if norms.residual < smallest {
+                smallest = norms.residual;
+                since_smallest = 0;
+            } else {
+                since_smallest += 1;
+                if since_smallest >= o.stagnation_iterations {
+                    return Ok(StopReason::Stagnated);
+                }
+            }
+        }
+        self.polish(problem, norms, solves)
+    }
+
+    /// Further iterations below the tolerance. Nothing that happens here turns success into failure, but an error at the
+    /// restored iterate.
+    fn polish<P: NewtonProblem>(
+        &mut self,
+        problem: &mut P,
+        mut norms: ResidualNorms,
+        solves: u32,
+    ) -> Result<StopReason, P::Error> {
+        let o = self.options;
+        for _ in 0..o.polish.min(o.max_iterations - solves) {
+            if norms.residual <= o.round_off_level * norms.scale {
+                return Ok(StopReason::ConvergedToRoundOff);
+            }
+            let Ok(increment) = problem.solve() else {
+                return Ok(StopReason::Converged);
+            };
+            let trial = match problem.update(1.0) {
+                Ok(()) => problem.assemble(),
+                Err(error) => Err(error),
+            };
+            let residual = trial.as_ref().map_or(f64::NAN, |t| t.residual);
+            match trial {
+                Ok(new)
+                    if new.is_finite()
+                        && increment.is_finite()
+                        && self.within_tolerance(new)
+                        && residual * o.polish_factor <= norms.residual =>
+                {
+                    self.record(new, increment, 1.0);
+                    let paid = residual <= o.polish_factor * norms.residual;
+                    norms = new;
+                    if !paid {
+                        return Ok(StopReason::ConvergedToRoundOff);
+                    }
+                }
+                _ => {
+                    // Clearly worse than before: take it back.
+                    problem.update(0.0)?;
+                    problem.assemble()?;
+                    self.record(ResidualNorms { residual, ..norms }, increment, 0.0);
+                    return Ok(StopReason::Converged);
+                }
+            }
+        }
+        Ok(StopReason::Converged)
+    }
+
+    /// One step along the increment: the full one, or a shorter one where the line search is on and has to act.
+    fn step<P: NewtonProblem>(&self, problem: &mut P, previous: f64) -> Result<Step, P::Error> {
+        let full = match problem.update(1.0) {
+            Ok(()) => problem.assemble(),
+            Err(error) => Err(error),
+        };
+        let LineSearch::Backtracking { max_growth, reduction, max_reductions } = self.options.line_search else {
+            let norms = full?;
+            return Ok(if norms.is_finite() { Step::Taken { norms, length: 1.0 } } else { Step::NotFinite });
+        };
+        let limit = max_growth * previous;
+        let mut last_error = None;
+        match full {
+            // Also below the tolerance: a residual at round-off may grow by any factor.
+            Ok(norms) if norms.is_finite() && (norms.residual <= limit || self.within_tolerance(norms)) => {
+                return Ok(Step::Taken { norms, length: 1.0 });
+            }
+            Ok(_) => {}
+            Err(error) if problem.is_recoverable(&error) => last_error = Some(error),
+            Err(error) => return Err(error),
+        }
+        let mut length = 1.0;
+        for _ in 0..max_reductions {
+            length *= reduction;
+            let trial = match problem.update(length) {
+                Ok(()) => problem.residual_norm(),
+                Err(error) => Err(error),
+            };
+            match trial {
+                Ok(residual) if residual <= limit => {
+                    let norms = problem.assemble()?;
+                    return Ok(if norms.is_finite() { Step::Taken { norms, length } } else { Step::NotFinite });
+                }
+                Ok(_) => last_error = None,
+                Err(error) if problem.is_recoverable(&error) => last_error = Some(error),
+                Err(error) => return Err(error),
+            }
+        }
+        last_error.map_or(Ok(Step::NotAcceptable), Err)
+    }
+
+    fn within_tolerance(&self, norms: ResidualNorms) -> bool {
+        let o = self.options;
+        norms.residual <= o.absolute_tolerance + o.relative_tolerance * norms.scale
+    }
+
+    fn record(&mut self, norms: ResidualNorms, increment: f64, step_length: f64) {
+        self.records.push(IterationRecord { residual: norms.residual, scale: norms.scale, increment, step_length });
+    }
+}
+
+impl ResidualNorms {
+    fn is_finite(self) -> bool {
+        self.residual.is_finite() && self.scale.is_finite()
+    }
+}

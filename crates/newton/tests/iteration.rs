@@ -1,0 +1,349 @@
+//! The iteration on small systems whose behaviour is known.
+
+use proptest::prelude::*;
+use stoss_newton::{
+    LineSearch, NewtonFailure, NewtonOptions, NewtonProblem, NewtonReport, ResidualNorms, StopReason, solve,
+};
+
+/// A scalar equation `f(x) = 0`, solved with slope `k(x)`; trials outside of the domain are errors.
+struct Scalar<F, K> {
+    f: F,
+    k: K,
+    domain: (f64, f64),
+    x: f64,
+    base: f64,
+    dx: f64,
+    scale: f64,
+    recoverable: bool,
+    assemblies: u32,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Outside(f64);
+
+impl<F: Fn(f64) -> f64, K: Fn(f64) -> f64> Scalar<F, K> {
+    fn new(f: F, k: K, x: f64) -> Self {
+        Self {
+            f,
+            k,
+            domain: (f64::NEG_INFINITY, f64::INFINITY),
+            x,
+            base: x,
+            dx: 0.0,
+            scale: 1.0,
+            recoverable: true,
+            assemblies: 0,
+        }
+    }
+
+    fn run(&mut self, o: &NewtonOptions) -> Result<NewtonReport, NewtonFailure<Outside>> {
+        let result = solve(self, o);
+        if let Ok(report) = &result {
+            // The record of the accepted iterate is the truth.
+            assert_eq!(report.final_residual(), (self.f)(self.x).abs());
+        }
+        result
+    }
+}
+
+impl<F: Fn(f64) -> f64, K: Fn(f64) -> f64> NewtonProblem for Scalar<F, K> {
+    type Error = Outside;
+
+    fn assemble(&mut self) -> Result<ResidualNorms, Outside> {
+        self.assemblies += 1;
+        let residual = self.residual_norm()?;
+        Ok(ResidualNorms { residual, scale: self.scale })
+    }
+
+    fn solve(&mut self) -> Result<f64, Outside> {
+        self.base = self.x;
+        self.dx = -(self.f)(self.x) / (self.k)(self.x);
+        Ok(self.dx.abs())
+    }
+
+    fn update(&mut self, factor: f64) -> Result<(), Outside> {
+        self.x = self.base + factor * self.dx;
+        Ok(())
+    }
+
+    fn residual_norm(&mut self) -> Result<f64, Outside> {
+        if self.x < self.domain.0 || self.x > self.domain.1 {
+            return Err(Outside(self.x));
+        }
+        Ok((self.f)(self.x).abs())
+    }
+
+    fn is_recoverable(&self, _: &Outside) -> bool {
+        self.recoverable
+    }
+
+    fn iterate_norm(&self) -> f64 {
+        self.x.abs()
+    }
+}
+
+fn with_line_search() -> NewtonOptions {
+    NewtonOptions { line_search: LineSearch::backtracking(), ..NewtonOptions::default() }
+}
+
+fn reason<T: std::fmt::Debug>(r: Result<T, NewtonFailure<Outside>>) -> StopReason {
+    r.unwrap_err().report().reason
+}
+
+#[test]
+fn newton_is_quadratic_and_ends_at_round_off() {
+    let mut p = Scalar::new(|x| x * x - 2.0, |x| 2.0 * x, 10.0);
+    let report = p.run(&NewtonOptions::default()).unwrap();
+    assert!(report.reason.is_converged());
+    assert!((p.x - 2f64.sqrt()).abs() <= 4.5e-16, "{}", p.x);
+    let order = report.observed_order().unwrap();
+    assert!((order - 2.0).abs() < 0.1, "{order}");
+    assert_eq!(p.assemblies as usize, report.iterations.len());
+}
+
+/// A frozen slope converges linearly with a known factor: `f = x - 1`, `k = 2` halves the error.
+#[test]
+fn a_frozen_tangent_is_linear() {
+    let mut p = Scalar::new(|x| x - 1.0, |_| 2.0, 3.0);
+    let o = NewtonOptions { max_iterations: 100, polish: 0, ..NewtonOptions::default() };
+    let report = p.run(&o).unwrap();
+    assert_eq!(report.reason, StopReason::Converged);
+    assert!((report.observed_order().unwrap() - 1.0).abs() < 1e-6);
+    // 2 * 2^-k <= 1e-9 for the first time at k = 31.
+    assert_eq!(report.iteration_count(), 31);
+}
+
+/// A double root: the error halves, hence the residual falls by four; order one.
+#[test]
+fn a_double_root_is_linear() {
+    let mut p = Scalar::new(|x| x * x, |x| 2.0 * x, 1.0);
+    let report = p.run(&NewtonOptions::default()).unwrap();
+    assert!((report.observed_order().unwrap() - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn polishing_pays_or_ends() {
+    let run = |polish| {
+        let mut p = Scalar::new(|x| x.exp() - 3.0, f64::exp, 1.0);
+        let o = NewtonOptions { polish, relative_tolerance: 1e-3, ..NewtonOptions::default() };
+        (p.run(&o).unwrap(), (p.x - 3f64.ln()).abs())
+    };
+    let (none, one, many) = (run(0), run(1), run(9));
+    assert_eq!(one.0.iteration_count(), none.0.iteration_count() + 1);
+    assert!(one.1 < 1e-3 * none.1);
+    assert!(many.1 <= 3e-16);
+    // Round-off ends the polishing long before nine.
+    assert!(many.0.iteration_count() <= none.0.iteration_count() + 4);
+    assert!(many.0.reason.is_converged());
+}
+
+/// Below the tolerance the iteration must not lose what it has: a slope of the wrong sign doubles the residual.
+#[test]
+fn polishing_that_worsens_is_taken_back() {
+    let mut p = Scalar::new(|x| x - 1.0, |_| -0.5, 1.0 + 1e-7);
+    let o = NewtonOptions { relative_tolerance: 1e-6, ..NewtonOptions::default() };
+    let before = p.x;
+    let report = p.run(&o).unwrap();
+    assert_eq!(report.reason, StopReason::Converged);
+    assert_eq!(p.x.to_bits(), before.to_bits());
+    assert_eq!(report.iterations.last().unwrap().step_length, 0.0);
+    assert_eq!(p.assemblies, 3);
+}
+
+/// A trial of the polishing outside of the domain is no failure.
+#[test]
+fn polishing_outside_of_the_domain_is_taken_back() {
+    let mut p = Scalar::new(|x| x - 1.0, |_| 1.0, 1.0 + 1e-7);
+    p.domain = (1.0 + 1e-8, 2.0);
+    p.recoverable = false;
+    let o = NewtonOptions { relative_tolerance: 1e-6, ..NewtonOptions::default() };
+    assert_eq!(p.run(&o).unwrap().reason, StopReason::Converged);
+    assert_eq!(p.x, 1.0 + 1e-7);
+}
+
+#[test]
+fn a_tolerance_below_round_off_is_not_a_failure() {
+    // The residual of 1e3 (x^2 - 2) at the doubles next to sqrt(2) is about 4e-13, never zero.
+    let mut p = Scalar::new(|x| 1e3 * (x * x - 2.0), |x| 2e3 * x, 1.0);
+    p.scale = 2e3;
+    let o = NewtonOptions { relative_tolerance: 1e-30, ..NewtonOptions::default() };
+    let report = p.run(&o).unwrap();
+    assert_eq!(report.reason, StopReason::ConvergedToRoundOff);
+    assert!((p.x - 2f64.sqrt()).abs() <= 4.5e-16);
+    assert!(report.iteration_count() < 10);
+}
+
+#[test]
+fn an_exact_start_needs_no_solve() {
+    let mut p = Scalar::new(|x| x, |_| 1.0, 0.0);
+    p.scale = 0.0;
+    let report = p.run(&NewtonOptions::default()).unwrap();
+    assert_eq!(report.iteration_count(), 0);
+    assert_eq!(report.observed_order(), None);
+}
+
+/// `ln x = 0` from 4: the full step leads to x < 0, outside of the domain; half of it is admissible.
+#[test]
+fn an_inadmissible_trial_needs_the_line_search() {
+    let problem = || {
+        let mut p = Scalar::new(f64::ln, |x| 1.0 / x, 4.0);
+        p.domain = (1e-10, f64::INFINITY);
+        p
+    };
+    let mut p = problem();
+    let report = p.run(&with_line_search()).unwrap();
+    assert!((p.x - 1.0).abs() < 1e-15);
+    assert_eq!(report.iterations[1].step_length, 0.5);
+    assert_eq!(report.iterations.last().unwrap().step_length, 1.0);
+    match problem().run(&NewtonOptions::default()) {
+        Err(NewtonFailure::Problem { error: Outside(x), report }) => {
+            assert!(x < 0.0);
+            assert_eq!(report.reason, StopReason::ProblemError);
+        }
+        other => panic!("{other:?}"),
+    }
+    let mut p = problem();
+    p.recoverable = false;
+    assert_eq!(reason(p.run(&with_line_search())), StopReason::ProblemError);
+}
+
+/// `atan x = 0` from 3: Newton diverges, the line search converges.
+#[test]
+fn the_line_search_globalises() {
+    let problem = || Scalar::new(f64::atan, |x| 1.0 / (1.0 + x * x), 3.0);
+    let o = NewtonOptions {
+        line_search: LineSearch::Backtracking { max_growth: 1.0, reduction: 0.5, max_reductions: 20 },
+        ..NewtonOptions::default()
+    };
+    let mut p = problem();
+    p.run(&o).unwrap();
+    assert!(p.x.abs() < 1e-15);
+    assert!(problem().run(&NewtonOptions::default()).is_err());
+}
+
+#[test]
+fn no_acceptable_length_is_named() {
+    // The slope has the wrong sign: every step makes it worse.
+    let o = NewtonOptions {
+        line_search: LineSearch::Backtracking { max_growth: 1.0, reduction: 0.5, max_reductions: 5 },
+        ..NewtonOptions::default()
+    };
+    let mut p = Scalar::new(|x| x - 1.0, |_| -1.0, 3.0);
+    assert_eq!(reason(p.run(&o)), StopReason::LineSearchFailed);
+    // Nothing but the base is admissible: the problem's error comes out.
+    let mut p = Scalar::new(|x| x - 1.0, |_| 1.0, 3.0);
+    p.domain = (3.0, 3.0);
+    assert_eq!(reason(p.run(&o)), StopReason::ProblemError);
+}
+
+#[test]
+fn other_stops_are_named() {
+    let run = |f: fn(f64) -> f64, k: fn(f64) -> f64, x| Scalar::new(f, k, x).run(&NewtonOptions::default());
+    assert_eq!(reason(run(|x| x, |_| 10.0, 1.0)), StopReason::MaxIterations);
+    // From 1 to -1 and back.
+    assert_eq!(reason(run(|x| x, |_| 0.5, 1.0)), StopReason::Stagnated);
+    assert_eq!(reason(run(|x| x, |_| -1e-3, 1.0)), StopReason::Diverged);
+    // x^2 + 1 has no root: the residual never falls below 1 for long.
+    assert_eq!(reason(run(|x| x * x + 1.0, |x| 2.0 * x, 1e-3)), StopReason::Stagnated);
+    // A cycle of two: x^3 - 2x + 2 between 0 and 1.
+    assert_eq!(reason(run(|x| x * x * x - 2.0 * x + 2.0, |x| 3.0 * x * x - 2.0, 0.0)), StopReason::Stagnated);
+}
+
+#[test]
+fn nan_and_infinity_stop() {
+    for line_search in [LineSearch::Off, LineSearch::backtracking()] {
+        let o = NewtonOptions { line_search, ..NewtonOptions::default() };
+        let mut p = Scalar::new(|_| f64::NAN, |_| 1.0, 1.0);
+        assert_eq!(reason(p.run(&o)), StopReason::NotFinite);
+        // NaN or an infinite scale must not pass for convergence.
+        let mut p = Scalar::new(|x| x, |_| 1.0, 1.0);
+        p.scale = f64::INFINITY;
+        assert_eq!(reason(p.run(&o)), StopReason::NotFinite);
+        let mut p = Scalar::new(|x| x, |_| 0.0, 1.0);
+        assert_eq!(reason(p.run(&o)), StopReason::NotFinite);
+    }
+    let sqrt = || Scalar::new(|x: f64| x.sqrt() - 0.1, |x: f64| 0.5 / x.sqrt(), 1.0);
+    // The full step from 1 goes to -0.8, where the root is NaN.
+    assert_eq!(reason(sqrt().run(&NewtonOptions::default())), StopReason::NotFinite);
+    let mut p = sqrt();
+    p.run(&with_line_search()).unwrap();
+    assert!((p.x - 0.01).abs() < 1e-15);
+}
+
+/// Two equations, `x^2 + y^2 = r^2`, `x y = c`, with the exact tangent or one whose entry is wrong.
+struct Circle {
+    q: [f64; 2],
+    base: [f64; 2],
+    d: [f64; 2],
+    r: f64,
+    c: f64,
+}
+
+impl Circle {
+    fn residual(&self) -> [f64; 2] {
+        let [x, y] = self.q;
+        [x * x + y * y - self.r * self.r, x * y - self.c]
+    }
+}
+
+impl NewtonProblem for Circle {
+    type Error = std::convert::Infallible;
+
+    fn assemble(&mut self) -> Result<ResidualNorms, Self::Error> {
+        let [a, b] = self.residual();
+        Ok(ResidualNorms { residual: a.hypot(b), scale: self.r * self.r })
+    }
+
+    fn solve(&mut self) -> Result<f64, Self::Error> {
+        let ([x, y], [a, b]) = (self.q, self.residual());
+        // [2x 2y; y x] d = -[a; b]
+        let det = 2.0 * (x * x - y * y);
+        self.base = self.q;
+        self.d = [-(x * a - 2.0 * y * b) / det, -(2.0 * x * b - y * a) / det];
+        Ok(self.d[0].hypot(self.d[1]))
+    }
+
+    fn update(&mut self, factor: f64) -> Result<(), Self::Error> {
+        self.q = [0, 1].map(|i| self.base[i] + factor * self.d[i]);
+        Ok(())
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    #[test]
+    fn a_system_of_two(angle in 0.05f64..0.7, r in 0.1f64..100.0, dx in -0.1f64..0.1, dy in -0.02f64..0.02) {
+        let exact = [r * angle.cos(), r * angle.sin()];
+        let mut p = Circle {
+            q: [exact[0] + r * dx, exact[1] + r * dy],
+            base: [0.0; 2],
+            d: [0.0; 2],
+            r,
+            c: exact[0] * exact[1],
+        };
+        let report = solve(&mut p, &NewtonOptions::default()).unwrap();
+        prop_assert!(report.final_residual() <= 1e-15 * r * r);
+        prop_assert!(report.iteration_count() <= 9);
+        for w in report.iterations.windows(2) {
+            // Kantorovich: near the solution the residual falls quadratically.
+            if w[0].residual < 1e-3 * r * r && w[0].residual > 1e-7 * r * r {
+                prop_assert!(w[1].residual <= 30.0 * (w[0].residual / (r * r)).powi(2) * r * r / (2.0 * angle).cos().powi(2));
+            }
+        }
+    }
+
+    /// Whatever the slope does, the iteration ends, and "converged" is never said of a large residual.
+    #[test]
+    fn it_always_ends(a in -2.0f64..2.0, b in -2.0f64..2.0, k in -1.0f64..1.0, x in -3.0f64..3.0, search: bool, polish in 0u32..4) {
+        let mut p = Scalar::new(move |x| x * x * x + a * x + b, move |x| 3.0 * x * x + a + k, x);
+        p.scale = 1.0 + a.abs() + b.abs();
+        let line_search = if search { LineSearch::backtracking() } else { LineSearch::Off };
+        let o = NewtonOptions { line_search, polish, ..NewtonOptions::default() };
+        let scale = p.scale;
+        match p.run(&o) {
+            Ok(report) => prop_assert!(report.final_residual() <= 1e-9 * scale),
+            Err(failure) => prop_assert!(!failure.report().reason.is_converged()),
+        }
+    }
+}

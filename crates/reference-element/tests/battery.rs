@@ -1,0 +1,186 @@
+//! The battery of a cell: partition of unity, Kronecker property, reproduction of linear fields, gradients against
+//! differences, outward facets that close the cell; exactness of the quadrature rules.
+
+use proptest::prelude::*;
+use stoss_reference_element::{CellKind, hex8, quad4, quadrature};
+
+/// Shape functions of a cell with points of any dimension.
+struct Cell<const D: usize, const N: usize> {
+    vertices: [[f64; D]; N],
+    shape: fn([f64; D]) -> [f64; N],
+    gradient: fn([f64; D]) -> [[f64; D]; N],
+}
+
+const HEX8: Cell<3, 8> = Cell { vertices: hex8::VERTICES, shape: hex8::shape, gradient: hex8::shape_gradient };
+const QUAD4: Cell<2, 4> = Cell { vertices: quad4::VERTICES, shape: quad4::shape, gradient: quad4::shape_gradient };
+
+impl<const D: usize, const N: usize> Cell<D, N> {
+    fn kronecker(&self) {
+        for (i, &v) in self.vertices.iter().enumerate() {
+            for (j, n) in (self.shape)(v).into_iter().enumerate() {
+                assert_eq!(n, f64::from(u8::from(i == j)), "N_{j} at vertex {i}");
+            }
+        }
+    }
+
+    /// Sum of N is 1, sum of x_I N is x, sum of the gradients is 0, sum of x_I (x) grad N is 1.
+    fn linear_fields(&self, xi: [f64; D]) {
+        let (n, dn) = ((self.shape)(xi), (self.gradient)(xi));
+        assert!((n.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+        for d in 0..D {
+            let x: f64 = (0..N).map(|i| n[i] * self.vertices[i][d]).sum();
+            assert!((x - xi[d]).abs() < 1e-14);
+            assert!((0..N).map(|i| dn[i][d]).sum::<f64>().abs() < 1e-14);
+            for e in 0..D {
+                let f: f64 = (0..N).map(|i| self.vertices[i][e] * dn[i][d]).sum();
+                assert!((f - f64::from(u8::from(d == e))).abs() < 1e-14);
+            }
+        }
+    }
+
+    /// The functions are linear in each coordinate: a central difference over any step is exact but for rounding.
+    fn gradient_is_the_difference(&self, xi: [f64; D]) {
+        let dn = (self.gradient)(xi);
+        for d in 0..D {
+            let (mut a, mut b) = (xi, xi);
+            a[d] -= 0.5;
+            b[d] += 0.5;
+            let (na, nb) = ((self.shape)(a), (self.shape)(b));
+            for i in 0..N {
+                assert!((nb[i] - na[i] - dn[i][d]).abs() < 1e-14, "dN_{i}/dxi_{d}");
+            }
+        }
+    }
+}
+
+#[test]
+fn kronecker_property() {
+    HEX8.kronecker();
+    QUAD4.kronecker();
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn hex8_battery(xi in prop::array::uniform3(-1.2..1.2f64)) {
+        HEX8.linear_fields(xi);
+        HEX8.gradient_is_the_difference(xi);
+    }
+
+    #[test]
+    fn quad4_battery(xi in prop::array::uniform2(-1.2..1.2f64)) {
+        QUAD4.linear_fields(xi);
+        QUAD4.gradient_is_the_difference(xi);
+    }
+
+    /// The mixed derivative is the difference of the gradient in the other direction.
+    #[test]
+    fn quad4_mixed_derivative(xi in prop::array::uniform2(-1.0..1.0f64)) {
+        let a = quad4::shape_gradient([xi[0], xi[1] - 0.5]);
+        let b = quad4::shape_gradient([xi[0], xi[1] + 0.5]);
+        for (i, m) in quad4::mixed_derivative().into_iter().enumerate() {
+            prop_assert!((b[i][0] - a[i][0] - m).abs() < 1e-15);
+        }
+    }
+
+    /// On a facet the shape functions of the cell's other nodes vanish, those of the facet's nodes are the facet's own.
+    #[test]
+    fn trace_of_hex8_on_a_facet_is_quad4(facet in 0usize..6, xi in prop::array::uniform2(-1.0..1.0f64)) {
+        let nodes = hex8::FACETS[facet];
+        let n2 = quad4::shape(xi);
+        let point: [f64; 3] = std::array::from_fn(|d| (0..4).map(|i| n2[i] * hex8::VERTICES[nodes[i]][d]).sum());
+        let n3 = hex8::shape(point);
+        for i in 0..8 {
+            let expected = nodes.iter().position(|&n| n == i).map_or(0.0, |k| n2[k]);
+            prop_assert!((n3[i] - expected).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn facets_are_outward_and_close_the_cell() {
+    for kind in CellKind::ALL {
+        let vertices = kind.vertices();
+        assert_eq!(vertices.len(), kind.node_count());
+        assert_eq!(kind.facets().len(), kind.facet_count());
+        let mut edges = std::collections::BTreeMap::new();
+        for facet in kind.facets() {
+            assert_eq!(facet.len(), kind.facet_node_count());
+            let x = facet.map(|n| vertices[n]);
+            let dn = quad4::shape_gradient([0.3, -0.2]);
+            let tangent = |k: usize| -> [f64; 3] { std::array::from_fn(|d| (0..4).map(|i| dn[i][k] * x[i][d]).sum()) };
+            let (a, b) = (tangent(0), tangent(1));
+            let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            // the cell's centre is the origin
+            let out: f64 = (0..3).map(|d| normal[d] * x.iter().map(|p| p[d]).sum::<f64>()).sum();
+            assert!(out > 0.0, "facet {facet:?} points inward");
+            for i in 0..4 {
+                *edges.entry((facet[i], facet[(i + 1) % 4])).or_insert(0) += 1;
+            }
+        }
+        // a closed oriented surface: each edge occurs once in each direction
+        assert_eq!(edges.len(), 24);
+        for (&(a, b), &count) in &edges {
+            assert_eq!(count, 1);
+            assert_eq!(edges.get(&(b, a)), Some(&1));
+        }
+    }
+}
+
+/// Integral of `x^degree` over [-1, 1].
+fn monomial(degree: i32) -> f64 {
+    if degree % 2 == 0 { 2.0 / f64::from(degree + 1) } else { 0.0 }
+}
+
+#[test]
+fn line_rules_have_exactly_their_degree() {
+    for points in 1..=4 {
+        let rule = quadrature::gauss_line(points).unwrap();
+        assert_eq!(rule.len(), points);
+        let integral = |degree: i32| rule.iter().map(|(x, w)| w * x.powi(degree)).sum::<f64>();
+        let last = 2 * points as i32 - 1;
+        for degree in 0..=last {
+            assert!((integral(degree) - monomial(degree)).abs() < 4e-16, "{points} points, degree {degree}");
+        }
+        assert!((integral(last + 1) - monomial(last + 1)).abs() > 1e-3, "{points} points");
+    }
+    assert!(quadrature::gauss_line(0).is_none() && quadrature::gauss_line(5).is_none());
+}
+
+#[test]
+fn product_rules_are_exact_to_degree_three_in_each_coordinate() {
+    for i in 0..=4 {
+        for j in 0..=3 {
+            let quad: f64 = quadrature::gauss_quad_2().iter().map(|(x, w)| w * x[0].powi(i) * x[1].powi(j)).sum();
+            let exact = monomial(i) * monomial(j);
+            let wrong = i == 4 && j % 2 == 0;
+            assert_eq!((quad - exact).abs() > 1e-2, wrong, "quad {i} {j}");
+            for k in 0..=3 {
+                let hex: f64 =
+                    quadrature::gauss_hex_2().iter().map(|(x, w)| w * x[0].powi(i) * x[1].powi(j) * x[2].powi(k)).sum();
+                let exact = monomial(i) * monomial(j) * monomial(k);
+                if i < 4 {
+                    assert!((hex - exact).abs() < 1e-14, "hex {i} {j} {k}");
+                }
+            }
+        }
+    }
+}
+
+/// Formulation §3.1: the consistent mass of the reference cube, known in closed form: 8/27 (1/2)^(different coordinates).
+#[test]
+fn two_by_two_by_two_integrates_the_mass_of_a_cube() {
+    for i in 0..8 {
+        for j in 0..8 {
+            let mass: f64 = quadrature::GAUSS_HEX_2
+                .iter()
+                .map(|&(xi, w)| {
+                    let n = hex8::shape(xi);
+                    w * n[i] * n[j]
+                })
+                .sum();
+            let different = (0..3).filter(|&d| hex8::VERTICES[i][d] != hex8::VERTICES[j][d]).count() as i32;
+            assert!((mass - 8.0 / 27.0 * 0.5f64.powi(different)).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! `[[body]]`: mesh, placement, material, density, initial velocity.
+
+use crate::names::named;
+use crate::{Material, MeshSource};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+named! {
+    /// Mass matrix of a body.
+    Mass {
+        /// `M_IJ = int rho N_I N_J dV`.
+        Consistent = "consistent",
+        /// Row sums of the consistent mass on the diagonal.
+        Lumped = "lumped",
+    }
+}
+
+/// A deformable body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Unique name: letters, digits, `-` and `_`. Sets of the body are called `body.set`.
+    pub name: String,
+    /// Generator or file of the mesh.
+    pub mesh: MeshSource,
+    /// Translation of the mesh, after the rotation (length).
+    #[serde(default)]
+    pub position: [f64; 3],
+    /// Rotation of the mesh, or a list of rotations that are done one after the other.
+    #[serde(default, skip_serializing_if = "Rotations::is_empty")]
+    pub rotation: Rotations,
+    /// Hyperelastic law and its parameters.
+    pub material: Material,
+    /// Mass per reference volume, positive. Required in dynamic scenes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// Consistent or lumped mass.
+    #[serde(default = "Body::default_mass")]
+    pub mass: Mass,
+    /// Initial velocity `v0` of `v(X) = v0 + omega x (X - c) + G (X - c)`, with `X` the placed reference position.
+    /// Dynamic scenes only.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub velocity: [f64; 3],
+    /// Initial angular velocity `omega` (1/time).
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub angular_velocity: [f64; 3],
+    /// Initial velocity gradient `G`, three rows (1/time).
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub velocity_gradient: [[f64; 3]; 3],
+    /// Point `c` about which `angular_velocity` and `velocity_gradient` act.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub velocity_about: [f64; 3],
+}
+
+/// A scene is written without velocities that are zero, for a quasi-static one must not have the keys.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+impl Body {
+    fn default_mass() -> Mass {
+        Mass::Consistent
+    }
+
+    /// Initial velocity of the material point with the placed reference position `x`:
+    /// `v0 + omega x (x - c) + G (x - c)`.
+    pub fn initial_velocity(&self, x: [f64; 3]) -> [f64; 3] {
+        let r: [f64; 3] = std::array::from_fn(|i| x[i] - self.velocity_about[i]);
+        let w = self.angular_velocity;
+        let spin = [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]];
+        std::array::from_fn(|i| {
+            let g = self.velocity_gradient[i];
+            self.velocity[i] + spin[i] + g[0] * r[0] + g[1] * r[1] + g[2] * r[2]
+        })
+    }
+}
+
+/// A rotation of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rotation {
+    /// Direction of the axis, of any length but zero.
+    pub axis: [f64; 3],
+    /// Angle in degrees, positive by the right-hand rule.
+    pub degrees: f64,
+    /// A point of the axis; the origin of the mesh's own coordinates if left out.
+    #[serde(default)]
+    pub about: [f64; 3],
+}
+
+/// One rotation or a list of them; see [`Rotations::as_slice`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Rotations {
+    /// A single rotation.
+    One(Rotation),
+    /// Rotations in the order in which they are done.
+    Many(Vec<Rotation>),
+}
+
+impl Default for Rotations {
+    fn default() -> Self {
+        Self::Many(Vec::new())
+    }
+}
+
+impl Rotations {
+    /// The rotations in the order in which they are done.
+    pub fn as_slice(&self) -> &[Rotation] {
+        match self {
+            Self::One(rotation) => std::slice::from_ref(rotation),
+            Self::Many(rotations) => rotations,
+        }
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.as_slice().is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::parse;
+
+    #[test]
+    fn velocity_field_of_a_spinning_stretching_body() {
+        // v = omega x X + 20 z e_z with omega = (30, 0, 10), evaluated by hand at X = (1, 2, 3)
+        let text = crate::samples::dynamic().replace(
+            "velocity = [0.0, 1.0, -1.0]",
+            "angular_velocity = [30, 0, 10]\nvelocity_gradient = [[0, 0, 0], [0, 0, 0], [0, 0, 20]]",
+        );
+        let scene = parse(&text, "x.toml").unwrap();
+        let v = scene.bodies[0].initial_velocity([1.0, 2.0, 3.0]);
+        assert_eq!(v, [-20.0, 10.0 - 90.0, 60.0 + 60.0]);
+    }
+}

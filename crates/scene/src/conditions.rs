@@ -1,0 +1,261 @@
+//! Sets, contact, prescribed displacements, loads, and functions of time.
+
+use crate::names::named;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+named! {
+    /// Contact methods.
+    ContactMethod {
+        /// Node-to-surface: every slave node against the master's facets. The form follows the scheme: with `energy-momentum`
+        /// the energy-momentum element (formulation §6), otherwise the direct one (§4).
+        Nts = "nts",
+    }
+}
+
+named! {
+    /// What an active constraint asks for (formulation §9.3).
+    Constraint {
+        /// Zero gap at the end of a step. Energy changes in a step in which a node closes.
+        Standard = "standard",
+        /// The gap keeps its value in the step: conserves energy, while nodes float at the gap that they had. Frictionless
+        /// dynamics only.
+        Modified = "modified",
+    }
+}
+
+named! {
+    /// Cartesian component.
+    Component {
+        /// First.
+        X = "x",
+        /// Second.
+        Y = "y",
+        /// Third.
+        Z = "z",
+    }
+}
+
+impl Component {
+    /// 0, 1 or 2.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// `[[set]]`: nodes, facets and elements of a body inside a box or on a plane, in the placed reference configuration.
+/// Exactly one of `box` and `plane`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SetDefinition {
+    /// `body.name`, unique.
+    pub name: String,
+    /// Name of the body.
+    pub body: String,
+    /// An axis-parallel box, its boundary included.
+    #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
+    pub inside: Option<BoxRegion>,
+    /// A plane with a tolerance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plane: Option<PlaneRegion>,
+}
+
+impl SetDefinition {
+    /// Name of the set within its body (`rim` of `plate.rim`).
+    pub fn local_name(&self) -> &str {
+        split_set(&self.name).map_or(&self.name, |(_, set)| set)
+    }
+}
+
+/// Body and set of a reference `body.set`: the parts before and after the first dot.
+pub fn split_set(reference: &str) -> Option<(&str, &str)> {
+    reference.split_once('.').filter(|(body, set)| !body.is_empty() && !set.is_empty())
+}
+
+/// An axis-parallel box.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoxRegion {
+    /// Smallest coordinates; `-inf` is allowed.
+    pub min: [f64; 3],
+    /// Largest coordinates, not below `min`; `inf` is allowed.
+    pub max: [f64; 3],
+}
+
+/// A plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneRegion {
+    /// A point of the plane.
+    pub point: [f64; 3],
+    /// Its normal, of any length but zero.
+    pub normal: [f64; 3],
+    /// Largest distance of a node from the plane; by default a millionth of the body's size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+}
+
+/// `[[contact]]`: unilateral, frictionless contact of a slave surface with a master surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Unique name for reports; `slave/master` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Contact method.
+    pub method: ContactMethod,
+    /// Slave surface, `body.set`.
+    pub slave: String,
+    /// Master surface, `body.set`, of another body.
+    pub master: String,
+    /// Standard or modified constraint.
+    #[serde(default = "Contact::default_constraint")]
+    pub constraint: Constraint,
+}
+
+impl Contact {
+    fn default_constraint() -> Constraint {
+        Constraint::Standard
+    }
+
+    /// The given name, or `slave/master`.
+    pub fn label(&self) -> String {
+        self.name.clone().unwrap_or_else(|| format!("{}/{}", self.slave, self.master))
+    }
+}
+
+/// A function of time with one or more values: a constant, or `{ table = [[time, value, ...], ...] }`, linear in between and
+/// constant before the first and after the last row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Series {
+    /// One constant value.
+    Scalar(f64),
+    /// Constant values.
+    Vector(Vec<f64>),
+    /// Rows of a table.
+    Table(Table),
+}
+
+/// Rows `[time, value, ...]` with increasing times and equally many values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Table {
+    /// The rows, at least one.
+    pub table: Vec<Vec<f64>>,
+}
+
+impl Series {
+    /// Rows `[time, value, ...]`; a constant is one row at time zero.
+    pub fn rows(&self) -> Vec<Vec<f64>> {
+        match self {
+            Self::Scalar(value) => vec![vec![0.0, *value]],
+            Self::Vector(values) => vec![std::iter::once(0.0).chain(values.iter().copied()).collect()],
+            Self::Table(table) => table.table.clone(),
+        }
+    }
+
+    /// Number of values.
+    pub fn columns(&self) -> usize {
+        match self {
+            Self::Scalar(_) => 1,
+            Self::Vector(values) => values.len(),
+            Self::Table(table) => table.table.first().map_or(0, |row| row.len().saturating_sub(1)),
+        }
+    }
+}
+
+/// `[[prescribe]]`: displacement components of a set, given as functions of time. Exactly one of `displacement` and
+/// `fixed = true`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Prescribe {
+    /// Set of nodes, `body.set`.
+    pub set: String,
+    /// Components, each at most once.
+    pub components: Vec<Component>,
+    /// Displacement from the reference position, one value a component.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Series>,
+    /// `true`: the components do not move.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub fixed: bool,
+}
+
+impl Prescribe {
+    /// Rows `[time, value, ...]` with one value a component.
+    pub fn rows(&self) -> Vec<Vec<f64>> {
+        match &self.displacement {
+            Some(series) => series.rows(),
+            None => vec![vec![0.0; 1 + self.components.len()]],
+        }
+    }
+}
+
+named! {
+    /// Kinds of loads.
+    LoadKind {
+        /// Dead pressure on facets, per reference area against the outward reference normal; one value.
+        Pressure = "pressure",
+        /// Dead traction on facets, per reference area; three values.
+        Traction = "traction",
+        /// Force per reference volume; three values.
+        BodyForce = "body_force",
+        /// Pressure against the current outward normal, per current area; one value.
+        FollowerPressure = "follower_pressure",
+        /// Force on each node; three values.
+        Force = "force",
+    }
+}
+
+impl LoadKind {
+    /// Number of values: 1 for pressures, 3 for vectors.
+    pub fn columns(self) -> usize {
+        match self {
+            Self::Pressure | Self::FollowerPressure => 1,
+            Self::Traction | Self::BodyForce | Self::Force => 3,
+        }
+    }
+}
+
+/// `[[load]]`: a load on a set, or a body force on a whole body. Exactly one of the kinds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Set of facets (`pressure`, `traction`, `follower_pressure`), elements (`body_force`) or nodes (`force`), `body.set`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub set: Option<String>,
+    /// Name of a body, instead of a set, for a `body_force` on all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
+    /// Dead pressure (force per reference area), positive when it presses on the body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Series>,
+    /// Dead traction (force per reference area).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traction: Option<Series>,
+    /// Force per reference volume; gravity is density times its acceleration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body_force: Option<Series>,
+    /// Pressure that follows the surface (force per current area), positive when it presses on the body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follower_pressure: Option<Series>,
+    /// Force on each node of the set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<Series>,
+}
+
+impl Load {
+    /// Kind and value; `None` only in a load that was not read by [`crate::parse`].
+    pub fn kind(&self) -> Option<(LoadKind, &Series)> {
+        [
+            (LoadKind::Pressure, &self.pressure),
+            (LoadKind::Traction, &self.traction),
+            (LoadKind::BodyForce, &self.body_force),
+            (LoadKind::FollowerPressure, &self.follower_pressure),
+            (LoadKind::Force, &self.force),
+        ]
+        .into_iter()
+        .find_map(|(kind, series)| series.as_ref().map(|series| (kind, series)))
+    }
+}

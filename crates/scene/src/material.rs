@@ -1,0 +1,111 @@
+//! Hyperelastic laws and their parameters (formulation §2).
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A hyperelastic law with its parameters. The implied small-strain shear modulus and bulk modulus must be positive.
+///
+/// # How to add one
+/// A variant with a struct of parameters here, its reading in `read/material.rs`, its arm in the facade.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Material {
+    /// `W = lambda/2 (tr E)^2 + mu E:E`. For large rotations with small strains; it softens under compression.
+    SaintVenantKirchhoff(ElasticModuli),
+    /// `W = mu/2 (I1 - 3) + lambda/2 (ln J)^2 - mu ln J`.
+    NeoHooke(ElasticModuli),
+    /// `W = c1 (I1 - 3) + c2 (I2 - 3) + c (J - 1)^2 - 2 (c1 + 2 c2) ln J`.
+    MooneyRivlin(MooneyRivlin),
+    /// Isochoric Ogden terms and a volumetric part; see the parameters.
+    Ogden(Ogden),
+}
+
+impl Material {
+    /// Names of all laws.
+    pub const NAMES: &'static [&'static str] = &["saint-venant-kirchhoff", "neo-hooke", "mooney-rivlin", "ogden"];
+
+    /// Name of the law in a scene.
+    pub fn law(&self) -> &'static str {
+        match self {
+            Self::SaintVenantKirchhoff(_) => "saint-venant-kirchhoff",
+            Self::NeoHooke(_) => "neo-hooke",
+            Self::MooneyRivlin(_) => "mooney-rivlin",
+            Self::Ogden(_) => "ogden",
+        }
+    }
+}
+
+/// Two elastic moduli: `young` and `poisson`, or `lambda` and `mu`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ElasticModuli {
+    /// Young's modulus `E` (stress), positive; together with `poisson`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub young: Option<f64>,
+    /// Poisson's ratio, in (-1, 1/2); together with `young`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poisson: Option<f64>,
+    /// First Lame parameter (stress), larger than `-2/3 mu`; together with `mu`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lambda: Option<f64>,
+    /// Shear modulus (stress), positive; together with `lambda`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mu: Option<f64>,
+}
+
+impl ElasticModuli {
+    /// Lame's parameters `(lambda, mu)`: as given, or `lambda = E nu / ((1 + nu)(1 - 2 nu))`, `mu = E / (2 (1 + nu))`.
+    pub fn lame(&self) -> (f64, f64) {
+        match (self.lambda, self.mu) {
+            (Some(lambda), Some(mu)) => (lambda, mu),
+            _ => {
+                let (e, nu) = (self.young.unwrap_or_default(), self.poisson.unwrap_or_default());
+                (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)))
+            }
+        }
+    }
+}
+
+/// Parameters of the law `mooney-rivlin` (formulation (2.1)): shear modulus `2 (c1 + c2)`, first Lame parameter `2 c + 4 c2`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MooneyRivlin {
+    /// Factor of the first invariant (stress).
+    pub c1: f64,
+    /// Factor of the second invariant (stress).
+    pub c2: f64,
+    /// Volumetric parameter (stress).
+    pub c: f64,
+}
+
+/// Parameters of the law `ogden` (formulation §2.4):
+/// `W = sum_p mu_p/alpha_p (sum_a lbar_a^alpha_p - 3) + kappa (ln(J)/beta + (J^-beta - 1)/beta^2)` with the isochoric principal
+/// stretches `lbar_a`. Shear modulus `1/2 sum_p mu_p alpha_p`, bulk modulus `kappa`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ogden {
+    /// Moduli of the terms (stress); one or more.
+    pub mu: Vec<f64>,
+    /// Exponents of the terms, none zero; as many as `mu`.
+    pub alpha: Vec<f64>,
+    /// Bulk modulus (stress), positive.
+    pub kappa: f64,
+    /// Exponent of the volumetric part, not zero.
+    pub beta: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lame_parameters_of_the_literature() {
+        // formulation §2.5: E = 2250, nu = 0.3
+        let moduli = ElasticModuli { young: Some(2250.0), poisson: Some(0.3), ..Default::default() };
+        let (lambda, mu) = moduli.lame();
+        approx::assert_relative_eq!(lambda, 1298.0769, max_relative = 1e-7);
+        approx::assert_relative_eq!(mu, 865.3846, max_relative = 1e-7);
+        let same = ElasticModuli { lambda: Some(lambda), mu: Some(mu), ..Default::default() };
+        assert_eq!(same.lame(), (lambda, mu));
+    }
+}

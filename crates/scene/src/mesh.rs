@@ -1,0 +1,161 @@
+//! Where a mesh comes from.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A generator with its parameters, or a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+// A scene has a handful of meshes; a box would only be in the way of matching.
+#[allow(clippy::large_enum_variant)]
+pub enum MeshSource {
+    /// `{ file = "part.msh" }`.
+    File(MeshFile),
+    /// `{ generator = "block", ... }`.
+    Generator(Generator),
+}
+
+/// A mesh from a file: Gmsh MSH 2.2 or 4.1 (text, `.msh`) or Abaqus (`.inp`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshFile {
+    /// Path, relative to the folder of the scene file.
+    pub file: String,
+}
+
+/// Mesh generators. Lengths are positive, divisions are numbers of elements and at least 1.
+///
+/// # How to add one
+/// A variant here, its reading in `read/mesh.rs` (the exhaustive name list there is the one that errors print), its arm in the
+/// facade.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "generator", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Generator {
+    /// An axis-parallel box, given either by `size` (then its centre is the origin) or by `min` and `max`.
+    /// Sets: `left`, `right` (x), `front`, `back` (y), `bottom`, `top` (z).
+    Block(Block),
+    /// A hollow ball about the origin, a cubed sphere. Sets: `outer`, `inner`.
+    HollowBall(HollowBall),
+    /// A hollow torus about the z-axis. Sets: `outer`, `inner`.
+    HollowTorus(HollowTorus),
+    /// A block with eight given corners. Sets as for `block`, by the natural directions.
+    Hexahedron(Hexahedron),
+    /// A block with a spherical bottom that touches z = 0 on its axis. Sets as for `block`.
+    Indenter(Indenter),
+    /// An L in the x-y plane, its outer corner at the origin. Sets: `left`, `front`, `bottom`, `top`, `end-x`, `end-y`, `notch`.
+    LShape(LShape),
+}
+
+impl Generator {
+    /// Names of all generators.
+    pub const NAMES: &'static [&'static str] =
+        &["block", "hollow-ball", "hollow-torus", "hexahedron", "indenter", "l-shape"];
+}
+
+fn uniform() -> [f64; 3] {
+    [1.0; 3]
+}
+
+/// Parameters of the generator `block`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Block {
+    /// Edge lengths of a box with its centre at the origin. Either this, or `min` and `max`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<[f64; 3]>,
+    /// Smallest coordinates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min: Option<[f64; 3]>,
+    /// Largest coordinates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max: Option<[f64; 3]>,
+    /// Numbers of elements along x, y, z.
+    pub divisions: [usize; 3],
+    /// For each axis the size of the last element over that of the first (geometric progression); 1 if left out.
+    #[serde(default = "uniform")]
+    pub grading: [f64; 3],
+}
+
+impl Block {
+    /// Smallest and largest coordinates.
+    pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        match (self.size, self.min, self.max) {
+            (_, Some(min), Some(max)) => (min, max),
+            (size, _, _) => {
+                let size = size.unwrap_or_default();
+                (size.map(|l| -0.5 * l), size.map(|l| 0.5 * l))
+            }
+        }
+    }
+}
+
+/// Parameters of the generator `hollow-ball`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HollowBall {
+    /// Diameter of the hole.
+    pub inner_diameter: f64,
+    /// Outer diameter, larger than the inner one.
+    pub outer_diameter: f64,
+    /// Elements along an edge of the cube's faces, and through the wall: `6 n^2 layers` elements.
+    pub divisions: [usize; 2],
+}
+
+/// Parameters of the generator `hollow-torus`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HollowTorus {
+    /// Radius of the circle through the middle of the tube.
+    pub ring_radius: f64,
+    /// Outer radius of the tube, smaller than the ring's radius.
+    pub tube_outer_radius: f64,
+    /// Inner radius of the tube, smaller than its outer one.
+    pub tube_inner_radius: f64,
+    /// Elements along the ring (at least 3), around the tube (at least 3), through the wall.
+    pub divisions: [usize; 3],
+}
+
+/// Parameters of the generator `hexahedron`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hexahedron {
+    /// The eight corners: the bottom counter-clockwise seen from the top, then the top.
+    pub corners: [[f64; 3]; 8],
+    /// Numbers of elements along the natural directions.
+    pub divisions: [usize; 3],
+    /// As for `block`.
+    #[serde(default = "uniform")]
+    pub grading: [f64; 3],
+}
+
+/// Parameters of the generator `indenter`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Indenter {
+    /// Widths along x and y; the axis is in the middle.
+    pub size: [f64; 2],
+    /// Height of the plane top over the lowest point.
+    pub height: f64,
+    /// Radius of the bottom.
+    pub radius: f64,
+    /// Numbers of elements along x, y, z.
+    pub divisions: [usize; 3],
+    /// As for `block`.
+    #[serde(default = "uniform")]
+    pub grading: [f64; 3],
+}
+
+/// Parameters of the generator `l-shape`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LShape {
+    /// Outer lengths of the arms along x and y, larger than the width.
+    pub length: [f64; 2],
+    /// Width of both arms in the plane.
+    pub width: f64,
+    /// Thickness along z.
+    pub thickness: f64,
+    /// Elements along the x-arm beyond the corner, along the y-arm beyond the corner, across the width, through the
+    /// thickness.
+    pub divisions: [usize; 4],
+}

@@ -1,0 +1,78 @@
+//! Reads `[[body]]`.
+
+use super::node::Node;
+use super::table::Table;
+use super::{material, mesh};
+use crate::{Body, Kind, Mass, Rotation, Rotations};
+use toml::de::DeValue;
+
+/// Keys that have a meaning only with inertia.
+const MOTION: [&str; 4] = ["velocity", "angular_velocity", "velocity_gradient", "velocity_about"];
+
+/// The body and its name, which is needed even if the rest is bad.
+pub(super) fn body(table: &Table<'_>, kind: Option<Kind>) -> (Option<Body>, Option<String>) {
+    let name = table.required("name", "name = \"ball\"", Node::name);
+    let mesh =
+        table.required("mesh", "mesh = { generator = \"block\", size = [1, 1, 1], divisions = [4, 4, 4] }", mesh::mesh);
+    let position = table.default("position", [0.0; 3], Node::vector);
+    let rotation = table.default("rotation", Rotations::default(), rotations);
+    let material = table.required(
+        "material",
+        "material = { law = \"neo-hooke\", young = 2250.0, poisson = 0.3 }",
+        material::material,
+    );
+    let density = if kind == Some(Kind::Dynamic) {
+        table.required("density", "density = 10.0", Node::positive).map(Some)
+    } else {
+        table.optional("density", |n| if kind.is_some() { n.not_negative() } else { n.positive() })
+    };
+    let mass = table.default("mass", Mass::Consistent, |n| n.choice(Mass::NAMES, Mass::from_name));
+    let velocity = table.default("velocity", [0.0; 3], Node::vector);
+    let angular_velocity = table.default("angular_velocity", [0.0; 3], Node::vector);
+    let velocity_gradient = table.default("velocity_gradient", [[0.0; 3]; 3], |n| n.array(Node::vector));
+    let velocity_about = table.default("velocity_about", [0.0; 3], Node::vector);
+    let mut at_rest = Some(());
+    if kind == Some(Kind::QuasiStatic) {
+        for key in MOTION.into_iter().filter(|&key| table.has(key)) {
+            at_rest = table.fail(
+                key,
+                "a quasi-static scene has no velocities",
+                "remove it, or set [scene] kind = \"dynamic\"",
+            );
+        }
+    }
+    table.finish();
+    let body = (|| {
+        at_rest?;
+        Some(Body {
+            name: name.clone()?,
+            mesh: mesh?,
+            position: position?,
+            rotation: rotation?,
+            material: material?,
+            density: density?,
+            mass: mass?,
+            velocity: velocity?,
+            angular_velocity: angular_velocity?,
+            velocity_gradient: velocity_gradient?,
+            velocity_about: velocity_about?,
+        })
+    })();
+    (body, name)
+}
+
+fn rotations(node: &Node<'_>) -> Option<Rotations> {
+    match node.value {
+        DeValue::Array(_) => node.list(rotation).map(Rotations::Many),
+        _ => rotation(node).map(Rotations::One),
+    }
+}
+
+fn rotation(node: &Node<'_>) -> Option<Rotation> {
+    let table = node.table()?;
+    let axis = table.required("axis", "axis = [0, 0, 1]", Node::direction);
+    let degrees = table.required("degrees", "degrees = 90", Node::number);
+    let about = table.default("about", [0.0; 3], Node::vector);
+    table.finish();
+    Some(Rotation { axis: axis?, degrees: degrees?, about: about? })
+}

@@ -1,0 +1,254 @@
+//! Reads `[[set]]`, `[[contact]]`, `[[prescribe]]`, `[[load]]` and functions of time.
+
+use super::World;
+use super::node::{Node, is_name, known};
+use super::table::Table;
+use crate::conditions::Table as Rows;
+use crate::{
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Kind, Load, LoadKind, PlaneRegion, Prescribe, Series,
+    SetDefinition, split_set,
+};
+use toml::de::DeValue;
+
+/// The name of a body of this scene.
+pub(super) fn body_name(node: &Node<'_>, world: &World) -> Option<String> {
+    let name = node.text()?;
+    world.check_body(node, &name)?;
+    Some(name)
+}
+
+/// A reference `body.set` to a set of a body of this scene.
+pub(super) fn set_reference(node: &Node<'_>, world: &World) -> Option<String> {
+    let text = node.text()?;
+    let Some((body, _)) = split_set(&text) else {
+        return node.fail("is not of the form `body.set`", "name body and set, for instance \"plate.top\"");
+    };
+    world.check_body(node, body)?;
+    Some(text)
+}
+
+pub(super) fn set(table: &Table<'_>, world: &World) -> Option<SetDefinition> {
+    let body = table.required("body", "body = \"plate\"", |n| body_name(n, world));
+    let name = table.required("name", "name = \"plate.rim\"", |n| {
+        let text = n.text()?;
+        let Some((owner, set)) = split_set(&text) else {
+            return n
+                .fail("is not of the form `body.set`", "write the name of the body, a dot, and the name of the set");
+        };
+        if !is_name(set) {
+            return n.fail("is not a valid name", "use letters, digits, `-` and `_` only after the dot");
+        }
+        if let Some(body) = &body
+            && owner != body
+        {
+            return n.fail(format!("does not start with the set's body `{body}`"), format!("call it \"{body}.{set}\""));
+        }
+        Some(text)
+    });
+    let inside = table.optional("box", box_region);
+    let plane = table.optional("plane", plane_region);
+    let one_region = match (table.has("box"), table.has("plane")) {
+        (true, true) => table.fail("plane", "a set has either a box or a plane", "remove one of them"),
+        (false, false) => table.missing("box", "box = { min = [0, 0, 0], max = [1, 1, 1] }"),
+        _ => Some(()),
+    };
+    table.finish();
+    one_region?;
+    Some(SetDefinition { name: name?, body: body?, inside: inside?, plane: plane? })
+}
+
+fn box_region(node: &Node<'_>) -> Option<BoxRegion> {
+    let table = node.table()?;
+    let min = table.required("min", "min = [0, 0, 0]", |n| n.array(Node::extended));
+    let max = table.required("max", "max = [1, 1, 1]", |n| n.array(Node::extended));
+    table.finish();
+    let (min, max): ([f64; 3], [f64; 3]) = (min?, max?);
+    if let Some(i) = (0..3).find(|&i| min[i] > max[i]) {
+        let axis = ["x", "y", "z"][i];
+        return table.fail("max", format!("is below `min` = {min:?} in {axis}"), "exchange or correct the corners");
+    }
+    Some(BoxRegion { min, max })
+}
+
+fn plane_region(node: &Node<'_>) -> Option<PlaneRegion> {
+    let table = node.table()?;
+    let point = table.required("point", "point = [0, 0, 0]", Node::vector);
+    let normal = table.required("normal", "normal = [0, 0, 1]", Node::direction);
+    let tolerance = table.optional("tolerance", Node::positive);
+    table.finish();
+    Some(PlaneRegion { point: point?, normal: normal?, tolerance: tolerance? })
+}
+
+pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
+    let name = table.optional("name", Node::name);
+    let method =
+        table.required("method", "method = \"nts\"", |n| n.choice(ContactMethod::NAMES, ContactMethod::from_name));
+    let slave = table.required("slave", "slave = \"ball.outer\"", |n| set_reference(n, world));
+    let master = table.required("master", "master = \"plate.top\"", |n| set_reference(n, world));
+    let constraint = table.default("constraint", Constraint::Standard, |n| {
+        let constraint = n.choice(Constraint::NAMES, Constraint::from_name)?;
+        if constraint == Constraint::Modified && world.kind == Some(Kind::QuasiStatic) {
+            return n.fail("is for dynamic scenes only", "use \"standard\", which closes the gap");
+        }
+        Some(constraint)
+    });
+    table.finish();
+    let (slave, master) = (slave?, master?);
+    if let (Some((s, _)), Some((m, _))) = (split_set(&slave), split_set(&master))
+        && s == m
+    {
+        return table.fail(
+            "master",
+            format!("slave and master belong to the same body `{s}`"),
+            "choose the surface of another body; contact of a body with itself is not available",
+        );
+    }
+    Some(Contact { name: name?, method: method?, slave, master, constraint: constraint? })
+}
+
+/// A constant or a table with `columns` values.
+fn series(node: &Node<'_>, columns: usize) -> Option<Series> {
+    let plural = if columns == 1 { "value" } else { "values" };
+    match node.value {
+        DeValue::Table(_) => {
+            let table = node.table()?;
+            let rows = table.required("table", "table = [[0.0, 0.0], [1.0, 1.0]]", |n| rows(n, columns));
+            table.finish();
+            Some(Series::Table(Rows { table: rows? }))
+        }
+        DeValue::Array(_) => {
+            let values = node.list(Node::number)?;
+            if values.len() != columns {
+                return node.fail(
+                    format!("has {} values, needs {columns}", values.len()),
+                    format!("write a list of {columns} {plural}, or {{ table = [[time, ...], ...] }}"),
+                );
+            }
+            Some(Series::Vector(values))
+        }
+        DeValue::Integer(_) | DeValue::Float(_) => {
+            let value = node.number()?;
+            if columns != 1 {
+                return node.fail(
+                    format!("is one value, needs {columns}"),
+                    format!("write a list of {columns} values, or {{ table = [[time, ...], ...] }}"),
+                );
+            }
+            Some(Series::Scalar(value))
+        }
+        _ => node.fail(
+            format!("must be a constant or a table in time, found a {}", node.value.type_str()),
+            "write for instance { table = [[0.0, 0.0], [1.0, 0.1]] }",
+        ),
+    }
+}
+
+fn rows(node: &Node<'_>, columns: usize) -> Option<Vec<Vec<f64>>> {
+    let previous = std::cell::Cell::new(f64::NEG_INFINITY);
+    let rows = node.list(|n| {
+        let row = n.list(Node::number)?;
+        if row.len() != columns + 1 {
+            return n.fail(
+                format!("has {} entries, needs {}: the time and {columns} more", row.len(), columns + 1),
+                format!("write rows of {} entries", columns + 1),
+            );
+        }
+        if row[0] <= previous.get() {
+            return n.fail(
+                format!("the time {} is not later than that of the row before, {}", row[0], previous.get()),
+                "sort the rows by time and give every time once",
+            );
+        }
+        previous.set(row[0]);
+        Some(row)
+    })?;
+    if rows.is_empty() {
+        return node.fail("has no row", "write rows of a time and its values, for instance [[0.0, 0.0], [1.0, 0.1]]");
+    }
+    Some(rows)
+}
+
+pub(super) fn prescribe(table: &Table<'_>, world: &World) -> Option<Prescribe> {
+    let set = table.required("set", "set = \"plate.rim\"", |n| set_reference(n, world));
+    let components = table.required("components", "components = [\"x\", \"z\"]", components);
+    let count = components.as_ref().map(Vec::len);
+    let fixed = table.default("fixed", false, Node::boolean);
+    let displacement = table.optional("displacement", |n| series(n, count?));
+    let one_kind = match (fixed, table.has("displacement")) {
+        (Some(true), true) => {
+            table.fail("fixed", "excludes `displacement`", "remove `fixed`, or `displacement` if nothing is to move")
+        }
+        (Some(false), false) => table.fail(
+            "displacement",
+            "is missing",
+            "add it, for instance `displacement = { table = [[0.0, 0.0], [1.0, 0.1]] }`, or `fixed = true`",
+        ),
+        _ => Some(()),
+    };
+    table.finish();
+    one_kind?;
+    Some(Prescribe { set: set?, components: components?, displacement: displacement?, fixed: fixed? })
+}
+
+fn components(node: &Node<'_>) -> Option<Vec<Component>> {
+    let components = node.list(component)?;
+    if components.is_empty() {
+        return node.fail("names no component", "write for instance [\"x\", \"y\", \"z\"]");
+    }
+    if let Some(i) = (1..components.len()).find(|&i| components[..i].contains(&components[i])) {
+        return node.fail(format!("names `{}` twice", components[i]), "name every component at most once");
+    }
+    Some(components)
+}
+
+pub(super) fn component(node: &Node<'_>) -> Option<Component> {
+    node.choice(Component::NAMES, Component::from_name)
+}
+
+pub(super) fn load(table: &Table<'_>, world: &World) -> Option<Load> {
+    let set = table.optional("set", |n| set_reference(n, world));
+    let body = table.optional("body", |n| body_name(n, world));
+    let value = |key: &'static str, kind: LoadKind| table.optional(key, |n| series(n, kind.columns()));
+    let pressure = value("pressure", LoadKind::Pressure);
+    let traction = value("traction", LoadKind::Traction);
+    let body_force = value("body_force", LoadKind::BodyForce);
+    let follower_pressure = value("follower_pressure", LoadKind::FollowerPressure);
+    let force = value("force", LoadKind::Force);
+    let given: Vec<&'static str> = LoadKind::NAMES.iter().copied().filter(|key| table.has(key)).collect();
+    let one_kind = match given.as_slice() {
+        [_] => Some(()),
+        [] => {
+            let list = known("", LoadKind::NAMES.iter().copied());
+            table.fail(
+                "pressure",
+                "a load needs one kind of load",
+                format!("add `pressure = 1.0` or another kind; {list}"),
+            )
+        }
+        [first, second, ..] => {
+            table.fail(second, format!("`{first}` is given too"), "write a [[load]] of its own for each kind")
+        }
+    };
+    let target = match (table.has("set"), table.has("body")) {
+        (true, true) => table.fail("body", "a load has either a set or a body", "remove one of them"),
+        (false, false) => table.missing("set", "set = \"plate.bottom\""),
+        (false, true) if !table.has("body_force") => table.fail(
+            "body",
+            "only a `body_force` acts on a whole body",
+            "name a set, for instance `set = \"plate.bottom\"`",
+        ),
+        _ => Some(()),
+    };
+    table.finish();
+    one_kind?;
+    target?;
+    Some(Load {
+        set: set?,
+        body: body?,
+        pressure: pressure?,
+        traction: traction?,
+        body_force: body_force?,
+        follower_pressure: follower_pressure?,
+        force: force?,
+    })
+}

@@ -1,0 +1,77 @@
+//! Reads `[scene]`, `[time]`, `[solver]`.
+
+use super::node::Node;
+use super::table::Table;
+use crate::{Header, Integrator, Kind, LinearSolver, Scheme, Solver, Time};
+
+/// `[scene]`; the kind is returned apart, for it is needed even if the title is bad.
+pub(super) fn header(table: &Table<'_>) -> (Option<Header>, Option<Kind>) {
+    let title = table.required("title", "title = \"Ball on plate\"", Node::text);
+    let kind = table.required("kind", "kind = \"dynamic\"", |n| n.choice(Kind::NAMES, Kind::from_name));
+    table.finish();
+    (title.zip(kind).map(|(title, kind)| Header { title, kind }), kind)
+}
+
+/// More steps than this are a mistake in `step` or `end`.
+const MAX_STEPS: f64 = 1e9;
+
+pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
+    let end = table.required("end", "end = 1.0", Node::positive);
+    let step = table.required("step", "step = 0.01", Node::positive);
+    let integrator = match kind {
+        Some(Kind::Dynamic) => {
+            table.required("integrator", "integrator = { scheme = \"energy-momentum\" }", integrator).map(Some)
+        }
+        Some(Kind::QuasiStatic) if table.has("integrator") => table.fail(
+            "integrator",
+            "a quasi-static scene has no integrator",
+            "remove it, or set [scene] kind = \"dynamic\"",
+        ),
+        _ => table.optional("integrator", integrator),
+    };
+    let max_cuts = table.default("max_cuts", Time::DEFAULT_MAX_CUTS, |n| n.whole(0..=30).map(|i| i as u32));
+    let grow_after = table.default("grow_after", Time::DEFAULT_GROW_AFTER, Node::count);
+    table.finish();
+    let (end, step) = (end?, step?);
+    if step > end {
+        return table.fail(
+            "step",
+            format!("must not exceed the end of the run, {end}"),
+            "choose a smaller step or a later end",
+        );
+    }
+    if end / step > MAX_STEPS {
+        return table.fail("step", format!("gives {:.1e} steps", end / step), "choose a larger step or an earlier end");
+    }
+    Some(Time { end, step, integrator: integrator?, max_cuts: max_cuts?, grow_after: grow_after? })
+}
+
+fn integrator(node: &Node<'_>) -> Option<Integrator> {
+    let table = node.table()?;
+    let scheme =
+        table.required("scheme", "scheme = \"energy-momentum\"", |n| n.choice(Scheme::NAMES, Scheme::from_name));
+    table.finish();
+    Some(Integrator { scheme: scheme? })
+}
+
+pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {
+    let table = node.table()?;
+    let relative_tolerance = table.optional("relative_tolerance", |n| {
+        let value = n.positive()?;
+        if value >= 1.0 {
+            return n.fail("must be smaller than 1", "write for instance 1e-9");
+        }
+        Some(value)
+    });
+    let absolute_tolerance = table.optional("absolute_tolerance", Node::not_negative);
+    let max_iterations = table.optional("max_iterations", Node::count);
+    let linear =
+        table.default("linear", LinearSolver::Auto, |n| n.choice(LinearSolver::NAMES, LinearSolver::from_name));
+    table.finish();
+    Some(Solver {
+        relative_tolerance: relative_tolerance?,
+        absolute_tolerance: absolute_tolerance?,
+        max_iterations: max_iterations?,
+        linear: linear?,
+    })
+}

@@ -1,0 +1,206 @@
+//! Reads the mesh of a body.
+
+use super::node::Node;
+use super::table::Table;
+use crate::{Block, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource};
+
+/// More elements in one mesh than this are a mistake in `divisions`.
+const MAX_ELEMENTS: f64 = 2e7;
+
+pub(super) fn mesh(node: &Node<'_>) -> Option<MeshSource> {
+    let table = node.table()?;
+    let source = match (table.get("file"), table.get("generator")) {
+        (Some(_), Some(generator)) => {
+            return generator.fail("a mesh has either a generator or a file", "remove one of them");
+        }
+        (None, None) => return table.missing("generator", "generator = \"block\"` or `file = \"part.msh\""),
+        (Some(file), None) => file_name(&file).map(|file| MeshSource::File(MeshFile { file })),
+        (None, Some(name)) => {
+            let reader = name.choice(Generator::NAMES, |name| match name {
+                "block" => Some(block as fn(&Table<'_>) -> Option<Generator>),
+                "hollow-ball" => Some(hollow_ball),
+                "hollow-torus" => Some(hollow_torus),
+                "hexahedron" => Some(hexahedron),
+                "indenter" => Some(indenter),
+                "l-shape" => Some(l_shape),
+                _ => None,
+            });
+            // Without a generator it is not known which other keys are right.
+            reader?(&table).map(MeshSource::Generator)
+        }
+    };
+    table.finish();
+    source
+}
+
+fn file_name(node: &Node<'_>) -> Option<String> {
+    let file = node.text()?;
+    let lower = file.to_lowercase();
+    if !(lower.ends_with(".msh") || lower.ends_with(".inp")) {
+        return node.fail("is no known mesh format", "use a Gmsh (.msh) or Abaqus (.inp) file");
+    }
+    Some(file)
+}
+
+/// Numbers of elements, each at least its minimum; `total` is the number of elements of the mesh.
+fn divisions<const N: usize>(
+    table: &Table<'_>,
+    example: &str,
+    minima: [u64; N],
+    total: impl Fn([f64; N]) -> f64,
+) -> Option<[usize; N]> {
+    table.required("divisions", example, |n| {
+        let counts: [u64; N] = n.array(|n| n.whole(1..=u64::MAX))?;
+        if let Some(i) = (0..N).find(|&i| counts[i] < minima[i]) {
+            return n.fail(
+                format!("entry {} must be at least {}", i + 1, minima[i]),
+                format!("write for instance `{example}`"),
+            );
+        }
+        let elements = total(counts.map(|c| c as f64));
+        if elements > MAX_ELEMENTS {
+            return n
+                .fail(format!("gives {elements:.1e} elements"), format!("at most {MAX_ELEMENTS:.0e} are possible"));
+        }
+        Some(counts.map(|c| c as usize))
+    })
+}
+
+fn product(counts: [f64; 3]) -> f64 {
+    counts.iter().product()
+}
+
+/// Gradings, 1 where there is a single element.
+fn grading(table: &Table<'_>, divisions: Option<[usize; 3]>) -> Option<[f64; 3]> {
+    table.default("grading", [1.0; 3], |n| {
+        let grading: [f64; 3] = n.array(|n| {
+            let value = n.positive()?;
+            if !(1e-6..=1e6).contains(&value) {
+                return n.fail("must lie between 1e-6 and 1e6", "choose a weaker grading");
+            }
+            Some(value)
+        })?;
+        if let Some(i) = (0..3).find(|&i| grading[i] != 1.0 && divisions.is_some_and(|d| d[i] == 1)) {
+            return n.fail(
+                format!("entry {} must be 1 where there is a single element", i + 1),
+                "set it to 1 or use more divisions",
+            );
+        }
+        Some(grading)
+    })
+}
+
+fn block(table: &Table<'_>) -> Option<Generator> {
+    let size = table.optional("size", |n| n.array(Node::positive));
+    let min = table.optional("min", Node::vector);
+    let max = table.optional("max", Node::vector);
+    let divisions = divisions(table, "divisions = [4, 4, 4]", [1; 3], product);
+    let grading = grading(table, divisions);
+    let size_or_corners = match (table.has("size"), table.has("min"), table.has("max")) {
+        (true, false, false) | (false, true, true) => Some(()),
+        (false, false, false) => table.missing("size", "size = [1, 1, 1]"),
+        (true, _, _) => {
+            table.fail("size", "a block has either `size` or `min` and `max`", "remove `size`, or `min` and `max`")
+        }
+        (false, true, false) => table.missing("max", "max = [1, 1, 1]"),
+        (false, false, true) => table.missing("min", "min = [0, 0, 0]"),
+    };
+    if let (Some(Some(min)), Some(Some(max))) = (min, max)
+        && let Some(i) = (0..3).find(|&i| min[i] >= max[i])
+    {
+        let axis = ["x", "y", "z"][i];
+        return table.fail("max", format!("must exceed `min` = {min:?} in {axis}"), "exchange or correct the corners");
+    }
+    size_or_corners?;
+    Some(Generator::Block(Block { size: size?, min: min?, max: max?, divisions: divisions?, grading: grading? }))
+}
+
+/// Reports `smaller` unless it is below `larger`.
+fn less(table: &Table<'_>, smaller: (&'static str, f64), larger: (&str, f64)) -> Option<()> {
+    if smaller.1 >= larger.1 {
+        return table.fail(
+            smaller.0,
+            format!("must be smaller than `{}` = {}", larger.0, larger.1),
+            format!("reduce it or enlarge `{}`", larger.0),
+        );
+    }
+    Some(())
+}
+
+fn hollow_ball(table: &Table<'_>) -> Option<Generator> {
+    let inner_diameter = table.required("inner_diameter", "inner_diameter = 0.8", Node::positive);
+    let outer_diameter = table.required("outer_diameter", "outer_diameter = 1.0", Node::positive);
+    let divisions = divisions(table, "divisions = [6, 2]", [1; 2], |[n, layers]| 6.0 * n * n * layers);
+    let (inner_diameter, outer_diameter) = (inner_diameter?, outer_diameter?);
+    less(table, ("inner_diameter", inner_diameter), ("outer_diameter", outer_diameter))?;
+    Some(Generator::HollowBall(HollowBall { inner_diameter, outer_diameter, divisions: divisions? }))
+}
+
+fn hollow_torus(table: &Table<'_>) -> Option<Generator> {
+    let ring_radius = table.required("ring_radius", "ring_radius = 38", Node::positive);
+    let tube_outer_radius = table.required("tube_outer_radius", "tube_outer_radius = 12", Node::positive);
+    let tube_inner_radius = table.required("tube_inner_radius", "tube_inner_radius = 7.5", Node::positive);
+    let divisions = divisions(table, "divisions = [78, 20, 2]", [3, 3, 1], product);
+    let (ring_radius, tube_outer_radius, tube_inner_radius) = (ring_radius?, tube_outer_radius?, tube_inner_radius?);
+    let outer = less(table, ("tube_outer_radius", tube_outer_radius), ("ring_radius", ring_radius));
+    less(table, ("tube_inner_radius", tube_inner_radius), ("tube_outer_radius", tube_outer_radius))?;
+    outer?;
+    Some(Generator::HollowTorus(HollowTorus {
+        ring_radius,
+        tube_outer_radius,
+        tube_inner_radius,
+        divisions: divisions?,
+    }))
+}
+
+fn hexahedron(table: &Table<'_>) -> Option<Generator> {
+    let corners = table
+        .required("corners", "corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], ...]", |n| n.array(Node::vector));
+    let divisions = divisions(table, "divisions = [1, 1, 1]", [1; 3], product);
+    let grading = grading(table, divisions);
+    Some(Generator::Hexahedron(Hexahedron { corners: corners?, divisions: divisions?, grading: grading? }))
+}
+
+fn indenter(table: &Table<'_>) -> Option<Generator> {
+    let size = table.required("size", "size = [2, 2]", |n| n.array(Node::positive));
+    let height = table.required("height", "height = 1.5", Node::positive);
+    let radius = table.required("radius", "radius = 2", Node::positive);
+    let divisions = divisions(table, "divisions = [10, 10, 7]", [1; 3], product);
+    let grading = grading(table, divisions);
+    let (size, height, radius): ([f64; 2], f64, f64) = (size?, height?, radius?);
+    let corner = 0.5 * (size[0] * size[0] + size[1] * size[1]).sqrt();
+    if radius <= corner {
+        return table.fail(
+            "radius",
+            format!("must exceed the distance {corner} of the corners from the axis"),
+            "enlarge the radius or reduce `size`",
+        );
+    }
+    let rim = radius - (radius * radius - corner * corner).sqrt();
+    if height <= rim {
+        return table.fail(
+            "height",
+            format!("must exceed the height {rim} of the bottom's corners"),
+            "enlarge the height or the radius",
+        );
+    }
+    Some(Generator::Indenter(Indenter { size, height, radius, divisions: divisions?, grading: grading? }))
+}
+
+fn l_shape(table: &Table<'_>) -> Option<Generator> {
+    let length = table.required("length", "length = [4, 3]", |n| n.array(Node::positive));
+    let width = table.required("width", "width = 1", Node::positive);
+    let thickness = table.required("thickness", "thickness = 1", Node::positive);
+    let divisions = divisions(table, "divisions = [3, 2, 1, 1]", [1; 4], |[along_x, along_y, across, through]| {
+        (along_x + along_y + across) * across * through
+    });
+    let (length, width): ([f64; 2], f64) = (length?, width?);
+    if length.iter().any(|&l| l <= width) {
+        return table.fail(
+            "length",
+            format!("both lengths must exceed the width {width}"),
+            "enlarge the lengths or reduce `width`",
+        );
+    }
+    Some(Generator::LShape(LShape { length, width, thickness: thickness?, divisions: divisions? }))
+}

@@ -1,0 +1,247 @@
+//! A value of the document with its path, and readers of plain values.
+//!
+//! Every reader returns `None` after it has reported what is wrong, so that reading goes on and all problems are found.
+
+use crate::names::nearest;
+use crate::source::{Source, element};
+use crate::{Location, Problem};
+use std::cell::RefCell;
+use std::ops::{Range, RangeInclusive};
+use toml::de::DeValue;
+
+use super::table::Table;
+
+/// The text and the problems found so far.
+pub(super) struct Report<'a> {
+    pub(super) source: &'a Source,
+    pub(super) problems: RefCell<Vec<Problem>>,
+}
+
+impl Report<'_> {
+    pub(super) fn add(&self, location: Location, key: String, value: &str, message: String, remedy: String) {
+        let problem = Problem::new(&self.source.file, location, key, value, message, remedy);
+        self.problems.borrow_mut().push(problem);
+    }
+}
+
+/// A value with its place and its path.
+#[derive(Clone)]
+pub(super) struct Node<'a> {
+    pub(super) report: &'a Report<'a>,
+    pub(super) value: &'a DeValue<'a>,
+    pub(super) span: Range<usize>,
+    pub(super) key: String,
+}
+
+impl<'a> Node<'a> {
+    /// Reports a problem of this value; always `None`.
+    pub(super) fn fail<T>(&self, message: impl Into<String>, remedy: impl Into<String>) -> Option<T> {
+        let source = self.report.source;
+        let value = if self.value.is_table() && source.slice(&self.span).starts_with('[') {
+            // The span of a table with a header is the header.
+            ""
+        } else {
+            source.slice(&self.span)
+        };
+        let location = source.location(self.span.clone());
+        self.report.add(location, self.key.clone(), value, message.into(), remedy.into());
+        None
+    }
+
+    fn wrong_type<T>(&self, expected: &str, example: &str) -> Option<T> {
+        let found = self.value.type_str();
+        self.fail(format!("must be {expected}, found {}", with_article(found)), format!("write for instance {example}"))
+    }
+
+    pub(super) fn string(&self) -> Option<String> {
+        match self.value {
+            DeValue::String(text) => Some(text.to_string()),
+            _ => self.wrong_type("a string", "\"text\""),
+        }
+    }
+
+    /// A string that is not blank.
+    pub(super) fn text(&self) -> Option<String> {
+        let text = self.string()?;
+        if text.trim().is_empty() {
+            return self.fail("must not be empty", "give it a name");
+        }
+        Some(text)
+    }
+
+    /// A name of letters, digits, `-` and `_`.
+    pub(super) fn name(&self) -> Option<String> {
+        let text = self.text()?;
+        if !is_name(&text) {
+            return self.fail("is not a valid name", "use letters, digits, `-` and `_` only");
+        }
+        Some(text)
+    }
+
+    pub(super) fn boolean(&self) -> Option<bool> {
+        match self.value {
+            DeValue::Boolean(value) => Some(*value),
+            _ => self.wrong_type("true or false", "true"),
+        }
+    }
+
+    /// A number, infinite ones included, NaN not.
+    pub(super) fn extended(&self) -> Option<f64> {
+        let value = match self.value {
+            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+            DeValue::Integer(integer) => i128::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64),
+            _ => return self.wrong_type("a number", "1.0"),
+        };
+        match value {
+            Some(value) if !value.is_nan() => Some(value),
+            Some(_) => self.fail("must be a number, not NaN", "write for instance 1.0"),
+            None => self.fail("is not a number that can be read", "write for instance 1.0"),
+        }
+    }
+
+    /// A finite number.
+    pub(super) fn number(&self) -> Option<f64> {
+        let value = self.extended()?;
+        if !value.is_finite() {
+            return self.fail("must be finite", "write a finite number below 1e308 in magnitude");
+        }
+        Some(value)
+    }
+
+    pub(super) fn positive(&self) -> Option<f64> {
+        let value = self.number()?;
+        if value <= 0.0 {
+            return self.fail("must be positive", "write a number larger than 0");
+        }
+        Some(value)
+    }
+
+    pub(super) fn not_negative(&self) -> Option<f64> {
+        let value = self.number()?;
+        if value < 0.0 {
+            return self.fail("must not be negative", "write 0 or a larger number");
+        }
+        Some(value)
+    }
+
+    pub(super) fn not_zero(&self) -> Option<f64> {
+        let value = self.number()?;
+        if value == 0.0 {
+            return self.fail("must not be zero", "write a number other than 0");
+        }
+        Some(value)
+    }
+
+    /// A whole number in a range.
+    pub(super) fn whole(&self, range: RangeInclusive<u64>) -> Option<u64> {
+        let DeValue::Integer(integer) = self.value else {
+            return self.wrong_type("a whole number", "1");
+        };
+        let value = i128::from_str_radix(integer.as_str(), integer.radix()).ok();
+        match value.and_then(|i| u64::try_from(i).ok()).filter(|i| range.contains(i)) {
+            Some(value) => Some(value),
+            None if *range.end() == u64::MAX => {
+                self.fail(format!("must be at least {}", range.start()), format!("write {} or more", range.start()))
+            }
+            None => self.fail(
+                format!("must be from {} to {}", range.start(), range.end()),
+                format!("write a whole number from {} to {}", range.start(), range.end()),
+            ),
+        }
+    }
+
+    /// A whole number from 1 that fits 32 bits.
+    pub(super) fn count(&self) -> Option<u32> {
+        self.whole(1..=u64::from(u32::MAX)).map(|i| i as u32)
+    }
+
+    /// One of a list of names.
+    pub(super) fn choice<T>(&self, names: &[&str], from_name: impl Fn(&str) -> Option<T>) -> Option<T> {
+        let DeValue::String(name) = self.value else {
+            return self.wrong_type("a string", &names.first().map_or_else(String::new, |name| format!("\"{name}\"")));
+        };
+        match from_name(name) {
+            Some(value) => Some(value),
+            None => self.fail("is unknown", known(name, names.iter().copied())),
+        }
+    }
+
+    fn items(&self, example: &str) -> Option<Vec<Node<'a>>> {
+        match self.value {
+            DeValue::Array(array) => Some(
+                array
+                    .iter()
+                    .enumerate()
+                    .map(|(i, item)| Node {
+                        report: self.report,
+                        value: item.get_ref(),
+                        span: item.span(),
+                        key: element(&self.key, i),
+                    })
+                    .collect(),
+            ),
+            _ => self.wrong_type("a list", example),
+        }
+    }
+
+    /// A list of any length; every element is read, also after a bad one.
+    pub(super) fn list<T>(&self, read: impl Fn(&Node<'a>) -> Option<T>) -> Option<Vec<T>> {
+        let items = self.items("[1.0, 2.0]")?;
+        let values: Vec<Option<T>> = items.iter().map(read).collect();
+        values.into_iter().collect()
+    }
+
+    /// A list of `N` elements.
+    pub(super) fn array<T, const N: usize>(&self, read: impl Fn(&Node<'a>) -> Option<T>) -> Option<[T; N]> {
+        let items = self.items(&format!("a list of {N} values"))?;
+        if items.len() != N {
+            return self.fail(
+                format!("must have {N} elements, found {}", items.len()),
+                format!("write a list of {N} elements"),
+            );
+        }
+        let values: Vec<Option<T>> = items.iter().map(read).collect();
+        let values: Option<Vec<T>> = values.into_iter().collect();
+        values?.try_into().ok()
+    }
+
+    /// Three finite numbers.
+    pub(super) fn vector(&self) -> Option<[f64; 3]> {
+        self.array(Node::number)
+    }
+
+    /// Three finite numbers, not all zero.
+    pub(super) fn direction(&self) -> Option<[f64; 3]> {
+        let vector = self.vector()?;
+        if vector == [0.0; 3] {
+            return self.fail("must not be the zero vector", "give a direction, for instance [0, 0, 1]");
+        }
+        Some(vector)
+    }
+
+    pub(super) fn table(&self) -> Option<Table<'a>> {
+        match self.value {
+            DeValue::Table(map) => Some(Table::new(self.clone(), map)),
+            _ => self.wrong_type("a table", "{ key = value }"),
+        }
+    }
+}
+
+/// True for names of letters, digits, `-` and `_`.
+pub(super) fn is_name(text: &str) -> bool {
+    !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_')
+}
+
+/// Remedy for an unknown word: the nearest known one, and the list.
+pub(super) fn known<'n>(word: &str, names: impl IntoIterator<Item = &'n str> + Clone) -> String {
+    let list = names.clone().into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    match nearest(word, names) {
+        Some(name) => format!("did you mean `{name}`? Known are {list}"),
+        None => format!("known are {list}"),
+    }
+}
+
+fn with_article(noun: &str) -> String {
+    let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    format!("{article} {noun}")
+}

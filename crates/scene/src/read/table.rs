@@ -1,0 +1,127 @@
+//! A table of the document: required and optional keys, and those that nobody asked for.
+
+use super::node::{Node, known};
+use crate::source::join;
+use std::cell::RefCell;
+use toml::de::DeTable;
+
+pub(super) struct Table<'a> {
+    pub(super) node: Node<'a>,
+    map: &'a DeTable<'a>,
+    known: RefCell<Vec<&'static str>>,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn new(node: Node<'a>, map: &'a DeTable<'a>) -> Self {
+        Self { node, map, known: RefCell::default() }
+    }
+
+    /// The value of a key, which is known from now on.
+    pub(super) fn get(&self, key: &'static str) -> Option<Node<'a>> {
+        self.known.borrow_mut().push(key);
+        self.map.get(key).map(|value| Node {
+            report: self.node.report,
+            value: value.get_ref(),
+            span: value.span(),
+            key: join(&self.node.key, key),
+        })
+    }
+
+    /// True if the key is there, right or wrong.
+    pub(super) fn has(&self, key: &'static str) -> bool {
+        self.map.get(key).is_some()
+    }
+
+    /// Reports a problem of a key of this table, there or not; always `None`.
+    pub(super) fn fail<T>(
+        &self,
+        key: &'static str,
+        message: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Option<T> {
+        match self.get(key) {
+            Some(node) => node.fail(message, remedy),
+            None => {
+                let location = self.node.report.source.location(self.node.span.clone());
+                let path = join(&self.node.key, key);
+                self.node.report.add(location, path, "", message.into(), remedy.into());
+                None
+            }
+        }
+    }
+
+    /// Reports that a key is missing; always `None`.
+    pub(super) fn missing<T>(&self, key: &'static str, example: &str) -> Option<T> {
+        self.fail(key, "is missing", format!("add it, for instance `{example}`"))
+    }
+
+    /// A key that must be there; `example` is shown if it is not.
+    pub(super) fn required<T>(
+        &self,
+        key: &'static str,
+        example: &str,
+        read: impl FnOnce(&Node<'a>) -> Option<T>,
+    ) -> Option<T> {
+        match self.get(key) {
+            Some(node) => read(&node),
+            None => self.missing(key, example),
+        }
+    }
+
+    /// A key that may be left out: `Some(None)` then, `None` if it is wrong.
+    pub(super) fn optional<T>(
+        &self,
+        key: &'static str,
+        read: impl FnOnce(&Node<'a>) -> Option<T>,
+    ) -> Option<Option<T>> {
+        match self.get(key) {
+            Some(node) => read(&node).map(Some),
+            None => Some(None),
+        }
+    }
+
+    /// A key with a default.
+    pub(super) fn default<T>(
+        &self,
+        key: &'static str,
+        default: T,
+        read: impl FnOnce(&Node<'a>) -> Option<T>,
+    ) -> Option<T> {
+        self.optional(key, read).map(|value| value.unwrap_or(default))
+    }
+
+    /// Elements of an array of tables (`[[key]]`); none if the key is not there. An element that is not a table is reported.
+    pub(super) fn tables(&self, key: &'static str) -> Vec<Option<Table<'a>>> {
+        let Some(node) = self.get(key) else { return Vec::new() };
+        if node.value.is_table() {
+            let _: Option<()> = node
+                .fail("must be a list of tables", format!("write [[{key}]] with double brackets instead of [{key}]"));
+            return vec![None];
+        }
+        let elements = RefCell::new(Vec::new());
+        let listed = node.list(|item| {
+            elements.borrow_mut().push(item.table());
+            Some(())
+        });
+        if listed.is_none() {
+            return vec![None];
+        }
+        elements.into_inner()
+    }
+
+    /// Reports every key that nobody asked for.
+    pub(super) fn finish(&self) {
+        let known_keys = self.known.borrow();
+        for (key, _) in self.map.iter() {
+            if !known_keys.contains(&key.get_ref().as_ref()) {
+                let location = self.node.report.source.location(key.span());
+                let path = join(&self.node.key, key.get_ref());
+                let mut keys: Vec<&str> = known_keys.clone();
+                keys.sort_unstable();
+                keys.dedup();
+                let remedy = known(key.get_ref(), keys);
+                self.node.report.add(location, path, "", "is an unknown key".into(), remedy);
+            }
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! Probes, output, and what a run is expected to show.
+
+use crate::Component;
+use crate::names::named;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+named! {
+    /// What a probe records.
+    Quantity {
+        /// Displacement from the reference position; mean of a set's nodes.
+        Displacement = "displacement",
+        /// Current position; mean of a set's nodes.
+        Position = "position",
+        /// Velocity; mean of a set's nodes. Dynamic scenes only.
+        Velocity = "velocity",
+        /// Force of the supports on the body; sum over a set's nodes, zero in components that are not prescribed.
+        Reaction = "reaction",
+        /// Contact force on the body; sum over a set's nodes.
+        ContactForce = "contact_force",
+        /// Kinetic plus strain energy of a body, or of all.
+        Energy = "energy",
+        /// Kinetic energy of a body, or of all. Dynamic scenes only.
+        KineticEnergy = "kinetic_energy",
+        /// Strain energy of a body, or of all.
+        StrainEnergy = "strain_energy",
+        /// Linear momentum of a body, or of all. Dynamic scenes only.
+        LinearMomentum = "linear_momentum",
+        /// Angular momentum about the origin of a body, or of all. Dynamic scenes only.
+        AngularMomentum = "angular_momentum",
+    }
+}
+
+impl Quantity {
+    /// True if it belongs to nodes (and needs `set`, or `body` and `point`), false if to a body or to everything.
+    pub fn is_nodal(self) -> bool {
+        matches!(self, Self::Displacement | Self::Position | Self::Velocity | Self::Reaction | Self::ContactForce)
+    }
+
+    /// True if it has a meaning only with inertia.
+    pub fn is_dynamic(self) -> bool {
+        matches!(self, Self::Velocity | Self::KineticEnergy | Self::LinearMomentum | Self::AngularMomentum)
+    }
+
+    /// Number of values: 1 for energies, otherwise 3.
+    pub fn columns(self) -> usize {
+        match self {
+            Self::Energy | Self::KineticEnergy | Self::StrainEnergy => 1,
+            _ => 3,
+        }
+    }
+}
+
+named! {
+    /// Fields of the frames.
+    Field {
+        /// Nodal displacement.
+        Displacement = "displacement",
+        /// Nodal velocity.
+        Velocity = "velocity",
+        /// Cauchy stress, extrapolated to nodes.
+        CauchyStress = "cauchy_stress",
+        /// Von Mises stress.
+        VonMises = "von_mises",
+        /// Contact pressure on slave nodes.
+        ContactPressure = "contact_pressure",
+        /// Gap of slave nodes.
+        Gap = "gap",
+    }
+}
+
+named! {
+    /// How a run ends.
+    Outcome {
+        /// The end of the interval was reached.
+        Completed = "completed",
+        /// A step failed at the smallest step size.
+        Failed = "failed",
+    }
+}
+
+/// `[[probe]]`: a column, or three, of `probes.csv`. Nodal quantities need `set`, or `body` and `point`; energies and momenta are
+/// those of `body`, or of everything.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Unique name.
+    pub name: String,
+    /// What is recorded.
+    pub quantity: Quantity,
+    /// Set of nodes, `body.set`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub set: Option<String>,
+    /// Name of a body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
+    /// A point in the placed reference configuration: the nearest node of `body` is probed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point: Option<[f64; 3]>,
+}
+
+/// `[output]`: what is written, and how often.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// A frame every so many nominal steps, at least 1. The tables have a row for every step anyway.
+    #[serde(default = "Output::default_every")]
+    pub every: u32,
+    /// Fields of the frames; all that apply if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fields: Option<Vec<Field>>,
+    /// A checkpoint every so many nominal steps, at least 1.
+    #[serde(default = "Output::default_checkpoint_every")]
+    pub checkpoint_every: u32,
+}
+
+impl Output {
+    /// A frame at every nominal step.
+    pub const DEFAULT_EVERY: u32 = 1;
+    /// A killed run repeats at most nine steps.
+    pub const DEFAULT_CHECKPOINT_EVERY: u32 = 10;
+
+    fn default_every() -> u32 {
+        Self::DEFAULT_EVERY
+    }
+
+    fn default_checkpoint_every() -> u32 {
+        Self::DEFAULT_CHECKPOINT_EVERY
+    }
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { every: Self::DEFAULT_EVERY, fields: None, checkpoint_every: Self::DEFAULT_CHECKPOINT_EVERY }
+    }
+}
+
+/// `[expect]`: what the files of a finished run must show; `cargo xtask verify` checks it.
+///
+/// The drift of a quantity is the largest distance from its value at step 0, divided by its scale: the largest norm of the
+/// quantity in the run unless a `*_scale` is given (needed where the quantity itself is zero, as the linear momentum of a body
+/// that only spins). Energy is the column `total` of `balance.csv`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Expect {
+    /// How the run ends (`summary.json`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outcome: Option<Outcome>,
+    /// Number of completed steps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steps: Option<u64>,
+    /// Largest number of step cuts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_cuts: Option<u64>,
+    /// Largest mean number of Newton iterations (linear solves) a step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_newton_mean: Option<f64>,
+    /// Largest drift of the energy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_drift: Option<f64>,
+    /// Smallest drift of the energy: shows that a scheme does not conserve it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_drift_at_least: Option<f64>,
+    /// Largest change of the energy, over its scale, in any one step in which no contact node closes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_change_without_closing: Option<f64>,
+    /// Largest gain of energy, over its scale, in any one step: shows that contact does not create energy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_gain: Option<f64>,
+    /// Scale of the energy instead of its largest value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_scale: Option<f64>,
+    /// Largest drift of the linear momentum.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub linear_momentum_drift: Option<f64>,
+    /// Scale of the linear momentum instead of its largest norm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub linear_momentum_scale: Option<f64>,
+    /// Largest drift of the angular momentum.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angular_momentum_drift: Option<f64>,
+    /// Scale of the angular momentum instead of its largest norm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angular_momentum_scale: Option<f64>,
+    /// The first step with an active contact ends in this interval of time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_contact: Option<Interval>,
+    /// Whether any contact is active at the end of the last step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_at_end: Option<bool>,
+    /// Values of probes.
+    #[serde(default, rename = "probe", skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<ExpectedValue>,
+}
+
+/// An interval of time, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Interval {
+    /// Its start.
+    pub from: f64,
+    /// Its end.
+    pub to: f64,
+}
+
+/// `[[expect.probe]]`: the value of a probe at the step whose time is nearest to `time`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectedValue {
+    /// Name of the probe.
+    pub name: String,
+    /// Time, in `[0, end]`.
+    pub time: f64,
+    /// Component; left out for energies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub component: Option<Component>,
+    /// Expected value.
+    pub value: f64,
+    /// Largest absolute difference, positive.
+    pub tolerance: f64,
+}

@@ -1,0 +1,318 @@
+//! Malformed scenes: every one gives exactly the problem that it has, at the line of the mistake, with a message and a remedy.
+
+use stoss_scene::parse;
+
+const DYNAMIC: &str = include_str!("data/dynamic.toml");
+const STATIC: &str = include_str!("data/quasi-static.toml");
+
+/// A mistake: `from` in the base scene is replaced by `to`; the problem is in the line that contains `at` and names `key`.
+struct Case {
+    base: &'static str,
+    from: &'static str,
+    to: &'static str,
+    at: &'static str,
+    key: &'static str,
+}
+
+const fn dynamic(from: &'static str, to: &'static str, at: &'static str, key: &'static str) -> Case {
+    Case { base: DYNAMIC, from, to, at, key }
+}
+
+const fn quasi(from: &'static str, to: &'static str, at: &'static str, key: &'static str) -> Case {
+    Case { base: STATIC, from, to, at, key }
+}
+
+const VELOCITY: &str = "velocity = [0.0, 1.0, -1.0]";
+const BALL: &str =
+    "mesh = { generator = \"hollow-ball\", inner_diameter = 0.8, outer_diameter = 1.0, divisions = [6, 2] }";
+const BLOCK: &str = "min = [0, 0, 0], max = [1, 1, 1], divisions = [4, 4, 4], grading = [1, 1, 2]";
+const TABLE: &str = "{ table = [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0]] }";
+const MIDDLE: &str = "plane = { point = [0, 0, 0], normal = [1, 0, 0], tolerance = 1e-3 }";
+
+const CASES: &[Case] = &[
+    // TOML itself
+    dynamic("title = \"Hollow", "title = Hollow", "title = Hollow", ""),
+    dynamic("density = 10.0", "density = 10.0\ndensity = 11.0", "density = 11.0", ""),
+    dynamic("step = 0.01", "step = ", "step = ", ""),
+    dynamic("kind = \"dynamic\"", "kind = \"dynamic", "kind = \"dynamic", ""),
+    // [scene]
+    dynamic("[scene]\ntitle = \"Hollow ball on plate\"\nkind = \"dynamic\"\n", "scene = 1", "scene = 1", "scene"),
+    dynamic("kind = \"dynamic\"", "kind = \"dynamics\"", "dynamics", "scene.kind"),
+    dynamic("title = \"Hollow ball on plate\"", "", "[scene]", "scene.title"),
+    dynamic("\"Hollow ball on plate\"", "\"  \"", "title", "scene.title"),
+    dynamic("\"Hollow ball on plate\"", "7", "title", "scene.title"),
+    dynamic("[scene]\n", "[scene]\nauthor = \"x\"\n", "author", "scene.author"),
+    dynamic("[output]", "[outputs]", "[outputs]", "outputs"),
+    // [time]
+    dynamic("step = 0.01", "step = 0.0", "step = 0.0", "time.step"),
+    dynamic("step = 0.01", "step = -0.01", "step = -", "time.step"),
+    dynamic("step = 0.01", "step = nan", "step = nan", "time.step"),
+    dynamic("step = 0.01", "step = \"0.01\"", "step = \"", "time.step"),
+    dynamic("step = 0.01", "step = 2", "step = 2", "time.step"),
+    dynamic("step = 0.01", "step = 1e-12", "step = 1e-12", "time.step"),
+    dynamic("step = 0.01\n", "", "[time]", "time.step"),
+    dynamic("end = 1.0", "end = inf", "end = inf", "time.end"),
+    dynamic("end = 1.0", "end = 1e999", "end = 1e999", "time.end"),
+    dynamic("\"energy-momentum\"", "\"newmark\"", "newmark", "time.integrator.scheme"),
+    dynamic("integrator = { scheme = \"energy-momentum\" }", "", "[time]", "time.integrator"),
+    dynamic("{ scheme = \"energy-momentum\" }", "{}", "integrator = {}", "time.integrator.scheme"),
+    dynamic("{ scheme = \"energy-momentum\" }", "\"midpoint\"", "integrator = \"", "time.integrator"),
+    dynamic("max_cuts = 8", "max_cuts = 31", "max_cuts = 31", "time.max_cuts"),
+    dynamic("max_cuts = 8", "max_cuts = 1.5", "max_cuts = 1.5", "time.max_cuts"),
+    dynamic("max_cuts = 8", "grow_after = 0", "grow_after", "time.grow_after"),
+    dynamic("max_cuts = 8", "max_cut = 8", "max_cut = 8", "time.max_cut"),
+    quasi("step = 0.1", "step = 0.1\nintegrator = { scheme = \"midpoint\" }", "midpoint", "time.integrator"),
+    // [solver]
+    dynamic("relative_tolerance = 1e-9", "relative_tolerance = 2", "relative_tolerance", "solver.relative_tolerance"),
+    dynamic("max_iterations = 20", "max_iterations = 0", "max_iterations", "solver.max_iterations"),
+    dynamic("max_iterations = 20", "linear = \"magic\"", "magic", "solver.linear"),
+    dynamic("max_iterations = 20", "absolute_tolerance = -1", "absolute_tolerance", "solver.absolute_tolerance"),
+    // [[body]]
+    dynamic("name = \"ball\"\n", "name = \"ball.x\"\n", "ball.x", "body[0].name"),
+    dynamic("name = \"plate\"\n", "name = \"\"\n", "name = \"\"", "body[1].name"),
+    quasi("\"ring\"", "\"block\"", "\"block\"\nmesh = { generator = \"hollow-torus", "body[1].name"),
+    dynamic("density = 10.0", "density = -1.0", "density = -1.0", "body[0].density"),
+    dynamic("density = 10.0", "density = 0", "density = 0", "body[0].density"),
+    dynamic("density = 10.0\n", "", "[[body]]", "body[0].density"),
+    dynamic("density = 10.0", "desnity = 1\ndensity = 10.0", "desnity", "body[0].desnity"),
+    dynamic("density = 10.0", "density = 10.0\nmass = \"heavy\"", "heavy", "body[0].mass"),
+    dynamic(VELOCITY, "velocity = [0.0, 1.0]", "velocity", "body[0].velocity"),
+    dynamic(VELOCITY, "velocity = [0.0, \"1\", 0]", "velocity", "body[0].velocity[1]"),
+    dynamic(VELOCITY, "velocity = 3", "velocity", "body[0].velocity"),
+    dynamic(VELOCITY, "velocity_gradient = [[1, 0, 0], [0, 1, 0]]", "velocity", "body[0].velocity_gradient"),
+    dynamic("degrees = 0", "degrees = nan", "nan", "body[0].rotation.degrees"),
+    dynamic("axis = [0, 0, 1], degrees = 0", "axis = [0, 0, 0], degrees = 0", "degrees = 0", "body[0].rotation.axis"),
+    dynamic("[1, 0, 0], degrees = 180", "[1, 0, 0]", "about = [0, 0, 0.5]", "body[1].rotation[1].degrees"),
+    quasi("name = \"block\"", "name = \"block\"\nvelocity = [0, 0, 1]", "velocity", "body[0].velocity"),
+    // meshes
+    dynamic(BALL, "mesh = { generator = \"sphere\" }", "sphere", "body[0].mesh.generator"),
+    dynamic(BALL, "mesh = { generator = \"block\", file = \"a.msh\" }", "a.msh", "body[0].mesh.generator"),
+    dynamic(BALL, "mesh = { inner_diameter = 1 }", "mesh = { inner", "body[0].mesh.generator"),
+    dynamic(BALL, "mesh = \"a.msh\"", "a.msh", "body[0].mesh"),
+    dynamic(BALL, "mesh = { file = \"a.stl\" }", "a.stl", "body[0].mesh.file"),
+    dynamic(BALL, "", "[[body]]", "body[0].mesh"),
+    dynamic("inner_diameter = 0.8", "inner_diameter = 1.8", "1.8", "body[0].mesh.inner_diameter"),
+    dynamic("outer_diameter = 1.0", "outer_diameter = -1.0", "-1.0, div", "body[0].mesh.outer_diameter"),
+    dynamic("divisions = [6, 2]", "divisions = [0, 2]", "[0, 2]", "body[0].mesh.divisions[0]"),
+    dynamic("divisions = [6, 2]", "divisions = [6, 2.5]", "2.5]", "body[0].mesh.divisions[1]"),
+    dynamic("divisions = [6, 2]", "divisions = [60000, 2]", "60000", "body[0].mesh.divisions"),
+    dynamic("divisions = [6, 2]", "divisions = [6, 2, 2]", "6, 2, 2", "body[0].mesh.divisions"),
+    dynamic("divisions = [6, 2]", "divisions = [6, 2], layers = 2", "layers", "body[0].mesh.layers"),
+    quasi(BLOCK, "size = [1, 0, 1], divisions = [1, 1, 1]", "size", "body[0].mesh.size[1]"),
+    quasi(BLOCK, "min = [0, 0, 0], divisions = [1, 1, 1]", "min", "body[0].mesh.max"),
+    quasi(BLOCK, "max = [0, 0, 0], divisions = [1, 1, 1]", "max", "body[0].mesh.min"),
+    quasi(BLOCK, "divisions = [1, 1, 1]", "generator", "body[0].mesh.size"),
+    quasi("max = [1, 1, 1]", "max = [1, 0, 1]", "max", "body[0].mesh.max"),
+    quasi("max = [1, 1, 1]", "max = [1, 1, 1], size = [1, 1, 1]", "max", "body[0].mesh.size"),
+    quasi("grading = [1, 1, 2]", "grading = [1, -1, 2]", "grading", "body[0].mesh.grading[1]"),
+    quasi("divisions = [4, 4, 4]", "divisions = [4, 4, 1]", "grading", "body[0].mesh.grading"),
+    quasi("tube_inner_radius = 7.5", "tube_inner_radius = 12.5", "12.5", "body[1].mesh.tube_inner_radius"),
+    quasi("ring_radius = 38", "ring_radius = 10", "ring_radius = 10", "body[1].mesh.tube_outer_radius"),
+    quasi("divisions = [8, 4, 1]", "divisions = [8, 2, 1]", "8, 2, 1", "body[1].mesh.divisions"),
+    quasi("radius = 2,", "radius = 1,", "radius = 1,", "body[2].mesh.radius"),
+    quasi("height = 1.5", "height = 0.5", "height = 0.5", "body[2].mesh.height"),
+    quasi("length = [4, 3]", "length = [4, 1]", "length = [4, 1]", "body[3].mesh.length"),
+    quasi(", [0, 1, 1]]", "]", "corners", "body[4].mesh.corners"),
+    // materials
+    dynamic("law = \"ogden\"", "law = \"hooke\"", "hooke", "body[0].material.law"),
+    dynamic("law = \"ogden\", ", "", "mu = [", "body[0].material.law"),
+    dynamic("kappa = 2000.0", "kappa = -2000.0", "kappa", "body[0].material.kappa"),
+    dynamic("kappa = 2000.0", "kapa = 1, kappa = 2000.0", "kapa", "body[0].material.kapa"),
+    dynamic("beta = 9.0", "beta = 0", "beta", "body[0].material.beta"),
+    dynamic("alpha = [1.3, 5.0, -2.0]", "alpha = [1.3, 5.0]", "alpha", "body[0].material.alpha"),
+    dynamic("alpha = [1.3, 5.0, -2.0]", "alpha = [1.3, 0, -2.0]", "alpha", "body[0].material.alpha[1]"),
+    dynamic("mu = [6300.0, 12.0, -100.0]", "mu = [-6300.0, 12.0, -100.0]", "-6300", "body[0].material.mu"),
+    dynamic("mu = [6300.0, 12.0, -100.0]", "mu = []", "mu = []", "body[0].material.mu"),
+    dynamic("young = 2250, poisson = 0.3", "young = 2250", "young", "body[1].material.poisson"),
+    dynamic("young = 2250, poisson = 0.3", "mu = 3.0", "mu = 3.0", "body[1].material.lambda"),
+    dynamic("young = 2250, poisson = 0.3", "young = 1, mu = 1", "young", "body[1].material.mu"),
+    dynamic("young = 2250, poisson = 0.3", "lambda = -7, mu = 1", "lambda", "body[1].material.lambda"),
+    dynamic("poisson = 0.3", "poisson = 0.5", "poisson", "body[1].material.poisson"),
+    dynamic("young = 2250", "young = -2250", "young", "body[1].material.young"),
+    dynamic("young = 2250, poisson = 0.3", "", "neo-hooke", "body[1].material.young"),
+    quasi("c1 = 176051.0", "c1 = -176051.0", "c1", "body[0].material.c1"),
+    quasi("c = 2.0e6", "c = -2.0e6", "c1", "body[0].material.c"),
+    quasi("c = 2.0e6", "d = 2.0e6, c = 2.0e6", "c1", "body[0].material.d"),
+    // [[set]]
+    dynamic("name = \"plate.rim\"", "name = \"rim\"", "\"rim\"", "set[0].name"),
+    dynamic("name = \"plate.rim\"", "name = \"ball.rim\"", "ball.rim", "set[0].name"),
+    dynamic("name = \"plate.middle\"", "name = \"plate.rim\"\n#second", "plate.rim\"\n#second", "set[1].name"),
+    dynamic("body = \"plate\"\nbox", "body = \"plat\"\nbox", "\"plat\"", "set[0].body"),
+    dynamic(MIDDLE, "", "[[set]]\nname = \"plate.middle", "set[1].box"),
+    dynamic(MIDDLE, "box = { min = [0, 0, 0], max = [0, 0, -1] }", "[0, 0, -1]", "set[1].box.max"),
+    dynamic("normal = [1, 0, 0]", "normal = [0, 0, 0]", "normal", "set[1].plane.normal"),
+    dynamic("tolerance = 1e-3", "tolerance = -1e-3", "normal", "set[1].plane.tolerance"),
+    dynamic("plane = {", "box = { min = [0, 0, 0], max = [1, 1, 1] }\nplane = {", "plane = {", "set[1].plane"),
+    // [[contact]]
+    dynamic("method = \"nts\"", "method = \"penalty\"", "penalty", "contact[0].method"),
+    dynamic("master = \"plate.top\"", "master = \"ball.inner\"", "ball.inner", "contact[0].master"),
+    dynamic("master = \"plate.top\"", "master = \"plte.top\"", "plte.top", "contact[0].master"),
+    dynamic("slave = \"ball.outer\"", "slave = \"outer\"", "slave = \"outer\"", "contact[0].slave"),
+    dynamic("slave = \"ball.outer\"\n", "", "[[contact]]", "contact[0].slave"),
+    dynamic("constraint = \"modified\"", "constraint = \"soft\"", "soft", "contact[0].constraint"),
+    dynamic("constraint = \"modified\"", "friction = 0.3", "friction", "contact[0].friction"),
+    dynamic("[[contact]]", "[contact]", "[contact]", "contact"),
+    quasi(
+        "[[prescribe]]\nset = \"block.bottom\"",
+        "[[contact]]\nmethod = \"nts\"\nslave = \"tool.bottom\"\nmaster = \"block.top\"\nconstraint = \"modified\"\n[[prescribe]]\nset = \"block.bottom\"",
+        "modified",
+        "contact[0].constraint",
+    ),
+    // [[prescribe]] and tables
+    dynamic(TABLE, "{ table = [] }", "table = []", "prescribe[0].displacement.table"),
+    dynamic(TABLE, "{ values = [[0, 0, 0]], table = [[0, 0, 0]] }", "values", "prescribe[0].displacement.values"),
+    dynamic(TABLE, "{ table = [[0.0, 0.0, 0.0], [1.0, 0.1]] }", "[1.0, 0.1]", "prescribe[0].displacement.table[1]"),
+    dynamic(TABLE, "{ table = [[1, 0, 0], [0, 0, 0]] }", "[[1, 0, 0]", "prescribe[0].displacement.table[1]"),
+    dynamic(TABLE, "{ table = [[0, 0, 0], [0, 1, 0]] }", "[0, 1, 0]", "prescribe[0].displacement.table[1]"),
+    dynamic(TABLE, "{ table = [[0, 0, nan]] }", "nan", "prescribe[0].displacement.table[0][2]"),
+    dynamic(TABLE, "[0.1]", "[0.1]", "prescribe[0].displacement"),
+    dynamic(TABLE, "0.1", "displacement = 0.1", "prescribe[0].displacement"),
+    dynamic(TABLE, "\"fixed\"", "\"fixed\"", "prescribe[0].displacement"),
+    dynamic(
+        "displacement = { table = [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0]] }\n",
+        "",
+        "[[prescribe]]",
+        "prescribe[0].displacement",
+    ),
+    dynamic("fixed = true", "fixed = true\ndisplacement = 0.1", "fixed", "prescribe[1].fixed"),
+    dynamic("fixed = true", "fixed = 1", "fixed = 1", "prescribe[1].fixed"),
+    dynamic("[\"x\", \"z\"]", "[\"x\", \"w\"]", "\"w\"", "prescribe[0].components[1]"),
+    dynamic("[\"y\"]", "[]", "components = []", "prescribe[1].components"),
+    dynamic("[\"y\"]", "[\"y\", \"y\"]", "\"y\", \"y\"", "prescribe[1].components"),
+    dynamic("[\"y\"]", "[\"z\"]", "[\"z\"]", "prescribe[1].components"),
+    // [[load]]
+    dynamic("pressure = { table = [[0.0, 0.0], [1.0, 100.0]] }", "", "[[load]]", "load[0].pressure"),
+    dynamic(
+        "pressure = { table = [[0.0, 0.0], [1.0, 100.0]] }",
+        "pressure = 1\nforce = [0, 0, 1]",
+        "force = ",
+        "load[0].force",
+    ),
+    dynamic("set = \"plate.bottom\"\n", "", "[[load]]", "load[0].set"),
+    dynamic("set = \"plate.bottom\"\n", "body = \"plate\"\n", "\"plate\"\npressure", "load[0].body"),
+    dynamic("body_force = [0, 0, -98.1]", "body_force = -98.1", "-98.1", "load[1].body_force"),
+    dynamic(
+        "body = \"ball\"\nbody_force",
+        "set = \"ball.all\"\nbody = \"ball\"\nbody_force",
+        "body = \"ball\"",
+        "load[1].body",
+    ),
+    quasi(
+        "follower_pressure = 2.5",
+        "follower_pressure = true",
+        "true\n\n[[load]]\nset = \"block.front\"",
+        "load[1].follower_pressure",
+    ),
+    quasi("follower_pressure = 2.5", "follower_pressure = 2.5\nfolow = 1", "folow", "load[1].folow"),
+    // [[probe]]
+    dynamic("quantity = \"displacement\"", "quantity = \"displacment\"", "displacment", "probe[0].quantity"),
+    dynamic("name = \"corner\"", "name = \"tip\"\n#second", "tip\"\n#second", "probe[1].name"),
+    dynamic("body = \"plate\"\npoint", "point", "[[probe]]\nname = \"corner", "probe[1].body"),
+    dynamic("point = [1.25, 1.25, 0.25]", "point = [1.25, 1.25]", "point = [1.25", "probe[1].point"),
+    dynamic("point = [1.25, 1.25, 0.25]", "", "[[probe]]\nname = \"corner", "probe[1].point"),
+    dynamic(
+        "quantity = \"energy\"",
+        "set = \"ball.outer\"\nquantity = \"energy\"",
+        "set = \"ball.outer\"\nquantity = \"energy",
+        "probe[2].set",
+    ),
+    quasi("quantity = \"reaction\"", "quantity = \"velocity\"", "velocity", "probe[0].quantity"),
+    quasi("quantity = \"reaction\"", "quantity = \"contact_force\"", "contact_force", "probe[0].quantity"),
+    // [output]
+    dynamic("every = 2", "every = 0", "every = 0", "output.every"),
+    dynamic("every = 2", "every = -1", "every = -1", "output.every"),
+    dynamic("\"von_mises\"", "\"mises\"", "\"mises\"", "output.fields[1]"),
+    dynamic("\"von_mises\"", "\"displacement\"", "fields", "output.fields"),
+    // [expect]
+    dynamic("outcome = \"completed\"", "outcome = \"fine\"", "fine", "expect.outcome"),
+    dynamic("linear_momentum_drift = 1e-10", "linear_momentum_drift = 0", "_drift", "expect.linear_momentum_drift"),
+    dynamic("max_cuts = 0\nlinear", "max_cuts = \"none\"\nlinear", "none", "expect.max_cuts"),
+    dynamic("from = 0.02", "from = 0.2", "from = 0.2", "expect.first_contact.to"),
+    dynamic("name = \"tip\"\ntime", "name = \"tpi\"\ntime", "tpi", "expect.probe[0].name"),
+    dynamic("time = 0.5", "time = 1.5", "time = 1.5", "expect.probe[0].time"),
+    dynamic("component = \"z\"\n", "", "[[expect.probe]]", "expect.probe[0].component"),
+    dynamic("tolerance = 0.5", "tolerance = 0", "tolerance = 0\n", "expect.probe[0].tolerance"),
+    quasi("max_newton_mean = 6", "energy_drift = 1e-9", "energy_drift", "expect.energy_drift"),
+    quasi("max_newton_mean = 6", "contact_at_end = false", "contact_at_end", "expect.contact_at_end"),
+];
+
+#[test]
+fn every_mistake_is_reported_once_at_its_place() {
+    let mut failures = Vec::new();
+    for case in CASES {
+        assert_eq!(case.base.matches(case.from).count().min(1), 1, "the base scene has no {:?}", case.from);
+        let text = case.base.replacen(case.from, case.to, 1);
+        let label = format!("{:?} -> {:?}", case.from, case.to);
+        let Some(place) = text.find(case.at) else { panic!("{label}: no {:?}", case.at) };
+        let line = 1 + text[..place].matches('\n').count();
+        let Err(errors) = parse(&text, "x.toml") else {
+            failures.push(format!("{label}: accepted"));
+            continue;
+        };
+        for problem in errors.problems() {
+            assert!(!problem.message.is_empty() && !problem.remedy.is_empty(), "{label}: {problem}");
+            let start = text.get(problem.span.clone()).map(|_| problem.span.start);
+            let start = start.unwrap_or_else(|| panic!("{label}: span of {problem}"));
+            assert_eq!(problem.line, 1 + text[..start].matches('\n').count(), "{label}: {problem}");
+        }
+        let first = &errors.problems()[0];
+        let syntax = case.key.is_empty();
+        if first.line != line || first.key != case.key || (!syntax && errors.problems().len() != 1) {
+            failures.push(format!("{label}: expected line {line}, {}; got\n{errors}", case.key));
+        }
+    }
+    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), CASES.len(), failures.join("\n"));
+}
+
+#[test]
+fn all_problems_are_reported_at_once_in_the_order_of_the_file() {
+    let text = DYNAMIC
+        .replace("step = 0.01", "step = -1")
+        .replace("density = 10.0", "density = nan")
+        .replace("kappa = 2000.0", "kapa = 2000.0")
+        .replace("master = \"plate.top\"", "master = \"table.top\"")
+        .replace("quantity = \"energy\"", "quantity = \"heat\"")
+        .replace("tolerance = 0.5", "");
+    let errors = parse(&text, "x.toml").unwrap_err();
+    let keys: Vec<&str> = errors.problems().iter().map(|problem| problem.key.as_str()).collect();
+    assert_eq!(
+        keys,
+        [
+            "time.step",
+            // the table of the material starts before the key in it
+            "body[0].material.kappa",
+            "body[0].material.kapa",
+            "body[0].density",
+            "contact[0].master",
+            "probe[2].quantity",
+            "expect.probe[0].tolerance",
+        ]
+    );
+    let printed = errors.to_string();
+    assert_eq!(printed.lines().count(), keys.len());
+    assert!(printed.lines().all(|line| line.starts_with("x.toml:")));
+}
+
+#[test]
+fn remedies_name_what_was_probably_meant() {
+    for (from, to, hint) in [
+        ("density = 10.0", "desnity = 10.0", "`density`"),
+        ("\"energy-momentum\"", "\"energy-momentun\"", "did you mean `energy-momentum`"),
+        ("master = \"plate.top\"", "master = \"plat.top\"", "did you mean `plate`"),
+        ("generator = \"block\"", "generator = \"blok\"", "did you mean `block`"),
+        ("\"energy-momentum\"", "\"bdf2\"", "`midpoint`"),
+    ] {
+        let errors = parse(&DYNAMIC.replacen(from, to, 1), "x.toml").unwrap_err();
+        assert!(errors.problems().iter().any(|problem| problem.remedy.contains(hint)), "{errors}");
+    }
+}
+
+#[test]
+fn missing_parts_of_an_empty_scene() {
+    for text in ["", "# nothing\n"] {
+        let errors = parse(text, "empty.toml").unwrap_err();
+        let keys: Vec<&str> = errors.problems().iter().map(|problem| problem.key.as_str()).collect();
+        assert_eq!(keys, ["body", "scene", "time"], "{errors}");
+        assert!(errors.problems().iter().all(|problem| problem.line == 1));
+    }
+}

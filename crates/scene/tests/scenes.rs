@@ -1,0 +1,120 @@
+//! Good scenes: the shipped ones and those of the tests are read, survive a round trip, and agree with the JSON schema.
+
+mod support;
+
+use std::path::PathBuf;
+use stoss_scene::{Kind, LoadKind, Material, MeshSource, Problem, Scene, Series, json_schema, parse};
+use support::schema;
+
+const DYNAMIC: &str = include_str!("data/dynamic.toml");
+const STATIC: &str = include_str!("data/quasi-static.toml");
+
+fn good_scenes() -> Vec<(String, String)> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut scenes: Vec<(String, String)> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .map(|path| (path.display().to_string(), std::fs::read_to_string(&path).unwrap()))
+        .collect();
+    assert!(!scenes.is_empty());
+    scenes.push(("dynamic".into(), DYNAMIC.into()));
+    scenes.push(("quasi-static".into(), STATIC.into()));
+    scenes
+}
+
+fn read(text: &str, file: &str) -> Scene {
+    parse(text, file).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+#[test]
+fn good_scenes_survive_a_round_trip() {
+    for (file, text) in good_scenes() {
+        let scene = read(&text, &file);
+        let written = toml::to_string(&scene).unwrap();
+        assert_eq!(read(&written, "written"), scene, "{file}");
+    }
+}
+
+#[test]
+fn our_reader_and_serde_agree() {
+    for (file, text) in good_scenes() {
+        let by_serde: Scene = toml::from_str(&text).unwrap();
+        assert_eq!(read(&text, &file), by_serde, "{file}");
+    }
+}
+
+#[test]
+fn good_scenes_are_valid_under_the_schema() {
+    let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
+    for (file, text) in good_scenes() {
+        let value: serde_json::Value = toml::from_str(&text).unwrap();
+        assert_eq!(schema::violations(&schema, &value), Vec::<String>::new(), "{file}");
+    }
+}
+
+#[test]
+fn the_schema_refuses_what_is_wrong() {
+    let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
+    for (from, to) in [
+        ("density = 10.0", "desnity = 10.0"),
+        ("kind = \"dynamic\"", "kind = \"static\""),
+        ("velocity = [0.0, 1.0, -1.0]", "velocity = [0.0, 1.0]"),
+        ("kappa = 2000.0", "kappa = \"2000\""),
+        ("kappa = 2000.0, ", ""),
+        ("generator = \"block\"", "generator = \"cube\""),
+        ("outer_diameter = 1.0", "outer_diameter = 1.0, layers = 2"),
+        ("every = 2", "every = 2.5"),
+        ("fixed = true", "fixed = \"yes\""),
+    ] {
+        assert!(DYNAMIC.contains(from));
+        let value: serde_json::Value = toml::from_str(&DYNAMIC.replacen(from, to, 1)).unwrap();
+        assert!(!schema::violations(&schema, &value).is_empty(), "{from} -> {to} is valid under the schema");
+    }
+}
+
+#[test]
+fn the_schema_documents_every_key() {
+    let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
+    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+    assert_eq!(schema::undocumented(&schema), Vec::<String>::new());
+}
+
+#[test]
+fn values_arrive_where_they_belong() {
+    let scene = read(DYNAMIC, "dynamic.toml");
+    assert_eq!(scene.header.kind, Kind::Dynamic);
+    assert_eq!(scene.time.max_cuts, 8);
+    assert_eq!(scene.bodies[0].position, [0.0, -0.6, 0.8]);
+    assert_eq!(scene.bodies[1].rotation.as_slice().len(), 2);
+    assert_eq!(scene.bodies[0].rotation.as_slice()[0].axis, [0.0, 0.0, 1.0]);
+    assert!(matches!(&scene.bodies[0].material, Material::Ogden(ogden) if ogden.alpha == [1.3, 5.0, -2.0]));
+    assert_eq!(scene.sets[0].local_name(), "rim");
+    assert_eq!(scene.contacts[0].label(), "ball.outer/plate.top");
+    assert_eq!(scene.prescriptions[0].rows(), [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0]]);
+    assert_eq!(scene.prescriptions[1].rows(), [[0.0, 0.0]]);
+    let (kind, series) = scene.loads[1].kind().unwrap();
+    assert_eq!((kind, series), (LoadKind::BodyForce, &Series::Vector(vec![0.0, 0.0, -98.1])));
+    assert_eq!(series.rows(), [[0.0, 0.0, 0.0, -98.1]]);
+    assert_eq!(scene.probes[1].point, Some([1.25, 1.25, 0.25]));
+    assert_eq!(scene.output.checkpoint_every, 10);
+    assert_eq!(scene.body_index("plate"), Some(1));
+    let scene = read(STATIC, "quasi-static.toml");
+    assert!(!scene.is_dynamic());
+    assert!(matches!(&scene.bodies[5].mesh, MeshSource::File(mesh) if mesh.file == "part.msh"));
+    assert_eq!(scene.loads[1].kind().unwrap().1.columns(), 1);
+}
+
+#[test]
+fn later_checks_find_their_line() {
+    let scene = read(DYNAMIC, "dynamic.toml");
+    let location = scene.locate("contact[0].master").unwrap();
+    let line = DYNAMIC.lines().nth(location.line - 1).unwrap();
+    assert_eq!(line, "master = \"plate.top\"");
+    assert_eq!(&line[location.column - 1..], "\"plate.top\"");
+    assert_eq!(&scene.text()[location.span], "\"plate.top\"");
+    assert_eq!(scene.locate("contact[0].friction"), None);
+    let problem = Problem::at(&scene, "contact[0].friction", "", "message", "remedy");
+    assert_eq!(DYNAMIC.lines().nth(problem.line - 1), Some("[[contact]]"));
+    assert_eq!(problem.file, "dynamic.toml");
+}

@@ -1,0 +1,116 @@
+//! Checkpoints: everything that a run needs to go on with the same bits, written atomically.
+
+use crate::control::Clock;
+use crate::{Balance, Decision, Timings};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+const MAGIC: &[u8; 8] = b"STOSSCP\x01";
+
+/// Why a checkpoint cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// Input or output.
+    #[error("checkpoint {path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not a checkpoint, of another version, or damaged.
+    #[error("checkpoint {path} is not readable: {reason}")]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Of another scene or model.
+    #[error("checkpoint does not fit: {reason}")]
+    Mismatch {
+        /// What differs.
+        reason: String,
+    },
+}
+
+/// The state of a run after a completed step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// Identifies scene and program version; a run resumes only with the same tag.
+    pub tag: String,
+    /// Clock and step control.
+    pub clock: Clock,
+    /// Completed steps.
+    pub step: u64,
+    /// Time.
+    pub time: f64,
+    /// Positions.
+    pub q: Vec<f64>,
+    /// Velocities (in quasi-static runs: last displacement increment over its time).
+    pub v: Vec<f64>,
+    /// Pressures of each contact pair.
+    pub pressures: Vec<Vec<f64>>,
+    /// Active slots of each contact pair.
+    pub active: Vec<Vec<bool>>,
+    /// Histories of the contact methods.
+    pub histories: Vec<Vec<u8>>,
+    /// Forces at prescribed components and contact forces at the last step, for output.
+    pub reactions: Vec<f64>,
+    /// Contact forces of the last step.
+    pub contact_force: Vec<f64>,
+    /// Balance at the last step.
+    pub balance: Balance,
+    /// Seconds so far.
+    pub timings: Timings,
+    /// Decisions so far.
+    pub decisions: Vec<Decision>,
+    /// Linear solves so far.
+    pub solves: u64,
+    /// State of whoever writes the results (file lengths, for instance).
+    pub attachments: BTreeMap<String, Vec<u8>>,
+}
+
+/// 64-bit FNV-1a: detects a torn or damaged file; it is no protection against intent.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+impl Checkpoint {
+    /// Writes to a temporary file in the same folder, flushes it to the disk and renames it: at any moment the path names a complete
+    /// checkpoint or none.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Io`].
+    pub fn write(&self, path: &Path) -> Result<(), CheckpointError> {
+        let io = |source| CheckpointError::Io { path: path.to_path_buf(), source };
+        let body = postcard::to_stdvec(self)
+            .map_err(|e| CheckpointError::Damaged { path: path.to_path_buf(), reason: e.to_string() })?;
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;
+        file.write_all(MAGIC).map_err(io)?;
+        file.write_all(&checksum(&body).to_le_bytes()).map_err(io)?;
+        file.write_all(&body).map_err(io)?;
+        file.as_file().sync_all().map_err(io)?;
+        file.persist(path).map_err(|e| io(e.error))?;
+        Ok(())
+    }
+
+    /// Reads and checks a checkpoint.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Io`], [`CheckpointError::Damaged`].
+    pub fn read(path: &Path) -> Result<Self, CheckpointError> {
+        let bytes = std::fs::read(path).map_err(|source| CheckpointError::Io { path: path.to_path_buf(), source })?;
+        let damaged = |reason: &str| CheckpointError::Damaged { path: path.to_path_buf(), reason: reason.into() };
+        let body = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("not a checkpoint of this version"))?;
+        let (sum, body) = body.split_first_chunk::<8>().ok_or_else(|| damaged("truncated"))?;
+        if u64::from_le_bytes(*sum) != checksum(body) {
+            return Err(damaged("the checksum is wrong (truncated or changed)"));
+        }
+        postcard::from_bytes(body).map_err(|e| damaged(&e.to_string()))
+    }
+}

@@ -1,0 +1,181 @@
+//! The clock with its step control: nominal steps that can be halved and grown again.
+
+use serde::{Deserialize, Serialize};
+
+/// Settings of the step control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepControl {
+    /// Nominal step size [time].
+    pub step: f64,
+    /// End of the run [time].
+    pub end: f64,
+    /// How often a step may be halved in a row.
+    pub max_cuts: u32,
+    /// Successful steps before a halved step is doubled again.
+    pub grow_after: u32,
+}
+
+/// Where the run is on the grid of nominal steps.
+///
+/// Time is counted in ticks of `step / 2^max_cuts`, so that the times of nominal steps are met exactly after any sequence of
+/// halvings, and a resumed run has the same bits. The last nominal step ends at `end`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clock {
+    step: f64,
+    end: f64,
+    max_cuts: u32,
+    grow_after: u32,
+    /// Ticks done.
+    tick: u64,
+    /// Present number of halvings.
+    level: u32,
+    /// Successful steps since the last change of level.
+    successes: u32,
+}
+
+impl Clock {
+    /// At time zero. `control` must have a positive finite `step` and `end`; `max_cuts` is limited to 30.
+    pub fn new(control: StepControl) -> Self {
+        Self {
+            step: control.step,
+            end: control.end,
+            max_cuts: control.max_cuts.min(30),
+            grow_after: control.grow_after.max(1),
+            tick: 0,
+            level: 0,
+            successes: 0,
+        }
+    }
+
+    fn ticks_per_step(&self) -> u64 {
+        1 << self.max_cuts
+    }
+
+    /// Number of nominal steps.
+    pub fn nominal_steps(&self) -> u64 {
+        // A remainder below 1e-9 of a step is round-off of the division, not a step.
+        (self.end / self.step - 1.0e-9).ceil().max(1.0) as u64
+    }
+
+    fn time_at(&self, tick: u64) -> f64 {
+        let last = self.nominal_steps() * self.ticks_per_step();
+        if tick >= last {
+            return self.end;
+        }
+        (tick as f64 / self.ticks_per_step() as f64 * self.step).min(self.end)
+    }
+
+    /// Present time.
+    pub fn time(&self) -> f64 {
+        self.time_at(self.tick)
+    }
+
+    /// Time at the end of the step to come.
+    pub fn next_time(&self) -> f64 {
+        self.time_at(self.tick + self.stride())
+    }
+
+    /// Size of the step to come.
+    pub fn dt(&self) -> f64 {
+        self.next_time() - self.time()
+    }
+
+    fn stride(&self) -> u64 {
+        self.ticks_per_step() >> self.level
+    }
+
+    /// Present number of halvings.
+    pub fn level(&self) -> u32 {
+        self.level
+    }
+
+    /// True at the end.
+    pub fn finished(&self) -> bool {
+        self.time() >= self.end
+    }
+
+    /// True if the present time is a multiple of the nominal step (or the end).
+    pub fn on_nominal_grid(&self) -> bool {
+        self.tick % self.ticks_per_step() == 0 || self.finished()
+    }
+
+    /// Moves the end (used to stop a run early or to continue it further).
+    pub fn set_end(&mut self, end: f64) {
+        self.end = end;
+    }
+
+    /// The step succeeded; returns true if the step size was doubled.
+    pub fn accept(&mut self) -> bool {
+        self.tick += self.stride();
+        self.successes += 1;
+        let larger = self.stride() * 2;
+        if self.level > 0 && self.successes >= self.grow_after && self.tick % larger == 0 {
+            self.level -= 1;
+            self.successes = 0;
+            return true;
+        }
+        false
+    }
+
+    /// The step failed; returns false if it cannot be halved any more.
+    pub fn cut(&mut self) -> bool {
+        self.successes = 0;
+        if self.level == self.max_cuts {
+            return false;
+        }
+        self.level += 1;
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn control(step: f64, end: f64) -> StepControl {
+        StepControl { step, end, max_cuts: 6, grow_after: 2 }
+    }
+
+    #[test]
+    fn nominal_steps_meet_the_end() {
+        let mut clock = Clock::new(control(0.1, 1.0));
+        let mut steps = 0;
+        while !clock.finished() {
+            clock.accept();
+            steps += 1;
+        }
+        assert_eq!(steps, 10);
+        assert_eq!(clock.time(), 1.0);
+        assert_eq!(Clock::new(control(0.3, 1.0)).nominal_steps(), 4);
+    }
+
+    #[test]
+    fn cuts_have_an_end() {
+        let mut clock = Clock::new(control(0.1, 1.0));
+        for _ in 0..6 {
+            assert!(clock.cut());
+        }
+        assert!(!clock.cut());
+    }
+
+    proptest! {
+        #[test]
+        fn any_history_meets_nominal_times_and_ends(failures in proptest::collection::vec(any::<bool>(), 0..60)) {
+            let mut clock = Clock::new(control(0.07, 1.0));
+            let mut failures = failures.into_iter();
+            let mut last = -1.0;
+            for _ in 0..100_000 {
+                if clock.finished() { break; }
+                if failures.next().unwrap_or(false) && clock.cut() { continue; }
+                prop_assert!(clock.dt() > 0.0);
+                clock.accept();
+                prop_assert!(clock.time() > last);
+                last = clock.time();
+            }
+            prop_assert!(clock.finished());
+            prop_assert_eq!(clock.time(), 1.0);
+            prop_assert!(clock.on_nominal_grid());
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! Momenta and energies.
+
+use serde::{Deserialize, Serialize};
+
+/// Balance at the end of a step. Angular momentum is about the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Balance {
+    /// Linear momentum.
+    pub linear_momentum: [f64; 3],
+    /// Angular momentum about the origin.
+    pub angular_momentum: [f64; 3],
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Strain energy.
+    pub strain: f64,
+    /// Potential of dead loads that are constant in time, zero in the reference configuration.
+    pub potential: f64,
+    /// Energy stored in contact (regularisations; zero for multipliers).
+    pub contact: f64,
+    /// Energy dissipated by friction since the start.
+    pub dissipation: f64,
+    /// Work done since the start by loads that vary in time and by prescribed motion.
+    pub external_work: f64,
+}
+
+impl Balance {
+    /// What an energy-conserving scheme keeps: kinetic + strain + potential + contact + dissipation - external work.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.strain + self.potential + self.contact + self.dissipation - self.external_work
+    }
+}

@@ -1,0 +1,51 @@
+//! Loads as functions of time.
+
+use crate::Table;
+
+/// A load: nodal patterns of unit magnitude times a function of time, or a pressure that follows the surface.
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// Name for reports.
+    pub name: String,
+    /// What it acts on.
+    pub kind: LoadKind,
+    /// Magnitude; one column for each pattern of a dead load, one column [pressure] for a follower pressure.
+    pub magnitude: Table,
+}
+
+/// Kinds of loads.
+#[derive(Clone, Debug)]
+pub enum LoadKind {
+    /// Constant direction and reference area or volume: nodal force = sum over columns of magnitude * pattern. Each
+    /// pattern is a list of (component `3*node + i`, force a unit of magnitude).
+    Dead {
+        /// One pattern a column of the table.
+        patterns: Vec<Vec<(u32, f64)>>,
+    },
+    /// Pressure normal to the current surface, positive inwards (formulation §3.3 (c)).
+    FollowerPressure {
+        /// Facets, global nodes, numbered outward.
+        facets: Vec<[u32; 4]>,
+    },
+}
+
+impl Load {
+    /// True if the load has a potential that does not change in time.
+    pub(crate) fn is_conservative(&self) -> bool {
+        matches!(self.kind, LoadKind::Dead { .. }) && self.magnitude.is_constant()
+    }
+
+    /// Adds `factor` times the nodal forces of a dead load at a time; follower pressures add nothing here.
+    pub(crate) fn add_dead(&self, time: f64, factor: f64, force: &mut [f64]) {
+        if let LoadKind::Dead { patterns } = &self.kind {
+            for (column, pattern) in patterns.iter().enumerate() {
+                let magnitude = factor * self.magnitude.value(time, column);
+                if magnitude != 0.0 {
+                    for &(component, unit) in pattern {
+                        force[component as usize] += magnitude * unit;
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What is to be simulated.
+
+use crate::{Load, SimulationError, Table};
+use std::ops::Range;
+use stoss_contact::ContactMethod;
+use stoss_fe_solid::{MassKind, SolidBody};
+
+/// A deformable body.
+#[derive(Debug)]
+pub struct Body {
+    /// Elements and law.
+    pub solid: SolidBody,
+    /// Global numbers of its nodes.
+    pub nodes: Range<u32>,
+    /// Reference density; `None` in quasi-static models.
+    pub density: Option<f64>,
+    /// Consistent or lumped.
+    pub mass_kind: MassKind,
+}
+
+/// Displacement components given as functions of time.
+#[derive(Clone, Debug)]
+pub struct Prescription {
+    /// Global node numbers.
+    pub nodes: Vec<u32>,
+    /// Components (0, 1, 2), one a column of the table.
+    pub components: Vec<u8>,
+    /// Displacement from the reference position [length].
+    pub displacement: Table,
+}
+
+/// A contact method with the factor of its complementarity function.
+#[derive(Debug)]
+pub struct ContactPair {
+    /// Name for reports, unique.
+    pub name: String,
+    /// The method.
+    pub method: Box<dyn ContactMethod>,
+    /// `c` of formulation §1.6: active if `p - c gap > 0`; about Young's modulus over the edge length.
+    pub complementarity: f64,
+}
+
+/// Bodies, prescribed motion, loads and contact. Global nodes are numbered body after body.
+#[derive(Debug, Default)]
+pub struct Model {
+    /// Reference positions, `3 * nodes`, node-major [length].
+    pub reference: Vec<f64>,
+    /// Initial velocities, `3 * nodes`; ignored in quasi-static runs.
+    pub velocity: Vec<f64>,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// Prescribed motion.
+    pub prescriptions: Vec<Prescription>,
+    /// Loads.
+    pub loads: Vec<Load>,
+    /// Contact.
+    pub contacts: Vec<ContactPair>,
+}
+
+impl Model {
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.reference.len() / 3
+    }
+
+    /// Components that are prescribed: (component index `3*node + i`, prescription, column). A component may be prescribed
+    /// only once.
+    pub(crate) fn prescribed_components(&self) -> Result<Vec<(u32, u32, u32)>, SimulationError> {
+        let mut list = Vec::new();
+        let mut seen = vec![false; self.reference.len()];
+        for (p, prescription) in self.prescriptions.iter().enumerate() {
+            for &node in &prescription.nodes {
+                for (column, &component) in prescription.components.iter().enumerate() {
+                    let index = 3 * node as usize + component as usize;
+                    let Some(mark) = seen.get_mut(index) else {
+                        return Err(SimulationError::Model(format!(
+                            "prescription {p} names node {node} component {component}, which does not exist"
+                        )));
+                    };
+                    if *mark {
+                        return Err(SimulationError::Model(format!(
+                            "component {component} of node {node} is prescribed twice"
+                        )));
+                    }
+                    *mark = true;
+                    list.push((index as u32, p as u32, column as u32));
+                }
+            }
+        }
+        list.sort_unstable();
+        Ok(list)
+    }
+}

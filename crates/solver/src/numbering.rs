@@ -1,0 +1,34 @@
+//! Equations of the free displacement components.
+
+use stoss_linalg::NONE;
+
+/// Which component of which node has which equation. Prescribed components and components of nodes that belong to no element
+/// have none.
+#[derive(Clone, Debug)]
+pub(crate) struct Numbering {
+    /// Equation of each component, `NONE` if it has none; `3 * nodes` entries.
+    pub equation: Vec<u32>,
+    /// Component of each equation.
+    pub free: Vec<u32>,
+}
+
+impl Numbering {
+    pub fn new(components: usize, prescribed: impl Fn(usize) -> bool) -> Self {
+        let mut equation = vec![NONE; components];
+        let mut free = Vec::with_capacity(components);
+        for (component, slot) in equation.iter_mut().enumerate() {
+            if !prescribed(component) {
+                *slot = free.len() as u32;
+                free.push(component as u32);
+            }
+        }
+        Self { equation, free }
+    }
+
+    /// Appends the equations of the three components of each node.
+    pub fn node_equations(&self, nodes: &[u32], out: &mut Vec<u32>) {
+        for &node in nodes {
+            out.extend_from_slice(&self.equation[3 * node as usize..3 * node as usize + 3]);
+        }
+    }
+}

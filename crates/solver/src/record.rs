@@ -1,0 +1,87 @@
+//! What a completed step leaves behind for whoever writes it down.
+
+use crate::Balance;
+use serde::{Deserialize, Serialize};
+
+/// One row of the Newton history.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonRow {
+    /// Iteration within the step, from 0 (the predictor).
+    pub iteration: u32,
+    /// Relative residual: the larger of force residual over force scale and largest gap error over the surface's length.
+    pub residual: f64,
+    /// Norm of the increment that followed (0 if none).
+    pub increment: f64,
+    /// Active constraints.
+    pub active: usize,
+    /// Constraints whose state or pairing changed just before this iteration.
+    pub changes: usize,
+}
+
+/// What the step control or the active set decided, for the record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Decision {
+    /// Step that was being done.
+    pub step: u64,
+    /// Time at its start.
+    pub time: f64,
+    /// Step size at that moment.
+    pub dt: f64,
+    /// What was decided.
+    pub kind: DecisionKind,
+    /// Why.
+    pub reason: String,
+}
+
+/// Kinds of decisions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DecisionKind {
+    /// The step was halved.
+    Cut,
+    /// The step was doubled again.
+    Grow,
+    /// The predictor was dropped and the step was started from the last positions.
+    Restart,
+}
+
+/// Contact of one step, all methods together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactSummary {
+    /// Active slots at the end of the step.
+    pub active: usize,
+    /// Slots active now that were not at the end of the last step.
+    pub closed: usize,
+    /// Slots active at the end of the last step that are not now.
+    pub released: usize,
+    /// Changes of pairing in the step.
+    pub repaired: usize,
+    /// Smallest gap of all slots in reach (infinite if none).
+    pub min_gap: f64,
+    /// Largest pressure.
+    pub max_pressure: f64,
+    /// Sum of the contact forces on the slave nodes.
+    pub force_on_slave: [f64; 3],
+}
+
+/// A completed step.
+#[derive(Clone, Debug)]
+pub struct StepRecord {
+    /// Number of the step, from 1 (0: the initial state).
+    pub step: u64,
+    /// Time at its end.
+    pub time: f64,
+    /// Its size.
+    pub dt: f64,
+    /// True if its end is a multiple of the nominal step size.
+    pub nominal: bool,
+    /// Momenta, energies, work.
+    pub balance: Balance,
+    /// Newton history of the successful attempt.
+    pub newton: Vec<NewtonRow>,
+    /// Linear solves of the successful attempt.
+    pub iterations: u32,
+    /// Decisions since the last completed step.
+    pub decisions: Vec<Decision>,
+    /// Contact, if the model has any.
+    pub contact: Option<ContactSummary>,
+}

@@ -1,0 +1,228 @@
+//! Meshes, laws, densities, initial velocities.
+
+use super::{Placed, Problems};
+use crate::scene::{Body, Generator, Mass, Material, MeshSource, Rotation as SceneRotation, Scene};
+use crate::solver::Model;
+use std::path::Path;
+use std::sync::Arc;
+use stoss_continuum::HyperelasticLaw;
+use stoss_fe_solid::{MassKind, SolidBody};
+use stoss_materials::{MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_mesh::generate::{Block, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock};
+use stoss_mesh::{Mesh, MeshError, Region, Rotation};
+
+/// Adds all bodies to the model; bodies with problems are left out.
+pub(super) fn bodies(
+    scene: &Scene,
+    folder: &Path,
+    model: &mut Model,
+    mesh_files: &mut Vec<Vec<u8>>,
+    problems: &mut Problems<'_>,
+) -> (Vec<Placed>, Vec<String>) {
+    let mut placed = Vec::new();
+    let mut lines = Vec::new();
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let key = format!("body[{b}]");
+        let law = match law(&body.material) {
+            Ok(law) => Some(law),
+            Err(error) => {
+                let remedy = "choose parameters with positive shear and bulk moduli at small strains";
+                problems.add(format!("{key}.material"), body.material.law(), error.to_string(), remedy);
+                None
+            }
+        };
+        let mesh = mesh(scene, b, folder, mesh_files, problems);
+        let (Some(law), Some(mesh)) = (law, mesh) else { continue };
+        let first_node = (model.reference.len() / 3) as u32;
+        let solid = match SolidBody::new(&body.name, &mesh, first_node, Arc::clone(&law)) {
+            Ok(solid) => solid,
+            Err(error) => {
+                problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");
+                continue;
+            }
+        };
+        for x in &mesh.nodes {
+            model.reference.extend_from_slice(x);
+            if scene.is_dynamic() {
+                model.velocity.extend_from_slice(&body.initial_velocity(*x));
+            }
+        }
+        let moduli = law.small_strain_moduli();
+        lines.push(format!(
+            "{}: {} nodes, {} elements, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
+            body.name,
+            mesh.nodes.len(),
+            mesh.elements.len(),
+            law.name(),
+            moduli.young_modulus(),
+            moduli.poisson_ratio(),
+            mesh.quality(),
+        ));
+        model.bodies.push(crate::solver::Body {
+            solid,
+            nodes: first_node..first_node + mesh.nodes.len() as u32,
+            density: body.density.filter(|_| scene.is_dynamic()),
+            mass_kind: match body.mass {
+                Mass::Consistent => MassKind::Consistent,
+                Mass::Lumped => MassKind::Lumped,
+            },
+        });
+        placed.push(Placed { mesh, first_node });
+    }
+    (placed, lines)
+}
+
+/// The law of a material.
+///
+/// # Errors
+/// Parameters that are no material.
+pub fn law(material: &Material) -> Result<Arc<dyn HyperelasticLaw>, MaterialError> {
+    Ok(match material {
+        Material::SaintVenantKirchhoff(m) => match (m.young, m.poisson) {
+            (Some(young), Some(poisson)) => Arc::new(SaintVenantKirchhoff::from_young_poisson(young, poisson)?),
+            _ => {
+                let (lambda, mu) = m.lame();
+                Arc::new(SaintVenantKirchhoff::new(lambda, mu)?)
+            }
+        },
+        Material::NeoHooke(m) => match (m.young, m.poisson) {
+            (Some(young), Some(poisson)) => Arc::new(NeoHooke::from_young_poisson(young, poisson)?),
+            _ => {
+                let (lambda, mu) = m.lame();
+                Arc::new(NeoHooke::new(lambda, mu)?)
+            }
+        },
+        Material::MooneyRivlin(m) => Arc::new(MooneyRivlin::new(m.c1, m.c2, m.c)?),
+        Material::Ogden(m) => Arc::new(Ogden::new(&m.mu, &m.alpha, m.kappa, m.beta)?),
+    })
+}
+
+fn generate(generator: &Generator) -> Result<Mesh, MeshError> {
+    match generator {
+        Generator::Block(g) => {
+            let (min, max) = g.bounds();
+            Block { min, max, divisions: g.divisions, grading: g.grading }.generate()
+        }
+        Generator::HollowBall(g) => HollowBall {
+            inner_diameter: g.inner_diameter,
+            outer_diameter: g.outer_diameter,
+            divisions: g.divisions,
+        }
+        .generate(),
+        Generator::HollowTorus(g) => HollowTorus {
+            ring_radius: g.ring_radius,
+            tube_outer_radius: g.tube_outer_radius,
+            tube_inner_radius: g.tube_inner_radius,
+            divisions: g.divisions,
+        }
+        .generate(),
+        Generator::Hexahedron(g) => {
+            Hexahedron { corners: g.corners, divisions: g.divisions, grading: g.grading }.generate()
+        }
+        Generator::Indenter(g) => Indenter {
+            width: g.size,
+            height: g.height,
+            radius: g.radius,
+            divisions: g.divisions,
+            grading: g.grading,
+        }
+        .generate(),
+        Generator::LShape(g) => {
+            LBlock { length: g.length, width: g.width, thickness: g.thickness, divisions: g.divisions }.generate()
+        }
+    }
+}
+
+/// A body's mesh in its place, with the scene's sets.
+fn mesh(
+    scene: &Scene,
+    b: usize,
+    folder: &Path,
+    mesh_files: &mut Vec<Vec<u8>>,
+    problems: &mut Problems<'_>,
+) -> Option<Mesh> {
+    let body = &scene.bodies[b];
+    let key = format!("body[{b}].mesh");
+    let mut mesh = match &body.mesh {
+        MeshSource::Generator(generator) => match generate(generator) {
+            Ok(mesh) => mesh,
+            Err(error) => {
+                problems.add(key, "", error.to_string(), "mend the generator's parameters");
+                return None;
+            }
+        },
+        MeshSource::File(source) => read(folder, &source.file, &format!("{key}.file"), mesh_files, problems)?,
+    };
+    if let Err((key, error)) = place(&mut mesh, body, b) {
+        problems.add(key, "", error.to_string(), "mend the placement");
+        return None;
+    }
+    if let Err(error) = mesh.check() {
+        problems.add(key, "", error.to_string(), "mend the mesh");
+        return None;
+    }
+    for (s, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.body == body.name) {
+        let region = match (&set.inside, &set.plane) {
+            (Some(region), _) => Region::Box { min: region.min, max: region.max },
+            (None, Some(plane)) => {
+                // Without a tolerance: a millionth of the body's size.
+                let [low, high] = bounds(&mesh);
+                let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+                let tolerance = plane.tolerance.unwrap_or(1.0e-6 * size);
+                Region::Plane { point: plane.point, normal: plane.normal, tolerance }
+            }
+            (None, None) => continue,
+        };
+        if let Err(error) = mesh.add_region_sets(set.local_name(), &region) {
+            let [low, high] = bounds(&mesh);
+            let remedy = format!("body `{}` reaches from {low:?} to {high:?} in its place", body.name);
+            problems.add(format!("set[{s}]"), &set.name, error.to_string(), remedy);
+        }
+    }
+    Some(mesh)
+}
+
+fn bounds(mesh: &Mesh) -> [[f64; 3]; 2] {
+    let mut out = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for x in &mesh.nodes {
+        for i in 0..3 {
+            out[0][i] = out[0][i].min(x[i]);
+            out[1][i] = out[1][i].max(x[i]);
+        }
+    }
+    out
+}
+
+/// Rotations one after the other, then the translation.
+fn place(mesh: &mut Mesh, body: &Body, b: usize) -> Result<(), (String, MeshError)> {
+    for SceneRotation { axis, degrees, about } in body.rotation.as_slice() {
+        let rotation = Rotation { axis: *axis, degrees: *degrees, about: *about };
+        mesh.transform(Some(&rotation), [0.0; 3]).map_err(|e| (format!("body[{b}].rotation"), e))?;
+    }
+    mesh.transform(None, body.position).map_err(|e| (format!("body[{b}].position"), e))
+}
+
+#[cfg(feature = "mesh-files")]
+fn read(
+    folder: &Path,
+    file: &str,
+    key: &str,
+    mesh_files: &mut Vec<Vec<u8>>,
+    problems: &mut Problems<'_>,
+) -> Option<Mesh> {
+    let path = folder.join(file);
+    let result = std::fs::read(&path).map_err(|e| e.to_string()).and_then(|bytes| {
+        mesh_files.push(bytes);
+        stoss_mesh_io::read_mesh(&path).map_err(|e| e.to_string())
+    });
+    result
+        .map_err(|error| problems.add(key.to_owned(), file, error, "paths are relative to the scene's file"))
+        .ok()
+}
+
+#[cfg(not(feature = "mesh-files"))]
+fn read(_: &Path, file: &str, key: &str, _: &mut Vec<Vec<u8>>, problems: &mut Problems<'_>) -> Option<Mesh> {
+    let message = "this build of Stoss reads no mesh files";
+    problems.add(key.to_owned(), file, message, "build it with the cargo feature `mesh-files`");
+    None
+}

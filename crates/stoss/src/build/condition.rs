@@ -1,0 +1,221 @@
+//! Prescribed motion, loads, contact.
+
+use super::{Placed, Problems};
+use crate::scene::{LoadKind as SceneLoad, Scene, split_set};
+use crate::solver::{Load, LoadKind, Model, Prescription, Table};
+
+/// Facets of a set in global node numbers.
+fn facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, String> {
+    let list = placed.mesh.facets_of(set).map_err(|e| e.to_string())?;
+    Ok(list.iter().map(|facet| facet.nodes.map(|n| n + placed.first_node)).collect())
+}
+
+/// Resolves `body.set` with a given look-up; reports and returns `None` if it does not exist or is empty.
+pub(super) fn resolve<T>(
+    scene: &Scene,
+    placed: &[Placed],
+    key: &str,
+    reference: &str,
+    problems: &mut Problems<'_>,
+    look_up: impl Fn(&Placed, &str) -> Result<Vec<T>, String>,
+) -> Option<(usize, Vec<T>)> {
+    let (body, set) = split_set(reference)?;
+    let b = scene.body_index(body)?;
+    let names = || placed[b].mesh.set_names().join(", ");
+    match look_up(&placed[b], set) {
+        Ok(list) if !list.is_empty() => Some((b, list)),
+        Ok(_) => {
+            let remedy = format!("choose a set that is not empty; body `{body}` has: {}", names());
+            problems.add(key.to_owned(), reference, "the set is empty", remedy);
+            None
+        }
+        Err(error) => {
+            problems.add(key.to_owned(), reference, error, format!("body `{body}` has: {}", names()));
+            None
+        }
+    }
+}
+
+/// Global nodes of a set.
+pub(super) fn nodes(placed: &Placed, set: &str) -> Result<Vec<u32>, String> {
+    let list = placed.mesh.nodes_of(set).map_err(|e| e.to_string())?;
+    Ok(list.iter().map(|n| n + placed.first_node).collect())
+}
+
+fn table(key: String, rows: &[Vec<f64>], columns: usize, problems: &mut Problems<'_>) -> Option<Table> {
+    Table::from_rows(rows, columns)
+        .map_err(|error| problems.add(key, "", error.to_string(), "give rows [time, value, ...] with increasing times"))
+        .ok()
+}
+
+pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {
+    let mut owner: Vec<Option<usize>> = vec![None; model.reference.len()];
+    for (p, item) in scene.prescriptions.iter().enumerate() {
+        let key = format!("prescribe[{p}]");
+        let found = resolve(scene, placed, &format!("{key}.set"), &item.set, problems, nodes);
+        let table = table(format!("{key}.displacement"), &item.rows(), item.components.len(), problems);
+        let (Some((_, nodes)), Some(displacement)) = (found, table) else { continue };
+        let components: Vec<u8> = item.components.iter().map(|c| c.index() as u8).collect();
+        let clash = nodes.iter().find_map(|&n| {
+            components.iter().find_map(|&c| owner[3 * n as usize + c as usize].map(|other| (n, c, other)))
+        });
+        if let Some((node, component, other)) = clash {
+            let axis = ["x", "y", "z"][component as usize];
+            let message = format!("component {axis} of node {node} is prescribed by prescribe[{other}] as well");
+            let remedy = "let the sets not overlap, or give each component once";
+            problems.add(format!("{key}.set"), &item.set, message, remedy);
+            continue;
+        }
+        for &n in &nodes {
+            for &c in &components {
+                owner[3 * n as usize + c as usize] = Some(p);
+            }
+        }
+        model.prescriptions.push(Prescription { nodes, components, displacement });
+    }
+}
+
+pub(super) fn loads(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {
+    for (l, item) in scene.loads.iter().enumerate() {
+        let key = format!("load[{l}]");
+        let Some((kind, series)) = item.kind() else { continue };
+        let magnitude = table(format!("{key}.{}", kind.name()), &series.rows(), kind.columns(), problems);
+        let load = load_kind(scene, placed, model, &key, item, kind, problems);
+        if let (Some(magnitude), Some(load)) = (magnitude, load) {
+            model.loads.push(Load { name: format!("{key} {}", kind.name()), kind: load, magnitude });
+        }
+    }
+}
+
+/// Nodal forces of unit magnitude, as the entries that are not zero.
+fn pattern(
+    components: usize,
+    key: &str,
+    problems: &mut Problems<'_>,
+    fill: impl FnOnce(&mut [f64]) -> Result<(), stoss_fe_solid::SolidError>,
+) -> Option<Vec<(u32, f64)>> {
+    let mut force = vec![0.0; components];
+    match fill(&mut force) {
+        Ok(()) => Some(
+            force.iter().enumerate().filter(|(_, f)| **f != 0.0).map(|(component, &f)| (component as u32, f)).collect(),
+        ),
+        Err(error) => {
+            problems.add(key.to_owned(), "", error.to_string(), "mend the mesh or choose another set");
+            None
+        }
+    }
+}
+
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+fn load_kind(
+    scene: &Scene,
+    placed: &[Placed],
+    model: &Model,
+    key: &str,
+    item: &crate::scene::Load,
+    kind: SceneLoad,
+    problems: &mut Problems<'_>,
+) -> Option<LoadKind> {
+    let components = model.reference.len();
+    if kind == SceneLoad::BodyForce {
+        // On a whole body: `body`, or a set of which the body is meant.
+        let name = item.body.as_deref().or_else(|| item.set.as_deref().and_then(split_set).map(|(body, _)| body))?;
+        let solid = &model.bodies[scene.body_index(name)?].solid;
+        let patterns = AXES.map(|axis| pattern(components, key, problems, |f| solid.body_force(axis, f)));
+        return Some(LoadKind::Dead { patterns: patterns.into_iter().collect::<Option<_>>()? });
+    }
+    let set = item.set.as_deref()?;
+    let key = format!("{key}.set");
+    if kind == SceneLoad::Force {
+        let (_, nodes) = resolve(scene, placed, &key, set, problems, nodes)?;
+        let patterns = (0..3).map(|i| nodes.iter().map(|&n| (3 * n + i, 1.0)).collect()).collect();
+        return Some(LoadKind::Dead { patterns });
+    }
+    let (_, facets) = resolve(scene, placed, &key, set, problems, facets)?;
+    let reference = &model.reference;
+    match kind {
+        SceneLoad::FollowerPressure => Some(LoadKind::FollowerPressure { facets }),
+        SceneLoad::Pressure => {
+            let unit = pattern(components, &key, problems, |f| {
+                stoss_fe_solid::dead_pressure(&facets, reference, 1.0, f)
+            })?;
+            Some(LoadKind::Dead { patterns: vec![unit] })
+        }
+        _ => {
+            let patterns = AXES.map(|axis| {
+                pattern(components, &key, problems, |f| stoss_fe_solid::dead_traction(&facets, reference, axis, f))
+            });
+            Some(LoadKind::Dead { patterns: patterns.into_iter().collect::<Option<_>>()? })
+        }
+    }
+}
+
+#[cfg(feature = "nts")]
+pub(super) fn contacts(
+    scene: &Scene,
+    placed: &[Placed],
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) {
+    use crate::scene::Constraint;
+    use crate::solver::ContactPair;
+    use stoss_contact::ContactMethod;
+    use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+    for (c, item) in scene.contacts.iter().enumerate() {
+        let key = format!("contact[{c}]");
+        let slave = resolve(scene, placed, &format!("{key}.slave"), &item.slave, problems, facets);
+        let master = resolve(scene, placed, &format!("{key}.master"), &item.master, problems, facets);
+        let (Some((slave_body, slave)), Some((master_body, master))) = (slave, master) else { continue };
+        let constraint = match item.constraint {
+            Constraint::Standard => ConstraintForm::Standard,
+            Constraint::Modified => ConstraintForm::Modified,
+        };
+        let options = NodeToSurfaceOptions { constraint, ..NodeToSurfaceOptions::default() };
+        let method = match NodeToSurface::new(&item.label(), &slave, &master, &model.reference, options) {
+            Ok(method) => method,
+            Err(error) => {
+                let remedy = "choose two different, not degenerate surfaces of different bodies";
+                problems.add(key, item.label(), error.to_string(), remedy);
+                continue;
+            }
+        };
+        match method.report(&model.reference) {
+            Ok(reports) => {
+                let tolerance = 1.0e-9 * method.length_scale();
+                let inside = reports.iter().filter(|r| r.gap.is_some_and(|g| g < -tolerance)).count();
+                let deepest = reports.iter().filter_map(|r| r.gap).fold(0.0, f64::min);
+                if inside > 0 {
+                    warnings.push(format!(
+                        "{}: {inside} slave nodes begin behind the master surface (deepest gap {deepest:.3e}); the first step closes \
+                         that gap and changes the energy",
+                        item.label()
+                    ));
+                }
+            }
+            Err(error) => problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces"),
+        }
+        // The softer body decides how the two terms of the complementarity function balance.
+        let young = [slave_body, master_body]
+            .map(|b| model.bodies[b].solid.law().small_strain_moduli().young_modulus())
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+        let complementarity = young / method.length_scale();
+        model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
+    }
+}
+
+#[cfg(not(feature = "nts"))]
+pub(super) fn contacts(
+    scene: &Scene,
+    _: &[Placed],
+    _: &mut Model,
+    problems: &mut Problems<'_>,
+    _: &mut Vec<String>,
+) {
+    for (c, item) in scene.contacts.iter().enumerate() {
+        let message = "this build of Stoss has no contact methods";
+        problems.add(format!("contact[{c}].method"), item.method.name(), message, "build it with the cargo feature `nts`");
+    }
+}

@@ -1,0 +1,115 @@
+//! From a scene to a simulation: meshes, sets, laws, loads, contact. All problems are reported at once, at their places in
+//! the scene's file.
+
+mod body;
+mod condition;
+mod probe;
+
+pub use probe::{Probe, ProbeTarget};
+
+use crate::scene::{Kind, Problem, Scene, SceneErrors};
+use crate::solver::{Model, Settings, Simulation, StepControl};
+use std::path::Path;
+use stoss_linalg::AutoSolver;
+use stoss_mesh::Mesh;
+use stoss_newton::{LineSearch, NewtonOptions};
+
+/// A scene made ready to run.
+#[derive(Debug)]
+pub struct Built {
+    /// The simulation at its initial state.
+    pub simulation: Simulation,
+    /// The scene's probes.
+    pub probes: Vec<Probe>,
+    /// What is no error but deserves a look.
+    pub warnings: Vec<String>,
+    /// Contents of the mesh files, in the order of the bodies, for the hash of the run.
+    pub mesh_files: Vec<Vec<u8>>,
+    /// One line a body: name, elements, law, implied moduli, quality.
+    pub bodies: Vec<String>,
+}
+
+/// Meshes with the number of their first node in the model.
+pub(crate) struct Placed {
+    pub mesh: Mesh,
+    pub first_node: u32,
+}
+
+/// Problems found so far.
+pub(crate) struct Problems<'a> {
+    pub scene: &'a Scene,
+    pub list: Vec<Problem>,
+}
+
+impl Problems<'_> {
+    pub fn add(&mut self, key: String, value: impl std::fmt::Display, message: impl Into<String>, remedy: impl Into<String>) {
+        self.list.push(Problem::at(self.scene, key, value, message, remedy));
+    }
+}
+
+/// Builds the simulation of a scene; mesh files are sought relative to `folder`.
+///
+/// # Errors
+/// Every problem that needs the meshes to be found: unreadable or bad meshes, parameters that are no material, unknown or
+/// empty sets, components prescribed twice, contact of a body with itself.
+pub fn build(scene: &Scene, folder: &Path) -> Result<Built, SceneErrors> {
+    let mut problems = Problems { scene, list: Vec::new() };
+    let mut model = Model::default();
+    let mut mesh_files = Vec::new();
+    let (placed, bodies) = body::bodies(scene, folder, &mut model, &mut mesh_files, &mut problems);
+    let mut warnings = Vec::new();
+    let mut probes = Vec::new();
+    // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
+    if problems.list.is_empty() {
+        condition::prescriptions(scene, &placed, &mut model, &mut problems);
+        condition::loads(scene, &placed, &mut model, &mut problems);
+        condition::contacts(scene, &placed, &mut model, &mut problems, &mut warnings);
+        probes = probe::probes(scene, &placed, &mut problems);
+    }
+    if let Some(errors) = SceneErrors::new(problems.list, scene.text()) {
+        return Err(errors);
+    }
+    match Simulation::new(model, settings(scene)) {
+        Ok(simulation) => Ok(Built { simulation, probes, warnings, mesh_files, bodies }),
+        Err(error) => {
+            let remedy = "mend the scene; with several prescriptions, let each component of a node appear once";
+            let problem = Problem::at(scene, "scene", "", error.to_string(), remedy);
+            match SceneErrors::new(vec![problem], scene.text()) {
+                Some(errors) => Err(errors),
+                // cannot fail: the list has one entry.
+                None => unreachable!("a list of one problem is not empty"),
+            }
+        }
+    }
+}
+
+fn settings(scene: &Scene) -> Settings {
+    let default = NewtonOptions::default();
+    let solver = &scene.solver;
+    Settings {
+        control: StepControl {
+            step: scene.time.step,
+            end: scene.time.end,
+            max_cuts: scene.time.max_cuts,
+            grow_after: scene.time.grow_after,
+        },
+        scheme: match scene.header.kind {
+            Kind::QuasiStatic => None,
+            Kind::Dynamic => {
+                scene.time.integrator.as_ref().and_then(|i| stoss_integrators::scheme(i.scheme.name()))
+            }
+        },
+        newton: NewtonOptions {
+            relative_tolerance: solver.relative_tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
+            max_iterations: solver.max_iterations.unwrap_or(default.max_iterations),
+            line_search: LineSearch::backtracking(),
+            ..default
+        },
+        solver: Box::new(AutoSolver::new()),
+    }
+}
+
+/// Relative residual at which Newton stops. One more iteration follows if it still pays (`NewtonOptions::polish`), which
+/// brings the residual to round-off: balances are exact only as far as the residual is.
+pub const DEFAULT_TOLERANCE: f64 = 1.0e-9;

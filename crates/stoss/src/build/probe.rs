@@ -1,0 +1,114 @@
+//! Probes: quantities written at every step.
+
+use super::condition::{nodes, resolve};
+use super::{Placed, Problems};
+use crate::scene::{Quantity, Scene};
+use crate::solver::Simulation;
+
+/// Where a probe looks.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProbeTarget {
+    /// Global nodes.
+    Nodes(Vec<u32>),
+    /// The whole model.
+    Model,
+}
+
+/// A probe: one or three numbers a step. Displacement, position and velocity are means over the nodes, reaction and contact
+/// force are sums; energies and momenta are those of the whole model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// Name, unique.
+    pub name: String,
+    /// Where.
+    pub target: ProbeTarget,
+    /// What.
+    pub quantity: Quantity,
+}
+
+impl Probe {
+    /// Heads of the columns: the name, with `.x`, `.y`, `.z` for vectors.
+    pub fn columns(&self) -> Vec<String> {
+        if self.quantity.columns() == 1 {
+            vec![self.name.clone()]
+        } else {
+            ["x", "y", "z"].map(|c| format!("{}.{c}", self.name)).to_vec()
+        }
+    }
+
+    /// The numbers at the last completed step; the first [`Quantity::columns`] count.
+    pub fn value(&self, simulation: &Simulation) -> [f64; 3] {
+        let balance = simulation.balance();
+        match self.quantity {
+            Quantity::Energy => [balance.total(), 0.0, 0.0],
+            Quantity::KineticEnergy => [balance.kinetic, 0.0, 0.0],
+            Quantity::StrainEnergy => [balance.strain, 0.0, 0.0],
+            Quantity::LinearMomentum => balance.linear_momentum,
+            Quantity::AngularMomentum => balance.angular_momentum,
+            Quantity::Reaction => self.sum(simulation.reactions()),
+            Quantity::ContactForce => self.sum(simulation.contact_force()),
+            Quantity::Position => self.mean(&simulation.state().q),
+            Quantity::Velocity => self.mean(&simulation.state().v),
+            Quantity::Displacement => {
+                let (q, x) = (self.mean(&simulation.state().q), self.mean(&simulation.model().reference));
+                std::array::from_fn(|i| q[i] - x[i])
+            }
+        }
+    }
+
+    fn nodes(&self) -> &[u32] {
+        match &self.target {
+            ProbeTarget::Nodes(nodes) => nodes,
+            ProbeTarget::Model => &[],
+        }
+    }
+
+    /// Sum over the nodes; zero if the vector does not exist in this model.
+    fn sum(&self, vector: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        if !vector.is_empty() {
+            for &node in self.nodes() {
+                for (i, s) in sum.iter_mut().enumerate() {
+                    *s += vector[3 * node as usize + i];
+                }
+            }
+        }
+        sum
+    }
+
+    fn mean(&self, vector: &[f64]) -> [f64; 3] {
+        let count = self.nodes().len().max(1) as f64;
+        self.sum(vector).map(|s| s / count)
+    }
+}
+
+pub(super) fn probes(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_>) -> Vec<Probe> {
+    let mut out = Vec::new();
+    for (p, item) in scene.probes.iter().enumerate() {
+        let target = if let Some(set) = &item.set {
+            match resolve(scene, placed, &format!("probe[{p}].set"), set, problems, nodes) {
+                Some((_, nodes)) => ProbeTarget::Nodes(nodes),
+                None => continue,
+            }
+        } else if let (Some(point), Some(b)) = (item.point, item.body.as_deref().and_then(|b| scene.body_index(b))) {
+            ProbeTarget::Nodes(vec![nearest(&placed[b], point)])
+        } else {
+            ProbeTarget::Model
+        };
+        out.push(Probe { name: item.name.clone(), target, quantity: item.quantity });
+    }
+    out
+}
+
+/// Global number of the node nearest to a point; the first of equals.
+fn nearest(placed: &Placed, point: [f64; 3]) -> u32 {
+    let distance = |x: &[f64; 3]| (0..3).map(|i| (x[i] - point[i]).powi(2)).sum::<f64>();
+    let nodes = &placed.mesh.nodes;
+    let mut best = 0;
+    for (k, x) in nodes.iter().enumerate() {
+        if distance(x) < distance(&nodes[best]) {
+            best = k;
+        }
+    }
+    placed.first_node + best as u32
+}

@@ -1,0 +1,74 @@
+//! Largest drift of each balance in a run.
+
+use serde::{Deserialize, Serialize};
+use stoss_solver::Balance;
+
+/// Follows a quantity: first value, largest deviation from it, largest magnitude.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Track<const N: usize>
+where
+    [f64; N]: Default + Serialize + for<'a> Deserialize<'a>,
+{
+    first: [f64; N],
+    deviation: f64,
+    magnitude: f64,
+}
+
+fn norm<const N: usize>(x: [f64; N]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+impl<const N: usize> Track<N>
+where
+    [f64; N]: Default + Serialize + for<'a> Deserialize<'a>,
+{
+    fn start(value: [f64; N]) -> Self {
+        Self { first: value, deviation: 0.0, magnitude: norm(value) }
+    }
+    fn follow(&mut self, value: [f64; N]) {
+        self.deviation = self.deviation.max(norm::<N>(std::array::from_fn(|i| value[i] - self.first[i])));
+        self.magnitude = self.magnitude.max(norm(value));
+    }
+    fn report(&self) -> Drift {
+        Drift {
+            absolute: self.deviation,
+            relative: if self.magnitude > 0.0 { self.deviation / self.magnitude } else { 0.0 },
+        }
+    }
+}
+
+/// A drift as the summary reports it.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Drift {
+    /// Largest deviation from the initial value.
+    pub absolute: f64,
+    /// The same over the largest magnitude in the run (0 if that is 0).
+    pub relative: f64,
+}
+
+/// Drifts of all balances.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Drifts {
+    linear: Track<3>,
+    angular: Track<3>,
+    total: Track<1>,
+}
+
+impl Drifts {
+    pub fn start(balance: &Balance) -> Self {
+        Self {
+            linear: Track::start(balance.linear_momentum),
+            angular: Track::start(balance.angular_momentum),
+            total: Track::start([balance.total()]),
+        }
+    }
+    pub fn follow(&mut self, balance: &Balance) {
+        self.linear.follow(balance.linear_momentum);
+        self.angular.follow(balance.angular_momentum);
+        self.total.follow([balance.total()]);
+    }
+    /// Linear momentum, angular momentum, total energy.
+    pub fn report(&self) -> [Drift; 3] {
+        [self.linear.report(), self.angular.report(), self.total.report()]
+    }
+}

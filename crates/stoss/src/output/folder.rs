@@ -1,0 +1,330 @@
+//! Writes a run into a folder.
+
+use super::drift::Drifts;
+use super::table::CsvTable;
+use super::{Memory, Outcome, OutputError, Summary, frame};
+use crate::build::Probe;
+use crate::scene::Field;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use stoss_solver::{Checkpoint, DecisionKind, Simulation, StepRecord};
+
+const BALANCE: &str =
+    "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
+const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
+const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
+contact_force_x,contact_force_y,contact_force_z";
+
+/// What the folder remembers in a checkpoint.
+#[derive(Debug, Serialize, Deserialize)]
+struct Memo {
+    lengths: BTreeMap<String, u64>,
+    frames: Vec<(f64, u64)>,
+    drifts: Drifts,
+    iterations: u64,
+    max_iterations: u64,
+    max_equations: u64,
+}
+
+/// An open folder of results.
+#[derive(Debug)]
+pub struct ResultFolder {
+    path: PathBuf,
+    settings: FolderSettings,
+    memo: Memo,
+    balance: CsvTable,
+    newton: CsvTable,
+    probes: Option<CsvTable>,
+    contact: Option<CsvTable>,
+    started: Instant,
+    cpu: cpu_time::ProcessTime,
+}
+
+/// What a folder needs to know of the scene.
+#[derive(Clone, Debug)]
+pub struct FolderSettings {
+    /// Title of the scene.
+    pub title: String,
+    /// SHA-256 of scene and meshes, hexadecimal.
+    pub scene_hash: String,
+    /// Scheme, or "quasi-static".
+    pub scheme: String,
+    /// A frame every so many steps.
+    pub every: u64,
+    /// A checkpoint every so many steps.
+    pub checkpoint_every: u64,
+    /// Fields of the frames; `None`: all.
+    pub fields: Option<Vec<Field>>,
+    /// Probes.
+    pub probes: Vec<Probe>,
+}
+
+impl ResultFolder {
+    /// Creates the folder (replacing the results of an earlier run) and writes the initial state.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn create(path: &Path, settings: FolderSettings, simulation: &mut Simulation) -> Result<Self, OutputError> {
+        let frames = path.join("frames");
+        std::fs::create_dir_all(&frames).map_err(OutputError::io(&frames))?;
+        for stale in ["checkpoint", "summary.json", "frames.pvd", "probes.csv", "contact.csv"] {
+            let file = path.join(stale);
+            if file.exists() {
+                std::fs::remove_file(&file).map_err(OutputError::io(&file))?;
+            }
+        }
+        let memo = Memo {
+            lengths: BTreeMap::new(),
+            frames: Vec::new(),
+            drifts: Drifts::start(simulation.balance()),
+            iterations: 0,
+            max_iterations: 0,
+            max_equations: simulation.equations() as u64,
+        };
+        let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
+        let mut folder = Self::open(path, settings, simulation, memo, open)?;
+        folder.remove_other_frames()?;
+        let record = simulation.initial_record();
+        folder.write(simulation, &record)?;
+        folder.summarise(simulation, Outcome::Running)?;
+        Ok(folder)
+    }
+
+    /// Continues a folder from its checkpoint: restores the simulation and cuts tables and frames back.
+    ///
+    /// # Errors
+    /// [`OutputError`]; the checkpoint's own error if it is missing, damaged or of another scene.
+    pub fn resume(
+        path: &Path,
+        settings: FolderSettings,
+        simulation: &mut Simulation,
+    ) -> Result<Self, crate::run::RunError> {
+        let file = path.join("checkpoint");
+        let checkpoint = Checkpoint::read(&file).map_err(OutputError::from)?;
+        let attachments = simulation
+            .restore(checkpoint, &settings.scene_hash)
+            .map_err(|e| crate::run::RunError::Resume { path: file.clone(), reason: e.to_string() })?;
+        let damaged = |reason: String| OutputError::Damaged { path: file.clone(), reason };
+        let bytes = attachments.get("folder").ok_or_else(|| damaged("it was not written by this program".into()))?;
+        let memo: Memo = serde_json::from_slice(bytes).map_err(|e| damaged(e.to_string()))?;
+        let lengths = memo.lengths.clone();
+        let open = |name: &str, _: &str| {
+            let length = lengths.get(name).copied().ok_or_else(|| damaged(format!("{name} is not in it")))?;
+            CsvTable::resume(&path.join(name), length)
+        };
+        let folder = Self::open(path, settings, simulation, memo, open)?;
+        folder.remove_other_frames()?;
+        folder.write_collection()?;
+        Ok(folder)
+    }
+
+    fn open(
+        path: &Path,
+        settings: FolderSettings,
+        simulation: &Simulation,
+        memo: Memo,
+        open: impl Fn(&str, &str) -> Result<CsvTable, OutputError>,
+    ) -> Result<Self, OutputError> {
+        let heads: Vec<String> = settings.probes.iter().flat_map(Probe::columns).collect();
+        let probe_header = format!("step,time,{}", heads.join(","));
+        let has_contact = !simulation.model().contacts.is_empty();
+        Ok(Self {
+            balance: open("balance.csv", BALANCE)?,
+            newton: open("newton.csv", NEWTON)?,
+            probes: if heads.is_empty() { None } else { Some(open("probes.csv", &probe_header)?) },
+            contact: if has_contact { Some(open("contact.csv", CONTACT)?) } else { None },
+            path: path.to_path_buf(),
+            settings,
+            memo,
+            started: Instant::now(),
+            cpu: cpu_time::ProcessTime::now(),
+        })
+    }
+
+    /// Writes a completed step: its rows, a frame and a checkpoint if they are due.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn write(&mut self, simulation: &mut Simulation, record: &StepRecord) -> Result<(), OutputError> {
+        let started = (Instant::now(), cpu_time::ProcessTime::now());
+        self.write_rows(simulation, record)?;
+        let every = self.settings.every.max(1);
+        if record.step % every == 0 || simulation.finished() {
+            self.write_frame(simulation, record.step)?;
+        }
+        let output = &mut simulation.timings_mut().output;
+        output.wall += started.0.elapsed().as_secs_f64();
+        output.cpu += started.1.elapsed().as_secs_f64();
+        if record.step > 0 && (record.step % self.settings.checkpoint_every.max(1) == 0 || simulation.finished()) {
+            self.checkpoint(simulation)?;
+        }
+        Ok(())
+    }
+
+    fn write_rows(&mut self, simulation: &Simulation, record: &StepRecord) -> Result<(), OutputError> {
+        let b = &record.balance;
+        self.balance
+            .integer(record.step)
+            .numbers(&[record.time, record.dt])
+            .numbers(&b.linear_momentum)
+            .numbers(&b.angular_momentum)
+            .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()])
+            .end_row()?;
+        for row in &record.newton {
+            self.newton
+                .integer(record.step)
+                .number(record.time)
+                .integer(u64::from(row.iteration))
+                .numbers(&[row.residual, row.increment])
+                .integer(row.active as u64)
+                .integer(row.changes as u64)
+                .end_row()?;
+        }
+        if let Some(table) = &mut self.probes {
+            table.integer(record.step).number(record.time);
+            for probe in &self.settings.probes {
+                table.numbers(&probe.value(simulation)[..probe.quantity.columns()]);
+            }
+            table.end_row()?;
+        }
+        if let (Some(table), Some(c)) = (&mut self.contact, &record.contact) {
+            table.integer(record.step).number(record.time);
+            for count in [c.active, c.closed, c.released, c.repaired] {
+                table.integer(count as u64);
+            }
+            table.numbers(&[c.min_gap, c.max_pressure]).numbers(&c.force_on_slave).end_row()?;
+        }
+        self.memo.drifts.follow(b);
+        self.memo.iterations += u64::from(record.iterations);
+        self.memo.max_iterations = self.memo.max_iterations.max(u64::from(record.iterations));
+        self.memo.max_equations = self.memo.max_equations.max(simulation.equations() as u64);
+        self.flush()
+    }
+
+    fn flush(&mut self) -> Result<(), OutputError> {
+        let lengths = &mut self.memo.lengths;
+        lengths.insert("balance.csv".into(), self.balance.flush()?);
+        lengths.insert("newton.csv".into(), self.newton.flush()?);
+        if let Some(table) = &mut self.probes {
+            lengths.insert("probes.csv".into(), table.flush()?);
+        }
+        if let Some(table) = &mut self.contact {
+            lengths.insert("contact.csv".into(), table.flush()?);
+        }
+        Ok(())
+    }
+
+    fn write_frame(&mut self, simulation: &Simulation, step: u64) -> Result<(), OutputError> {
+        let time = simulation.state().time;
+        let path = self.path.join("frames").join(frame_name(step));
+        frame::write(&path, simulation, self.settings.fields.as_deref())?;
+        self.memo.frames.push((time, step));
+        self.write_collection()
+    }
+
+    fn write_collection(&self) -> Result<(), OutputError> {
+        let entries: Vec<(f64, String)> =
+            self.memo.frames.iter().map(|&(time, step)| (time, format!("frames/{}", frame_name(step)))).collect();
+        frame::write_collection(&self.path.join("frames.pvd"), &entries)
+    }
+
+    /// Removes frames that do not belong to the run so far (of an earlier run, or written after the checkpoint).
+    fn remove_other_frames(&self) -> Result<(), OutputError> {
+        let folder = self.path.join("frames");
+        let ours: Vec<String> = self.memo.frames.iter().map(|&(_, step)| frame_name(step)).collect();
+        for entry in std::fs::read_dir(&folder).map_err(OutputError::io(&folder))? {
+            let entry = entry.map_err(OutputError::io(&folder))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with("frame_") && name.ends_with(".vtu") && !ours.contains(&name) {
+                std::fs::remove_file(entry.path()).map_err(OutputError::io(&folder))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the checkpoint of the last completed step.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+        let memo = serde_json::to_vec(&self.memo)
+            .map_err(|e| OutputError::Damaged { path: self.path.clone(), reason: e.to_string() })?;
+        let attachments = BTreeMap::from([("folder".to_owned(), memo)]);
+        simulation.checkpoint(&self.settings.scene_hash, attachments).write(&self.path.join("checkpoint"))?;
+        Ok(())
+    }
+
+    /// Writes `summary.json` and returns it.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn summarise(&self, simulation: &Simulation, outcome: Outcome) -> Result<Summary, OutputError> {
+        let plan = simulation.plan();
+        let steps = simulation.step();
+        let counts = simulation.solver_statistics();
+        let [linear, angular, energy] = self.memo.drifts.report();
+        let map = |rows: &[(&str, u64)]| rows.iter().map(|&(k, v)| (k.to_owned(), v)).collect::<BTreeMap<_, _>>();
+        let summary = Summary {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            title: self.settings.title.clone(),
+            scene_hash: self.settings.scene_hash.clone(),
+            scheme: self.settings.scheme.clone(),
+            unknowns: map(&[
+                ("bodies", simulation.model().bodies.len() as u64),
+                ("nodes", plan.nodes as u64),
+                ("elements", plan.elements as u64),
+                ("free_components", plan.free_components as u64),
+                ("contact_slots", plan.slots as u64),
+                ("largest_number_of_equations", self.memo.max_equations),
+            ]),
+            parts: BTreeMap::from([
+                ("mass_matrix".to_owned(), plan.mass_matrix),
+                ("contact_search".to_owned(), plan.contact_search),
+            ]),
+            linear_solver: simulation.solver_name().to_owned(),
+            linear_solver_counts: map(&[
+                ("analyses", counts.analyses),
+                ("factorisations", counts.factorisations),
+                ("solves", counts.solves),
+                ("refinement_steps", counts.refinement_steps),
+                ("indefinite_fallbacks", counts.indefinite_fallbacks),
+            ]),
+            steps,
+            cuts: simulation.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count() as u64,
+            mean_iterations: self.memo.iterations as f64 / steps.max(1) as f64,
+            max_iterations: self.memo.max_iterations,
+            time: simulation.state().time,
+            seconds: *simulation.timings(),
+            wall_seconds: self.started.elapsed().as_secs_f64(),
+            cpu_seconds: self.cpu.elapsed().as_secs_f64(),
+            memory: Memory { peak_resident_bytes: peak_resident_bytes(), system_bytes: plan.memory_bytes },
+            drift: BTreeMap::from([
+                ("linear_momentum".to_owned(), linear),
+                ("angular_momentum".to_owned(), angular),
+                ("energy".to_owned(), energy),
+            ]),
+            decisions: simulation.decisions().to_vec(),
+            outcome,
+        };
+        let path = self.path.join("summary.json");
+        let text = serde_json::to_string_pretty(&summary)
+            .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
+        let scratch = self.path.join(".summary.json.part");
+        std::fs::write(&scratch, text + "\n").map_err(OutputError::io(&scratch))?;
+        std::fs::rename(&scratch, &path).map_err(OutputError::io(&path))?;
+        Ok(summary)
+    }
+}
+
+fn frame_name(step: u64) -> String {
+    format!("frame_{step:06}.vtu")
+}
+
+/// Largest resident set of this process, where `/proc` tells.
+fn peak_resident_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kb| 1024 * kb)
+}

@@ -1,0 +1,77 @@
+//! Frames: reference positions, displacement, velocity, stress, contact pressure and gap.
+
+use super::OutputError;
+use crate::scene::Field as SceneField;
+use std::path::Path;
+use stoss_mesh_io::{Field, PvdWriter, VtuFrame, write_vtu};
+use stoss_solver::{Simulation, StepError};
+
+/// Which fields a frame has; all of them if the scene names none.
+pub(crate) fn wanted(fields: Option<&[SceneField]>, field: SceneField) -> bool {
+    fields.is_none_or(|list| list.contains(&field))
+}
+
+/// Writes one frame (atomically).
+pub(crate) fn write(path: &Path, simulation: &Simulation, fields: Option<&[SceneField]>) -> Result<(), OutputError> {
+    let model = simulation.model();
+    let state = simulation.state();
+    let triples = |v: &[f64]| v.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect::<Vec<_>>();
+    let points = triples(&model.reference);
+    let hexahedra: Vec<[u32; 8]> = model.bodies.iter().flat_map(|b| b.solid.connectivity().iter().copied()).collect();
+    let bodies: Vec<f64> = (model.bodies.iter().enumerate())
+        .flat_map(|(k, b)| std::iter::repeat_n(k as f64, b.solid.element_count()))
+        .collect();
+    let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
+    let want = |field| wanted(fields, field);
+    let (mut stress, mut von_mises) = (Vec::new(), Vec::new());
+    if want(SceneField::CauchyStress) || want(SceneField::VonMises) {
+        for body in &model.bodies {
+            let mut nodal = vec![[0.0; 6]; body.nodes.len()];
+            body.solid.nodal_cauchy_stress(&state.q, &mut nodal).map_err(StepError::from)?;
+            von_mises.extend(nodal.iter().map(stoss_fe_solid::von_mises));
+            stress.extend(nodal.into_iter().flatten());
+        }
+    }
+    let (mut pressure, mut gap) = (Vec::new(), Vec::new());
+    if !model.contacts.is_empty() && (want(SceneField::ContactPressure) || want(SceneField::Gap)) {
+        pressure = vec![0.0; points.len()];
+        // Nodes without a partner have no gap.
+        gap = vec![f64::NAN; points.len()];
+        for c in 0..model.contacts.len() {
+            for (slot, report) in simulation.contact_report(c)?.iter().enumerate() {
+                let node = report.node as usize;
+                pressure[node] += simulation.pressures()[c][slot];
+                if let Some(g) = report.gap {
+                    gap[node] = if gap[node].is_nan() { g } else { gap[node].min(g) };
+                }
+            }
+        }
+    }
+    let candidates: [(SceneField, &str, usize, &[f64]); 6] = [
+        (SceneField::Displacement, "displacement", 3, &displacement),
+        (SceneField::Velocity, "velocity", 3, &state.v),
+        (SceneField::CauchyStress, "cauchy_stress", 6, &stress),
+        (SceneField::VonMises, "von_mises", 1, &von_mises),
+        (SceneField::ContactPressure, "contact_pressure", 1, &pressure),
+        (SceneField::Gap, "gap", 1, &gap),
+    ];
+    let point_data = candidates
+        .into_iter()
+        .filter(|(field, _, _, values)| want(*field) && !values.is_empty())
+        .map(|(_, name, components, values)| Field { name, components, values })
+        .collect();
+    let frame = VtuFrame {
+        points: &points,
+        hexahedra: &hexahedra,
+        point_data,
+        cell_data: vec![Field { name: "body", components: 1, values: &bodies }],
+        field_data: Vec::new(),
+        time: Some(state.time),
+    };
+    Ok(write_vtu(path, &frame)?)
+}
+
+/// Writes the collection of all frames (atomically).
+pub(crate) fn write_collection(path: &Path, entries: &[(f64, String)]) -> Result<(), OutputError> {
+    Ok(PvdWriter::replace(path, entries)?)
+}

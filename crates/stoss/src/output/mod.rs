@@ -1,0 +1,53 @@
+//! The folder of results: frames, tables, summary, checkpoint.
+//!
+//! Tables and frames are complete after every step, so that a run that is killed leaves what it had done; a resumed run cuts
+//! them back to its checkpoint and then writes the same bytes as a run that was never interrupted.
+
+mod drift;
+mod frame;
+mod folder;
+mod summary;
+mod table;
+
+pub use drift::Drift;
+pub use folder::{FolderSettings, ResultFolder};
+pub use summary::{Memory, Outcome, Summary};
+
+use std::path::{Path, PathBuf};
+
+/// Why results cannot be written or continued.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// Input or output.
+    #[error("{path}: {source}", path = .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file does not fit the checkpoint.
+    #[error("{path} does not fit the checkpoint: {reason}; run again without --resume", path = .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A frame could not be written.
+    #[error(transparent)]
+    Frame(#[from] stoss_mesh_io::MeshIoError),
+    /// A quantity could not be evaluated.
+    #[error("evaluating a result: {0}")]
+    Evaluate(#[from] stoss_solver::StepError),
+    /// A checkpoint could not be written.
+    #[error(transparent)]
+    Checkpoint(#[from] stoss_solver::CheckpointError),
+}
+
+impl OutputError {
+    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self + '_ {
+        move |source| Self::Io { path: path.to_path_buf(), source }
+    }
+}

@@ -1,0 +1,94 @@
+//! `summary.json`.
+
+use super::Drift;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use stoss_solver::{Decision, Timings};
+
+/// How a run ended.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Outcome {
+    /// Reached its end.
+    Completed,
+    /// Still running (or killed).
+    Running,
+    /// Stopped with an error; everything up to the last completed step is valid.
+    Failed {
+        /// What happened.
+        reason: String,
+        /// Last completed step.
+        last_step: u64,
+        /// Time of the last completed step.
+        last_time: f64,
+    },
+}
+
+/// Peak memory of the process.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Memory {
+    /// Largest resident set in bytes, where the system tells (Linux).
+    pub peak_resident_bytes: Option<u64>,
+    /// Bytes of the matrix, its factors and the element data at the end.
+    pub system_bytes: usize,
+}
+
+/// Summary of a run.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Summary {
+    /// Version of Stoss.
+    pub version: String,
+    /// Title of the scene.
+    pub title: String,
+    /// SHA-256 of the scene's text and of the mesh files it names.
+    pub scene_hash: String,
+    /// Scheme, or "quasi-static".
+    pub scheme: String,
+    /// Bodies, nodes, elements, free components, largest number of equations.
+    pub unknowns: BTreeMap<String, u64>,
+    /// Crates and structures used, see `stoss check`.
+    pub parts: BTreeMap<String, bool>,
+    /// Direct solver.
+    pub linear_solver: String,
+    /// Counts of the linear solver: analyses, factorisations, solves, refinement steps, fallbacks.
+    pub linear_solver_counts: BTreeMap<String, u64>,
+    /// Completed steps.
+    pub steps: u64,
+    /// Halved steps.
+    pub cuts: u64,
+    /// Mean Newton iterations (linear solves) a step.
+    pub mean_iterations: f64,
+    /// Largest number of Newton iterations of a step.
+    pub max_iterations: u64,
+    /// Time reached.
+    pub time: f64,
+    /// Seconds by phase.
+    pub seconds: Timings,
+    /// Wall seconds of the whole run (of this session, if resumed).
+    pub wall_seconds: f64,
+    /// CPU seconds of the whole run (of this session, if resumed).
+    pub cpu_seconds: f64,
+    /// Memory.
+    pub memory: Memory,
+    /// Largest drifts: `linear_momentum`, `angular_momentum`, `energy`.
+    pub drift: BTreeMap<String, Drift>,
+    /// Every decision of step control and active set.
+    pub decisions: Vec<Decision>,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+impl std::fmt::Display for Summary {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(
+            f,
+            "{} steps to t = {} in {:.2} s ({:.2} s CPU), {:.2} Newton iterations a step, {} cuts",
+            self.steps, self.time, self.wall_seconds, self.cpu_seconds, self.mean_iterations, self.cuts
+        )?;
+        write!(f, "largest relative drift:")?;
+        for (name, drift) in &self.drift {
+            write!(f, "  {} {:.1e}", name.replace('_', " "), drift.relative)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,92 @@
+//! Comma-separated tables that survive a kill: one row a line, flushed after each step, cut back on resume.
+
+use super::OutputError;
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// An open table. Numbers are written with the fewest digits that read back to the same bits.
+#[derive(Debug)]
+pub(crate) struct CsvTable {
+    path: PathBuf,
+    file: BufWriter<File>,
+    length: u64,
+    line: String,
+}
+
+impl CsvTable {
+    /// Creates the file with its header line.
+    pub fn create(path: &Path, header: &str) -> Result<Self, OutputError> {
+        let file = File::create(path).map_err(OutputError::io(path))?;
+        let mut table = Self { path: path.to_path_buf(), file: BufWriter::new(file), length: 0, line: String::new() };
+        table.line.push_str(header);
+        table.end_row()?;
+        table.flush()?;
+        Ok(table)
+    }
+
+    /// Opens the file and cuts it back to `length` bytes.
+    pub fn resume(path: &Path, length: u64) -> Result<Self, OutputError> {
+        let mut file = OpenOptions::new().write(true).open(path).map_err(OutputError::io(path))?;
+        let found = file.metadata().map_err(OutputError::io(path))?.len();
+        if found < length {
+            return Err(OutputError::Damaged {
+                path: path.to_path_buf(),
+                reason: format!("{found} bytes, but the checkpoint was written after {length}"),
+            });
+        }
+        file.set_len(length).map_err(OutputError::io(path))?;
+        file.seek(SeekFrom::End(0)).map_err(OutputError::io(path))?;
+        Ok(Self { path: path.to_path_buf(), file: BufWriter::new(file), length, line: String::new() })
+    }
+
+    fn separate(&mut self) {
+        if !self.line.is_empty() {
+            self.line.push(',');
+        }
+    }
+
+    /// Appends an integer to the row.
+    pub fn integer(&mut self, value: u64) -> &mut Self {
+        self.separate();
+        self.line.push_str(&value.to_string());
+        self
+    }
+
+    /// Appends a number to the row; infinities and NaN as `inf`, `-inf`, `NaN`.
+    pub fn number(&mut self, value: f64) -> &mut Self {
+        self.separate();
+        self.line.push_str(&format!("{value:e}"));
+        self
+    }
+
+    /// Appends numbers to the row.
+    pub fn numbers(&mut self, values: &[f64]) -> &mut Self {
+        for &value in values {
+            self.number(value);
+        }
+        self
+    }
+
+    /// Appends a text without commas to the row.
+    pub fn text(&mut self, value: &str) -> &mut Self {
+        self.separate();
+        self.line.push_str(value);
+        self
+    }
+
+    /// Ends the row.
+    pub fn end_row(&mut self) -> Result<(), OutputError> {
+        self.line.push('\n');
+        self.file.write_all(self.line.as_bytes()).map_err(OutputError::io(&self.path))?;
+        self.length += self.line.len() as u64;
+        self.line.clear();
+        Ok(())
+    }
+
+    /// Hands everything to the operating system; returns the length in bytes.
+    pub fn flush(&mut self) -> Result<u64, OutputError> {
+        self.file.flush().map_err(OutputError::io(&self.path))?;
+        Ok(self.length)
+    }
+}

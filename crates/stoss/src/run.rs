@@ -1,0 +1,240 @@
+//! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
+
+use crate::build::{Built, build};
+use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder};
+use crate::scene::{Scene, SceneErrors};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use stoss_solver::{SimulationError, StepRecord};
+
+pub use crate::output::Summary;
+
+/// How to run.
+#[derive(Clone, Debug, Default)]
+pub struct RunOptions {
+    /// Folder of the results.
+    pub out: PathBuf,
+    /// Stop at this time instead of the scene's end.
+    pub until: Option<f64>,
+    /// Continue from the checkpoint in the folder.
+    pub resume: bool,
+}
+
+/// Why a run was not done or not finished.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The scene is wrong.
+    #[error("{0}")]
+    Scene(SceneErrors),
+    /// The scene's file cannot be read.
+    #[error("cannot read the scene {path}: {source}", path = .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// An option does not fit the scene.
+    #[error("{0}")]
+    Option(String),
+    /// The checkpoint does not fit.
+    #[error("cannot resume from {path}: {reason}", path = .path.display())]
+    Resume {
+        /// The checkpoint.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
+    },
+    /// Results cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The simulation stopped early.
+    #[error("{source}\nlast good state: step {last_step} at t = {last_time}; all results up to there are in {out}", out = .out.display())]
+    Simulation {
+        /// What happened.
+        source: SimulationError,
+        /// Last completed step.
+        last_step: u64,
+        /// Its time.
+        last_time: f64,
+        /// Folder of the results.
+        out: PathBuf,
+    },
+}
+
+/// What happens during a run.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Event<'a> {
+    /// The run begins.
+    Start {
+        /// Title of the scene.
+        title: &'a str,
+        /// Folder of the results.
+        out: &'a Path,
+        /// End time.
+        end: f64,
+        /// Nominal step.
+        step: f64,
+        /// Whether it continues from a checkpoint.
+        resumed: bool,
+    },
+    /// No error, but it deserves a look.
+    Warning(&'a str),
+    /// A step was completed.
+    Step {
+        /// What it did.
+        record: &'a StepRecord,
+        /// End time.
+        end: f64,
+    },
+}
+
+/// Sets the number of threads of all element loops of this process. Results do not depend on it.
+///
+/// # Errors
+/// If the pool was started before.
+pub fn set_threads(threads: usize) -> Result<(), String> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(|e| e.to_string())
+}
+
+fn load(path: &Path) -> Result<(Scene, Built, String), RunError> {
+    let text =
+        std::fs::read_to_string(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
+    let scene = crate::scene::parse(&text, &path.display().to_string()).map_err(RunError::Scene)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let built = build(&scene, folder).map_err(RunError::Scene)?;
+    let mut hash = Sha256::new();
+    hash.update(env!("CARGO_PKG_VERSION"));
+    hash.update(&text);
+    for file in &built.mesh_files {
+        hash.update(file);
+    }
+    let hash = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok((scene, built, hash))
+}
+
+fn scheme_name(scene: &Scene) -> String {
+    match scene.time.integrator.as_ref().filter(|_| scene.is_dynamic()) {
+        Some(integrator) => integrator.scheme.name().to_owned(),
+        None => "quasi-static".to_owned(),
+    }
+}
+
+/// Runs a scene file.
+///
+/// # Errors
+/// See [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
+/// checkpoint of the last good state.
+pub fn run_scene(
+    path: &Path,
+    options: &RunOptions,
+    report: &mut dyn FnMut(Event<'_>),
+) -> Result<Summary, RunError> {
+    let (scene, built, scene_hash) = load(path)?;
+    let Built { mut simulation, probes, warnings, .. } = built;
+    let end = options.until.unwrap_or(scene.time.end);
+    if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
+        return Err(RunError::Option(format!("--until {end}: give a time above 0 and up to the scene's end {}", scene.time.end)));
+    }
+    for warning in &warnings {
+        report(Event::Warning(warning));
+    }
+    let settings = FolderSettings {
+        title: scene.header.title.clone(),
+        scene_hash,
+        scheme: scheme_name(&scene),
+        every: u64::from(scene.output.every),
+        checkpoint_every: u64::from(scene.output.checkpoint_every),
+        fields: scene.output.fields.clone(),
+        probes,
+    };
+    report(Event::Start {
+        title: &scene.header.title,
+        out: &options.out,
+        end,
+        step: scene.time.step,
+        resumed: options.resume,
+    });
+    let mut folder = if options.resume {
+        ResultFolder::resume(&options.out, settings, &mut simulation)?
+    } else {
+        ResultFolder::create(&options.out, settings, &mut simulation)?
+    };
+    // The grid of steps is the scene's; stopping early only stops.
+    while !simulation.finished() && simulation.state().time < end * (1.0 - 1.0e-12) {
+        match simulation.advance() {
+            Ok(record) => {
+                folder.write(&mut simulation, &record)?;
+                report(Event::Step { record: &record, end });
+            }
+            Err(source) => {
+                let (last_step, last_time) = (simulation.step(), simulation.state().time);
+                folder.checkpoint(&simulation)?;
+                let reason = source.to_string();
+                folder.summarise(&simulation, Outcome::Failed { reason, last_step, last_time })?;
+                return Err(RunError::Simulation { source, last_step, last_time, out: options.out.clone() });
+            }
+        }
+    }
+    folder.checkpoint(&simulation)?;
+    Ok(folder.summarise(&simulation, Outcome::Completed)?)
+}
+
+/// The plan of a run, for people.
+#[derive(Clone, Debug)]
+pub struct PlanReport {
+    lines: Vec<String>,
+}
+
+impl std::fmt::Display for PlanReport {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.lines.join("\n"))
+    }
+}
+
+/// Checks a scene file and says what a run would use.
+///
+/// # Errors
+/// All problems of the scene at once.
+pub fn check_scene(path: &Path) -> Result<PlanReport, RunError> {
+    let (scene, built, _) = load(path)?;
+    let plan = built.simulation.plan();
+    let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
+    lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));
+    for contact in &scene.contacts {
+        lines.push(format!(
+            "  contact {}: {}, {} constraint",
+            contact.label(),
+            contact.method.name(),
+            contact.constraint.name()
+        ));
+    }
+    lines.push(format!(
+        "  unknowns: {} free and {} prescribed displacement components, up to {} contact pressures",
+        plan.free_components, plan.prescribed_components, plan.slots
+    ));
+    lines.push(format!("  matrix: {} entries without contact", plan.matrix_entries));
+    let used = |yes: bool| if yes { "used" } else { "not used, not built" };
+    lines.push(format!(
+        "  time stepping: {}; mass matrix: {}; contact search and pressure rows: {}; prescribed motion: {}; loads: {}",
+        scheme_name(&scene),
+        used(plan.mass_matrix),
+        used(plan.contact_search),
+        used(plan.prescribed_components > 0),
+        used(!scene.loads.is_empty()),
+    ));
+    // Factors of hexahedral meshes fill in about fifteen to sixty times; the estimate says the order of magnitude.
+    let fill = 20.0 * (plan.free_components as f64 / 3000.0).max(0.3).powf(0.33);
+    let factors = fill * plan.matrix_entries as f64 * 12.0;
+    lines.push(format!(
+        "  memory: {:.1} MB held, about {:.0} MB with factors (estimate)",
+        plan.memory_bytes as f64 / 1e6,
+        (plan.memory_bytes as f64 + factors) / 1e6
+    ));
+    lines.push(format!("  steps: {} of {} to t = {}", plan.steps, scene.time.step, scene.time.end));
+    lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
+    lines.push("no problems found".to_owned());
+    Ok(PlanReport { lines })
+}

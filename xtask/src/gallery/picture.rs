@@ -1,0 +1,320 @@
+//! Snapshots side by side as SVG: visible faces from back to front, coloured, lightly shaded, with thin edges.
+
+use std::fmt::Write;
+
+use super::camera::{Camera, View, cross, dot};
+use super::colour;
+use super::surface::Surface;
+
+/// One snapshot.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    /// Below the snapshot.
+    pub caption: String,
+    /// What is drawn.
+    pub surface: Surface,
+}
+
+/// What stands around the snapshots.
+#[derive(Clone, Copy, Debug)]
+pub struct Style<'a> {
+    /// Above.
+    pub title: &'a str,
+    /// At the colour bar.
+    pub label: &'a str,
+    /// Width of a snapshot in pixels.
+    pub width: f64,
+}
+
+/// Every face is drawn as `PARTS * PARTS` pieces of one colour each.
+const PARTS: usize = 2;
+
+/// Pieces are drawn this much wider, in pixels, so that no seams show between them.
+const OVERLAP: f64 = 0.35;
+
+const MARGIN: f64 = 14.0;
+const TITLE: f64 = 38.0;
+const CAPTION: f64 = 26.0;
+const BAR: f64 = 46.0;
+
+/// A face in the picture plane.
+struct Face {
+    nearness: f64,
+    corners: [[f64; 2]; 4],
+    /// Colour and corners of its parts; one part if they all have the same colour.
+    pieces: Vec<(String, [[f64; 2]; 4])>,
+}
+
+/// Draws the snapshots to one scale and with one colour range.
+pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
+    let view = camera.view();
+    let quads = || shots.iter().flat_map(|shot| &shot.surface.quads);
+    let corners = quads().flat_map(|quad| quad.corners).map(|corner| view.project(corner));
+    let ([left, low], [right, high]) = bounds(corners.map(|[x, y, _]| [x, y]));
+    let (least, most) = range(quads().flat_map(|quad| quad.values));
+    let scale = style.width / (right - left).max(1e-300);
+    let height = (high - low) * scale;
+    let total =
+        [2.0 * MARGIN + shots.len() as f64 * (style.width + MARGIN) - MARGIN, TITLE + height + CAPTION + BAR + MARGIN];
+    let mut out = String::new();
+    // Writing to a String does not fail.
+    let _ = writeln!(
+        out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0} {:.0}\" width=\"{:.0}\" height=\"{:.0}\" \
+         font-family=\"sans-serif\" fill=\"#333\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
+         <text x=\"{MARGIN}\" y=\"25\" font-size=\"18\">{}</text>",
+        total[0], total[1], total[0], total[1], style.title
+    );
+    for (number, shot) in shots.iter().enumerate() {
+        let origin = [MARGIN + number as f64 * (style.width + MARGIN), TITLE];
+        let screen = |x: f64, y: f64| [origin[0] + (x - left) * scale, origin[1] + (high - y) * scale];
+        snapshot(&mut out, &uncovered(faces(&shot.surface, &view, (least, most), screen)));
+        let _ = writeln!(
+            out,
+            "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"14\" text-anchor=\"middle\">{}</text>",
+            origin[0] + 0.5 * style.width,
+            TITLE + height + 18.0,
+            shot.caption
+        );
+    }
+    bar(&mut out, style.label, (least, most), total);
+    out.push_str("</svg>\n");
+    out
+}
+
+/// Faces turned towards the eye, from back to front.
+fn faces(surface: &Surface, view: &View, range: (f64, f64), screen: impl Fn(f64, f64) -> [f64; 2]) -> Vec<Face> {
+    let mut faces = Vec::new();
+    for quad in &surface.quads {
+        let [a, b, c, d] = quad.corners;
+        let normal = cross(difference(c, a), difference(d, b));
+        let length = dot(normal, normal).sqrt();
+        if dot(normal, view.eye) <= 0.0 || length == 0.0 {
+            continue;
+        }
+        let light = shade(normal.map(|entry| entry / length), view);
+        let place = |at: (f64, f64)| {
+            let [x, y, _] = view.project(blend(at, quad.corners));
+            screen(x, y)
+        };
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(place);
+        let mut pieces = Vec::new();
+        for (i, j) in (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i as f64, j as f64))) {
+            let at = |x: f64, y: f64| ((i + x) / PARTS as f64, (j + y) / PARTS as f64);
+            let [value] = blend(at(0.5, 0.5), quad.values.map(|value| [value]));
+            let fill = colour::hex((value - range.0) / (range.1 - range.0), light);
+            pieces.push((fill, [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)].map(place)));
+        }
+        if pieces.iter().all(|piece| piece.0 == pieces[0].0) {
+            pieces.truncate(1);
+            pieces[0].1 = corners;
+        }
+        faces.push(Face { nearness: view.project(blend((0.5, 0.5), quad.corners))[2], corners, pieces });
+    }
+    faces.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
+    faces
+}
+
+/// Leaves out the faces that are hidden behind later ones: those that own no sample of a raster of half pixels.
+fn uncovered(faces: Vec<Face>) -> Vec<Face> {
+    const FINENESS: f64 = 2.0;
+    let raster = |face: &Face| face.corners.map(|corner| corner.map(|x| x * FINENESS));
+    let ([left, top], [right, bottom]) = bounds(faces.iter().flat_map(raster));
+    let (columns, rows) = ((right - left).ceil() as usize + 1, (bottom - top).ceil() as usize + 1);
+    let mut owner = vec![None; columns * rows];
+    for (number, face) in faces.iter().enumerate() {
+        let corners = raster(face).map(|[x, y]| [x - left, y - top]);
+        let (low, high) = bounds(corners.into_iter());
+        for row in low[1].floor() as usize..=high[1].ceil() as usize {
+            for column in low[0].floor() as usize..=high[0].ceil() as usize {
+                let sample = [column as f64, row as f64];
+                if column < columns && row < rows && inside(sample, &corners) {
+                    owner[row * columns + column] = Some(number);
+                }
+            }
+        }
+    }
+    let mut seen = vec![false; faces.len()];
+    owner.into_iter().flatten().for_each(|number| seen[number] = true);
+    faces.into_iter().zip(seen).filter(|(_, seen)| *seen).map(|(face, _)| face).collect()
+}
+
+/// True if a point lies in a convex quadrilateral of either orientation.
+fn inside(point: [f64; 2], corners: &[[f64; 2]; 4]) -> bool {
+    let side = |k: usize| {
+        let (a, b) = (corners[k], corners[(k + 1) % 4]);
+        (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
+    };
+    let sides = [side(0), side(1), side(2), side(3)];
+    sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
+}
+
+/// Bilinear interpolation between the corners of a unit square.
+fn blend<const N: usize>((x, y): (f64, f64), corners: [[f64; N]; 4]) -> [f64; N] {
+    let weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), x * y, (1.0 - x) * y];
+    std::array::from_fn(|k| weights.iter().zip(corners).map(|(weight, corner)| weight * corner[k]).sum())
+}
+
+/// Brightness of a face: light from the upper left behind the eye, and some from everywhere.
+fn shade(normal: [f64; 3], view: &View) -> f64 {
+    let light: [f64; 3] = std::array::from_fn(|k| 0.62 * view.eye[k] + 0.65 * view.up[k] - 0.44 * view.right[k]);
+    0.62 + 0.42 * dot(normal, light).max(0.0)
+}
+
+fn snapshot(out: &mut String, faces: &[Face]) {
+    out.push_str(
+        "<g fill=\"none\" stroke=\"#222\" stroke-opacity=\".5\" stroke-width=\".5\" stroke-linejoin=\"round\">\n",
+    );
+    for face in faces {
+        for (fill, corners) in &face.pieces {
+            let _ = write!(out, "<path stroke=\"none\" fill=\"{fill}\" d=\"");
+            path(out, &widened(corners));
+            out.push_str("z\"/>");
+        }
+        out.push_str("<path d=\"");
+        path(out, &face.corners);
+        out.push_str("z\"/>\n");
+    }
+    out.push_str("</g>\n");
+}
+
+/// Corners moved away from the middle by [`OVERLAP`].
+fn widened(corners: &[[f64; 2]; 4]) -> [[f64; 2]; 4] {
+    let middle: [f64; 2] = std::array::from_fn(|k| corners.iter().map(|corner| corner[k]).sum::<f64>() / 4.0);
+    corners.map(|corner| {
+        let away = [corner[0] - middle[0], corner[1] - middle[1]];
+        let length = away[0].hypot(away[1]).max(OVERLAP);
+        std::array::from_fn(|k| corner[k] + OVERLAP * away[k] / length)
+    })
+}
+
+/// Absolute start, then relative lines, in tenths of a pixel.
+fn path(out: &mut String, points: &[[f64; 2]]) {
+    let mut last = [0.0; 2];
+    for (number, point) in points.iter().enumerate() {
+        let rounded = point.map(|x| (x * 10.0).round());
+        let _ = write!(out, "{}", if number == 0 { 'M' } else { 'l' });
+        let [x, y] = [tenths(rounded[0] - last[0]), tenths(rounded[1] - last[1])];
+        let _ = write!(out, "{x}{}{y}", if y.starts_with('-') { "" } else { " " });
+        last = rounded;
+    }
+}
+
+/// A number of tenths without needless digits.
+fn tenths(value: f64) -> String {
+    let text = format!("{}", value / 10.0);
+    match (text.strip_prefix("0."), text.strip_prefix("-0.")) {
+        (Some(digits), _) => format!(".{digits}"),
+        (_, Some(digits)) => format!("-.{digits}"),
+        _ => text,
+    }
+}
+
+/// Colour bar with three numbers, centred at the bottom.
+fn bar(out: &mut String, label: &str, range: (f64, f64), total: [f64; 2]) {
+    const STEPS: usize = 48;
+    let width = (0.5 * total[0]).min(360.0);
+    let (left, top) = (0.5 * (total[0] - width), total[1] - BAR);
+    for step in 0..STEPS {
+        let fill = colour::hex((step as f64 + 0.5) / STEPS as f64, 1.0);
+        let x = left + width * step as f64 / STEPS as f64;
+        let wide = width / STEPS as f64 + 0.3;
+        let _ = write!(out, "<path fill=\"{fill}\" d=\"M{x:.1} {top:.1}h{wide:.1}v9h-{wide:.1}z\"/>");
+    }
+    let middle = 0.5 * (range.0 + range.1);
+    for (value, part) in [(range.0, 0.0), (middle, 0.5), (range.1, 1.0)] {
+        let (x, y) = (left + part * width, top + 23.0);
+        let _ = write!(
+            out,
+            "\n<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" text-anchor=\"middle\">{}</text>",
+            short(value)
+        );
+    }
+    let (x, y) = (0.5 * total[0], top + 39.0);
+    let _ = writeln!(out, "\n<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"13\" text-anchor=\"middle\">{label}</text>");
+}
+
+/// Three significant digits.
+fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        size if !(1e-2..1e5).contains(&size) => format!("{value:.1e}"),
+        size if size >= 100.0 => format!("{value:.0}"),
+        size if size >= 10.0 => format!("{value:.1}"),
+        _ => format!("{value:.2}"),
+    }
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+/// Smallest and largest coordinates.
+fn bounds(points: impl Iterator<Item = [f64; 2]>) -> ([f64; 2], [f64; 2]) {
+    points.fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), |(low, high), point| {
+        (std::array::from_fn(|k| low[k].min(point[k])), std::array::from_fn(|k| high[k].max(point[k])))
+    })
+}
+
+/// Smallest and largest value, moved apart if they are equal.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (least, most) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
+    if most > least { (least, most) } else { (least.min(0.0), least.max(0.0) + 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CAMERA: Camera = Camera { azimuth: 30.0, elevation: 30.0 };
+    const STYLE: Style = Style { title: "t", label: "l", width: 200.0 };
+
+    fn cube() -> Surface {
+        use crate::vtu::{self, tests::CUBE};
+        let text =
+            vtu::tests::write(&CUBE, &[[0, 1, 2, 3, 4, 5, 6, 7]], &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], true);
+        Surface::new(&vtu::parse(&text).unwrap(), "speed").unwrap()
+    }
+
+    #[test]
+    fn three_faces_of_a_cube_are_visible_from_back_to_front() {
+        let found = faces(&cube(), &CAMERA.view(), (0.0, 7.0), |x, y| [100.0 * x, 100.0 * y]);
+        assert_eq!(found.len(), 3);
+        assert!(found.is_sorted_by(|a, b| a.nearness <= b.nearness));
+        assert_eq!(uncovered(found).len(), 3);
+    }
+
+    #[test]
+    fn what_lies_behind_is_left_out() {
+        let square = |nearness: f64, half: f64| Face {
+            nearness,
+            corners: [[-half, -half], [half, -half], [half, half], [-half, half]],
+            pieces: Vec::new(),
+        };
+        let left = uncovered(vec![square(0.0, 5.0), square(1.0, 20.0), square(2.0, 5.0)]);
+        assert_eq!(left.iter().map(|face| face.nearness).collect::<Vec<_>>(), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn equal_snapshots_are_drawn_equally_and_in_plain_numbers() {
+        let shot = || Shot { caption: String::new(), surface: cube() };
+        let [one, two] = [draw(&[shot()], CAMERA, &STYLE), draw(&[shot(), shot()], CAMERA, &STYLE)];
+        let faces = |svg: &str| svg.matches("<path d=").count();
+        assert_eq!([faces(&one), faces(&two)], [3, 6]);
+        assert!(!two.contains("NaN") && !two.contains("inf"));
+    }
+
+    #[test]
+    fn numbers_in_paths_are_short_and_exact() {
+        let mut out = String::new();
+        path(&mut out, &[[1.26, 0.5], [1.26, 0.5], [0.0, 10.0]]);
+        assert_eq!(out, "M1.3 .5l0 0l-1.3 9.5");
+    }
+
+    #[test]
+    fn constant_fields_have_a_range() {
+        assert_eq!(range([2.0, 2.0].into_iter()), (0.0, 3.0));
+        assert_eq!(range([0.0].into_iter()), (0.0, 1.0));
+    }
+}

@@ -1,0 +1,201 @@
+//! `cargo xtask layers`: every crate's normal dependencies against `layers.toml`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use toml::Table;
+
+use crate::manifest::{self, Member};
+use crate::workspace::{Outcome, Workspace};
+
+/// What is allowed for one crate.
+#[derive(Clone, Debug, Default)]
+struct Layer {
+    ours: BTreeSet<String>,
+    external: BTreeSet<String>,
+    dev_only: bool,
+}
+
+/// Findings of the check; notes do not fail it.
+#[derive(Debug, Default, PartialEq)]
+struct Findings {
+    errors: Vec<String>,
+    notes: Vec<String>,
+}
+
+/// Runs the check; false if an arrow is not allowed.
+pub fn command(workspace: &Workspace) -> Outcome<bool> {
+    let layers = parse(&workspace.read("layers.toml")?)?;
+    let members = manifest::members(workspace)?;
+    let findings = check(&layers, &members);
+    for note in &findings.notes {
+        println!("layers: note: {note}");
+    }
+    for error in &findings.errors {
+        println!("layers: error: {error}");
+    }
+    println!("layers: {} crates, {} errors, {} notes", members.len(), findings.errors.len(), findings.notes.len());
+    Ok(findings.errors.is_empty())
+}
+
+fn parse(text: &str) -> Outcome<BTreeMap<String, Layer>> {
+    let table: Table = text.parse().map_err(|error| format!("layers.toml: {error}"))?;
+    let set = |entry: &Table, key: &str| manifest::strings(entry.get(key)).into_iter().collect();
+    let mut layers = BTreeMap::new();
+    for (name, entry) in manifest::table(&table, "crate") {
+        let Some(entry) = entry.as_table() else { return Err(format!("layers.toml: {name} is no table").into()) };
+        for key in entry.keys() {
+            if !["ours", "external", "dev-only"].contains(&key.as_str()) {
+                return Err(format!("layers.toml: unknown key {key} of {name}").into());
+            }
+        }
+        let dev_only = entry.get("dev-only").and_then(|flag| flag.as_bool()).unwrap_or(false);
+        layers.insert(name, Layer { ours: set(entry, "ours"), external: set(entry, "external"), dev_only });
+    }
+    Ok(layers)
+}
+
+fn check(layers: &BTreeMap<String, Layer>, members: &[Member]) -> Findings {
+    let mut findings = Findings::default();
+    let ours: BTreeMap<&str, &Member> = members.iter().map(|member| (member.name.as_str(), member)).collect();
+    let crates: BTreeMap<&str, &Member> =
+        members.iter().filter_map(|member| Some((member.crate_name()?, member))).collect();
+    for name in layers.keys().filter(|name| !crates.contains_key(name.as_str())) {
+        findings.errors.push(format!("layers.toml lists {name}, but there is no crates/{name}"));
+    }
+    for member in members {
+        let Some(name) = member.crate_name() else {
+            // xtask and tests stand outside the stack: nothing of ours may be linked into them.
+            let linked = member.dependencies.iter().filter(|dependency| ours.contains_key(dependency.as_str()));
+            findings.errors.extend(linked.map(|dependency| format!("{} depends on {dependency}", member.folder)));
+            continue;
+        };
+        let package = expected_package(name);
+        if member.name != package {
+            findings.errors.push(format!("{}: package is named {}, not {package}", member.folder, member.name));
+        }
+        let Some(layer) = layers.get(name) else {
+            findings.errors.push(format!("crates/{name} has no entry in layers.toml"));
+            continue;
+        };
+        let mut used = BTreeSet::new();
+        for dependency in &member.dependencies {
+            let target = ours.get(dependency.as_str()).map(|member| member.crate_name().unwrap_or(&member.folder));
+            let (kind, allowed, word) = match target {
+                Some(target) => ("ours", &layer.ours, target),
+                None => ("external", &layer.external, dependency.as_str()),
+            };
+            used.insert((kind, word));
+            if !allowed.contains(word) {
+                findings.errors.push(format!("{name} -> {word} is not among its `{kind}` in layers.toml"));
+            }
+            if layers.get(word).is_some_and(|layer| layer.dev_only) && kind == "ours" {
+                findings.errors.push(format!("{name} -> {word}: {word} may only be a dev-dependency"));
+            }
+        }
+        for (kind, allowed) in [("ours", &layer.ours), ("external", &layer.external)] {
+            let unused = allowed.iter().filter(|word| !used.contains(&(kind, word.as_str())));
+            findings.notes.extend(unused.map(|word| format!("{name} -> {word} is listed but not used")));
+        }
+    }
+    findings
+}
+
+/// Package name of a folder under `crates/`.
+pub fn expected_package(folder: &str) -> String {
+    if folder == "stoss" { folder.to_owned() } else { format!("stoss-{folder}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAYERS: &str = r#"
+        [crate.tensor]
+        ours = []
+        external = ["nalgebra"]
+        [crate.continuum]
+        ours = ["tensor"]
+        external = ["thiserror"]
+        [crate.testkit]
+        dev-only = true
+        ours = ["tensor"]
+        external = []
+    "#;
+
+    fn member(folder: &str, name: &str, dependencies: &[&str]) -> Member {
+        Member {
+            folder: folder.into(),
+            name: name.into(),
+            dependencies: dependencies.iter().map(|name| (*name).to_owned()).collect(),
+            features: Vec::new(),
+            package: Table::new(),
+        }
+    }
+
+    fn stack() -> Vec<Member> {
+        vec![
+            member("crates/continuum", "stoss-continuum", &["stoss-tensor", "thiserror"]),
+            member("crates/tensor", "stoss-tensor", &["nalgebra"]),
+            member("crates/testkit", "stoss-testkit", &["stoss-tensor"]),
+            member("xtask", "xtask", &["toml"]),
+        ]
+    }
+
+    fn errors(members: &[Member]) -> Vec<String> {
+        check(&parse(LAYERS).unwrap(), members).errors
+    }
+
+    #[test]
+    fn the_allowed_stack_passes() {
+        assert_eq!(check(&parse(LAYERS).unwrap(), &stack()), Findings::default());
+    }
+
+    #[test]
+    fn forbidden_arrows_are_found() {
+        let mut members = stack();
+        members[1].dependencies.push("stoss-continuum".into());
+        members[1].dependencies.push("serde".into());
+        assert_eq!(
+            errors(&members),
+            [
+                "tensor -> continuum is not among its `ours` in layers.toml",
+                "tensor -> serde is not among its `external` in layers.toml"
+            ]
+        );
+    }
+
+    #[test]
+    fn dev_only_crates_are_never_linked() {
+        let mut members = stack();
+        members[0].dependencies.push("stoss-testkit".into());
+        assert!(errors(&members).iter().any(|error| error.contains("may only be a dev-dependency")));
+        let mut members = stack();
+        members[3].dependencies.push("stoss-tensor".into());
+        assert_eq!(errors(&members), ["xtask depends on stoss-tensor"]);
+    }
+
+    #[test]
+    fn missing_entries_wrong_names_and_ghosts_are_found() {
+        let mut members = stack();
+        members.push(member("crates/new", "new", &[]));
+        members.remove(1);
+        let errors = errors(&members);
+        for expected in ["lists tensor", "named new, not stoss-new", "crates/new has no entry"] {
+            assert!(errors.iter().any(|error| error.contains(expected)), "{expected}: {errors:?}");
+        }
+    }
+
+    #[test]
+    fn unused_arrows_are_notes() {
+        let mut members = stack();
+        members[0].dependencies.retain(|name| name != "thiserror");
+        let findings = check(&parse(LAYERS).unwrap(), &members);
+        assert_eq!(findings.notes, ["continuum -> thiserror is listed but not used"]);
+        assert!(findings.errors.is_empty());
+    }
+
+    #[test]
+    fn unknown_keys_of_the_table_are_refused() {
+        assert!(parse("[crate.a]\nour = []").is_err());
+    }
+}

@@ -1,0 +1,100 @@
+//! Rules for Markdown: paths that a document names exist.
+
+use std::path::{Component, Path, PathBuf};
+
+use super::Finding;
+
+/// Folders at the root; a word that starts with one of them is meant as a path.
+const FOLDERS: [&str; 6] = ["crates/", "docs/", "scenes/", "tests/", "xtask/", ".ci/"];
+
+/// All findings of one document; `exists` answers for paths from the root.
+pub fn check(file: &str, content: &str, exists: impl Fn(&Path) -> bool) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut fenced = false;
+    for (number, line) in content.lines().enumerate() {
+        if line.trim_start().starts_with("```") {
+            fenced = !fenced;
+            continue;
+        }
+        let mut demand = |path: PathBuf| {
+            if !exists(&path) {
+                findings.push(Finding::new(
+                    file,
+                    number + 1,
+                    format!("names {}, which does not exist", path.display()),
+                ));
+            }
+        };
+        for span in if fenced { vec![line] } else { quoted(line) } {
+            span.split_whitespace().filter_map(path_from_root).for_each(&mut demand);
+        }
+        if !fenced {
+            links(line).into_iter().filter_map(|link| resolve(file, link)).for_each(&mut demand);
+        }
+    }
+    findings
+}
+
+/// What stands between backticks.
+fn quoted(line: &str) -> Vec<&str> {
+    line.split('`').skip(1).step_by(2).collect()
+}
+
+/// The path that a word names, if it names one and is no pattern.
+fn path_from_root(word: &str) -> Option<PathBuf> {
+    let word = word.trim_matches(|symbol: char| "\"'(),;:".contains(symbol)).trim_end_matches('.');
+    let word = word.split_once(':').map_or(word, |(path, _line)| path);
+    let pattern = word.contains(['*', '<', '>', '{', '$', '…']) || word.contains("...");
+    (FOLDERS.iter().any(|folder| word.starts_with(folder)) && !pattern).then(|| PathBuf::from(word))
+}
+
+/// Targets of links and pictures.
+fn links(line: &str) -> Vec<&str> {
+    line.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target).collect()
+}
+
+/// Path from the root of a link in `file`; nothing for addresses and places in the same page.
+fn resolve(file: &str, link: &str) -> Option<PathBuf> {
+    let link = link.split('#').next().unwrap_or_default();
+    if link.is_empty() || link.contains("://") || link.starts_with("mailto:") {
+        return None;
+    }
+    let mut path = Path::new(file).parent().map(Path::to_path_buf).unwrap_or_default();
+    for part in Path::new(link).components() {
+        match part {
+            Component::ParentDir => {
+                path.pop();
+            }
+            Component::Normal(part) => path.push(part),
+            _ => {}
+        }
+    }
+    Some(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(content: &str) -> Vec<usize> {
+        let known = ["docs/a.md", "docs", "scenes/b.toml", "crates/x/src"];
+        let exists = |path: &Path| known.iter().any(|known| Path::new(known) == path);
+        check("docs/page.md", content, exists).into_iter().map(|finding| finding.line).collect()
+    }
+
+    #[test]
+    fn paths_in_backticks_and_fences_must_exist() {
+        assert!(lines("`docs/a.md` and `crates/x/src/`, `crates/x/src:12`, `stoss run scenes/b.toml`").is_empty());
+        assert_eq!(lines("fine\n`docs/c.md`\n"), [2]);
+        assert_eq!(lines("```\nstoss run scenes/c.toml\n```\n"), [2]);
+        assert!(lines("docs/c.md without quotes, `crates/<x>/src`, `scenes/*.toml`, `other/c.md`").is_empty());
+    }
+
+    #[test]
+    fn links_must_lead_somewhere() {
+        assert!(
+            lines("[a](a.md) [b](../scenes/b.toml) [c](https://example.org/x) [d](#place) [e](a.md#place)").is_empty()
+        );
+        assert_eq!(lines("[a](c.md) ![b](../scenes/d.svg)"), [1, 1]);
+    }
+}

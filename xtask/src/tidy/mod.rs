@@ -1,0 +1,73 @@
+//! `cargo xtask tidy`: habits that no compiler checks.
+//!
+//! A rule is a function from a file's text to findings. To add one, write it in the file that fits (`text` for any text,
+//! `rust` for sources, `documents` for Markdown, `packages` for manifests), call it below, and give it a test that fails
+//! without it.
+
+mod documents;
+mod packages;
+mod rust;
+mod source;
+mod text;
+
+use std::fmt;
+use std::path::Path;
+
+use crate::workspace::{Outcome, Workspace};
+
+/// Something to mend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// Path from the root.
+    pub file: String,
+    /// Line from 1; 0 for the file as a whole.
+    pub line: usize,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl Finding {
+    /// Makes one.
+    pub fn new(file: &str, line: usize, message: impl Into<String>) -> Self {
+        Self { file: file.to_owned(), line, message: message.into() }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            0 => write!(out, "{}: {}", self.file, self.message),
+            line => write!(out, "{}:{line}: {}", self.file, self.message),
+        }
+    }
+}
+
+/// Runs all rules; false if there is a finding.
+pub fn command(workspace: &Workspace) -> Outcome<bool> {
+    let files = workspace.files()?;
+    let mut findings = Vec::new();
+    let mut read = 0;
+    for path in &files {
+        let file = slashes(path);
+        let Ok(content) = std::fs::read_to_string(workspace.path(path)) else { continue };
+        read += 1;
+        findings.extend(text::check(&file, &content));
+        if file.ends_with(".rs") {
+            findings.extend(rust::check(&file, &content));
+        }
+        if file.ends_with(".md") {
+            findings.extend(documents::check(&file, &content, |path| workspace.path(path).exists()));
+        }
+    }
+    findings.extend(rust::stale_allowances(|path| files.iter().any(|file| slashes(file) == path)));
+    findings.extend(packages::check(workspace)?);
+    for finding in &findings {
+        println!("tidy: {finding}");
+    }
+    println!("tidy: {read} text files, {} findings", findings.len());
+    Ok(findings.is_empty())
+}
+
+fn slashes(path: &Path) -> String {
+    path.to_string_lossy().replace('\\', "/")
+}

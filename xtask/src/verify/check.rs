@@ -1,0 +1,150 @@
+//! A measured quantity, its bound and the verdict.
+
+use serde::Serialize;
+
+/// What a measured value must satisfy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Not larger.
+    AtMost(f64),
+    /// Not smaller.
+    AtLeast(f64),
+    /// Not farther from `value` than `tolerance`.
+    Near {
+        /// Expected value.
+        value: f64,
+        /// Largest absolute difference.
+        tolerance: f64,
+    },
+    /// No bound: the value is only told.
+    Told,
+}
+
+impl Bound {
+    /// A value that is not a number satisfies no bound.
+    pub fn holds(self, measured: f64) -> bool {
+        match self {
+            Self::AtMost(bound) => measured <= bound,
+            Self::AtLeast(bound) => measured >= bound,
+            Self::Near { value, tolerance } => (measured - value).abs() <= tolerance,
+            Self::Told => true,
+        }
+    }
+
+    /// As it is printed.
+    pub fn text(self) -> String {
+        match self {
+            Self::AtMost(bound) => format!("<= {}", number(bound)),
+            Self::AtLeast(bound) => format!(">= {}", number(bound)),
+            Self::Near { value, tolerance: 0.0 } => format!("= {}", number(value)),
+            Self::Near { value, tolerance } => format!("= {} +- {}", number(value), number(tolerance)),
+            Self::Told => "-".into(),
+        }
+    }
+}
+
+/// One row of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// Name of the run.
+    pub scene: String,
+    /// What was measured.
+    pub quantity: String,
+    /// The value.
+    pub measured: f64,
+    /// What it must satisfy.
+    pub bound: Bound,
+    /// Anything that the reader must know, e.g. that the run was shortened.
+    pub note: String,
+}
+
+impl Check {
+    /// Makes a row without a note.
+    pub fn new(scene: &str, quantity: impl Into<String>, measured: f64, bound: Bound) -> Self {
+        Self { scene: scene.to_owned(), quantity: quantity.into(), measured, bound, note: String::new() }
+    }
+
+    /// Adds a note.
+    pub fn noted(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+
+    /// True if the bound holds.
+    pub fn holds(&self) -> bool {
+        self.bound.holds(self.measured)
+    }
+
+    /// One word for the table.
+    pub fn verdict(&self) -> &'static str {
+        match (self.bound, self.holds()) {
+            (Bound::Told, _) => "told",
+            (_, true) => "ok",
+            (_, false) => "FALLS SHORT",
+        }
+    }
+}
+
+/// A row as it is written to `report.json`.
+#[derive(Serialize)]
+pub struct CheckRecord<'a> {
+    suite: &'a str,
+    scene: &'a str,
+    quantity: &'a str,
+    /// `null` if it is not finite.
+    measured: Option<f64>,
+    bound: String,
+    verdict: &'a str,
+    note: &'a str,
+}
+
+impl<'a> CheckRecord<'a> {
+    /// The record of a row of `suite`.
+    pub fn new(suite: &'a str, check: &'a Check) -> Self {
+        Self {
+            suite,
+            scene: &check.scene,
+            quantity: &check.quantity,
+            measured: check.measured.is_finite().then_some(check.measured),
+            bound: check.bound.text(),
+            verdict: check.verdict(),
+            note: &check.note,
+        }
+    }
+}
+
+/// Counts plainly, small and large numbers with three digits.
+pub fn number(value: f64) -> String {
+    let plain = value == value.trunc() && value.abs() < 1e6;
+    match value.abs() {
+        _ if plain => format!("{value:.0}"),
+        size if (0.01..1e6).contains(&size) => format!("{value:.4}"),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_include_their_edge_and_refuse_nan() {
+        let near = Bound::Near { value: 2.0, tolerance: 0.5 };
+        assert!(Bound::AtMost(1.0).holds(1.0) && !Bound::AtMost(1.0).holds(1.1));
+        assert!(Bound::AtLeast(1.0).holds(1.0) && !Bound::AtLeast(1.0).holds(0.9));
+        assert!(near.holds(1.5) && near.holds(2.5) && !near.holds(2.6));
+        for bound in [Bound::AtMost(1.0), Bound::AtLeast(1.0), near] {
+            assert!(!bound.holds(f64::NAN));
+        }
+    }
+
+    #[test]
+    fn verdicts_are_told() {
+        let verdict = |bound| Check::new("s", "q", 1.0, bound).verdict();
+        assert_eq!(
+            [verdict(Bound::AtMost(2.0)), verdict(Bound::AtMost(0.5)), verdict(Bound::Told)],
+            ["ok", "FALLS SHORT", "told"]
+        );
+        assert_eq!([3.0, 0.5, 1.25e-12].map(number), ["3", "0.5000", "1.25e-12"]);
+    }
+}

@@ -1,0 +1,187 @@
+//! `cargo xtask verify`: runs the program and holds what it leaves against what was promised.
+//!
+//! A suite is a [`Suite`] in its own file and a row in [`SUITES`]; `docs/how-to-add/verify-suite.md` has the recipe.
+
+mod balance;
+mod check;
+mod conservation;
+mod convergence;
+mod figures;
+mod newton;
+mod report;
+mod run;
+mod scenes;
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use crate::program::Program;
+use crate::workspace::{Outcome, Workspace, write};
+use check::Check;
+use report::Section;
+pub use run::Run;
+
+/// Where everything goes, below the target folder.
+const FOLDER: &str = "verify";
+
+/// Number of steps of a shipped scene in quick mode.
+const QUICK_STEPS: f64 = 60.0;
+
+/// A group of checks.
+pub trait Suite {
+    /// Name on the command line.
+    fn name(&self) -> &'static str;
+    /// One sentence for the report.
+    fn about(&self) -> &'static str;
+    /// Runs what it needs and measures.
+    fn measure(&self, bench: &Bench) -> Outcome<Findings>;
+}
+
+/// Every suite, in the order in which they run.
+const SUITES: &[&dyn Suite] = &[&conservation::Conservation, &convergence::Convergence, &scenes::Scenes];
+
+/// What a suite found.
+#[derive(Debug, Default)]
+pub struct Findings {
+    /// Rows of the table.
+    pub checks: Vec<Check>,
+    /// Figures and tables of the report.
+    pub sections: Vec<Section>,
+}
+
+/// Runs scenes for the suites, each at most once.
+#[derive(Debug)]
+pub struct Bench {
+    /// The repository.
+    pub workspace: Workspace,
+    /// True if long scenes are shortened.
+    pub quick: bool,
+    folder: PathBuf,
+    program: Program,
+    runs: RefCell<BTreeMap<String, Run>>,
+    shown: RefCell<BTreeSet<String>>,
+}
+
+impl Bench {
+    /// Builds the program.
+    pub fn new(workspace: &Workspace, quick: bool) -> Outcome<Self> {
+        let program = Program::build(workspace)?;
+        let folder = workspace.target()?.join(FOLDER);
+        Ok(Self {
+            workspace: workspace.clone(),
+            quick,
+            folder,
+            program,
+            runs: RefCell::default(),
+            shown: RefCell::default(),
+        })
+    }
+
+    /// Runs a shipped scene (path from the root); in quick mode no more than [`QUICK_STEPS`] steps of it.
+    pub fn run_shipped(&self, scene: &Path) -> Outcome<Run> {
+        let name = scene.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let until = if self.quick { quick_end(&self.scene(&name)?) } else { None };
+        self.run(scene, until)
+    }
+
+    fn run(&self, scene: &Path, until: Option<f64>) -> Outcome<Run> {
+        let name = scene.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        if let Some(run) = self.runs.borrow().get(&name).filter(|run| run.until == until) {
+            return Ok(run.clone());
+        }
+        let folder = self.folder.join("runs").join(&name);
+        let ending = self.program.run(scene, &folder, until)?;
+        println!("verify: ran {name} in {:.1} s", ending.seconds);
+        let run = Run { name: name.clone(), folder, ending, until };
+        self.runs.borrow_mut().insert(name, run.clone());
+        Ok(run)
+    }
+
+    /// Runs a scene made from a shipped one.
+    pub fn run_variant(&self, name: &str, scene: &toml::Table) -> Outcome<Run> {
+        let path = self.folder.join("scenes").join(format!("{name}.toml"));
+        write(&path, &toml::to_string(scene)?)?;
+        self.run(&path, None)
+    }
+
+    /// Figures of a run, once for all suites.
+    pub fn show(&self, run: &Run, findings: &mut Findings) -> Outcome<()> {
+        if self.shown.borrow_mut().insert(run.name.clone()) {
+            findings.sections.push(figures::section(run)?);
+        }
+        Ok(())
+    }
+
+    /// A shipped scene as data.
+    pub fn scene(&self, name: &str) -> Outcome<toml::Table> {
+        let file = format!("scenes/{name}.toml");
+        self.workspace.read(&file)?.parse().map_err(|error| format!("{file}: {error}").into())
+    }
+
+    /// Seconds of all runs together.
+    fn seconds(&self) -> f64 {
+        self.runs.borrow().values().map(|run| run.ending.seconds).sum()
+    }
+}
+
+/// The time at which quick mode stops a scene; `None` if it is short anyway.
+fn quick_end(scene: &toml::Table) -> Option<f64> {
+    let time = scene.get("time")?;
+    let number = |key: &str| time.get(key).and_then(|value| value.as_float().or(value.as_integer().map(|n| n as f64)));
+    let (end, step) = (number("end")?, number("step")?);
+    // Rounded, so that the table and the command line show a short number.
+    let shortened = (QUICK_STEPS * step * 1e9).round() / 1e9;
+    (shortened < end).then_some(shortened)
+}
+
+/// Runs the named suites; false if a check falls short.
+pub fn command(workspace: &Workspace, quick: bool, names: &[String]) -> Outcome<bool> {
+    let known: Vec<&str> = SUITES.iter().map(|suite| suite.name()).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        return Err(format!("no suite {name:?}; there are {}", known.join(", ")).into());
+    }
+    let bench = Bench::new(workspace, quick)?;
+    let chosen = SUITES.iter().filter(|suite| names.is_empty() || names.iter().any(|name| name == suite.name()));
+    let mut results = Vec::new();
+    for suite in chosen {
+        // A suite that cannot measure falls short; the others still run.
+        let findings = suite.measure(&bench).unwrap_or_else(|error| {
+            let failed = Check::new(suite.name(), "could be measured", f64::NAN, check::Bound::AtLeast(1.0));
+            Findings { checks: vec![failed.noted(error.to_string())], sections: Vec::new() }
+        });
+        results.push((*suite, findings));
+    }
+    print!("{}", report::text(&results));
+    let html = bench.folder.join("report.html");
+    write(&html, &report::html(&results, quick))?;
+    write(&bench.folder.join("report.json"), &report::json(&results, quick)?)?;
+    let checks: Vec<&Check> = results.iter().flat_map(|(_, findings)| &findings.checks).collect();
+    let short = checks.iter().filter(|check| !check.holds()).count();
+    println!(
+        "verify: {} checks, {short} fall short, {:.1} s of runs; report in {}",
+        checks.len(),
+        bench.seconds(),
+        html.display()
+    );
+    Ok(short == 0 && !checks.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_long_scenes_are_shortened() {
+        let end = |text: &str| quick_end(&text.parse().unwrap());
+        assert_eq!(end("[time]\nend = 1.0\nstep = 0.01"), Some(0.6));
+        assert_eq!(end("[time]\nend = 1\nstep = 0.5"), None);
+        assert_eq!(end("[scene]\ntitle = \"a\""), None);
+    }
+
+    #[test]
+    fn suites_have_different_names() {
+        let names: BTreeSet<&str> = SUITES.iter().map(|suite| suite.name()).collect();
+        assert_eq!(names.len(), SUITES.len());
+    }
+}

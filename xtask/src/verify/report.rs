@@ -1,0 +1,191 @@
+//! The results as a table in the terminal, as `report.html` and as `report.json`.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde::Serialize;
+
+use super::check::{Check, CheckRecord, number};
+use super::{Findings, Suite};
+use crate::workspace::Outcome;
+
+/// A part of the report.
+#[derive(Debug, Default)]
+pub struct Section {
+    /// Heading.
+    pub title: String,
+    /// SVG texts, shown side by side.
+    pub figures: Vec<String>,
+    /// Tables.
+    pub tables: Vec<Grid>,
+}
+
+/// A table of words.
+#[derive(Debug, Default)]
+pub struct Grid {
+    /// What it shows.
+    pub caption: String,
+    /// Column heads.
+    pub head: Vec<String>,
+    /// Rows.
+    pub rows: Vec<Vec<String>>,
+}
+
+type Results<'a> = [(&'a dyn Suite, Findings)];
+
+/// The table of all checks for the terminal.
+pub fn text(results: &Results) -> String {
+    let mut rows = vec![["scene", "quantity", "measured", "bound", "verdict", "note"].map(str::to_owned)];
+    rows.extend(results.iter().flat_map(|(_, findings)| &findings.checks).map(row));
+    let mut widths = [0; 6];
+    for row in &rows {
+        for (width, entry) in widths.iter_mut().zip(row) {
+            *width = (*width).max(entry.chars().count());
+        }
+    }
+    let line = |row: &[String; 6]| {
+        let padded: Vec<String> = row.iter().zip(widths).map(|(entry, width)| format!("{entry:width$}")).collect();
+        format!("{}\n", padded.join("  ").trim_end())
+    };
+    rows.iter().map(line).collect()
+}
+
+fn row(check: &Check) -> [String; 6] {
+    [
+        check.scene.clone(),
+        check.quantity.clone(),
+        number(check.measured),
+        check.bound.text(),
+        check.verdict().to_owned(),
+        check.note.clone(),
+    ]
+}
+
+/// All checks as data.
+pub fn json(results: &Results, quick: bool) -> Outcome<String> {
+    #[derive(Serialize)]
+    struct Report<'a> {
+        quick: bool,
+        passed: bool,
+        checks: Vec<CheckRecord<'a>>,
+    }
+    let checks = results.iter().flat_map(|(suite, found)| found.checks.iter().map(|check| (suite.name(), check)));
+    let report = Report {
+        quick,
+        passed: checks.clone().all(|(_, check)| check.holds()),
+        checks: checks.map(|(suite, check)| CheckRecord::new(suite, check)).collect(),
+    };
+    Ok(serde_json::to_string_pretty(&report)? + "\n")
+}
+
+const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:1340px;margin:2em auto;padding:0 1em;color:#222}\
+table{border-collapse:collapse;margin:1em 0}td,th{padding:.2em .8em;text-align:left;border-bottom:1px solid #ddd}\
+td.n{font-variant-numeric:tabular-nums;text-align:right}.short{background:#fbdcd4}caption{text-align:left;color:#666}\
+.figures{display:flex;flex-wrap:wrap;gap:12px}svg{max-width:100%;height:auto}";
+
+/// The report; one file without references to others.
+pub fn html(results: &Results, quick: bool) -> String {
+    let short = results.iter().flat_map(|(_, findings)| &findings.checks).filter(|check| !check.holds()).count();
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                title { "Stoss: verification" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Verification" }
+                p {
+                    @if short == 0 { "Every check holds." } @else { b { (short) " checks fall short." } }
+                    @if quick { " Quick mode: long scenes are shortened." }
+                }
+                @for (suite, findings) in results {
+                    h2 { (suite.name()) }
+                    p { (suite.about()) }
+                    (checks_table(&findings.checks))
+                    @for section in &findings.sections { (section_markup(section)) }
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn checks_table(checks: &[Check]) -> Markup {
+    html! {
+        table {
+            tr { th { "scene" } th { "quantity" } th { "measured" } th { "bound" } th { "verdict" } th { "note" } }
+            @for check in checks {
+                tr class=[(!check.holds()).then_some("short")] {
+                    @let [scene, quantity, measured, bound, verdict, note] = row(check);
+                    td { (scene) } td { (quantity) } td.n { (measured) } td.n { (bound) } td { (verdict) } td { (note) }
+                }
+            }
+        }
+    }
+}
+
+fn section_markup(section: &Section) -> Markup {
+    html! {
+        h3 { (section.title) }
+        @if !section.figures.is_empty() {
+            div.figures { @for figure in &section.figures { div { (PreEscaped(figure)) } } }
+        }
+        @for grid in &section.tables {
+            table {
+                caption { (grid.caption) }
+                tr { @for head in &grid.head { th { (head) } } }
+                @for row in &grid.rows { tr { @for entry in row { td.n { (entry) } } } }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::Bound;
+    use super::super::{Bench, Suite};
+    use super::*;
+
+    struct Sample;
+
+    impl Suite for Sample {
+        fn name(&self) -> &'static str {
+            "sample"
+        }
+        fn about(&self) -> &'static str {
+            "Sample."
+        }
+        fn measure(&self, _bench: &Bench) -> Outcome<Findings> {
+            Ok(Findings::default())
+        }
+    }
+
+    fn results() -> Vec<(&'static dyn Suite, Findings)> {
+        let checks = vec![
+            Check::new("a", "drift", 1e-12, Bound::AtMost(1e-10)),
+            Check::new("b", "drift <x>", f64::NAN, Bound::AtMost(1e-10)).noted("why"),
+        ];
+        let section = Section { title: "T".into(), figures: vec!["<svg></svg>".into()], tables: vec![Grid::default()] };
+        vec![(&Sample, Findings { checks, sections: vec![section] })]
+    }
+
+    #[test]
+    fn a_nan_falls_short_in_all_three_forms() {
+        let results = results();
+        assert!(text(&results).lines().nth(2).unwrap().contains("FALLS SHORT"));
+        let data: serde_json::Value = serde_json::from_str(&json(&results, true).unwrap()).unwrap();
+        assert_eq!(data["passed"], false);
+        assert!(data["checks"][1]["measured"].is_null());
+        assert_eq!(data["checks"][0]["verdict"], "ok");
+        let page = html(&results, false);
+        assert!(page.contains("class=\"short\"") && page.contains("drift &lt;x&gt;") && page.contains("<svg>"));
+    }
+
+    #[test]
+    fn the_report_refers_to_nothing_outside() {
+        let page = html(&results(), true);
+        for reference in ["http:", "https:", "src=", "href="] {
+            assert!(!page.contains(reference), "{reference}");
+        }
+    }
+}
