@@ -26,7 +26,12 @@ struct Findings {
 pub fn command(workspace: &Workspace) -> Outcome<bool> {
     let layers = parse(&workspace.read("layers.toml")?)?;
     let members = manifest::members(workspace)?;
-    let findings = check(&layers, &members);
+    let mut findings = check(&layers, &members);
+    for member in &members {
+        let source = sources(workspace, &member.folder)?;
+        let unused = member.dependencies.iter().filter(|dependency| !is_named(&source, dependency));
+        findings.errors.extend(unused.map(|name| format!("{} depends on {name}, but never names it", member.folder)));
+    }
     for note in &findings.notes {
         println!("layers: note: {note}");
     }
@@ -98,6 +103,23 @@ fn check(layers: &BTreeMap<String, Layer>, members: &[Member]) -> Findings {
         }
     }
     findings
+}
+
+/// All sources of a member in one text; tests, benches and examples do not count.
+fn sources(workspace: &Workspace, folder: &str) -> Outcome<String> {
+    let files = workspace.files()?.into_iter().filter(|file| file.starts_with(format!("{folder}/src")));
+    let sources = files.filter(|file| file.extension().is_some_and(|kind| kind == "rs"));
+    sources.map(|file| workspace.read(file)).collect()
+}
+
+/// True if a source names a package as a path or in an attribute.
+fn is_named(source: &str, package: &str) -> bool {
+    let word = package.replace('-', "_");
+    let part_of_name = |symbol: char| symbol.is_alphanumeric() || symbol == '_';
+    source.lines().filter(|line| !line.trim_start().starts_with("//")).any(|line| {
+        line.match_indices(&word)
+            .any(|(at, _)| !line[..at].ends_with(part_of_name) && !line[at + word.len()..].starts_with(part_of_name))
+    })
 }
 
 /// Package name of a folder under `crates/`.
@@ -192,6 +214,12 @@ mod tests {
         let findings = check(&parse(LAYERS).unwrap(), &members);
         assert_eq!(findings.notes, ["continuum -> thiserror is listed but not used"]);
         assert!(findings.errors.is_empty());
+    }
+
+    #[test]
+    fn a_dependency_must_be_named_in_code() {
+        assert!(is_named("use a_b::c;", "a-b") && is_named("    #[derive(a_b::C)]", "a-b"));
+        assert!(!is_named("// a_b\nuse a_bc::d; use xa_b::e;", "a-b"));
     }
 
     #[test]

@@ -33,7 +33,13 @@ pub struct Labels<'a> {
 }
 
 /// Width and height of a chart.
-const SIZE: (u32, u32) = (640, 320);
+const SIZE: (u32, u32) = (720, 320);
+
+/// Width of the numbers and the label at the left.
+const LEFT: u32 = 64;
+
+/// Width of the names of the lines at the right.
+const LEGEND: u32 = 160;
 
 /// Colours that stay apart for most kinds of colour vision (Okabe and Ito).
 const COLOURS: [RGBColor; 6] = [
@@ -91,9 +97,10 @@ where
         area.fill(&WHITE)?;
         let mut chart = ChartBuilder::on(&area)
             .margin(10)
+            .margin_right(if series.len() > 1 { LEGEND } else { 14 })
             .caption(labels.title, ("sans-serif", 15))
             .x_label_area_size(34)
-            .y_label_area_size(74)
+            .y_label_area_size(LEFT)
             .build_cartesian_2d(x, y)?;
         chart
             .configure_mesh()
@@ -105,19 +112,15 @@ where
             .y_desc(labels.y)
             .y_label_formatter(&|value| number(*value))
             .draw()?;
-        for (line, colour) in series.iter().zip(COLOURS.iter().cycle()) {
+        for (number, (line, colour)) in series.iter().zip(COLOURS.iter().cycle()).enumerate() {
             let style = colour.stroke_width(2);
             let points = line.points.iter().copied().filter(is_drawn);
-            let drawn = chart.draw_series(LineSeries::new(points, style))?;
-            drawn.label(&line.name).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
-        }
-        if series.len() > 1 {
-            let labels = &mut chart.configure_series_labels();
-            labels
-                .background_style(WHITE.mix(0.8))
-                .border_style(RGBColor(200, 200, 200))
-                .label_font(("sans-serif", 12));
-            labels.position(SeriesLabelPosition::UpperLeft).draw()?;
+            chart.draw_series(LineSeries::new(points, style))?;
+            if series.len() > 1 {
+                let (x, y) = ((SIZE.0 - LEGEND) as i32 + 8, 44 + 20 * number as i32);
+                area.draw(&PathElement::new([(x, y), (x + 18, y)], style))?;
+                area.draw(&Text::new(line.name.as_str(), (x + 24, y - 7), ("sans-serif", 12)))?;
+            }
         }
         area.present()?;
     }

@@ -28,7 +28,8 @@ impl Progress {
                 eprintln!("{verb} \"{title}\" to t = {end} in steps of {step}, results in {}", out.display());
                 if self.terminal {
                     let bar = ProgressBar::new(1000);
-                    if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3}% {msg} [{elapsed} < {eta}]") {
+                    if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3}% {msg} [{elapsed} < {eta}]")
+                    {
                         bar.set_style(style);
                     }
                     self.bar = Some(bar);

@@ -302,10 +302,8 @@ pub fn discrete_gradient_and_tangent(
     let q_1: [Dual; LOCAL] = std::array::from_fn(|k| Dual::variable(scale * q_np1[k], k));
     let n = Configuration::new(&q_0, std::array::from_fn(|i| constant(gap_n.normal[i])), gap_n.xi.map(constant));
     // At the foot the coordinates' derivative is D^alpha, and the director's that of the normalised cross product.
-    let f: [Dual; 2] = std::array::from_fn(|al| Dual {
-        value: gap_np1.xi[al],
-        partial: gap_np1.xi_gradient[al].map(|d| d * length),
-    });
+    let f: [Dual; 2] =
+        std::array::from_fn(|al| Dual { value: gap_np1.xi[al], partial: gap_np1.xi_gradient[al].map(|d| d * length) });
     let s = Shape::at(f);
     let zero = constant(0.0);
     let free = Configuration::new(&q_1, [zero; 3], f);

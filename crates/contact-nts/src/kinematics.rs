@@ -100,10 +100,8 @@ impl Gap {
             }
         }
         // N_bar_a = N_a + h_ab D^b.
-        let bar: [Local; 2] = [
-            std::array::from_fn(|k| n_a[0][k] + h * d_2[k]),
-            std::array::from_fn(|k| n_a[1][k] + h * d_1[k]),
-        ];
+        let bar: [Local; 2] =
+            [std::array::from_fn(|k| n_a[0][k] + h * d_2[k]), std::array::from_fn(|k| n_a[1][k] + h * d_1[k])];
         let m = self.metric;
         let det = m[0][0] * m[1][1] - m[0][1] * m[0][1];
         let scale = self.gap / det;

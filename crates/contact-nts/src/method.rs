@@ -211,8 +211,8 @@ impl NodeToSurface {
             if step.rule == ContactRule::EnergyMomentum {
                 let (x, patch) = points(&q_n);
                 let gap_n = Gap::project(&x, &patch, end.xi).ok_or_else(|| failed.clone())?;
-                let (g, k) = invariants::discrete_gradient_and_tangent(&q_n, &q_1, &gap_n, end, self.length)
-                    .ok_or(failed)?;
+                let (g, k) =
+                    invariants::discrete_gradient_and_tangent(&q_n, &q_1, &gap_n, end, self.length).ok_or(failed)?;
                 work.set(&g, &k, n, 1.0);
             } else {
                 let (x, patch) = points(&q_mid);

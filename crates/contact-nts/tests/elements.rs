@@ -8,7 +8,12 @@ use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 /// A slave node above or below a warped facet of size two: positions with a gap that is not zero.
 fn configuration() -> impl Strategy<Value = Local> {
-    (proptest::array::uniform12(-0.25..0.25_f64), proptest::array::uniform2(-0.9..0.9_f64), 0.05..0.5_f64, any::<bool>())
+    (
+        proptest::array::uniform12(-0.25..0.25_f64),
+        proptest::array::uniform2(-0.9..0.9_f64),
+        0.05..0.5_f64,
+        any::<bool>(),
+    )
         .prop_map(|(noise, at, height, below)| {
             let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
             let mut q = [0.0; LOCAL];

@@ -71,8 +71,7 @@ pub fn energy_momentum_stress_and_tangent(
         law.energy(c_np1)?;
         return Ok((mean_stress, tangent));
     }
-    let energy_np1 = law.energy(c_np1)?;
-    let stress_np1 = law.stress(c_np1)?;
+    let (energy_np1, stress_np1) = law.energy_and_stress(c_np1)?;
     let k = increment.quotient(energy_n, energy_np1, &mean_stress);
     let delta = increment.delta;
     let slope = (stress_np1 - mean_stress - elasticity.double_contract_left(&delta) * 0.25 - delta * (2.0 * k))

@@ -35,8 +35,21 @@ pub trait HyperelasticLaw: std::fmt::Debug + Send + Sync {
     fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError>;
     /// Second Piola-Kirchhoff stress.
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError>;
+    /// Energy and stress together; worth its own formula where both share work.
+    ///
+    /// # Errors
+    /// As for the two.
+    fn energy_and_stress(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+    ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
+        Ok((self.energy(right_cauchy_green)?, self.stress(right_cauchy_green)?))
+    }
     /// Stress and elasticity tensor `2 dS/dC` together.
-    fn stress_and_elasticity(&self, right_cauchy_green: &SymmetricTensor2) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError>;
+    fn stress_and_elasticity(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+    ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError>;
     /// Moduli at `C = 1`.
     fn small_strain_moduli(&self) -> SmallStrainModuli;
     /// True if `W` is at most quadratic in `C` (the quotient of the discrete gradient is then zero and is skipped).

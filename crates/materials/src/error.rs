@@ -39,7 +39,9 @@ pub enum MaterialError {
         alpha: usize,
     },
     /// The body would not be stable at the reference state.
-    #[error("{law}: the parameters imply the shear modulus {shear} and the bulk modulus {bulk} at small strains; both must be positive ({remedy})")]
+    #[error(
+        "{law}: the parameters imply the shear modulus {shear} and the bulk modulus {bulk} at small strains; both must be positive ({remedy})"
+    )]
     UnstableModuli {
         /// The law.
         law: &'static str,

@@ -46,6 +46,11 @@ impl NeoHooke {
     }
 
     #[inline]
+    fn energy_with(&self, c: &SymmetricTensor2, log_j: f64) -> f64 {
+        0.5 * self.mu * (c.trace() - 3.0) + (0.5 * self.lambda * log_j - self.mu) * log_j
+    }
+
+    #[inline]
     fn stress_with(&self, log_j: f64, inverse: &SymmetricTensor2) -> SymmetricTensor2 {
         SymmetricTensor2::IDENTITY * self.mu + *inverse * (self.lambda * log_j - self.mu)
     }
@@ -57,14 +62,23 @@ impl HyperelasticLaw for NeoHooke {
     }
     #[inline]
     fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        let (_, log_j) = log_jacobian(right_cauchy_green)?;
-        let i1 = right_cauchy_green.trace();
-        Ok(0.5 * self.mu * (i1 - 3.0) + (0.5 * self.lambda * log_j - self.mu) * log_j)
+        Ok(self.energy_with(right_cauchy_green, log_jacobian(right_cauchy_green)?.1))
     }
     #[inline]
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
         let (det_c, log_j) = log_jacobian(right_cauchy_green)?;
         Ok(self.stress_with(log_j, &right_cauchy_green.inverse_with_det(det_c)))
+    }
+    #[inline]
+    fn energy_and_stress(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+    ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
+        let (det_c, log_j) = log_jacobian(right_cauchy_green)?;
+        Ok((
+            self.energy_with(right_cauchy_green, log_j),
+            self.stress_with(log_j, &right_cauchy_green.inverse_with_det(det_c)),
+        ))
     }
     #[inline]
     fn stress_and_elasticity(

@@ -62,7 +62,12 @@ impl Ogden {
         for (&mu, &alpha) in mu.iter().zip(alpha) {
             finite(NAME, &[("mu", mu), ("alpha", alpha)])?;
             if alpha == 0.0 {
-                return Err(MaterialError::OutOfRange { law: NAME, parameter: "alpha", value: alpha, range: "not zero" });
+                return Err(MaterialError::OutOfRange {
+                    law: NAME,
+                    parameter: "alpha",
+                    value: alpha,
+                    range: "not zero",
+                });
             }
         }
         if beta == 0.0 {
@@ -84,6 +89,17 @@ impl Ogden {
             }
         }
         t
+    }
+
+    /// The energy.
+    fn stored(&self, state: &State) -> f64 {
+        let mut w = 0.0;
+        for &(mu, alpha) in &self.terms {
+            // exp(x) - 1 summed: no cancellation near the reference state.
+            w += mu / alpha * state.logs.iter().map(|l| (alpha * l).exp_m1()).sum::<f64>();
+        }
+        let x = self.beta * state.log_j;
+        w + self.kappa * (x + (-x).exp_m1()) / (self.beta * self.beta)
     }
 
     /// `kappa/beta (1 - J^-beta)` and `J^-beta`.
@@ -122,14 +138,7 @@ impl HyperelasticLaw for Ogden {
     }
 
     fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        let state = State::new(right_cauchy_green)?;
-        let mut w = 0.0;
-        for &(mu, alpha) in &self.terms {
-            // exp(x) - 1 summed: no cancellation near the reference state.
-            w += mu / alpha * state.logs.iter().map(|l| (alpha * l).exp_m1()).sum::<f64>();
-        }
-        let x = self.beta * state.log_j;
-        checked(w + self.kappa * (x + (-x).exp_m1()) / (self.beta * self.beta))
+        checked(self.stored(&State::new(right_cauchy_green)?))
     }
 
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
@@ -139,6 +148,16 @@ impl HyperelasticLaw for Ogden {
         Ok(Self::assemble(&state, &self.principal(&state), pressure))
     }
 
+    fn energy_and_stress(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+    ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
+        let state = State::new(right_cauchy_green)?;
+        let (pressure, _) = self.volumetric(state.log_j);
+        let energy = checked(self.stored(&state))?;
+        Ok((energy, Self::assemble(&state, &self.principal(&state), pressure)))
+    }
+
     fn stress_and_elasticity(
         &self,
         right_cauchy_green: &SymmetricTensor2,
@@ -146,14 +165,15 @@ impl HyperelasticLaw for Ogden {
         let state = State::new(right_cauchy_green)?;
         let (pressure, power) = self.volumetric(state.log_j);
         checked(pressure)?;
-        let t = self.principal(&state);
         let x = state.squares;
-        // H_AB = lambda_B dT_A/dlambda_B, f_AB = lambda_B^-1 dS_A/dlambda_B.
+        // T_A as in `principal`, H_AB = lambda_B dT_A/dlambda_B, f_AB = lambda_B^-1 dS_A/dlambda_B.
+        let mut t = [0.0; 3];
         let mut h = [[0.0; 3]; 3];
         for &(mu, alpha) in &self.terms {
             let p = state.powers(alpha);
             let sum = p[0] + p[1] + p[2];
             for a in 0..3 {
+                t[a] += mu * (p[a] - sum / 3.0);
                 for b in 0..3 {
                     let diagonal = if a == b { p[a] } else { 0.0 };
                     h[a][b] += mu * alpha * (diagonal - (p[a] + p[b]) / 3.0 + sum / 9.0);
@@ -169,9 +189,8 @@ impl HyperelasticLaw for Ogden {
         let projections = state.vectors.map(|n| outer(&n));
         let mut elasticity = Tensor4::ZERO;
         for a in 0..3 {
-            for b in 0..3 {
-                elasticity.add_dyad(f[a][b], &projections[a], &projections[b]);
-            }
+            let row = projections[0] * f[a][0] + projections[1] * f[a][1] + projections[2] * f[a][2];
+            elasticity.add_dyad(1.0, &projections[a], &row);
         }
         for a in 0..3 {
             for b in a + 1..3 {
@@ -195,6 +214,9 @@ impl HyperelasticLaw for Ogden {
     }
 
     fn small_strain_moduli(&self) -> SmallStrainModuli {
-        SmallStrainModuli { shear: 0.5 * self.terms.iter().map(|(mu, alpha)| mu * alpha).sum::<f64>(), bulk: self.kappa }
+        SmallStrainModuli {
+            shear: 0.5 * self.terms.iter().map(|(mu, alpha)| mu * alpha).sum::<f64>(),
+            bulk: self.kappa,
+        }
     }
 }

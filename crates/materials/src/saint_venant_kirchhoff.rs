@@ -1,7 +1,9 @@
 //! Saint Venant-Kirchhoff (formulation §2.1, thesis (3.104)-(3.108)).
 
 use crate::error::{MaterialError, finite, stable, young_poisson};
-use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, green_lagrange};
+use stoss_continuum::{
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, green_lagrange,
+};
 
 const NAME: &str = "saint-venant-kirchhoff";
 

@@ -136,7 +136,10 @@ fn moduli_of_the_examples() {
 fn parameters_that_are_no_material() {
     assert!(matches!(NeoHooke::new(f64::NAN, 1.0), Err(MaterialError::NotFinite { parameter: "lambda", .. })));
     assert!(matches!(NeoHooke::new(1.0, -1.0), Err(MaterialError::UnstableModuli { .. })));
-    assert!(matches!(NeoHooke::from_young_poisson(1.0, 0.5), Err(MaterialError::OutOfRange { parameter: "poisson", .. })));
+    assert!(matches!(
+        NeoHooke::from_young_poisson(1.0, 0.5),
+        Err(MaterialError::OutOfRange { parameter: "poisson", .. })
+    ));
     assert!(matches!(
         SaintVenantKirchhoff::from_young_poisson(-1.0, 0.2),
         Err(MaterialError::OutOfRange { parameter: "young", .. })

@@ -66,7 +66,8 @@ impl PvdWriter {
     /// # Errors
     /// As [`Self::push`].
     pub fn replace(path: impl Into<PathBuf>, frames: &[(f64, String)]) -> Result<(), MeshIoError> {
-        let entries: Vec<PvdEntry> = frames.iter().map(|(time, file)| PvdEntry { time: *time, file: file.clone() }).collect();
+        let entries: Vec<PvdEntry> =
+            frames.iter().map(|(time, file)| PvdEntry { time: *time, file: file.clone() }).collect();
         entries.iter().try_for_each(PvdEntry::check)?;
         PvdWriter { path: path.into(), entries }.write()
     }

@@ -4,7 +4,9 @@ use crate::numbering::Numbering;
 use crate::{LoadKind, Model, Phase, StepError, Timings};
 use std::sync::Arc;
 use stoss_contact::{ContactRule, StepConfiguration};
-use stoss_fe_solid::{MassMatrix, SolidStep, StressRule, TangentTarget, Workspace, add_follower_pressure, follower_pressure};
+use stoss_fe_solid::{
+    MassMatrix, SolidStep, StressRule, TangentTarget, Workspace, add_follower_pressure, follower_pressure,
+};
 use stoss_integrators::{ForceRule, Scheme, State};
 use stoss_linalg::{LinearSolver, MatrixKind, NONE, ScatterMap, SparsityPattern, vector};
 use stoss_newton::{NewtonProblem, ResidualNorms};
@@ -136,7 +138,12 @@ impl System {
                 let mass = body.solid.mass(density, body.mass_kind);
                 mass.add_to_tangent(
                     1.0,
-                    TangentTarget { map: &solid_map, first_stencil: first_stencil[b], factor: 1.0, values: &mut mass_values },
+                    TangentTarget {
+                        map: &solid_map,
+                        first_stencil: first_stencil[b],
+                        factor: 1.0,
+                        values: &mut mass_values,
+                    },
                 );
                 mass_length += mass.total() / (body.nodes.len().max(1) as f64) * h;
                 masses.push(mass);
@@ -345,8 +352,7 @@ impl StepProblem<'_> {
             s.contact_force.fill(0.0);
             let mut k = 0;
             for (c, pair) in model.contacts.iter().enumerate() {
-                let configuration =
-                    StepConfiguration { q_n: &state_n.q, q_np1: &iterate.q, rule: contact_rule(*rule) };
+                let configuration = StepConfiguration { q_n: &state_n.q, q_np1: &iterate.q, rule: contact_rule(*rule) };
                 let length = pair.method.length_scale();
                 let (contact_force, rhs, values) = (&mut s.contact_force, &mut s.rhs, &mut s.values);
                 let (equations, contact_map) = (&s.slot_equation[c], &s.contact_map);
@@ -434,7 +440,8 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn solve(&mut self) -> Result<f64, StepError> {
-        let kind = if self.model.contacts.is_empty() && self.rule != ForceRule::DiscreteGradient
+        let kind = if self.model.contacts.is_empty()
+            && self.rule != ForceRule::DiscreteGradient
             && self.system.follower_equations.starts.is_empty()
         {
             MatrixKind::Symmetric

@@ -10,7 +10,7 @@ pub struct NewtonRow {
     pub iteration: u32,
     /// Relative residual: the larger of force residual over force scale and largest gap error over the surface's length.
     pub residual: f64,
-    /// Norm of the increment that followed (0 if none).
+    /// Norm of the displacement increment that led to it (0 for the predictor and after a change of constraints).
     pub increment: f64,
     /// Active constraints.
     pub active: usize,

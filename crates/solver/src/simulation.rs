@@ -4,8 +4,8 @@ use crate::assembly::{Iterate, System};
 use crate::control::Clock;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::{
-    Balance, Checkpoint, CheckpointError, ContactSummary, Decision, DecisionKind, LoadKind, Model, Phase, SimulationError,
-    StepControl, StepError, StepRecord, Timings,
+    Balance, Checkpoint, CheckpointError, ContactSummary, Decision, DecisionKind, LoadKind, Model, Phase,
+    SimulationError, StepControl, StepError, StepRecord, Timings,
 };
 use std::collections::BTreeMap;
 use stoss_contact::SlotReport;
@@ -481,8 +481,7 @@ impl Simulation {
             return Ok(None);
         }
         let Attempt { iterate, repaired, .. } = attempt;
-        let mut summary =
-            ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
+        let mut summary = ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let reports = self.timings.measure(Phase::Search, || pair.method.report(&iterate.q))?;
             for (slot, report) in reports.iter().enumerate() {

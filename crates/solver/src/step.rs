@@ -66,7 +66,11 @@ pub(crate) fn attempt(
     let mut loose = has_contact;
     for _ in 0..2 * MAX_SET_CHANGES {
         let options = if loose {
-            NewtonOptions { relative_tolerance: LOOSE_TOLERANCE.max(input.newton.relative_tolerance), polish: 0, ..input.newton }
+            NewtonOptions {
+                relative_tolerance: LOOSE_TOLERANCE.max(input.newton.relative_tolerance),
+                polish: 0,
+                ..input.newton
+            }
         } else {
             input.newton
         };
@@ -93,10 +97,6 @@ pub(crate) fn attempt(
             // A further Newton call starts where the last one stopped: its first residual is a new row only if the
             // constraints changed.
             if k == 0 && changes == 0 && !rows.is_empty() {
-                if let Some(last) = rows.last_mut() {
-                    let last: &mut NewtonRow = last;
-                    last.increment = record.increment;
-                }
                 continue;
             }
             rows.push(NewtonRow {

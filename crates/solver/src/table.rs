@@ -18,13 +18,28 @@ pub enum TableError {
     Empty,
     /// A row has the wrong number of values.
     #[error("row {row} has {found} values after the time, expected {expected}")]
-    Columns { row: usize, found: usize, expected: usize },
+    Columns {
+        /// Index of the row.
+        row: usize,
+        /// Values found.
+        found: usize,
+        /// Values expected.
+        expected: usize,
+    },
     /// Times do not increase.
     #[error("the time {time} of row {row} is not larger than that of the row before")]
-    Order { row: usize, time: f64 },
+    Order {
+        /// Index of the row.
+        row: usize,
+        /// Its time.
+        time: f64,
+    },
     /// NaN or infinite.
     #[error("row {row} has a value that is not finite")]
-    NotFinite { row: usize },
+    NotFinite {
+        /// Index of the row.
+        row: usize,
+    },
 }
 
 impl Table {
@@ -118,10 +133,7 @@ mod tests {
     #[test]
     fn refuses_what_is_no_table() {
         assert_eq!(Table::from_rows(&[], 1), Err(TableError::Empty));
-        assert_eq!(
-            Table::from_rows(&[vec![0.0]], 1),
-            Err(TableError::Columns { row: 0, found: 0, expected: 1 })
-        );
+        assert_eq!(Table::from_rows(&[vec![0.0]], 1), Err(TableError::Columns { row: 0, found: 0, expected: 1 }));
         assert_eq!(
             Table::from_rows(&[vec![0.0, 1.0], vec![0.0, 1.0]], 1),
             Err(TableError::Order { row: 1, time: 0.0 })

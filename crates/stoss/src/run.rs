@@ -100,8 +100,7 @@ pub fn set_threads(threads: usize) -> Result<(), String> {
 }
 
 fn load(path: &Path) -> Result<(Scene, Built, String), RunError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
     let scene = crate::scene::parse(&text, &path.display().to_string()).map_err(RunError::Scene)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let built = build(&scene, folder).map_err(RunError::Scene)?;
@@ -127,16 +126,15 @@ fn scheme_name(scene: &Scene) -> String {
 /// # Errors
 /// See [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
 /// checkpoint of the last good state.
-pub fn run_scene(
-    path: &Path,
-    options: &RunOptions,
-    report: &mut dyn FnMut(Event<'_>),
-) -> Result<Summary, RunError> {
+pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
     let (scene, built, scene_hash) = load(path)?;
     let Built { mut simulation, probes, warnings, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
-        return Err(RunError::Option(format!("--until {end}: give a time above 0 and up to the scene's end {}", scene.time.end)));
+        return Err(RunError::Option(format!(
+            "--until {end}: give a time above 0 and up to the scene's end {}",
+            scene.time.end
+        )));
     }
     for warning in &warnings {
         report(Event::Warning(warning));

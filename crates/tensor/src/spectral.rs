@@ -31,8 +31,9 @@ pub fn spectral(a: &SymmetricTensor2) -> Spectral {
                 continue;
             }
             let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
-            let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
-            let c = 1.0 / t.hypot(1.0);
+            // An overflowing theta gives t = 0: the entry is then negligible anyway.
+            let t = theta.signum() / (theta.abs() + (1.0 + theta * theta).sqrt());
+            let c = 1.0 / (1.0 + t * t).sqrt();
             let s = t * c;
             let r = 3 - p - q;
             let apq = m[p][q];
@@ -54,10 +55,7 @@ pub fn spectral(a: &SymmetricTensor2) -> Spectral {
     }
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| m[i][i].total_cmp(&m[j][j]));
-    Spectral {
-        values: order.map(|i| m[i][i]),
-        vectors: order.map(|i| Vector3::new(v[0][i], v[1][i], v[2][i])),
-    }
+    Spectral { values: order.map(|i| m[i][i]), vectors: order.map(|i| Vector3::new(v[0][i], v[1][i], v[2][i])) }
 }
 
 #[cfg(test)]

@@ -34,7 +34,11 @@ pub mod invariants {
     }
 }
 
-fn run(cases: u32, strategy: impl proptest::strategy::Strategy<Value = SymmetricTensor2>, test: impl Fn(&SymmetricTensor2)) {
+fn run(
+    cases: u32,
+    strategy: impl proptest::strategy::Strategy<Value = SymmetricTensor2>,
+    test: impl Fn(&SymmetricTensor2),
+) {
     let mut runner = TestRunner::new(Config { cases, failure_persistence: None, ..Config::default() });
     runner
         .run(&strategy, |c| {
@@ -90,6 +94,10 @@ fn consistency(law: &dyn HyperelasticLaw, c: &SymmetricTensor2, tolerance: f64) 
     let only = law.stress(c).expect("admissible");
     let scale = elasticity.max_abs();
     assert!((stress - only).norm() <= 1e-13 * scale.max(stress.norm()), "stress and stress_and_elasticity differ");
+    let (energy, together) = law.energy_and_stress(c).expect("admissible");
+    let w = law.energy(c).expect("admissible");
+    assert!((energy - w).abs() <= 1e-14 * (w.abs() + scale), "energy and energy_and_stress differ");
+    assert!((together - only).norm() <= 1e-14 * scale.max(stress.norm()), "stress and energy_and_stress differ");
     // The step follows the smallest eigenvalue: relative, not absolute, changes matter near collapse.
     let step = 1e-3 * stoss_tensor::spectral(c).values[0];
     let energy = oracle::central_difference_jacobian(
@@ -121,7 +129,6 @@ fn consistency(law: &dyn HyperelasticLaw, c: &SymmetricTensor2, tolerance: f64) 
     let rotated = c.rotated(&q);
     let difference = (law.stress(&rotated).expect("admissible") - stress.rotated(&q)).norm();
     assert!(difference <= tolerance * scale * c.norm(), "{}: not isotropic, {difference:e}", law.name());
-    let w = law.energy(c).expect("admissible");
     let difference = (law.energy(&rotated).expect("admissible") - w).abs();
     assert!(difference <= tolerance * (w.abs() + scale), "{}: energy not isotropic, {difference:e}", law.name());
 }

@@ -30,10 +30,12 @@ pub fn crushed() -> impl Strategy<Value = SymmetricTensor2> {
 
 /// Two equal stretches, or three, exactly or up to a relative gap between 1e-14 and 1e-2.
 pub fn repeated_stretches() -> impl Strategy<Value = SymmetricTensor2> {
-    (0.5..1.6_f64, 0.5..1.6_f64, 2..16_i32, any::<[bool; 2]>(), rotation()).prop_map(|(a, b, power, [gap, three], q)| {
-        let near = if gap { a * (1.0 + 10.0_f64.powi(-power)) } else { a };
-        with_stretches([a, near, if three { a } else { b }], &q)
-    })
+    (0.5..1.6_f64, 0.5..1.6_f64, 2..16_i32, any::<[bool; 2]>(), rotation()).prop_map(
+        |(a, b, power, [gap, three], q)| {
+            let near = if gap { a * (1.0 + 10.0_f64.powi(-power)) } else { a };
+            with_stretches([a, near, if three { a } else { b }], &q)
+        },
+    )
 }
 
 /// All of the above.

@@ -104,7 +104,11 @@ impl<'a> SearchView<'a> {
             let patch = self.patch(facet);
             let closest = patch.closest_point(x);
             let smaller = match &best {
-                Some(b) => closest.distance_squared < b.closest.distance_squared,
+                // Of equal ones the first facet, whatever the order of the visits.
+                Some(b) => {
+                    let (new, old) = (closest.distance_squared, b.closest.distance_squared);
+                    new < old || (new == old && facet < b.facet)
+                }
                 None => closest.distance_squared <= radius * radius,
             };
             if smaller && (slave_normal.is_none() || self.opposes(&patch.normal(closest.xi), slave_normal)) {

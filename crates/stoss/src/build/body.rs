@@ -103,12 +103,10 @@ fn generate(generator: &Generator) -> Result<Mesh, MeshError> {
             let (min, max) = g.bounds();
             Block { min, max, divisions: g.divisions, grading: g.grading }.generate()
         }
-        Generator::HollowBall(g) => HollowBall {
-            inner_diameter: g.inner_diameter,
-            outer_diameter: g.outer_diameter,
-            divisions: g.divisions,
+        Generator::HollowBall(g) => {
+            HollowBall { inner_diameter: g.inner_diameter, outer_diameter: g.outer_diameter, divisions: g.divisions }
+                .generate()
         }
-        .generate(),
         Generator::HollowTorus(g) => HollowTorus {
             ring_radius: g.ring_radius,
             tube_outer_radius: g.tube_outer_radius,
@@ -119,14 +117,10 @@ fn generate(generator: &Generator) -> Result<Mesh, MeshError> {
         Generator::Hexahedron(g) => {
             Hexahedron { corners: g.corners, divisions: g.divisions, grading: g.grading }.generate()
         }
-        Generator::Indenter(g) => Indenter {
-            width: g.size,
-            height: g.height,
-            radius: g.radius,
-            divisions: g.divisions,
-            grading: g.grading,
+        Generator::Indenter(g) => {
+            Indenter { width: g.size, height: g.height, radius: g.radius, divisions: g.divisions, grading: g.grading }
+                .generate()
         }
-        .generate(),
         Generator::LShape(g) => {
             LBlock { length: g.length, width: g.width, thickness: g.thickness, divisions: g.divisions }.generate()
         }
@@ -215,9 +209,7 @@ fn read(
         mesh_files.push(bytes);
         stoss_mesh_io::read_mesh(&path).map_err(|e| e.to_string())
     });
-    result
-        .map_err(|error| problems.add(key.to_owned(), file, error, "paths are relative to the scene's file"))
-        .ok()
+    result.map_err(|error| problems.add(key.to_owned(), file, error, "paths are relative to the scene's file")).ok()
 }
 
 #[cfg(not(feature = "mesh-files"))]

@@ -137,9 +137,8 @@ fn load_kind(
     match kind {
         SceneLoad::FollowerPressure => Some(LoadKind::FollowerPressure { facets }),
         SceneLoad::Pressure => {
-            let unit = pattern(components, &key, problems, |f| {
-                stoss_fe_solid::dead_pressure(&facets, reference, 1.0, f)
-            })?;
+            let unit =
+                pattern(components, &key, problems, |f| stoss_fe_solid::dead_pressure(&facets, reference, 1.0, f))?;
             Some(LoadKind::Dead { patterns: vec![unit] })
         }
         _ => {
@@ -207,15 +206,14 @@ pub(super) fn contacts(
 }
 
 #[cfg(not(feature = "nts"))]
-pub(super) fn contacts(
-    scene: &Scene,
-    _: &[Placed],
-    _: &mut Model,
-    problems: &mut Problems<'_>,
-    _: &mut Vec<String>,
-) {
+pub(super) fn contacts(scene: &Scene, _: &[Placed], _: &mut Model, problems: &mut Problems<'_>, _: &mut Vec<String>) {
     for (c, item) in scene.contacts.iter().enumerate() {
         let message = "this build of Stoss has no contact methods";
-        problems.add(format!("contact[{c}].method"), item.method.name(), message, "build it with the cargo feature `nts`");
+        problems.add(
+            format!("contact[{c}].method"),
+            item.method.name(),
+            message,
+            "build it with the cargo feature `nts`",
+        );
     }
 }

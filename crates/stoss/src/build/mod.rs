@@ -42,7 +42,13 @@ pub(crate) struct Problems<'a> {
 }
 
 impl Problems<'_> {
-    pub fn add(&mut self, key: String, value: impl std::fmt::Display, message: impl Into<String>, remedy: impl Into<String>) {
+    pub fn add(
+        &mut self,
+        key: String,
+        value: impl std::fmt::Display,
+        message: impl Into<String>,
+        remedy: impl Into<String>,
+    ) {
         self.list.push(Problem::at(self.scene, key, value, message, remedy));
     }
 }
@@ -95,9 +101,7 @@ fn settings(scene: &Scene) -> Settings {
         },
         scheme: match scene.header.kind {
             Kind::QuasiStatic => None,
-            Kind::Dynamic => {
-                scene.time.integrator.as_ref().and_then(|i| stoss_integrators::scheme(i.scheme.name()))
-            }
+            Kind::Dynamic => scene.time.integrator.as_ref().and_then(|i| stoss_integrators::scheme(i.scheme.name())),
         },
         newton: NewtonOptions {
             relative_tolerance: solver.relative_tolerance.unwrap_or(DEFAULT_TOLERANCE),

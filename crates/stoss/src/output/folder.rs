@@ -11,8 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use stoss_solver::{Checkpoint, DecisionKind, Simulation, StepRecord};
 
-const BALANCE: &str =
-    "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
+const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
 contact_force_x,contact_force_y,contact_force_z";

@@ -4,8 +4,8 @@
 //! them back to its checkpoint and then writes the same bytes as a run that was never interrupted.
 
 mod drift;
-mod frame;
 mod folder;
+mod frame;
 mod summary;
 mod table;
 

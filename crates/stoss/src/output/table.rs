@@ -68,13 +68,6 @@ impl CsvTable {
         self
     }
 
-    /// Appends a text without commas to the row.
-    pub fn text(&mut self, value: &str) -> &mut Self {
-        self.separate();
-        self.line.push_str(value);
-        self
-    }
-
     /// Ends the row.
     pub fn end_row(&mut self) -> Result<(), OutputError> {
         self.line.push('\n');
