@@ -24,7 +24,10 @@ struct Node {
     count: u32,
 }
 
-/// Bounding-volume tree; see the [module](self).
+/// A bounding-volume tree over boxes, built once by splitting at the median; item `i` is box `i`.
+///
+/// Structure and order of visits depend on nothing but the boxes. Queries and refits do not allocate. After a large
+/// rearrangement of the boxes build a new tree: a refit does not rebalance.
 #[derive(Clone, Debug, Default)]
 pub struct BoundingVolumeTree {
     nodes: Vec<Node>,

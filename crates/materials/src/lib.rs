@@ -14,6 +14,7 @@ mod mooney_rivlin;
 mod neo_hooke;
 mod ogden;
 mod saint_venant_kirchhoff;
+mod state;
 
 pub use error::MaterialError;
 pub use mooney_rivlin::MooneyRivlin;

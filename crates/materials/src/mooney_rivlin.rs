@@ -1,12 +1,14 @@
 //! Mooney-Rivlin, coupled form (formulation (2.1), thesis (3.119)-(3.129) with corrected signs).
 
 use crate::error::{MaterialError, finite, stable};
-use crate::neo_hooke::log_jacobian;
+use crate::state::{Invariants, finite_energy, finite_pair, finite_stress, positive_det};
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
 
 const NAME: &str = "mooney-rivlin";
 
 /// `W = c1 (I1 - 3) + c2 (I2 - 3) + c (J - 1)^2 - d ln J` with `d = 2 (c1 + 2 c2)`, so that `C = 1` is free of stress.
+///
+/// Admissible for `J > 0`; the energy tends to infinity for `J -> 0` if `c1 + 2 c2 > 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MooneyRivlin {
     c1: f64,
@@ -30,9 +32,17 @@ impl MooneyRivlin {
         2.0 * (self.c1 + 2.0 * self.c2)
     }
 
+    /// `d/2 (tr A - 2 ln J) + c2 I2(A) + c (J - 1)^2`, `A = C - 1`: `I2 - 3 = 2 tr A + I2(A)`.
+    #[inline]
+    fn energy_with(&self, i: &Invariants) -> f64 {
+        let volume = i.log_j.exp_m1();
+        0.5 * self.d() * (i.trace_a - 2.0 * i.log_j) + self.c2 * i.second_a + self.c * volume * volume
+    }
+
     /// Stress, and the factor `2 c (J^2 - J) - d` of `C^-1`.
+    #[inline]
     fn stress_with(&self, c: &SymmetricTensor2, j: f64, inverse: &SymmetricTensor2) -> (SymmetricTensor2, f64) {
-        let factor = 2.0 * self.c * (j * j - j) - self.d();
+        let factor = 2.0 * self.c * j * (j - 1.0) - self.d();
         let spherical = 2.0 * self.c1 + 2.0 * self.c2 * c.trace();
         (SymmetricTensor2::IDENTITY * spherical - *c * (2.0 * self.c2) + *inverse * factor, factor)
     }
@@ -43,20 +53,27 @@ impl HyperelasticLaw for MooneyRivlin {
         NAME
     }
     fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        let (det_c, log_j) = log_jacobian(right_cauchy_green)?;
-        let c = right_cauchy_green;
-        Ok(self.c1 * (c.i1() - 3.0) + self.c2 * (c.i2() - 3.0) + self.c * (det_c.sqrt() - 1.0).powi(2)
-            - self.d() * log_j)
+        finite_energy(self.energy_with(&Invariants::new(right_cauchy_green)?))
     }
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
-        let (det_c, _) = log_jacobian(right_cauchy_green)?;
-        Ok(self.stress_with(right_cauchy_green, det_c.sqrt(), &right_cauchy_green.inverse_with_det(det_c)).0)
+        let det_c = positive_det(right_cauchy_green)?;
+        let inverse = right_cauchy_green.inverse_with_det(det_c);
+        finite_stress(self.stress_with(right_cauchy_green, det_c.sqrt(), &inverse).0)
+    }
+    fn energy_and_stress(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+    ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
+        let i = Invariants::new(right_cauchy_green)?;
+        let inverse = right_cauchy_green.inverse_with_det(i.det_c);
+        let stress = self.stress_with(right_cauchy_green, i.det_c.sqrt(), &inverse).0;
+        Ok((finite_energy(self.energy_with(&i))?, finite_stress(stress)?))
     }
     fn stress_and_elasticity(
         &self,
         right_cauchy_green: &SymmetricTensor2,
     ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let (det_c, _) = log_jacobian(right_cauchy_green)?;
+        let det_c = positive_det(right_cauchy_green)?;
         let j = det_c.sqrt();
         let inverse = right_cauchy_green.inverse_with_det(det_c);
         let (stress, factor) = self.stress_with(right_cauchy_green, j, &inverse);
@@ -64,7 +81,7 @@ impl HyperelasticLaw for MooneyRivlin {
         elasticity.add_dyad(self.c * (4.0 * j * j - 2.0 * j), &inverse, &inverse);
         elasticity.add_scaled(4.0 * self.c2, &Tensor4::identity_dyad());
         elasticity.add_scaled(-4.0 * self.c2, &Tensor4::symmetric_identity());
-        Ok((stress, elasticity))
+        finite_pair(stress, elasticity)
     }
     fn small_strain_moduli(&self) -> SmallStrainModuli {
         SmallStrainModuli::from_lame(2.0 * self.c + 4.0 * self.c2, 2.0 * (self.c1 + self.c2))

@@ -1,28 +1,18 @@
 //! Neo-Hooke (formulation §2.2, thesis (3.130)-(3.133)).
 
 use crate::error::{MaterialError, finite, stable, young_poisson};
+use crate::state::{Invariants, finite_energy, finite_pair, finite_stress};
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
 
 const NAME: &str = "neo-hooke";
 
 /// `W = mu/2 (I1 - 3) + lambda/2 (ln J)^2 - mu ln J`, `S = mu (1 - C^-1) + lambda ln J C^-1`.
+///
+/// Admissible for `J > 0`; the energy tends to infinity for `J -> 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeoHooke {
     lambda: f64,
     mu: f64,
-}
-
-/// `(det C, ln J)`, or why there is none.
-#[inline]
-pub(crate) fn log_jacobian(c: &SymmetricTensor2) -> Result<(f64, f64), ConstitutiveError> {
-    let det_c = c.det();
-    if det_c > 0.0 && det_c.is_finite() {
-        Ok((det_c, 0.5 * det_c.ln()))
-    } else if det_c <= 0.0 {
-        Err(ConstitutiveError::NonPositiveJacobian { det_c })
-    } else {
-        Err(ConstitutiveError::NonFinite)
-    }
 }
 
 impl NeoHooke {
@@ -45,9 +35,10 @@ impl NeoHooke {
         Self::new(moduli.lame_lambda(), moduli.shear)
     }
 
+    /// `mu/2 (tr A - 2 ln J) + lambda/2 (ln J)^2`, `A = C - 1`.
     #[inline]
-    fn energy_with(&self, c: &SymmetricTensor2, log_j: f64) -> f64 {
-        0.5 * self.mu * (c.trace() - 3.0) + (0.5 * self.lambda * log_j - self.mu) * log_j
+    fn energy_with(&self, i: &Invariants) -> f64 {
+        0.5 * self.mu * (i.trace_a - 2.0 * i.log_j) + 0.5 * self.lambda * i.log_j * i.log_j
     }
 
     #[inline]
@@ -62,34 +53,32 @@ impl HyperelasticLaw for NeoHooke {
     }
     #[inline]
     fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        Ok(self.energy_with(right_cauchy_green, log_jacobian(right_cauchy_green)?.1))
+        finite_energy(self.energy_with(&Invariants::new(right_cauchy_green)?))
     }
     #[inline]
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
-        let (det_c, log_j) = log_jacobian(right_cauchy_green)?;
-        Ok(self.stress_with(log_j, &right_cauchy_green.inverse_with_det(det_c)))
+        let i = Invariants::new(right_cauchy_green)?;
+        finite_stress(self.stress_with(i.log_j, &right_cauchy_green.inverse_with_det(i.det_c)))
     }
     #[inline]
     fn energy_and_stress(
         &self,
         right_cauchy_green: &SymmetricTensor2,
     ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
-        let (det_c, log_j) = log_jacobian(right_cauchy_green)?;
-        Ok((
-            self.energy_with(right_cauchy_green, log_j),
-            self.stress_with(log_j, &right_cauchy_green.inverse_with_det(det_c)),
-        ))
+        let i = Invariants::new(right_cauchy_green)?;
+        let stress = self.stress_with(i.log_j, &right_cauchy_green.inverse_with_det(i.det_c));
+        Ok((finite_energy(self.energy_with(&i))?, finite_stress(stress)?))
     }
     #[inline]
     fn stress_and_elasticity(
         &self,
         right_cauchy_green: &SymmetricTensor2,
     ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let (det_c, log_j) = log_jacobian(right_cauchy_green)?;
-        let inverse = right_cauchy_green.inverse_with_det(det_c);
-        let mut elasticity = Tensor4::inverse_derivative(&inverse) * (2.0 * (self.lambda * log_j - self.mu));
+        let i = Invariants::new(right_cauchy_green)?;
+        let inverse = right_cauchy_green.inverse_with_det(i.det_c);
+        let mut elasticity = Tensor4::inverse_derivative(&inverse) * (2.0 * (self.lambda * i.log_j - self.mu));
         elasticity.add_dyad(self.lambda, &inverse, &inverse);
-        Ok((self.stress_with(log_j, &inverse), elasticity))
+        finite_pair(self.stress_with(i.log_j, &inverse), elasticity)
     }
     fn small_strain_moduli(&self) -> SmallStrainModuli {
         SmallStrainModuli::from_lame(self.lambda, self.mu)

@@ -1,17 +1,20 @@
 //! Ogden, decoupled form (formulation §2.4, thesis (3.113)-(3.118)).
 
 use crate::error::{MaterialError, finite, stable};
+use crate::state::{finite_energy, finite_pair, finite_stress};
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
 use stoss_tensor::spectral;
 
 const NAME: &str = "ogden";
 
-/// Relative distance of squared stretches below which the limit of the shear term is used: there the quotient of differences
-/// would lose more digits than the limit, whose error is of the order of that distance.
-const REPEATED: f64 = 1.0e-6;
+/// Relative distance of squared stretches up to which [`nearby_slope`] replaces the quotient of differences of the shear term. The
+/// quotient loses `1e-16` over this distance; the other formula is exact at any distance but costs an exponential a term.
+const NEARBY: f64 = 1.0e-3;
 
 /// `W = sum_P mu_P/alpha_P (sum_A lbar_A^alpha_P - 3) + kappa (ln J / beta + (J^-beta - 1)/beta^2)` with the isochoric
 /// principal stretches `lbar_A = J^(-1/3) lambda_A`; any number of terms.
+///
+/// Admissible for `J > 0`. Stress and tangent are exact to round-off for distinct, nearly equal and equal stretches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ogden {
     terms: Vec<(f64, f64)>,
@@ -128,8 +131,15 @@ fn mixed(a: &stoss_tensor::Vector3, b: &stoss_tensor::Vector3) -> SymmetricTenso
     SymmetricTensor2(stoss_tensor::VOIGT.map(|(i, j)| 0.5 * (a[i] * b[j] + a[j] * b[i])))
 }
 
-fn checked(value: f64) -> Result<f64, ConstitutiveError> {
-    if value.is_finite() { Ok(value) } else { Err(ConstitutiveError::NonFinite) }
+/// The pair of principal directions `a`, `b` of nearly equal stretches: `(lbar_B^alpha / lbar_A^alpha - 1) / (x_B - x_A)` with the
+/// squared stretches `x`.
+///
+/// `ln(lbar_B / lbar_A) = ln(1 + (x_B - x_A)/x_A)/2`, so that `exp_m1` and `ln_1p` give the divided difference to
+/// round-off down to the limit `alpha / (2 x_A)`. Formulation §2.4 takes its limit up to a distance of 1e-6 instead, at the price of an error
+/// of that size.
+fn nearby_slope(alpha: f64, x_a: f64, x_b: f64) -> f64 {
+    let gap = x_b - x_a;
+    if gap == 0.0 { 0.5 * alpha / x_a } else { (0.5 * alpha * (gap / x_a).ln_1p()).exp_m1() / gap }
 }
 
 impl HyperelasticLaw for Ogden {
@@ -138,14 +148,13 @@ impl HyperelasticLaw for Ogden {
     }
 
     fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        checked(self.stored(&State::new(right_cauchy_green)?))
+        finite_energy(self.stored(&State::new(right_cauchy_green)?))
     }
 
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
         let state = State::new(right_cauchy_green)?;
         let (pressure, _) = self.volumetric(state.log_j);
-        checked(pressure)?;
-        Ok(Self::assemble(&state, &self.principal(&state), pressure))
+        finite_stress(Self::assemble(&state, &self.principal(&state), pressure))
     }
 
     fn energy_and_stress(
@@ -154,8 +163,8 @@ impl HyperelasticLaw for Ogden {
     ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
         let state = State::new(right_cauchy_green)?;
         let (pressure, _) = self.volumetric(state.log_j);
-        let energy = checked(self.stored(&state))?;
-        Ok((energy, Self::assemble(&state, &self.principal(&state), pressure)))
+        let stress = Self::assemble(&state, &self.principal(&state), pressure);
+        Ok((finite_energy(self.stored(&state))?, finite_stress(stress)?))
     }
 
     fn stress_and_elasticity(
@@ -164,14 +173,22 @@ impl HyperelasticLaw for Ogden {
     ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
         let state = State::new(right_cauchy_green)?;
         let (pressure, power) = self.volumetric(state.log_j);
-        checked(pressure)?;
         let x = state.squares;
+        let pairs = [(0, 1), (1, 2), (0, 2)];
+        let nearby = pairs.map(|(a, b)| x[b] - x[a] <= NEARBY * x[a]);
         // T_A as in `principal`, H_AB = lambda_B dT_A/dlambda_B, f_AB = lambda_B^-1 dS_A/dlambda_B.
         let mut t = [0.0; 3];
         let mut h = [[0.0; 3]; 3];
+        // (T_B - T_A) / (x_B - x_A) of the pairs of nearly equal stretches (the means cancel).
+        let mut slope = [0.0; 3];
         for &(mu, alpha) in &self.terms {
             let p = state.powers(alpha);
             let sum = p[0] + p[1] + p[2];
+            for (k, &(a, b)) in pairs.iter().enumerate() {
+                if nearby[k] {
+                    slope[k] += mu * p[a] * nearby_slope(alpha, x[a], x[b]);
+                }
+            }
             for a in 0..3 {
                 t[a] += mu * (p[a] - sum / 3.0);
                 for b in 0..3 {
@@ -192,17 +209,16 @@ impl HyperelasticLaw for Ogden {
             let row = projections[0] * f[a][0] + projections[1] * f[a][1] + projections[2] * f[a][2];
             elasticity.add_dyad(1.0, &projections[a], &row);
         }
-        for a in 0..3 {
-            for b in a + 1..3 {
-                let gamma = if (x[b] - x[a]).abs() <= REPEATED * x[a].max(x[b]) {
-                    0.25 * (f[b][b] - f[a][b] + f[a][a] - f[b][a])
-                } else {
-                    (t[b] / x[b] - t[a] / x[a]) / (x[b] - x[a])
-                };
-                // Both ordered pairs: gamma (N_ABAB + N_ABBA + N_BABA + N_BAAB) = 4 gamma sym(N_A N_B) (x) sym(N_A N_B).
-                let m = mixed(&state.vectors[a], &state.vectors[b]);
-                elasticity.add_dyad(4.0 * gamma, &m, &m);
-            }
+        for (k, &(a, b)) in pairs.iter().enumerate() {
+            let gamma = if nearby[k] {
+                // S = T/x: S_B - S_A = (T_B - T_A)/x_B - T_A (x_B - x_A)/(x_A x_B).
+                slope[k] / x[b] - t[a] / (x[a] * x[b])
+            } else {
+                (t[b] / x[b] - t[a] / x[a]) / (x[b] - x[a])
+            };
+            // Both ordered pairs: gamma (N_ABAB + N_ABBA + N_BABA + N_BAAB) = 4 gamma sym(N_A N_B) (x) sym(N_A N_B).
+            let m = mixed(&state.vectors[a], &state.vectors[b]);
+            elasticity.add_dyad(4.0 * gamma, &m, &m);
         }
         let mut inverse = SymmetricTensor2::ZERO;
         for a in 0..3 {
@@ -210,7 +226,7 @@ impl HyperelasticLaw for Ogden {
         }
         elasticity.add_scaled(2.0 * pressure, &Tensor4::inverse_derivative(&inverse));
         elasticity.add_dyad(self.kappa * power, &inverse, &inverse);
-        Ok((Self::assemble(&state, &t, pressure), elasticity))
+        finite_pair(Self::assemble(&state, &t, pressure), elasticity)
     }
 
     fn small_strain_moduli(&self) -> SmallStrainModuli {

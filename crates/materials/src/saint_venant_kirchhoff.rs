@@ -1,6 +1,7 @@
 //! Saint Venant-Kirchhoff (formulation §2.1, thesis (3.104)-(3.108)).
 
 use crate::error::{MaterialError, finite, stable, young_poisson};
+use crate::state::{finite_energy, finite_stress, positive_det};
 use stoss_continuum::{
     ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, green_lagrange,
 };
@@ -38,31 +39,20 @@ impl SaintVenantKirchhoff {
     }
 }
 
-/// Refuses `det C <= 0` and NaN, so that an inverted state is found for this law too.
-fn admissible(c: &SymmetricTensor2) -> Result<(), ConstitutiveError> {
-    let det_c = c.det();
-    if det_c > 0.0 {
-        Ok(())
-    } else if det_c.is_nan() {
-        Err(ConstitutiveError::NonFinite)
-    } else {
-        Err(ConstitutiveError::NonPositiveJacobian { det_c })
-    }
-}
-
 impl HyperelasticLaw for SaintVenantKirchhoff {
     fn name(&self) -> &str {
         NAME
     }
     fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        admissible(right_cauchy_green)?;
+        // Not needed by the formula: an inverted or collapsed state has to be found for this law too.
+        positive_det(right_cauchy_green)?;
         let e = green_lagrange(right_cauchy_green);
-        Ok(0.5 * self.lambda * e.trace().powi(2) + self.mu * e.double_contract(&e))
+        finite_energy(0.5 * self.lambda * e.trace().powi(2) + self.mu * e.double_contract(&e))
     }
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
-        admissible(right_cauchy_green)?;
+        positive_det(right_cauchy_green)?;
         let e = green_lagrange(right_cauchy_green);
-        Ok(SymmetricTensor2::IDENTITY * (self.lambda * e.trace()) + e * (2.0 * self.mu))
+        finite_stress(SymmetricTensor2::IDENTITY * (self.lambda * e.trace()) + e * (2.0 * self.mu))
     }
     fn stress_and_elasticity(
         &self,

@@ -96,7 +96,7 @@ impl Clock {
 
     /// True if the present time is a multiple of the nominal step (or the end).
     pub fn on_nominal_grid(&self) -> bool {
-        self.tick % self.ticks_per_step() == 0 || self.finished()
+        self.tick.is_multiple_of(self.ticks_per_step()) || self.finished()
     }
 
     /// Moves the end (used to stop a run early or to continue it further).
@@ -109,7 +109,7 @@ impl Clock {
         self.tick += self.stride();
         self.successes += 1;
         let larger = self.stride() * 2;
-        if self.level > 0 && self.successes >= self.grow_after && self.tick % larger == 0 {
+        if self.level > 0 && self.successes >= self.grow_after && self.tick.is_multiple_of(larger) {
             self.level -= 1;
             self.successes = 0;
             return true;

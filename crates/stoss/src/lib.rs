@@ -37,3 +37,8 @@ pub mod build;
 pub mod output;
 #[cfg(feature = "output")]
 pub mod run;
+
+/// The code in the README compiles and runs.
+#[cfg(all(doctest, feature = "scene"))]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

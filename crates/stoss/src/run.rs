@@ -53,7 +53,7 @@ pub enum RunError {
     #[error("{source}\nlast good state: step {last_step} at t = {last_time}; all results up to there are in {out}", out = .out.display())]
     Simulation {
         /// What happened.
-        source: SimulationError,
+        source: Box<SimulationError>,
         /// Last completed step.
         last_step: u64,
         /// Its time.
@@ -172,7 +172,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
                 folder.checkpoint(&simulation)?;
                 let reason = source.to_string();
                 folder.summarise(&simulation, Outcome::Failed { reason, last_step, last_time })?;
-                return Err(RunError::Simulation { source, last_step, last_time, out: options.out.clone() });
+                return Err(RunError::Simulation { source: Box::new(source), last_step, last_time, out: options.out.clone() });
             }
         }
     }

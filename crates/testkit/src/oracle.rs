@@ -1,4 +1,4 @@
-//! Independent derivatives.
+//! Independent derivatives: differences for any function. Derivatives to round-off by dual numbers are in [`crate::laws`].
 
 /// Jacobian `d f_i / d x_j` (row-major, `outputs` rows) by central differences at two step sizes, extrapolated (error of fourth order in
 /// `step`). A step of about `1e-3` times the scale of `x` balances truncation against round-off (both near 1e-11).
@@ -51,5 +51,51 @@ pub fn assert_jacobian_close(actual: &[f64], expected: &[f64], columns: usize, t
             actual[worst],
             expected[worst]
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `f = (sin x y, exp x / y)`.
+    fn f(x: &[f64], out: &mut [f64]) {
+        out[0] = (x[0] * x[1]).sin();
+        out[1] = x[0].exp() / x[1];
+    }
+
+    fn exact(x: f64, y: f64) -> [f64; 4] {
+        [y * (x * y).cos(), x * (x * y).cos(), x.exp() / y, -x.exp() / (y * y)]
+    }
+
+    #[test]
+    fn differences_are_of_fourth_order() {
+        let error = |step| {
+            let jacobian = central_difference_jacobian(f, &[0.7, 1.3], step, 2);
+            max_relative_error(&jacobian, &exact(0.7, 1.3), 0.0)
+        };
+        assert!(error(1e-3) < 1e-11);
+        let order = (error(0.2) / error(0.1)).log2();
+        assert!((order - 4.0).abs() < 0.2, "order {order}");
+    }
+
+    #[test]
+    fn errors_are_relative_to_the_largest_entry_or_the_floor() {
+        assert_eq!(max_relative_error(&[1.0, 4.5], &[1.0, 4.0], 0.0), 0.125);
+        assert_eq!(max_relative_error(&[1.0, 4.5], &[1.0, 4.0], 10.0), 0.05);
+        assert_eq!(max_relative_error(&[f64::NAN], &[1.0], 0.0), f64::INFINITY);
+        assert_eq!(max_relative_error(&[1.0, f64::NAN, 1.0], &[1.0; 3], 0.0), f64::INFINITY);
+    }
+
+    #[test]
+    #[should_panic(expected = "worst entry (1, 0)")]
+    fn a_wrong_entry_is_named() {
+        assert_jacobian_close(&[1.0, 2.0, 3.5, 4.0], &[1.0, 2.0, 3.0, 4.0], 2, 1e-3, "test");
+    }
+
+    #[test]
+    #[should_panic(expected = "relative error inf")]
+    fn nan_is_no_derivative() {
+        assert_jacobian_close(&[1.0, f64::NAN], &[1.0, 2.0], 2, 1e-3, "test");
     }
 }

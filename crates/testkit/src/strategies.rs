@@ -1,10 +1,12 @@
-//! Random states.
+//! Random states: rotations, admissible deformation gradients and right Cauchy-Green tensors.
+//!
+//! Stretches stay between 0.2 and 2, `J` above 0.2: far enough to find a wrong formula, not so far that differences drown in round-off.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_tensor::SymmetricTensor2;
 
-/// A random rotation.
+/// A random rotation (not uniformly distributed).
 pub fn rotation() -> impl Strategy<Value = Matrix3<f64>> {
     proptest::array::uniform3(-3.0..3.0_f64).prop_map(|a| Rotation3::from_euler_angles(a[0], a[1], a[2]).into_inner())
 }
@@ -38,7 +40,29 @@ pub fn repeated_stretches() -> impl Strategy<Value = SymmetricTensor2> {
     )
 }
 
-/// All of the above.
+/// Pairs of states for a step, with increments from 1e-9 to about 1 in any direction; also equal ones.
+pub fn step() -> impl Strategy<Value = (SymmetricTensor2, SymmetricTensor2)> {
+    let near =
+        (any_state(), proptest::array::uniform6(-1.0..1.0_f64), 1.0..9.0_f64).prop_map(|(c, direction, power)| {
+            // Relative to the smallest eigenvalue: stays positive definite.
+            let size = stoss_tensor::spectral(&c).values[0] * 10.0_f64.powf(-power);
+            let direction = SymmetricTensor2(direction);
+            (c, c + direction * (size / direction.norm().max(0.1)))
+        });
+    prop_oneof![3 => (any_state(), any_state()), 5 => near, 1 => any_state().prop_map(|c| (c, c))]
+}
+
+/// Deformation gradients `R U` with `det F` between 0.2 and about 5, equal stretches included.
+pub fn deformation_gradient() -> impl Strategy<Value = Matrix3<f64>> {
+    (any_state(), rotation()).prop_map(|(c, r)| {
+        let form = stoss_tensor::spectral(&c);
+        let stretch = (0..3)
+            .fold(Matrix3::zeros(), |u, a| u + form.vectors[a] * form.vectors[a].transpose() * form.values[a].sqrt());
+        r * stretch
+    })
+}
+
+/// All of the above tensors.
 pub fn any_state() -> impl Strategy<Value = SymmetricTensor2> {
     prop_oneof![3 => right_cauchy_green(), 1 => crushed(), 2 => repeated_stretches()]
 }

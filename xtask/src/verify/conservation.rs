@@ -19,7 +19,7 @@ const IMPACT_ENERGY_MODIFIED: f64 = 1e-9;
 const IMPACT_ENERGY_BETWEEN: f64 = 1e-10;
 
 /// Least relative change of the energy that counts as visible.
-const VISIBLE: f64 = 1e-3;
+const VISIBLE: f64 = 1e-4;
 
 /// A quadratic rate shows an order near 2; the last residual is spoilt by round-off now and then, hence the median.
 const QUADRATIC: f64 = 1.7;

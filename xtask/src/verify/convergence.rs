@@ -10,8 +10,12 @@ use crate::workspace::Outcome;
 /// Second order of the energy-momentum scheme.
 pub struct Convergence;
 
+/// Length of the runs in steps of the shipped scene: short, because the steps must resolve the fastest vibrations before
+/// any order can be seen, and those are far below the shipped step.
+const LENGTH: f64 = 2.0;
+
 /// Steps of the coarsest run; each of the others has twice as many.
-const COARSEST: i64 = 8;
+const COARSEST: i64 = 20;
 
 /// Runs whose errors are compared.
 const LEVELS: u32 = 3;
@@ -57,12 +61,12 @@ impl Suite for Convergence {
     }
 }
 
-/// The shipped flight over `COARSEST` of its steps, in `steps` steps.
+/// The shipped flight over [`LENGTH`] of its steps, in `steps` steps.
 fn variant(shipped: &Table, steps: i64) -> Outcome<Table> {
     let mut scene = shipped.clone();
     let time = scene.get_mut("time").and_then(Value::as_table_mut).ok_or("the flight has no [time]")?;
     let step = time.get("step").and_then(Value::as_float).ok_or("the flight has no step size")?;
-    let end = COARSEST as f64 * step;
+    let end = LENGTH * step;
     time.insert("end".into(), Value::Float(end));
     time.insert("step".into(), Value::Float(end / steps as f64));
     scene.insert("output".into(), Value::Table(format!("every = {steps}").parse()?));
@@ -90,10 +94,10 @@ mod tests {
     #[test]
     fn all_variants_end_at_the_same_time() {
         let shipped: Table = "[time]\nend = 1.0\nstep = 0.5\n".parse().unwrap();
-        for steps in [8, 16, 256] {
+        for steps in [20, 40, 640] {
             let scene = variant(&shipped, steps).unwrap();
-            assert_eq!(scene["time"]["end"].as_float(), Some(4.0));
-            assert_eq!(scene["time"]["step"].as_float(), Some(4.0 / steps as f64));
+            assert_eq!(scene["time"]["end"].as_float(), Some(1.0));
+            assert_eq!(scene["time"]["step"].as_float(), Some(1.0 / steps as f64));
         }
     }
 

@@ -2,9 +2,9 @@
 
 use crate::table::Table;
 
-/// Residuals are relative to the forces of the step; below this much of the larger of one and the step's largest residual,
-/// only round-off is left.
-const ROUND_OFF: f64 = 1e-13;
+/// The iteration goes on until the residual falls no more, so the smallest residual of a step is its round-off; below this
+/// many times of it the figures are spoilt.
+const ABOVE_ROUND_OFF: f64 = 20.0;
 
 /// The residuals of one step, in the order in which they were found.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,14 +70,14 @@ pub fn mean_iterations(steps: &[Step]) -> f64 {
 
 /// The last three residuals of every step that fall, and the last of which is above round-off.
 ///
-/// If the last residual is below [`ROUND_OFF`], the three before it are taken.
+/// See [`ABOVE_ROUND_OFF`]; a step that stops early loses its last residual by this, which only makes the order look lower.
 pub fn triples(steps: &[Step]) -> Vec<Triple> {
     steps.iter().filter_map(triple).collect()
 }
 
 fn triple(step: &Step) -> Option<Triple> {
-    let largest = step.residuals.iter().copied().fold(0.0, f64::max);
-    let useful = step.residuals.iter().rposition(|residual| *residual > ROUND_OFF * largest.max(1.0))? + 1;
+    let smallest = step.residuals.iter().copied().fold(f64::INFINITY, f64::min);
+    let useful = step.residuals.iter().rposition(|residual| *residual > ABOVE_ROUND_OFF * smallest)? + 1;
     let residuals: [f64; 3] = step.residuals[..useful].last_chunk().copied()?;
     let falls = residuals[0] > residuals[1] && residuals[1] > residuals[2];
     falls.then_some(Triple { step: step.step, active: step.active, residuals })
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     const LOG: &str = "step,time,iteration,residual,increment,active,changes\n\
-                       1,0.1,0,1e0,0,0,0\n1,0.1,1,1e-2,1,0,0\n1,0.1,2,1e-4,1,0,0\n1,0.1,3,1e-8,1,0,0\n\
+                       1,0.1,0,1e0,0,0,0\n1,0.1,1,1e-2,1,0,0\n1,0.1,2,1e-4,1,0,0\n1,0.1,3,1e-8,1,0,0\n1,0.1,4,1e-15,1,0,0\n\
                        2,0.2,0,1e1,0,0,0\n2,0.2,1,1e-3,1,0,0\n2,0.2,2,1e0,1,4,4\n2,0.2,3,1e-1,1,4,0\n2,0.2,4,1e-3,1,4,0\n";
 
     fn log() -> Vec<Step> {
@@ -114,10 +114,10 @@ mod tests {
     fn rows_are_grouped_and_restart_with_the_active_set() {
         let steps = log();
         assert_eq!(steps.len(), 2);
-        assert_eq!((steps[0].iterations, steps[1].iterations), (3, 4));
+        assert_eq!((steps[0].iterations, steps[1].iterations), (4, 4));
         assert_eq!(steps[1].residuals, [1e0, 1e-1, 1e-3]);
         assert_eq!(steps[1].active, 4.0);
-        assert_eq!(mean_iterations(&steps), 3.5);
+        assert_eq!(mean_iterations(&steps), 4.0);
     }
 
     #[test]
@@ -133,9 +133,12 @@ mod tests {
     #[test]
     fn round_off_and_short_steps_are_left_out() {
         let step = |residuals: &[f64]| Step { step: 1.0, active: 0.0, iterations: 0, residuals: residuals.to_vec() };
-        assert_eq!(triple(&step(&[1.0, 1e-2, 1e-4, 1e-8, 1e-15])).unwrap().residuals, [1e-2, 1e-4, 1e-8]);
-        assert_eq!(triple(&step(&[1.0, 1e-2])), None);
-        assert_eq!(triple(&step(&[1.0, 1e-2, 1e-1])), None);
+        for end in [&[1e-15][..], &[1e-14, 1e-15], &[3e-15, 2e-15, 1e-15]] {
+            let residuals = [&[1.0, 1e-2, 1e-4, 1e-8], end].concat();
+            assert_eq!(triple(&step(&residuals)).unwrap().residuals, [1e-2, 1e-4, 1e-8]);
+        }
+        assert_eq!(triple(&step(&[1.0, 1e-2, 1e-8])), None);
+        assert_eq!(triple(&step(&[1.0, 1e-2, 1e-1, 1e-8])), None);
     }
 
     #[test]

@@ -94,30 +94,29 @@ pub fn sampled_distance(corners: [Vector3<f64>; 4], x: &Vector3<f64>) -> f64 {
         let p = (corners[0] * (1.0 - s) + corners[1] * s) * (1.0 - t) + (corners[3] * (1.0 - s) + corners[2] * s) * t;
         (x - p).norm()
     };
-    const N: usize = 16;
-    let (mut best, mut value) = ([0.0; 2], f64::INFINITY);
-    for i in 0..=N {
-        for j in 0..=N {
-            let (s, t) = (i as f64 / N as f64, j as f64 / N as f64);
-            if f(s, t) < value {
-                (best, value) = ([s, t], f(s, t));
+    const N: usize = 20;
+    let grid = (0..=N).flat_map(|i| (0..=N).map(move |j| [i as f64 / N as f64, j as f64 / N as f64]));
+    let mut samples: Vec<([f64; 2], f64)> = grid.map(|[s, t]| ([s, t], f(s, t))).collect();
+    samples.sort_by(|a, b| a.1.total_cmp(&b.1));
+    // More than one start: a warped patch can have two valleys of the distance.
+    let mut best = f64::INFINITY;
+    for &(mut at, mut value) in samples.iter().step_by(5).take(6) {
+        let mut size = 1.0 / N as f64;
+        while size > 1e-9 {
+            let mut improved = false;
+            for k in 0..8 {
+                let angle = std::f64::consts::FRAC_PI_4 * f64::from(k);
+                let trial = [at[0] + size * angle.cos(), at[1] + size * angle.sin()].map(|c| c.clamp(0.0, 1.0));
+                let there = f(trial[0], trial[1]);
+                if there < value {
+                    (at, value, improved) = (trial, there, true);
+                }
+            }
+            if !improved {
+                size *= 0.5;
             }
         }
+        best = best.min(value);
     }
-    let mut size = 1.0 / N as f64;
-    while size > 1e-9 {
-        let mut improved = false;
-        for k in 0..8 {
-            let angle = std::f64::consts::FRAC_PI_4 * k as f64;
-            let (s, t) =
-                ((best[0] + size * angle.cos()).clamp(0.0, 1.0), (best[1] + size * angle.sin()).clamp(0.0, 1.0));
-            if f(s, t) < value {
-                (best, value, improved) = ([s, t], f(s, t), true);
-            }
-        }
-        if !improved {
-            size *= 0.5;
-        }
-    }
-    value
+    best
 }

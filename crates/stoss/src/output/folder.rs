@@ -150,13 +150,13 @@ impl ResultFolder {
         let started = (Instant::now(), cpu_time::ProcessTime::now());
         self.write_rows(simulation, record)?;
         let every = self.settings.every.max(1);
-        if record.step % every == 0 || simulation.finished() {
+        if record.step.is_multiple_of(every) || simulation.finished() {
             self.write_frame(simulation, record.step)?;
         }
         let output = &mut simulation.timings_mut().output;
         output.wall += started.0.elapsed().as_secs_f64();
         output.cpu += started.1.elapsed().as_secs_f64();
-        if record.step > 0 && (record.step % self.settings.checkpoint_every.max(1) == 0 || simulation.finished()) {
+        if record.step > 0 && (record.step.is_multiple_of(self.settings.checkpoint_every.max(1)) || simulation.finished()) {
             self.checkpoint(simulation)?;
         }
         Ok(())
