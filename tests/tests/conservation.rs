@@ -49,7 +49,6 @@ struct History {
     total: Vec<f64>,
     closed: Vec<usize>,
     active: Vec<usize>,
-    repaired: Vec<usize>,
 }
 
 fn run(mut simulation: stoss::solver::Simulation) -> History {
@@ -60,7 +59,6 @@ fn run(mut simulation: stoss::solver::Simulation) -> History {
         total: vec![first.total()],
         closed: vec![0],
         active: vec![0],
-        repaired: vec![0],
     };
     while !simulation.finished() {
         let record = simulation.advance().unwrap();
@@ -71,7 +69,6 @@ fn run(mut simulation: stoss::solver::Simulation) -> History {
         history.total.push(record.balance.total());
         history.closed.push(contact.closed);
         history.active.push(contact.active);
-        history.repaired.push(contact.repaired);
     }
     history
 }
@@ -85,12 +82,7 @@ fn energy_drift(total: &[f64]) -> f64 {
 fn pressures_of_the_first_step() {
     let mut simulation = simulation(&two_blocks("energy-momentum", "modified", 0.1));
     simulation.advance().unwrap();
-    let expected = [
-        ([-0.5, -0.75], 163.584),
-        ([0.5, -0.75], 161.915),
-        ([0.5, 0.25], 172.558),
-        ([-0.5, 0.25], 173.772),
-    ];
+    let expected = [([-0.5, -0.75], 163.584), ([0.5, -0.75], 161.915), ([0.5, 0.25], 172.558), ([-0.5, 0.25], 173.772)];
     let reports = simulation.contact_report(0).unwrap();
     let reference = &simulation.model().reference;
     for (xy, pressure) in expected {
@@ -107,7 +99,7 @@ fn pressures_of_the_first_step() {
 fn modified_constraint_keeps_everything() {
     let history = run(simulation(&two_blocks("energy-momentum", "modified", 1.4)));
     assert_eq!(history.total.len(), 15);
-    assert!(history.active.iter().any(|&n| n == 4));
+    assert!(history.active.contains(&4));
     assert!(drift(&history.linear) < 1e-11, "linear momentum {:e}", drift(&history.linear));
     assert!(drift(&history.angular) < 1e-11, "angular momentum {:e}", drift(&history.angular));
     assert!(energy_drift(&history.total) < 1e-12, "energy {:e}", energy_drift(&history.total));
@@ -254,7 +246,7 @@ relative_tolerance = 1e-11
 [[body]]
 name = "body"
 mesh = {{ generator = "block", min = [0, 0, 0], max = [1.0, 0.8, 0.6], divisions = [1, 1, 1] }}
-material = {{ law = "neo-hooke", lambda = 30, mu = 20 }}
+material = {{ law = "neo-hooke", lambda = 3, mu = 2 }}
 density = 1.0
 velocity = [0.3, -0.2, 0.1]
 angular_velocity = [0.5, 1.0, 1.5]
@@ -268,12 +260,12 @@ velocity_about = [0.5, 0.4, 0.3]
         }
         simulation.state().q.clone()
     };
-    let reference = end_state(0.4 / 1024.0);
+    let reference = end_state(0.4 / 2048.0);
     let error = |steps: f64| {
         let q = end_state(0.4 / steps);
         q.iter().zip(&reference).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
     };
-    let errors = [16.0, 32.0, 64.0].map(error);
+    let errors = [32.0, 64.0, 128.0].map(error);
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!((order - 2.0).abs() < 0.1, "order {order} from the errors {errors:?}");

@@ -128,8 +128,7 @@ const EMS: &str = "integrator = { scheme = \"energy-momentum\" }";
 fn work_of_moving_supports_is_the_change_of_energy() {
     let conditions = "[[prescribe]]\nset = \"block.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\n\
         displacement = { table = [[0, 0, 0, 0], [0.5, 0.2, 0, 0.1], [1.0, 0, 0.1, 0], [2, 0, 0, 0]] }\n";
-    let text =
-        block("dynamic", &format!("end = 1.0\nstep = 0.05\n{EMS}"), [1, 1, 2], "density = 10.0", conditions);
+    let text = block("dynamic", &format!("end = 1.0\nstep = 0.05\n{EMS}"), [1, 1, 2], "density = 10.0", conditions);
     let mut simulation = simulation(&text);
     let start = simulation.balance().total();
     let (mut scale, mut worst) = (0.0_f64, 0.0_f64);

@@ -138,7 +138,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("slave = \"top.bottom\"", "slave = \"top.belly\"", "top.belly", "contact[0].slave"),
     ("set = \"plate.bottom\"", "set = \"plate.sole\"", "plate.sole", "prescribe[0].set"),
     ("set = \"top.top\"", "set = \"top.roof\"", "top.roof", "probe[0].set"),
-    ("max = [-0.99, 9, 9]", "max = [-8, 9, 9]", "name = \"plate.edge\"", "set[0]"),
+    ("max = [-0.99, 9, 9]", "max = [-8, 9, 9]", "[[set]]", "set[0]"),
     (
         "corners = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 1]",
         "corners = [[-1, -1, 0], [-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 1]",
@@ -269,8 +269,11 @@ fn summary(out: &Path) -> serde_json::Value {
 fn a_run_that_fails_keeps_what_it_has() {
     let folder = tempfile::tempdir().unwrap();
     // A load that grows beyond what the body can bear: it is pulled flat.
-    let text = changed("body_force = [0.0, 0.0, -1.0]", "body_force = { table = [[0.0, 0.0, 0.0, 0.0], [0.1, 0.0, 0.0, 0.0], [0.12, 0.0, 0.0, -1e9]] }")
-        .replacen("max_cuts = 4", "max_cuts = 2", 1);
+    let text = changed(
+        "body_force = [0.0, 0.0, -1.0]",
+        "body_force = { table = [[0.0, 0.0, 0.0, 0.0], [0.1, 0.0, 0.0, 0.0], [0.12, 0.0, 0.0, -1e9]] }",
+    )
+    .replacen("max_cuts = 4", "max_cuts = 2", 1);
     write(folder.path(), "scene.toml", &text);
     let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out"]);
     let message = stderr(&output);

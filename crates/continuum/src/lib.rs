@@ -28,24 +28,50 @@ pub enum ConstitutiveError {
 }
 
 /// A hyperelastic law `W(C)`, `S = 2 dW/dC`, `CC = 2 dS/dC` (formulation §2).
+///
+/// `C = F^T F` is symmetric and positive definite; energy and stress vanish at `C = 1`. Stresses and moduli have one unit, which is that of
+/// the parameters; energies are per reference volume, which is the same unit. Evaluation is a pure function of `C`, called
+/// from several threads.
+///
+/// Stress and tangent must be derivatives of the one energy: the energy-momentum scheme conserves that energy. The quotient of
+/// [`discrete_gradient`] divides the round-off of the energy by the strain increment, so that near `C = 1` an energy computed from
+/// `C - 1` is worth its formula.
+///
+/// # How to implement
+/// Always: [`name`](Self::name), [`energy`](Self::energy), [`stress`](Self::stress),
+/// [`stress_and_elasticity`](Self::stress_and_elasticity), [`small_strain_moduli`](Self::small_strain_moduli). If it pays:
+/// [`energy_and_stress`](Self::energy_and_stress). Only if true: [`is_quadratic`](Self::is_quadratic).
+///
+/// # Errors
+/// All evaluations give [`ConstitutiveError::NonPositiveJacobian`] for `det C <= 0` and [`ConstitutiveError::NonFinite`] for a
+/// state or a result that is infinite or NaN. An inverted `F` cannot be seen in `C`; elements check `det F`.
 pub trait HyperelasticLaw: std::fmt::Debug + Send + Sync {
     /// Name for reports.
     fn name(&self) -> &str;
     /// `W(C)`, energy per reference volume.
+    ///
+    /// # Errors
+    /// Inadmissible states, as for the trait.
     fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError>;
-    /// Second Piola-Kirchhoff stress.
+    /// Second Piola-Kirchhoff stress `S = 2 dW/dC`.
+    ///
+    /// # Errors
+    /// Inadmissible states, as for the trait.
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError>;
     /// Energy and stress together; worth its own formula where both share work.
     ///
     /// # Errors
-    /// As for the two.
+    /// Inadmissible states, as for the trait.
     fn energy_and_stress(
         &self,
         right_cauchy_green: &SymmetricTensor2,
     ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
         Ok((self.energy(right_cauchy_green)?, self.stress(right_cauchy_green)?))
     }
-    /// Stress and elasticity tensor `2 dS/dC` together.
+    /// Stress and elasticity tensor `CC = 2 dS/dC` (`dS = CC : dE`) together.
+    ///
+    /// # Errors
+    /// Inadmissible states, as for the trait.
     fn stress_and_elasticity(
         &self,
         right_cauchy_green: &SymmetricTensor2,

@@ -1,13 +1,14 @@
-//! Strain and stress measures.
+//! Strain and stress measures. Not the derivatives of strains by positions, which are the elements'.
 
 use stoss_tensor::{SymmetricTensor2, Tensor2};
 
 /// Green-Lagrange strain `E = (C - 1)/2`.
+#[inline]
 pub fn green_lagrange(right_cauchy_green: &SymmetricTensor2) -> SymmetricTensor2 {
     (*right_cauchy_green - SymmetricTensor2::IDENTITY) * 0.5
 }
 
-/// Cauchy stress `F S F^T / det F`.
+/// Cauchy stress `F S F^T / det F`, positive in tension; infinite or NaN for a singular `F`.
 pub fn cauchy_stress(deformation_gradient: &Tensor2, second_piola_kirchhoff: &SymmetricTensor2) -> SymmetricTensor2 {
     let f = deformation_gradient;
     SymmetricTensor2::from_matrix(&(f * second_piola_kirchhoff.to_matrix() * f.transpose() / f.determinant()))
@@ -23,11 +24,31 @@ pub fn von_mises(cauchy_stress: &SymmetricTensor2) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn uniaxial_stress_is_its_own_von_mises_stress() {
         assert!((von_mises(&SymmetricTensor2([0.0, -7.0, 0.0, 0.0, 0.0, 0.0])) - 7.0).abs() < 1e-14);
         assert!(von_mises(&(SymmetricTensor2::IDENTITY * 3.0)) < 1e-14);
+    }
+
+    #[test]
+    fn shear_stress() {
+        // sqrt(3) times a pure shear.
+        assert!((von_mises(&SymmetricTensor2([4.0, 4.0, 4.0, 0.0, 0.0, -2.0])) - 2.0 * 3.0_f64.sqrt()).abs() < 1e-14);
+    }
+
+    proptest! {
+        #[test]
+        fn traction_on_a_deformed_area(f in proptest::array::uniform9(-0.25..0.25_f64), s in proptest::array::uniform6(-1.0..1.0_f64), n in proptest::array::uniform3(-1.0..1.0_f64)) {
+            // Nanson: sigma (J F^-T N) = F S N, the force on a reference area N.
+            let f = Tensor2::identity() + Tensor2::from_column_slice(&f);
+            let s = SymmetricTensor2(s);
+            let n = stoss_tensor::Vector3::from(n);
+            let area = f.try_inverse().unwrap().transpose() * n * f.determinant();
+            let force = cauchy_stress(&f, &s).to_matrix() * area;
+            prop_assert!((force - f * s.to_matrix() * n).norm() < 1e-13);
+        }
     }
 
     #[test]

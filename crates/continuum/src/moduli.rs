@@ -41,6 +41,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn pairs_of_textbook_values() {
+        // nu = 1/4 makes both Lamé constants equal, E = 5/2 of them; nu = 0: lambda = 0, E = 2 mu = 3 K.
+        let m = SmallStrainModuli::from_lame(1.0, 1.0);
+        assert!((m.poisson_ratio() - 0.25).abs() < 1e-15 && (m.young_modulus() - 2.5).abs() < 1e-15);
+        let m = SmallStrainModuli::from_young_poisson(3.0, 0.0);
+        assert_eq!((m.shear, m.bulk), (1.5, 1.0));
+        assert!(m.lame_lambda().abs() < 1e-15);
+    }
+
+    #[test]
     fn conversions_agree() {
         let m = SmallStrainModuli::from_young_poisson(2250.0, 0.3);
         assert!((m.young_modulus() - 2250.0).abs() < 1e-9);

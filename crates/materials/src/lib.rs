@@ -4,10 +4,63 @@
 //! stress and no energy at `C = 1`. Constructors validate their parameters; the implied small-strain moduli can be asked
 //! for. Elements know only the trait [`stoss_continuum::HyperelasticLaw`]: this crate can be left out.
 //!
+//! Not here: elements, and laws with a memory (plastic, viscous), which the trait does not cover.
+//!
 //! # How to add a law
 //! One file with a struct, a validating constructor and the trait; one `pub use` here; one line in `tests/battery.rs` with the
-//! energy written once more over dual numbers; a variant in the scene and an arm in the facade. A law of your own outside
-//! of this workspace needs only the trait.
+//! energy written once more over dual numbers; a variant in the scene and an arm in the facade. Two habits are worth the
+//! trouble:
+//! * compute the energy from `C - 1`, not from terms of order one that cancel at `C = 1`: the energy-momentum stress divides
+//!   its round-off by the strain increment;
+//! * give an error, not infinity or NaN, beyond the range of the formula: the step control answers errors.
+//!
+//! A law of your own outside of this workspace needs only the trait, and can be put through the same battery:
+//!
+//! ```
+//! use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
+//!
+//! /// `W = mu/2 (I1 - 3 - ln det C)`.
+//! #[derive(Debug)]
+//! struct Foam {
+//!     mu: f64,
+//! }
+//!
+//! fn finite<T>(value: T, is_finite: bool) -> Result<T, ConstitutiveError> {
+//!     if is_finite { Ok(value) } else { Err(ConstitutiveError::NonFinite) }
+//! }
+//!
+//! impl HyperelasticLaw for Foam {
+//!     fn name(&self) -> &str {
+//!         "foam"
+//!     }
+//!     fn energy(&self, c: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
+//!         let det_c = c.det();
+//!         if det_c <= 0.0 {
+//!             return Err(ConstitutiveError::NonPositiveJacobian { det_c });
+//!         }
+//!         let a = *c - SymmetricTensor2::IDENTITY;
+//!         let change = a.trace() + a.i2() + a.det(); // det C - 1
+//!         let log = if change.abs() < 0.5 { change.ln_1p() } else { det_c.ln() };
+//!         let w = 0.5 * self.mu * (a.trace() - log);
+//!         finite(w, w.is_finite())
+//!     }
+//!     fn stress(&self, c: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
+//!         Ok(self.stress_and_elasticity(c)?.0)
+//!     }
+//!     fn stress_and_elasticity(&self, c: &SymmetricTensor2) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
+//!         self.energy(c)?; // refuses what is not admissible
+//!         let inverse = c.inverse();
+//!         let stress = (SymmetricTensor2::IDENTITY - inverse) * self.mu;
+//!         let elasticity = Tensor4::inverse_derivative(&inverse) * (-2.0 * self.mu);
+//!         finite((stress, elasticity), stress.is_finite() && elasticity.is_finite())
+//!     }
+//!     fn small_strain_moduli(&self) -> SmallStrainModuli {
+//!         SmallStrainModuli::from_lame(0.0, self.mu)
+//!     }
+//! }
+//!
+//! stoss_testkit::laws::battery(&Foam { mu: 80.0 }, 1e-13);
+//! ```
 
 mod error;
 mod mooney_rivlin;

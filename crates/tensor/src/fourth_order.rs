@@ -5,8 +5,10 @@ use std::ops::{Add, Mul};
 
 /// A fourth-order tensor with both minor symmetries (`C_ijkl = C_jikl = C_ijlk`), major symmetry not assumed.
 ///
-/// Entry `[a][b]` is the plain component `C_ijkl`, `a = (ij)`, `b = (kl)` in the order 11, 22, 33, 12, 23, 13. Hence
-/// `stress_v = C strain_v` holds with plain stresses and strains with doubled shears.
+/// Entry `[a][b]` is the plain component `C_ijkl`, `a = (ij)`, `b = (kl)` in the order 11, 22, 33, 12, 23, 13; no factor is
+/// hidden in the shear rows or columns. Hence `stress_v = C strain_v`, the 6x6 product, holds with plain stresses
+/// (`S_11 .. S_12 ..`) and strains with doubled shears (`E_11 .. 2 E_12 ..`): the sum over `kl` meets each shear twice.
+/// A derivative by *stored* plain components, `d S_ij / d E_12` with `E_12 = E_21` changed together, is `2 C_ij12`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tensor4(pub [[f64; 6]; 6]);
 
@@ -101,7 +103,14 @@ impl Tensor4 {
         Self(std::array::from_fn(|a| std::array::from_fn(|b| self.0[b][a])))
     }
 
-    /// Largest magnitude of a component.
+    /// True if no component is infinite or NaN.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        // Without a branch an entry.
+        self.0.as_flattened().iter().fold(true, |finite, x| finite & x.is_finite())
+    }
+
+    /// Largest magnitude of a component; NaN is ignored.
     pub fn max_abs(&self) -> f64 {
         self.0.iter().flatten().fold(0.0, |m, x| m.max(x.abs()))
     }
@@ -136,7 +145,37 @@ mod tests {
         assert_eq!(Tensor4::identity_dyad().double_contract_right(&e), SymmetricTensor2::IDENTITY * e.trace());
     }
 
+    #[test]
+    fn finite_or_not() {
+        let mut t = Tensor4::symmetric_identity();
+        assert!(t.is_finite());
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            t.0[4][2] = bad;
+            assert!(!t.is_finite());
+        }
+    }
+
     proptest! {
+        #[test]
+        fn voigt_product_is_the_double_contraction(c in proptest::collection::vec(-1.0..1.0_f64, 81), e in proptest::array::uniform6(-1.0..1.0_f64)) {
+            // Against the sum over all nine pairs of a tensor with minor symmetries and no other.
+            let full = |i: usize, j: usize, k: usize, l: usize| {
+                let (i, j, k, l) = (i.min(j), i.max(j), k.min(l), k.max(l));
+                c[27 * i + 9 * j + 3 * k + l]
+            };
+            let t = Tensor4::from_fn(full);
+            let e = SymmetricTensor2(e);
+            let m = e.to_matrix();
+            let sum = |component: &dyn Fn(usize, usize, usize, usize) -> f64| {
+                SymmetricTensor2(VOIGT.map(|(i, j)| {
+                    (0..9).map(|n| component(i, j, n / 3, n % 3) * m[(n / 3, n % 3)]).sum()
+                }))
+            };
+            prop_assert!((t.double_contract_right(&e) - sum(&full)).norm() < 1e-13);
+            prop_assert!((t.double_contract_left(&e) - sum(&|i, j, k, l| full(k, l, i, j))).norm() < 1e-13);
+            prop_assert!((t.major_transpose().double_contract_right(&e) - t.double_contract_left(&e)).norm() < 1e-13);
+        }
+
         #[test]
         fn inverse_derivative_is_the_derivative(v in proptest::array::uniform6(-0.3..0.3_f64), d in proptest::array::uniform6(-1.0..1.0_f64)) {
             let c = SymmetricTensor2::IDENTITY + SymmetricTensor2(v);

@@ -103,6 +103,23 @@ mod tests {
     }
 
     #[test]
+    fn any_magnitude() {
+        for scale in [1e-150, 1e-30, 1.0, 1e30, 1e150] {
+            check([scale, 2.0 * scale, 2.0 * scale], [0.3, -1.2, 2.0]).unwrap();
+            check([-scale, 1e-9 * scale, 3.0 * scale], [1.3, 0.2, -2.0]).unwrap();
+        }
+    }
+
+    #[test]
+    fn diagonal_and_zero_tensors() {
+        let s = spectral(&SymmetricTensor2([3.0, 1.0, 2.0, 0.0, 0.0, 0.0]));
+        assert_eq!(s.values, [1.0, 2.0, 3.0]);
+        assert_eq!(s.vectors, [Vector3::y(), Vector3::z(), Vector3::x()]);
+        assert_eq!(spectral(&SymmetricTensor2::ZERO).values, [0.0; 3]);
+        assert_eq!(spectral(&SymmetricTensor2([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])).values, [-1.0, 0.0, 1.0]);
+    }
+
+    #[test]
     fn nan_does_not_hang() {
         assert!(spectral(&SymmetricTensor2([f64::NAN; 6])).values[0].is_nan());
     }

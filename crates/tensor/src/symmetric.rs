@@ -39,11 +39,13 @@ impl SymmetricTensor2 {
     }
 
     /// The symmetric part of a matrix.
+    #[inline]
     pub fn from_matrix(m: &Tensor2) -> Self {
         Self(VOIGT.map(|(i, j)| if i == j { m[(i, i)] } else { 0.5 * (m[(i, j)] + m[(j, i)]) }))
     }
 
     /// As a full matrix.
+    #[inline]
     pub fn to_matrix(self) -> Tensor2 {
         let [xx, yy, zz, xy, yz, xz] = self.0;
         Tensor2::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
@@ -104,6 +106,7 @@ impl SymmetricTensor2 {
     }
 
     /// `a a`.
+    #[inline]
     pub fn square(&self) -> Self {
         let m = self.to_matrix();
         Self::from_matrix(&(m * m))
@@ -135,6 +138,7 @@ impl SymmetricTensor2 {
     }
 
     /// `Q a Q^T`.
+    #[inline]
     pub fn rotated(&self, rotation: &Tensor2) -> Self {
         Self::from_matrix(&(rotation * self.to_matrix() * rotation.transpose()))
     }

@@ -7,7 +7,7 @@ mod colour;
 mod picture;
 mod surface;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::plot::{self, Labels, Series};
 use crate::program::Program;
@@ -32,8 +32,8 @@ struct Picture {
     times: &'static [f64],
     /// Where it is seen from.
     camera: Camera,
-    /// Scene with the same data and another integrator, to compare the energies with.
-    compare: Option<&'static str>,
+    /// Scenes with the same data and another scheme, to compare the energies with; no such chart if there is none.
+    compare: &'static [&'static str],
 }
 
 /// All pictures.
@@ -42,9 +42,9 @@ const PICTURES: &[Picture] = &[Picture {
     field: "von_mises",
     label: "von Mises stress",
     title: "Hollow ball on plate",
-    times: &[0.0, 0.12, 0.3, 0.8],
+    times: &[0.0, 0.16, 0.3, 0.6],
     camera: Camera { azimuth: -58.0, elevation: 24.0 },
-    compare: Some("ball-plate-midpoint"),
+    compare: &["ball-plate-modified", "ball-plate-midpoint"],
 }];
 
 /// Draws all pictures, or that of one scene.
@@ -59,13 +59,12 @@ pub fn command(workspace: &Workspace, scene: Option<&str>) -> Outcome<bool> {
     for picture in chosen {
         let folder = run(workspace, &program, picture.scene)?;
         save(workspace, picture.scene, &snapshots(picture, &folder)?)?;
-        if let Some(other) = picture.compare {
-            let other_folder = run(workspace, &program, other)?;
-            save(
-                workspace,
-                &format!("{}-energy", picture.scene),
-                &energies([(picture.scene, &folder), (other, &other_folder)])?,
-            )?;
+        if !picture.compare.is_empty() {
+            let mut runs = vec![(picture.scene, folder)];
+            for other in picture.compare {
+                runs.push((other, run(workspace, &program, other)?));
+            }
+            save(workspace, &format!("{}-energy", picture.scene), &energies(&runs)?)?;
         }
     }
     Ok(true)
@@ -81,7 +80,7 @@ pub fn last_frame(grid: &Grid) -> Outcome<String> {
 }
 
 /// Runs a shipped scene and returns its output folder.
-fn run(workspace: &Workspace, program: &Program, scene: &str) -> Outcome<std::path::PathBuf> {
+fn run(workspace: &Workspace, program: &Program, scene: &str) -> Outcome<PathBuf> {
     let folder = workspace.target()?.join("gallery").join(scene);
     let ending = program.run(&workspace.path(format!("scenes/{scene}.toml")), &folder, None)?;
     if ending.code != Some(0) {
@@ -114,7 +113,7 @@ fn snapshots(picture: &Picture, folder: &Path) -> Outcome<String> {
 }
 
 /// Total energy over time, relative to its value at the start.
-fn energies(runs: [(&str, &Path); 2]) -> Outcome<String> {
+fn energies(runs: &[(&str, PathBuf)]) -> Outcome<String> {
     let mut series = Vec::new();
     for (name, folder) in runs {
         let balance = Table::read(&folder.join("balance.csv"))?;
