@@ -87,6 +87,10 @@ fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
             diagnostics::print(path, &problems);
             ExitCode::from(2)
         }
+        Err(error @ RunError::Option(_)) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
         Err(error @ RunError::Simulation { .. }) => {
             progress.abandon();
             eprintln!("error: {error}");

@@ -1,5 +1,8 @@
 //! The element loop allocates nothing once its workspace is warm.
-#![allow(unsafe_code)] // a global allocator is an unsafe trait; this one only counts and hands over to the system's
+#![allow(
+    unsafe_code,
+    reason = "a global allocator is an unsafe trait; this one only counts and hands over to the system's"
+)]
 mod common;
 use common::*;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -10,16 +13,23 @@ struct Counting;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 
+// SAFETY: every call is handed over unchanged to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
+    // SAFETY: as the trait demands of the caller.
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's layout.
         unsafe { System.alloc(layout) }
     }
+    // SAFETY: as the trait demands of the caller.
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the block came from the same allocator.
         unsafe { System.dealloc(pointer, layout) }
     }
+    // SAFETY: as the trait demands of the caller.
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the block came from the same allocator.
         unsafe { System.realloc(pointer, layout, size) }
     }
 }

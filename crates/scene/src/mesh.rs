@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 /// A generator with its parameters, or a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-// A scene has a handful of meshes; a box would only be in the way of matching.
-#[allow(clippy::large_enum_variant)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "a scene has a handful of meshes; a box would only be in the way of matching"
+)]
 pub enum MeshSource {
     /// `{ file = "part.msh" }`.
     File(MeshFile),

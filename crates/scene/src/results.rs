@@ -103,19 +103,19 @@ pub struct Probe {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// A frame every so many nominal steps, at least 1. The tables have a row for every step anyway.
+    /// A frame every so many steps, at least 1. The tables have a row for every step anyway.
     #[serde(default = "Output::default_every")]
     pub every: u32,
     /// Fields of the frames; all that apply if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<Vec<Field>>,
-    /// A checkpoint every so many nominal steps, at least 1.
+    /// A checkpoint every so many steps, at least 1.
     #[serde(default = "Output::default_checkpoint_every")]
     pub checkpoint_every: u32,
 }
 
 impl Output {
-    /// A frame at every nominal step.
+    /// A frame at every step.
     pub const DEFAULT_EVERY: u32 = 1;
     /// A killed run repeats at most nine steps.
     pub const DEFAULT_CHECKPOINT_EVERY: u32 = 10;

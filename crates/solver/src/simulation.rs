@@ -302,6 +302,19 @@ impl Simulation {
         balance
     }
 
+    /// Momenta, kinetic and strain energy of one body at the last completed step (loads and contact belong to the model).
+    pub fn body_balance(&self, body: usize) -> Balance {
+        let mut balance = Balance::default();
+        // The state was accepted, so its strain energy exists; NaN would show a contradiction.
+        balance.strain = self.model.bodies[body].solid.strain_energy(&self.state.q).unwrap_or(f64::NAN);
+        if let Some(mass) = self.system.masses.get(body) {
+            balance.kinetic = mass.kinetic_energy(&self.state.v);
+            balance.linear_momentum = mass.linear_momentum(&self.state.v);
+            balance.angular_momentum = mass.angular_momentum(&self.state.q, &self.state.v);
+        }
+        balance
+    }
+
     fn kinetic(&self, v: &[f64]) -> f64 {
         self.system.masses.iter().map(|m| m.kinetic_energy(v)).sum()
     }

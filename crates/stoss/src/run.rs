@@ -172,7 +172,12 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
                 folder.checkpoint(&simulation)?;
                 let reason = source.to_string();
                 folder.summarise(&simulation, Outcome::Failed { reason, last_step, last_time })?;
-                return Err(RunError::Simulation { source: Box::new(source), last_step, last_time, out: options.out.clone() });
+                return Err(RunError::Simulation {
+                    source: Box::new(source),
+                    last_step,
+                    last_time,
+                    out: options.out.clone(),
+                });
             }
         }
     }

@@ -16,7 +16,7 @@ pub fn simulation(text: &str) -> Simulation {
 }
 
 /// Largest distance of `values` from the first one, divided by the largest norm.
-#[allow(dead_code)]
+#[allow(dead_code, reason = "each test binary uses a part")]
 pub fn drift(values: &[[f64; 3]]) -> f64 {
     let norm = |a: [f64; 3]| a[0].hypot(a[1]).hypot(a[2]);
     let scale = values.iter().map(|v| norm(*v)).fold(0.0, f64::max);

@@ -41,19 +41,23 @@ const BAR: f64 = 46.0;
 struct Face {
     nearness: f64,
     corners: [[f64; 2]; 4],
-    /// Colour and corners of its parts; one part if they all have the same colour.
-    pieces: Vec<(String, [[f64; 2]; 4])>,
+    values: [f64; 4],
+    light: f64,
 }
+
+/// Colour and corners of a part of a face.
+type Piece = (String, [[f64; 2]; 4]);
 
 /// Draws the snapshots to one scale and with one colour range.
 pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
     let view = camera.view();
-    let quads = || shots.iter().flat_map(|shot| &shot.surface.quads);
-    let corners = quads().flat_map(|quad| quad.corners).map(|corner| view.project(corner));
-    let ([left, low], [right, high]) = bounds(corners.map(|[x, y, _]| [x, y]));
-    let (least, most) = range(quads().flat_map(|quad| quad.values));
+    let corners = shots.iter().flat_map(|shot| &shot.surface.quads).flat_map(|quad| quad.corners);
+    let ([left, low], [right, high]) = bounds(corners.map(|corner| view.project(corner)).map(|[x, y, _]| [x, y]));
     let scale = style.width / (right - left).max(1e-300);
     let height = (high - low) * scale;
+    let screen = |x: f64, y: f64| [(x - left) * scale, (high - y) * scale];
+    let visible: Vec<Vec<Face>> = shots.iter().map(|shot| uncovered(faces(&shot.surface, &view, screen))).collect();
+    let (least, most) = range(visible.iter().flatten().flat_map(|face| face.values));
     let total =
         [2.0 * MARGIN + shots.len() as f64 * (style.width + MARGIN) - MARGIN, TITLE + height + CAPTION + BAR + MARGIN];
     let mut out = String::new();
@@ -65,15 +69,15 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
          <text x=\"{MARGIN}\" y=\"25\" font-size=\"18\">{}</text>",
         total[0], total[1], total[0], total[1], style.title
     );
-    for (number, shot) in shots.iter().enumerate() {
-        let origin = [MARGIN + number as f64 * (style.width + MARGIN), TITLE];
-        let screen = |x: f64, y: f64| [origin[0] + (x - left) * scale, origin[1] + (high - y) * scale];
-        snapshot(&mut out, &uncovered(faces(&shot.surface, &view, (least, most), screen)));
+    for (number, (shot, faces)) in shots.iter().zip(&visible).enumerate() {
+        let x = MARGIN + number as f64 * (style.width + MARGIN);
+        let _ = writeln!(out, "<g transform=\"translate({x:.1} {TITLE:.1})\">");
+        snapshot(&mut out, faces, (least, most));
         let _ = writeln!(
             out,
-            "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"14\" text-anchor=\"middle\">{}</text>",
-            origin[0] + 0.5 * style.width,
-            TITLE + height + 18.0,
+            "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"14\" text-anchor=\"middle\">{}</text>\n</g>",
+            0.5 * style.width,
+            height + 18.0,
             shot.caption
         );
     }
@@ -83,7 +87,7 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
 }
 
 /// Faces turned towards the eye, from back to front.
-fn faces(surface: &Surface, view: &View, range: (f64, f64), screen: impl Fn(f64, f64) -> [f64; 2]) -> Vec<Face> {
+fn faces(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2]) -> Vec<Face> {
     let mut faces = Vec::new();
     for quad in &surface.quads {
         let [a, b, c, d] = quad.corners;
@@ -92,27 +96,36 @@ fn faces(surface: &Surface, view: &View, range: (f64, f64), screen: impl Fn(f64,
         if dot(normal, view.eye) <= 0.0 || length == 0.0 {
             continue;
         }
-        let light = shade(normal.map(|entry| entry / length), view);
-        let place = |at: (f64, f64)| {
-            let [x, y, _] = view.project(blend(at, quad.corners));
-            screen(x, y)
-        };
-        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(place);
-        let mut pieces = Vec::new();
-        for (i, j) in (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i as f64, j as f64))) {
-            let at = |x: f64, y: f64| ((i + x) / PARTS as f64, (j + y) / PARTS as f64);
-            let [value] = blend(at(0.5, 0.5), quad.values.map(|value| [value]));
-            let fill = colour::hex((value - range.0) / (range.1 - range.0), light);
-            pieces.push((fill, [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)].map(place)));
-        }
-        if pieces.iter().all(|piece| piece.0 == pieces[0].0) {
-            pieces.truncate(1);
-            pieces[0].1 = corners;
-        }
-        faces.push(Face { nearness: view.project(blend((0.5, 0.5), quad.corners))[2], corners, pieces });
+        faces.push(Face {
+            nearness: view.project(blend((0.5, 0.5), quad.corners))[2],
+            corners: quad.corners.map(|corner| {
+                let [x, y, _] = view.project(corner);
+                screen(x, y)
+            }),
+            values: quad.values,
+            light: shade(normal.map(|entry| entry / length), view),
+        });
     }
     faces.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
     faces
+}
+
+/// Parts of a face, or the whole face if they all have the same colour.
+fn pieces(face: &Face, range: (f64, f64)) -> Vec<Piece> {
+    let parts = (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i as f64, j as f64)));
+    let mut pieces: Vec<Piece> = parts
+        .map(|(i, j)| {
+            let at = |x: f64, y: f64| ((i + x) / PARTS as f64, (j + y) / PARTS as f64);
+            let [value] = blend(at(0.5, 0.5), face.values.map(|value| [value]));
+            let fill = colour::hex((value - range.0) / (range.1 - range.0), face.light);
+            (fill, [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)].map(|at| blend(at, face.corners)))
+        })
+        .collect();
+    if pieces.iter().all(|piece| piece.0 == pieces[0].0) {
+        pieces.truncate(1);
+        pieces[0].1 = face.corners;
+    }
+    pieces
 }
 
 /// Leaves out the faces that are hidden behind later ones: those that own no sample of a raster of half pixels.
@@ -161,12 +174,12 @@ fn shade(normal: [f64; 3], view: &View) -> f64 {
     0.62 + 0.42 * dot(normal, light).max(0.0)
 }
 
-fn snapshot(out: &mut String, faces: &[Face]) {
+fn snapshot(out: &mut String, faces: &[Face], range: (f64, f64)) {
     out.push_str(
         "<g fill=\"none\" stroke=\"#222\" stroke-opacity=\".5\" stroke-width=\".5\" stroke-linejoin=\"round\">\n",
     );
     for face in faces {
-        for (fill, corners) in &face.pieces {
+        for (fill, corners) in &pieces(face, range) {
             let _ = write!(out, "<path stroke=\"none\" fill=\"{fill}\" d=\"");
             path(out, &widened(corners));
             out.push_str("z\"/>");
@@ -279,7 +292,7 @@ mod tests {
 
     #[test]
     fn three_faces_of_a_cube_are_visible_from_back_to_front() {
-        let found = faces(&cube(), &CAMERA.view(), (0.0, 7.0), |x, y| [100.0 * x, 100.0 * y]);
+        let found = faces(&cube(), &CAMERA.view(), |x, y| [100.0 * x, 100.0 * y]);
         assert_eq!(found.len(), 3);
         assert!(found.is_sorted_by(|a, b| a.nearness <= b.nearness));
         assert_eq!(uncovered(found).len(), 3);
@@ -290,7 +303,8 @@ mod tests {
         let square = |nearness: f64, half: f64| Face {
             nearness,
             corners: [[-half, -half], [half, -half], [half, half], [-half, half]],
-            pieces: Vec::new(),
+            values: [0.0; 4],
+            light: 1.0,
         };
         let left = uncovered(vec![square(0.0, 5.0), square(1.0, 20.0), square(2.0, 5.0)]);
         assert_eq!(left.iter().map(|face| face.nearness).collect::<Vec<_>>(), [1.0, 2.0]);

@@ -1,5 +1,5 @@
 //! Surfaces for the tests, and a distance that shares no code with the search.
-#![allow(dead_code, missing_docs)]
+#![allow(dead_code, missing_docs, reason = "each test binary uses a part")]
 
 use nalgebra::Vector3;
 use std::collections::HashMap;

@@ -1,5 +1,5 @@
 //! Bodies, random configurations and dense assembly for the tests of this crate.
-#![allow(dead_code)] // every test binary uses a part
+#![allow(dead_code, reason = "each test binary uses a part")]
 
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;

@@ -1,5 +1,5 @@
 //! Systems for tests and benches.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test binary uses a part")]
 
 use std::sync::Arc;
 use stoss_linalg::{NONE, ScatterMap, SparseMatrix, SparsityPattern};

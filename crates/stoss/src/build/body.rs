@@ -49,10 +49,9 @@ pub(super) fn bodies(
         }
         let moduli = law.small_strain_moduli();
         lines.push(format!(
-            "{}: {} nodes, {} elements, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
+            "{}: {} nodes, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
             body.name,
             mesh.nodes.len(),
-            mesh.elements.len(),
             law.name(),
             moduli.young_modulus(),
             moduli.poisson_ratio(),

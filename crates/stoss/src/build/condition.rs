@@ -121,7 +121,16 @@ fn load_kind(
     if kind == SceneLoad::BodyForce {
         // On a whole body: `body`, or a set of which the body is meant.
         let name = item.body.as_deref().or_else(|| item.set.as_deref().and_then(split_set).map(|(body, _)| body))?;
-        let solid = &model.bodies[scene.body_index(name)?].solid;
+        let b = scene.body_index(name)?;
+        if let Some((_, set)) = item.set.as_deref().and_then(split_set) {
+            let whole = placed[b].mesh.elements_of(set).map(|e| e.len() == placed[b].mesh.elements.len());
+            if whole != Ok(true) {
+                let message = "a body force acts on a whole body, not on a set of it";
+                problems.add(format!("{key}.set"), set, message, format!("write body = \"{name}\" instead of the set"));
+                return None;
+            }
+        }
+        let solid = &model.bodies[b].solid;
         let patterns = AXES.map(|axis| pattern(components, key, problems, |f| solid.body_force(axis, f)));
         return Some(LoadKind::Dead { patterns: patterns.into_iter().collect::<Option<_>>()? });
     }

@@ -10,12 +10,14 @@ use crate::solver::Simulation;
 pub enum ProbeTarget {
     /// Global nodes.
     Nodes(Vec<u32>),
+    /// A body.
+    Body(usize),
     /// The whole model.
     Model,
 }
 
 /// A probe: one or three numbers a step. Displacement, position and velocity are means over the nodes, reaction and contact
-/// force are sums; energies and momenta are those of the whole model.
+/// force are sums; energies and momenta are those of a body or of the whole model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     /// Name, unique.
@@ -38,7 +40,10 @@ impl Probe {
 
     /// The numbers at the last completed step; the first [`Quantity::columns`] count.
     pub fn value(&self, simulation: &Simulation) -> [f64; 3] {
-        let balance = simulation.balance();
+        let balance = match self.target {
+            ProbeTarget::Body(body) => simulation.body_balance(body),
+            _ => *simulation.balance(),
+        };
         match self.quantity {
             Quantity::Energy => [balance.total(), 0.0, 0.0],
             Quantity::KineticEnergy => [balance.kinetic, 0.0, 0.0],
@@ -59,7 +64,7 @@ impl Probe {
     fn nodes(&self) -> &[u32] {
         match &self.target {
             ProbeTarget::Nodes(nodes) => nodes,
-            ProbeTarget::Model => &[],
+            ProbeTarget::Body(_) | ProbeTarget::Model => &[],
         }
     }
 
@@ -92,6 +97,8 @@ pub(super) fn probes(scene: &Scene, placed: &[Placed], problems: &mut Problems<'
             }
         } else if let (Some(point), Some(b)) = (item.point, item.body.as_deref().and_then(|b| scene.body_index(b))) {
             ProbeTarget::Nodes(vec![nearest(&placed[b], point)])
+        } else if let Some(b) = item.body.as_deref().and_then(|b| scene.body_index(b)) {
+            ProbeTarget::Body(b)
         } else {
             ProbeTarget::Model
         };

@@ -156,7 +156,9 @@ impl ResultFolder {
         let output = &mut simulation.timings_mut().output;
         output.wall += started.0.elapsed().as_secs_f64();
         output.cpu += started.1.elapsed().as_secs_f64();
-        if record.step > 0 && (record.step.is_multiple_of(self.settings.checkpoint_every.max(1)) || simulation.finished()) {
+        if record.step > 0
+            && (record.step.is_multiple_of(self.settings.checkpoint_every.max(1)) || simulation.finished())
+        {
             self.checkpoint(simulation)?;
         }
         Ok(())
