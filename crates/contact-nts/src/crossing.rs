@@ -5,16 +5,16 @@
 //! `G = N_b(q_mid) + theta w`, `w = sum_k (l_k,np1^2 - l_k,n^2) grad(l_k^2)(q_mid)`,
 //! `theta = (g_np1 - g_n - N_b . dq) / sum_k (l_k,np1^2 - l_k,n^2)^2`
 //!
-//! with the direct gap gradient `N_b` on one of the two facets at the midpoint and the squared distances `l_k^2` between the
-//! slave node and every master node of both facets. Distances are quadratic in the positions, so `w . dq` is the sum of squares in the
+//! with the direct gap gradient `N_b` on the facet at the midpoint (mostly one of the two) and the squared distances `l_k^2` between the
+//! slave node and every master node of these facets. Distances are quadratic in the positions, so `w . dq` is the sum of squares in the
 //! denominator and `G . dq = g_np1 - g_n`, with each gap on its own facet; both terms are gradients of invariants at the midpoint, so
 //! that linear and angular momentum are exact. `theta w` tilts the normal in the direction of the slip by the secant slope of the
 //! surface between the two points, and vanishes where the two facets are coplanar. Our extension: the thesis keeps the facet.
 
 use crate::kinematics::{Gap, LOCAL};
 
-/// Most nodes of the element: the slave node and two disjoint facets.
-pub const MAX_NODES: usize = 9;
+/// Most nodes of the element: the slave node and three disjoint facets (at `n`, at the midpoint, at `n+1`).
+pub const MAX_NODES: usize = 13;
 
 /// Sum of squares (relative to the fourth power of the length) below which the correction is left out: nothing moves.
 const SMALLEST_CHANGE: f64 = 1.0e-14;
@@ -30,7 +30,7 @@ pub struct Crossing<'a> {
     pub gap_n: f64,
     /// Kinematics at `n+1` on the facet reached, and the local node numbers of that facet.
     pub end: (&'a Gap, &'a [usize; 4]),
-    /// Kinematics at the midpoint on one of the facets, and the local node numbers of that facet.
+    /// Kinematics at the midpoint on its facet, and the local node numbers of that facet.
     pub mid: (&'a Gap, &'a [usize; 4]),
     /// A typical master edge.
     pub length: f64,

@@ -12,6 +12,7 @@ mod dual;
 pub mod invariants;
 pub mod kinematics;
 mod method;
+mod pairing;
 mod slot;
 
 pub use method::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};

@@ -1,54 +1,141 @@
-//! One potential constraint: where its node touched at `n`, and with which facet it is paired at `n+1`.
+//! One potential constraint: where its node was at `n`, and with which facets it is paired in the step.
 
 use crate::crossing::MAX_NODES;
 use stoss_contact::ContactSurface;
 
+/// Returns of one node to a facet that it had in this step already, after which it stays on the extension of the last one. A node in a
+/// valley or on a ridge can be sent to and fro between two facets for ever. Staying is harmless: every pairing conserves, the extension
+/// differs from the other facet by the kink times the overshoot, and the next step starts from there with its gap.
+const MAX_RETURNS: u32 = 2;
+/// Most facets of one node in one step; a search that finds the facet at once needs two or three.
+const MAX_VISITS: usize = 8;
+
+/// Facets of one element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Pairing {
+    /// Facet against which the gap at `n` is measured.
+    pub start: u32,
+    /// Facet whose gradient the crossing element takes at the midpoint; not used if `start == end`.
+    pub mid: u32,
+    /// Facet of the constraint at `n+1`.
+    pub end: u32,
+}
+
+impl Pairing {
+    /// One facet for the whole step.
+    pub fn single(facet: u32) -> Self {
+        Self { start: facet, mid: facet, end: facet }
+    }
+}
+
 /// A slave node in a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {
     /// Facet that the node was in contact with at the end of the last accepted step.
     pub committed: Option<u32>,
-    /// Facet against which the gap at `n` is measured.
-    pub start: Option<u32>,
-    /// Gap at `n` on that facet; infinite if there is none.
+    /// Facet at `n`: the committed one, or that found by the search; `None` if nothing is within reach.
+    pub origin: Option<u32>,
+    /// Gap at `n` to `origin`: to its extension if committed, else to the whole surface; infinite if there is none.
+    pub origin_gap: f64,
+    /// Pairing while active; `None` until [`stoss_contact::ContactMethod::repair`] made one.
+    pub pairing: Option<Pairing>,
+    /// Gap at `n` that the pairing starts from.
     pub gap_n: f64,
-    /// Facet of the constraint at `n+1`.
-    pub end: Option<u32>,
-    /// Changes of `end` while active in this step.
-    pub switches: u32,
+    visited: [u32; MAX_VISITS],
+    visits: usize,
+    returns: u32,
 }
 
-/// Nodes of a slot's element, each once: the slave node, the end facet, then what the start facet adds.
+impl Slot {
+    /// A node that has never touched.
+    pub const FREE: Self = Self {
+        committed: None,
+        origin: None,
+        origin_gap: f64::INFINITY,
+        pairing: None,
+        gap_n: f64::INFINITY,
+        visited: [0; MAX_VISITS],
+        visits: 0,
+        returns: 0,
+    };
+
+    /// At the start of a step.
+    pub fn begin(committed: Option<u32>, origin: Option<u32>, origin_gap: f64) -> Self {
+        let mut slot = Self { committed, origin, origin_gap, ..Self::FREE };
+        if let Some(facet) = committed {
+            slot.pairing = Some(Pairing::single(facet));
+            slot.gap_n = origin_gap;
+            slot.admits(facet);
+        }
+        slot
+    }
+
+    /// Whether the end may go to `facet`; keeps the record of such changes.
+    pub fn admits(&mut self, facet: u32) -> bool {
+        if self.visited[..self.visits].contains(&facet) {
+            self.returns += 1;
+            return self.returns <= MAX_RETURNS;
+        }
+        if self.visits == MAX_VISITS {
+            return false;
+        }
+        self.visited[self.visits] = facet;
+        self.visits += 1;
+        true
+    }
+}
+
+/// Nodes of a slot's element, each once: the slave node, the end facet, then what the start and the midpoint facet add.
 pub(crate) struct ElementNodes {
     pub count: usize,
     pub nodes: [u32; MAX_NODES],
     /// Local numbers of the end facet's nodes.
     pub end: [usize; 4],
-    /// Local numbers of the start facet's nodes.
-    pub start: [usize; 4],
+    /// Local numbers of the midpoint facet's nodes.
+    pub mid: [usize; 4],
 }
 
 impl ElementNodes {
-    pub fn new(slave: u32, master: &ContactSurface, start: u32, end: u32) -> Self {
-        let mut out = Self { count: 5, nodes: [0; MAX_NODES], end: [1, 2, 3, 4], start: [1, 2, 3, 4] };
+    pub fn new(slave: u32, master: &ContactSurface, pairing: Pairing) -> Self {
+        let mut out = Self { count: 5, nodes: [0; MAX_NODES], end: [1, 2, 3, 4], mid: [1, 2, 3, 4] };
         out.nodes[0] = slave;
-        out.nodes[1..5].copy_from_slice(&master.facets()[end as usize]);
-        if start != end {
-            for (slot, &node) in out.start.iter_mut().zip(&master.facets()[start as usize]) {
-                *slot = match out.nodes[1..out.count].iter().position(|&n| n == node) {
-                    Some(k) => k + 1,
-                    None => {
-                        out.nodes[out.count] = node;
-                        out.count += 1;
-                        out.count - 1
-                    }
-                };
-            }
+        out.nodes[1..5].copy_from_slice(&master.facets()[pairing.end as usize]);
+        if pairing.start != pairing.end {
+            out.add(master.facets()[pairing.start as usize]);
+            out.mid = out.add(master.facets()[pairing.mid as usize]);
         }
         out
     }
 
+    /// Local numbers of a facet's nodes; new ones are appended.
+    fn add(&mut self, facet: [u32; 4]) -> [usize; 4] {
+        facet.map(|node| match self.nodes[1..self.count].iter().position(|&n| n == node) {
+            Some(k) => k + 1,
+            None => {
+                self.nodes[self.count] = node;
+                self.count += 1;
+                self.count - 1
+            }
+        })
+    }
+
     pub fn list(&self) -> &[u32] {
         &self.nodes[..self.count]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slot_goes_on_but_not_to_and_fro() {
+        let mut slot = Slot::begin(Some(3), Some(3), 0.0);
+        assert!(slot.admits(4), "a facet not visited yet");
+        assert!(slot.admits(3) && slot.admits(4), "two returns");
+        assert!(!slot.admits(3), "the third");
+        let mut slot = Slot::begin(Some(0), Some(0), 0.0);
+        let admitted = (1..100).filter(|&f| slot.admits(f)).count();
+        assert_eq!(admitted, MAX_VISITS - 1);
     }
 }

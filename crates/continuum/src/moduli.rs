@@ -55,7 +55,7 @@ mod tests {
         let m = SmallStrainModuli::from_young_poisson(2250.0, 0.3);
         assert!((m.young_modulus() - 2250.0).abs() < 1e-9);
         assert!((m.poisson_ratio() - 0.3).abs() < 1e-14);
-        assert!((m.lame_lambda() - 1298.076_923_076_923).abs() < 1e-9);
+        assert!((m.lame_lambda() - 1_298.076_923_076_923).abs() < 1e-9);
         let again = SmallStrainModuli::from_lame(m.lame_lambda(), m.shear);
         assert!((again.bulk - m.bulk).abs() < 1e-9);
     }

@@ -304,9 +304,9 @@ impl Simulation {
 
     /// Momenta, kinetic and strain energy of one body at the last completed step (loads and contact belong to the model).
     pub fn body_balance(&self, body: usize) -> Balance {
-        let mut balance = Balance::default();
         // The state was accepted, so its strain energy exists; NaN would show a contradiction.
-        balance.strain = self.model.bodies[body].solid.strain_energy(&self.state.q).unwrap_or(f64::NAN);
+        let strain = self.model.bodies[body].solid.strain_energy(&self.state.q).unwrap_or(f64::NAN);
+        let mut balance = Balance { strain, ..Balance::default() };
         if let Some(mass) = self.system.masses.get(body) {
             balance.kinetic = mass.kinetic_energy(&self.state.v);
             balance.linear_momentum = mass.linear_momentum(&self.state.v);

@@ -1,0 +1,178 @@
+//! Which facets a node is paired with, decided in [`stoss_contact::ContactMethod::repair`] and then fixed for the iterations.
+
+use crate::kinematics::Gap;
+use crate::method::{NodeToSurface, position};
+use crate::slot::Pairing;
+use nalgebra::Vector3;
+use stoss_contact::{ContactError, MasterPoint, SearchView};
+
+/// How far the foot at `n` may lie on the extension of the facet that a node closes on, in convective coordinates: up to one
+/// facet beyond the edge the bilinear extension is still the same surface; farther off the crossing element is used.
+const MODEST_EXTENSION: f64 = 2.0;
+
+/// A node that moves farther than this relative to the master in a step (in multiples of the facets' length and of the depth limit)
+/// without being found behind the surface is followed along its path in pieces of this length, so that it cannot jump through.
+const UNCHECKED_MOTION: f64 = 0.5;
+
+/// Most pieces of a path; only a step of hundreds of facets' lengths has longer pieces.
+const MAX_PIECES: f64 = 1000.0;
+
+impl NodeToSurface {
+    pub(crate) fn closest(&self, view: &SearchView<'_>, slot: usize, q: &[f64]) -> MasterPoint {
+        let normal = self.slave.node_normal(slot, q);
+        view.closest(&position(q, self.node(slot)), Some(&normal))
+    }
+
+    pub(crate) fn pair(&self, view: &SearchView<'_>, slot: usize, q: &[f64], hint: u32) -> MasterPoint {
+        let normal = self.slave.node_normal(slot, q);
+        view.pair(&position(q, self.node(slot)), Some(hint), Some(&normal))
+    }
+
+    /// Motion of a node from `n` relative to the master, and the number of pieces in which its path has to be followed; `None` if the
+    /// motion is too small for a jump.
+    pub(crate) fn pieces(&self, slot: usize, q_np1: &[f64]) -> Option<(f64, usize)> {
+        let facet = self.search.surface().facets()[self.slots[slot].origin? as usize];
+        let mean = |q: &[f64]| facet.iter().map(|&n| position(q, n)).sum::<Vector3<f64>>() / 4.0;
+        let relative = |q: &[f64]| position(q, self.node(slot)) - mean(q);
+        let motion = (relative(q_np1) - relative(&self.q_n)).norm();
+        let length = self.search.surface().length_scale().min(self.search.depth_limit());
+        let pieces = (motion / (UNCHECKED_MOTION * length)).ceil();
+        (pieces > 1.0).then_some((motion, pieces.min(MAX_PIECES) as usize))
+    }
+
+    /// Of nodes not found behind the surface at `q_np1`: those that went through it on their straight paths from `q_n`, with the
+    /// facet that they went through and the (negative) gap to its extension.
+    ///
+    /// A path can dip below a convex surface and come out again (the chord over a ridge). It did come out if the signed distance, which is
+    /// Lipschitz with constant 1, got back to a positive value no faster than the node moved; it jumps if the node is deep behind
+    /// one sheet and nearer to another.
+    pub(crate) fn jumps(&self, q_np1: &[f64], slots: &[usize]) -> Result<Vec<(usize, u32, f64)>, ContactError> {
+        struct Path {
+            slot: usize,
+            motion: f64,
+            pieces: usize,
+            behind: Option<(u32, f64)>,
+        }
+        let path = |&slot: &usize| {
+            let (motion, pieces) = self.pieces(slot, q_np1)?;
+            Some(Path { slot, motion, pieces, behind: None })
+        };
+        let mut paths: Vec<Path> = slots.iter().filter_map(path).collect();
+        let Some(pieces) = paths.iter().map(|p| p.pieces).max() else { return Ok(Vec::new()) };
+        let mut q = Vec::with_capacity(q_np1.len());
+        for piece in 1..=pieces {
+            let s = piece as f64 / pieces as f64;
+            q.clear();
+            q.extend(self.q_n.iter().zip(q_np1).map(|(a, b)| a + s * (b - a)));
+            let view = self.search.at(&q);
+            for path in &mut paths {
+                let point = self.closest(&view, path.slot, &q);
+                let Some(pairing) = point.pairing else { continue };
+                // The motion between two samples bounds the rise of the distance; some room for the master's turning.
+                let rise = 1.5 * path.motion / pieces as f64;
+                path.behind = match path.behind {
+                    None if point.gap < 0.0 => Some((pairing.facet, point.gap)),
+                    Some((facet, _)) if point.gap < 0.0 => Some((facet, point.gap)),
+                    Some((_, depth)) if point.gap - depth <= rise => None,
+                    unchanged => unchanged,
+                };
+            }
+        }
+        let mut jumps = Vec::new();
+        for path in paths {
+            if let Some((facet, _)) = path.behind {
+                let gap = self.gap(path.slot, facet, q_np1)?.gap;
+                if gap < 0.0 {
+                    jumps.push((path.slot, facet, gap));
+                }
+            }
+        }
+        Ok(jumps)
+    }
+
+    /// Facets wanted by the active slots whose node left its facet, or which have none yet.
+    pub(crate) fn wanted(&self, q_np1: &[f64], active: &[bool]) -> Result<Vec<(usize, u32)>, ContactError> {
+        let view = self.search.at(q_np1);
+        let mut wanted = Vec::new();
+        let mut lost = Vec::new();
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            match self.slots[slot].pairing {
+                Some(Pairing { end, .. }) => {
+                    if self.gap(slot, end, q_np1)?.outside() > self.search.options().hysteresis
+                        && let Some(pairing) = self.pair(&view, slot, q_np1, end).pairing
+                        && pairing.facet != end
+                    {
+                        wanted.push((slot, pairing.facet));
+                    }
+                }
+                None => match self.closest(&view, slot, q_np1) {
+                    MasterPoint { pairing: Some(pairing), gap, .. } if gap < 0.0 => wanted.push((slot, pairing.facet)),
+                    point => lost.push((slot, point.pairing.map(|p| p.facet))),
+                },
+            }
+        }
+        if !lost.is_empty() {
+            let slots: Vec<usize> = lost.iter().map(|l| l.0).collect();
+            let jumps = self.jumps(q_np1, &slots)?;
+            for (slot, nearest) in lost {
+                let through = jumps.iter().find(|j| j.0 == slot).map(|j| j.1);
+                wanted.extend(through.or(nearest).or(self.slots[slot].origin).map(|facet| (slot, facet)));
+            }
+        }
+        Ok(wanted)
+    }
+
+    /// Pairs a slot with `end`, and chooses the facet and the gap at `n` and the facet at the midpoint that go with it.
+    ///
+    /// A node in contact at `n` starts from its own facet, with the gap that its last step ended with. A node that closes in this step
+    /// starts from the extension of the facet that it closes on, so that the element with 17 invariants applies, if its position at `n` projects
+    /// on the near extension *and is not behind it*; otherwise from the facet that it was found at, with the true gap. In the closing step
+    /// the energy changes by `-p g_n` (standard constraint): a negative gap to the extension beyond a ridge would gain energy, and
+    /// under the modified constraint would be kept as a penetration; the true gap of an open node is positive.
+    pub(crate) fn set_end(&mut self, slot: usize, end: u32, q_np1: &[f64]) -> Result<(), ContactError> {
+        let state = self.slots[slot];
+        let (start, gap_n) = match (state.committed, state.origin) {
+            (Some(facet), _) => (facet, state.origin_gap),
+            (None, origin) => {
+                let x = position(&self.q_n, self.node(slot));
+                let on_end = Gap::project(&x, &self.patch(end, &self.q_n), [0.0, 0.0]);
+                match (on_end, origin) {
+                    (Some(gap), None) => (end, gap.gap),
+                    (Some(gap), Some(facet))
+                        if facet == end
+                            || gap.outside() <= MODEST_EXTENSION && gap.gap >= state.origin_gap.min(0.0) =>
+                    {
+                        (end, gap.gap)
+                    }
+                    (_, Some(facet)) => (facet, state.origin_gap),
+                    (None, None) => return Err(ContactError::Projection { node: self.node(slot), facet: end }),
+                }
+            }
+        };
+        let mid = if start == end { end } else { self.facet_at_midpoint(slot, start, end, q_np1) };
+        self.slots[slot].gap_n = gap_n;
+        self.slots[slot].pairing = Some(Pairing { start, mid, end });
+        Ok(())
+    }
+
+    /// The facet of the midpoint: start or end if the midpoint projects on one of them, else the facet found by the search.
+    ///
+    /// It is chosen here and not while assembling, so that the force is a smooth function of the iterate. Every choice conserves exactly.
+    fn facet_at_midpoint(&self, slot: usize, start: u32, end: u32, q_np1: &[f64]) -> u32 {
+        let middle = |node: u32| (position(&self.q_n, node) + position(q_np1, node)) * 0.5;
+        let x = middle(self.node(slot));
+        let outside = |facet: u32| {
+            let corners = self.search.surface().facets()[facet as usize].map(middle);
+            let patch = stoss_geometry::BilinearPatch::new(corners);
+            Gap::project(&x, &patch, [0.0, 0.0]).map_or(f64::INFINITY, |gap| gap.outside())
+        };
+        let (at_start, at_end) = (outside(start), outside(end));
+        let (nearer, least) = if at_start < at_end { (start, at_start) } else { (end, at_end) };
+        if least <= self.search.options().hysteresis {
+            return nearer;
+        }
+        let q_mid: Vec<f64> = self.q_n.iter().zip(q_np1).map(|(a, b)| 0.5 * (a + b)).collect();
+        let found = self.closest(&self.search.at(&q_mid), slot, &q_mid).pairing.map(|p| p.facet);
+        found.filter(|&facet| outside(facet) < least).unwrap_or(nearer)
+    }
+}
