@@ -12,9 +12,10 @@
 //!
 //! # Round-off
 //! The numerator is of third order in `dC`, the difference of terms of first order. An error `e` of the energies puts
-//! `2 e / |dC|` into the stress. With `e` of `1e-16` of the modulus that is `1e-10` of it just above the switch, whatever the stress itself is;
-//! with energies computed from `C - 1`, as those of the catalogue are, it is less by the factor `|C - 1|`, and stays below `1e-10` of
-//! the *stress*. Where the quotient is left out, the energy of a step is off by about `|dC|^3 / 24` times a few moduli.
+//! `2 e / |dC|` into the stress. With `e` of `1e-16` of the modulus that is `1e-10` of it just above the switch, whatever the
+//! stress itself is; with energies computed from `C - 1`, as those of the catalogue are, it is less by the factor `|C - 1|`, and
+//! stays near `1e-10` of the *stress*. Where the quotient is left out, the energy of a step is off by about `|dC|^3 / 24`
+//! times a few moduli.
 
 use crate::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2, Tensor4};
 

@@ -1,6 +1,6 @@
 //! Small-strain moduli.
 
-/// Moduli of a law's linearisation at the reference state [stress].
+/// Moduli of a law's linearisation at the reference state; each is a stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmallStrainModuli {
     /// Shear modulus.

@@ -16,7 +16,7 @@ pub struct NeoHooke {
 }
 
 impl NeoHooke {
-    /// From Lamé's constants [stress].
+    /// From Lamé's constants (stresses).
     ///
     /// # Errors
     /// Values that are not finite; shear or bulk modulus not positive.
@@ -26,7 +26,7 @@ impl NeoHooke {
         Ok(Self { lambda, mu })
     }
 
-    /// From Young's modulus [stress] and Poisson's ratio.
+    /// From Young's modulus (a stress) and Poisson's ratio.
     ///
     /// # Errors
     /// `young <= 0`, or `poisson` not in (-1, 1/2).

@@ -19,7 +19,7 @@ pub struct SaintVenantKirchhoff {
 }
 
 impl SaintVenantKirchhoff {
-    /// From Lamé's constants [stress].
+    /// From Lamé's constants (stresses).
     ///
     /// # Errors
     /// Values that are not finite; shear or bulk modulus not positive.
@@ -29,7 +29,7 @@ impl SaintVenantKirchhoff {
         Ok(Self { lambda, mu })
     }
 
-    /// From Young's modulus [stress] and Poisson's ratio.
+    /// From Young's modulus (a stress) and Poisson's ratio.
     ///
     /// # Errors
     /// `young <= 0`, or `poisson` not in (-1, 1/2).
