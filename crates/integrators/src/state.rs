@@ -5,7 +5,7 @@
 pub struct State {
     /// Time.
     pub time: f64,
-    /// Positions [length].
+    /// Positions, a length each.
     pub q: Vec<f64>,
     /// Velocities [length/time].
     pub v: Vec<f64>,

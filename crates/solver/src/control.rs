@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 /// Settings of the step control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepControl {
-    /// Nominal step size [time].
+    /// Nominal step size, a time.
     pub step: f64,
-    /// End of the run [time].
+    /// End of the run, a time.
     pub end: f64,
     /// How often a step may be halved in a row.
     pub max_cuts: u32,

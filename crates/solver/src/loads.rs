@@ -9,7 +9,7 @@ pub struct Load {
     pub name: String,
     /// What it acts on.
     pub kind: LoadKind,
-    /// Magnitude; one column for each pattern of a dead load, one column [pressure] for a follower pressure.
+    /// Magnitude; one column for each pattern of a dead load, one column (a pressure) for a follower pressure.
     pub magnitude: Table,
 }
 

@@ -25,7 +25,7 @@ pub struct Prescription {
     pub nodes: Vec<u32>,
     /// Components (0, 1, 2), one a column of the table.
     pub components: Vec<u8>,
-    /// Displacement from the reference position [length].
+    /// Displacement from the reference position, a length each.
     pub displacement: Table,
 }
 
@@ -43,7 +43,7 @@ pub struct ContactPair {
 /// Bodies, prescribed motion, loads and contact. Global nodes are numbered body after body.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// Reference positions, `3 * nodes`, node-major [length].
+    /// Reference positions, `3 * nodes`, node-major, a length each.
     pub reference: Vec<f64>,
     /// Initial velocities, `3 * nodes`; ignored in quasi-static runs.
     pub velocity: Vec<f64>,
