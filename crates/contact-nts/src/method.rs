@@ -1,4 +1,22 @@
 //! Node-to-surface contact as a contact method.
+//!
+//! The gradient of the gap that the rules take, of a node paired with a *start* facet at `n` and an *end* facet at
+//! `n+1`, which may be the same (each measured on the facet's bilinear extension, so that a foot beyond an edge is
+//! allowed):
+//!
+//! | rule | gradient | derivative | no moment about |
+//! |---|---|---|---|
+//! | `StartPoint` | start facet, `q_n` | zero | `q_n` |
+//! | `EndPoint` | end facet, `q_np1` | second variation | `q_np1` |
+//! | `EndPointMean` | half of each of the two above | half the second variation | -- |
+//! | `Midpoint` | facet of the midpoint, `q_mid` | half the second variation | `q_mid` |
+//! | `EnergyMomentum` | [`crate::invariants`]; over edges [`crate::crossing`] | dual numbers; closed form | `q_mid` |
+//!
+//! A node that was in contact at `n` starts on the facet that its last step ended with; one that closes in this step
+//! starts on the facet that its gap at `n` is measured to. The constraint row is the gap to the end facet at `q_np1`
+//! under every rule. Linear momentum is exact under every rule. `EndPointMean` has a moment about `q_mid` that the
+//! angular momentum of the trapezoidal rule sees: zero in a rigid motion, of second order in the motion on one facet,
+//! the kink times the motion over an edge.
 
 use crate::crossing::{Crossing, MAX_NODES};
 use crate::invariants;
@@ -120,7 +138,7 @@ impl NodeToSurface {
         }
     }
 
-    /// Gap gradient of the rule and, if asked for, its derivative, over the element's nodes.
+    /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.
     fn gradient(
         &self,
         slot: usize,
@@ -134,9 +152,25 @@ impl NodeToSurface {
         let n = 3 * element.count;
         let failed = |facet| ContactError::Projection { node: self.node(slot), facet };
         work.reset(n, want_tangent);
-        if step.rule == ContactRule::EndPoint {
-            work.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), n, 1.0);
-            return Ok(());
+        match step.rule {
+            ContactRule::StartPoint => {
+                let start = self.gap(slot, pairing.start, step.q_n)?;
+                work.add_gradient(&start.gradient, &element.start, 1.0);
+                return Ok(());
+            }
+            ContactRule::EndPoint => {
+                work.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), n, 1.0);
+                return Ok(());
+            }
+            ContactRule::EndPointMean => {
+                let start = self.gap(slot, pairing.start, step.q_n)?;
+                let half = end.gradient.map(|g| 0.5 * g);
+                work.set(&half, want_tangent.then(|| end.hessian()).as_ref(), n, 0.5);
+                work.add_gradient(&start.gradient, &element.start, 0.5);
+                return Ok(());
+            }
+            // Rules that need the midpoint.
+            _ => {}
         }
         if pairing.start == pairing.end {
             let (q_n, q_1) = (local(step.q_n, &element.nodes[..5]), local(step.q_np1, &element.nodes[..5]));
@@ -204,6 +238,16 @@ impl Work {
         }
     }
 
+    /// Adds `factor * gradient` at the slave node and a facet's nodes.
+    fn add_gradient(&mut self, gradient: &Local, facet: &[usize; 4], factor: f64) {
+        for (node, part) in std::iter::once(&0).chain(facet).zip(gradient.chunks_exact(3)) {
+            for i in 0..3 {
+                self.gradient[3 * node + i] += factor * part[i];
+            }
+        }
+    }
+
+    /// A gradient, and `factor` times a tangent, at the slave node and the end facet's nodes.
     fn set(&mut self, gradient: &Local, tangent: Option<&LocalMatrix>, n: usize, factor: f64) {
         self.gradient[..LOCAL].copy_from_slice(gradient);
         for (i, row) in tangent.into_iter().flatten().enumerate() {

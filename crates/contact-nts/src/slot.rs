@@ -13,7 +13,7 @@ const MAX_VISITS: usize = 8;
 /// Facets of one element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Pairing {
-    /// Facet against which the gap at `n` is measured.
+    /// Facet against which the gap at `n` is measured, and whose gradient at `q_n` the start-point rules take.
     pub start: u32,
     /// Facet whose gradient the crossing element takes at the midpoint; not used if `start == end`.
     pub mid: u32,
@@ -89,7 +89,9 @@ impl Slot {
 pub(crate) struct ElementNodes {
     pub count: usize,
     pub nodes: [u32; MAX_NODES],
-    /// Local numbers of the end facet's nodes.
+    /// Local numbers of the start facet's nodes.
+    pub start: [usize; 4],
+    /// Local numbers of the end facet's nodes: the first four masters.
     pub end: [usize; 4],
     /// Local numbers of the midpoint facet's nodes.
     pub mid: [usize; 4],
@@ -97,11 +99,12 @@ pub(crate) struct ElementNodes {
 
 impl ElementNodes {
     pub fn new(slave: u32, master: &ContactSurface, pairing: Pairing) -> Self {
-        let mut out = Self { count: 5, nodes: [0; MAX_NODES], end: [1, 2, 3, 4], mid: [1, 2, 3, 4] };
+        let masters = [1, 2, 3, 4];
+        let mut out = Self { count: 5, nodes: [0; MAX_NODES], start: masters, end: masters, mid: masters };
         out.nodes[0] = slave;
         out.nodes[1..5].copy_from_slice(&master.facets()[pairing.end as usize]);
         if pairing.start != pairing.end {
-            out.add(master.facets()[pairing.start as usize]);
+            out.start = out.add(master.facets()[pairing.start as usize]);
             out.mid = out.add(master.facets()[pairing.mid as usize]);
         }
         out

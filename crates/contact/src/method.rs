@@ -2,15 +2,25 @@
 
 use crate::ContactError;
 
-/// Where the contact force of a step is evaluated.
+/// Where the gradient of the gap is taken that makes the contact force `A p G` of a step (formulation §11).
+///
+/// The constraint row is `-A` times the gap at `q_np1` (less the gap that it refers to) under every rule. The forces
+/// of every rule have no resultant; about which configuration they have no moment is said for each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ContactRule {
-    /// Gradient of the gap at `q_np1` (static, backward Euler).
+    /// `G = grad g(q_n)`, constant in the step (variational midpoint scheme, thesis (5.42)). No moment about `q_n`.
+    StartPoint,
+    /// `G = grad g(q_np1)` (statics, backward Euler (5.15)). No moment about `q_np1`.
     EndPoint,
-    /// Gradient of the gap at `q_mid`, constraint at `q_np1`.
+    /// `G = (grad g(q_n) + grad g(q_np1)) / 2` (trapezoidal rule (5.19)). The moment about `q_mid` is
+    /// `-(1/4) sum dq x (grad g(q_np1) - grad g(q_n))`: it vanishes in a rigid motion on one facet, otherwise only with
+    /// the step.
+    EndPointMean,
+    /// `G = grad g(q_mid)` (midpoint rule (5.22)). No moment about `q_mid`.
     Midpoint,
-    /// Discrete gradient of the gap between `q_n` and `q_np1`: exact work.
+    /// Discrete gradient of the gap between `q_n` and `q_np1`: `G . (q_np1 - q_n) = g_np1 - g_n`. No moment about
+    /// `q_mid`.
     EnergyMomentum,
 }
 

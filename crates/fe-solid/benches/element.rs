@@ -83,7 +83,7 @@ fn bodies(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(name);
         for law in laws() {
             let mut problem = Problem::new(n, law.clone());
-            for rule in [StressRule::EndPoint, StressRule::Midpoint, StressRule::EnergyMomentum] {
+            for rule in [StressRule::END_POINT, StressRule::MIDPOINT, StressRule::EnergyMomentum] {
                 problem.body.begin_step(&problem.q_n, rule).expect("no element is inverted");
                 group.bench_function(format!("{} {rule:?} force and tangent", law.name()), |bencher| {
                     bencher.iter(|| problem.assemble(black_box(rule), true));

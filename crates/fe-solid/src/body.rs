@@ -163,7 +163,8 @@ impl SolidBody {
     }
 
     /// Adds `force_weight * F(q_n, q_np1)` to `force` (`3 * nodes` of the model) and, if a target is given,
-    /// `target.factor * dF/dq_np1` to its values (formulation §3.3, §3.4).
+    /// `target.factor * dF/dq_np1` to its values (formulation §3.3, §3.4). A target is left untouched under
+    /// [`StressRule::Configuration`] with `theta = 0`, whose tangent is zero.
     ///
     /// In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first
     /// call with a workspace nothing is allocated.
@@ -179,11 +180,15 @@ impl SolidBody {
         tangent: Option<TangentTarget<'_>>,
         workspace: &mut Workspace,
     ) -> Result<(), SolidError> {
-        self.check_length("the positions q_np1", step.q_np1)?;
         self.check_length("the force", force)?;
-        if step.rule != StressRule::EndPoint {
+        if step.rule.reads_end() {
+            self.check_length("the positions q_np1", step.q_np1)?;
+        }
+        if step.rule.reads_start() {
             self.check_length("the positions q_n", step.q_n)?;
         }
+        // A force that does not depend on q_np1 has no tangent: nothing is to be computed or added.
+        let tangent = tangent.filter(|_| step.rule.reads_end());
         if step.rule == StressRule::EnergyMomentum && self.history.len() != self.element_count() {
             return Err(SolidError::StepNotBegun { body: self.name.clone() });
         }
@@ -284,13 +289,11 @@ impl ElementEvaluator for BodyStep<'_> {
         tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
     ) -> Result<(), Failure> {
         let Self { body, step, factor } = self;
-        let q_np1 = body.gather(element, step.q_np1);
-        let (q_n, history) = match step.rule {
-            StressRule::EndPoint => (q_np1, None),
-            StressRule::Midpoint => (body.gather(element, step.q_n), None),
-            StressRule::EnergyMomentum => (body.gather(element, step.q_n), body.history.get(element)),
-        };
-        let step = ElementStep { rule: step.rule, q_n: &q_n, q_np1: &q_np1, history };
+        let (rule, at) = (step.rule, |q| body.gather(element, q));
+        let q_np1 = at(if rule.reads_end() { step.q_np1 } else { step.q_n });
+        let q_n = if rule.reads_start() && rule.reads_end() { at(step.q_n) } else { q_np1 };
+        let history = body.history.get(element).filter(|_| rule == StressRule::EnergyMomentum);
+        let step = ElementStep { rule, q_n: &q_n, q_np1: &q_np1, history };
         element::force_and_tangent(body.law(), body.integration(element), step, *factor, force, tangent)
     }
 }

@@ -6,24 +6,48 @@ use crate::{
 };
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
 
-/// Which stress acts on which configuration during a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Which stress acts on which configuration during a step (formulation §3.3, §3.4, §11).
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StressRule {
-    /// `S(C_np1)` with `F_np1` (statics, end-point schemes). Symmetric tangent.
-    EndPoint,
-    /// `S(F_mid^T F_mid)` with `F_mid = F(q_mid)`. Keeps both momenta. Symmetric tangent.
-    Midpoint,
+    /// The force `F(q)` of hyperelasticity at one configuration `q_{n+theta} = (1 - theta) q_n + theta q_np1`: stress
+    /// `S(F^T F)` and `B` both with `F = F(q_{n+theta})`.
+    ///
+    /// The tangent `dF/dq_np1` is `theta` times the static one, symmetric. Forces have no resultant and, about
+    /// `q_{n+theta}`, no moment; what that means for the momenta of a step is the scheme's matter (both are kept for
+    /// `theta = 1/2` with `q_np1 - q_n = dt (v_n + v_np1)/2`).
+    Configuration {
+        /// Fraction of the step, in `[0, 1]`. `q_n` is not read for 1; `q_np1` is not read for 0, whose tangent is zero
+        /// and is not computed. In between `det F > 0` is demanded of `q_np1` too. A number outside extrapolates.
+        theta: f64,
+    },
     /// The stress (3.2) of the formulation with `F_mid`. Keeps momenta, and its work is the change of strain energy.
     /// Unsymmetric tangent (3.3).
     EnergyMomentum,
 }
 
+impl StressRule {
+    /// `S(C_np1)` with `F_np1` (statics, end-point schemes); `q_n` is not read.
+    pub const END_POINT: Self = Self::Configuration { theta: 1.0 };
+    /// `S(F_mid^T F_mid)` with `F_mid = F(q_mid)`. Keeps both momenta.
+    pub const MIDPOINT: Self = Self::Configuration { theta: 0.5 };
+
+    /// Whether the force depends on `q_n`.
+    pub(crate) fn reads_start(self) -> bool {
+        self != Self::END_POINT
+    }
+
+    /// Whether the force depends on `q_np1`; if not, its tangent is zero.
+    pub(crate) fn reads_end(self) -> bool {
+        self != Self::Configuration { theta: 0.0 }
+    }
+}
+
 /// The two configurations of a step and the rule. Positions of the whole model, node-major, `3 * nodes` entries; a length.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidStep<'a> {
-    /// Beginning of the step (not used by [`StressRule::EndPoint`]).
+    /// Beginning of the step (not read by [`StressRule::END_POINT`]).
     pub q_n: &'a [f64],
-    /// End of the step: the unknown.
+    /// End of the step: the unknown (not read by the rule with `theta = 0`).
     pub q_np1: &'a [f64],
     /// The rule.
     pub rule: StressRule,
@@ -112,13 +136,15 @@ pub(crate) fn energy(
 #[derive(Clone, Copy)]
 pub(crate) struct ElementStep<'a> {
     pub rule: StressRule,
+    /// Anything if the rule does not read it; likewise `q_np1`.
     pub q_n: &'a NodalVectors,
     pub q_np1: &'a NodalVectors,
     /// Present for the energy-momentum rule.
     pub history: Option<&'a [GaussPointHistory; GAUSS_POINTS]>,
 }
 
-/// Internal force (overwritten) and, if wanted, `factor` times its derivative by `q_np1` (overwritten).
+/// Internal force (overwritten) and, if wanted, `factor` times its derivative by `q_np1` (overwritten; not asked for
+/// under a rule that does not read `q_np1`).
 pub(crate) fn force_and_tangent(
     law: &dyn HyperelasticLaw,
     integration: &ElementIntegration,
@@ -134,23 +160,28 @@ pub(crate) fn force_and_tangent(
         }
         // The body hands over the history whenever the rule is energy-momentum.
         (StressRule::EnergyMomentum, None) => unreachable!("energy-momentum rule without history"),
-        (StressRule::EndPoint, _) => {
-            one_configuration(law, integration, step.q_np1, Level::End, factor, force, tangent)
-        }
-        (StressRule::Midpoint, _) => {
+        (StressRule::Configuration { theta }, _) => {
+            if !step.rule.reads_start() {
+                return one_configuration(law, integration, step.q_np1, Level::End, factor, force, tangent);
+            }
+            if !step.rule.reads_end() {
+                return one_configuration(law, integration, step.q_n, Level::Start, 0.0, force, None);
+            }
             for g in 0..GAUSS_POINTS {
                 let f = kernel::deformation_gradient(step.q_np1, &integration.gradients[g]);
                 check_orientation(&f, Level::End).map_err(|kind| kind.at(g))?;
             }
-            let q_mid = mean(step.q_n, step.q_np1);
-            // d q_mid / d q_np1 = 1/2
-            one_configuration(law, integration, &q_mid, Level::Midpoint, 0.5 * factor, force, tangent)
+            let q = between(step.q_n, step.q_np1, theta);
+            // d q_{n+theta} / d q_np1 = theta
+            one_configuration(law, integration, &q, Level::Intermediate, theta * factor, force, tangent)
         }
     }
 }
 
-fn mean(a: &NodalVectors, b: &NodalVectors) -> NodalVectors {
-    std::array::from_fn(|i| std::array::from_fn(|node| 0.5 * (a[i][node] + b[i][node])))
+/// `(1 - theta) a + theta b`.
+fn between(a: &NodalVectors, b: &NodalVectors, theta: f64) -> NodalVectors {
+    let rest = 1.0 - theta;
+    std::array::from_fn(|i| std::array::from_fn(|node| rest * a[i][node] + theta * b[i][node]))
 }
 
 /// Force and tangent of a stress that depends on the same configuration as `B` does (formulation §3.3).
@@ -193,7 +224,7 @@ fn energy_momentum(
     force: &mut NodalVectors,
     tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
 ) -> Result<(), Failure> {
-    let q_mid = mean(step.q_n, step.q_np1);
+    let q_mid = between(step.q_n, step.q_np1, 0.5);
     let mut tangent = tangent;
     for g in 0..GAUSS_POINTS {
         let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);

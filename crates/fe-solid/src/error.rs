@@ -7,8 +7,8 @@ use stoss_continuum::ConstitutiveError;
 pub enum Level {
     /// The end of the step, `q_np1` (or the single configuration of a query).
     End,
-    /// The mean `(q_n + q_np1)/2`.
-    Midpoint,
+    /// Between start and end, `q_{n+theta}` with `0 < theta < 1`.
+    Intermediate,
     /// The beginning of the step, `q_n`.
     Start,
 }
@@ -17,7 +17,7 @@ impl std::fmt::Display for Level {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(match self {
             Self::End => "end of step",
-            Self::Midpoint => "midpoint of step",
+            Self::Intermediate => "intermediate configuration of step",
             Self::Start => "start of step",
         })
     }

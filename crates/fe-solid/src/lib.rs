@@ -1,7 +1,14 @@
 //! Element and body integrals of finite-strain solids (hex8, 2x2x2): energy, force, tangent, mass, momenta, loads.
 //!
-//! A [`SolidBody`] is a mesh with a law. It evaluates, for one of three [`StressRule`]s, the internal force
-//! `F(q_n, q_np1)` and its derivative with respect to `q_np1`, and adds both to the caller's global arrays.
+//! A [`SolidBody`] is a mesh with a law. It evaluates, for a [`StressRule`], the internal force `F(q_n, q_np1)` and its
+//! derivative with respect to `q_np1`, and adds both to the caller's global arrays. The rules:
+//!
+//! * `Configuration { theta }`: stress and `B` both at `q_{n+theta}`, `theta` times the static tangent. For schemes
+//!   that take forces at one configuration: the start (0), `MIDPOINT` (1/2), `END_POINT` (1), or any in between;
+//! * `EnergyMomentum`: the stress (3.2) of the formulation with `B` at `q_mid`, unsymmetric tangent (3.3).
+//!
+//! The trapezoidal rule is the mean of the forces at both ends, which its scheme forms.
+//!
 //! [`MassMatrix`] holds the inertia and the momenta, the functions of `load` ([`dead_traction`], [`follower_pressure`]) the loads.
 //!
 //! What it is *not*: no law (laws come in by the trait [`stoss_continuum::HyperelasticLaw`]), no time stepping, no

@@ -9,7 +9,7 @@ fn end_point_force_is_the_gradient_of_the_energy() {
     let q = Random(4).perturbed(&positions(&mesh), 0.12);
     for law in laws() {
         let body = body(&mesh, &law);
-        let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::EndPoint }).unwrap();
+        let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }).unwrap();
         let scale = max_abs(&f);
         for j in 0..q.len() {
             let expected = derivative(&q, j, 1e-3, |q| vec![body.strain_energy(q).unwrap()])[0];
@@ -25,7 +25,8 @@ fn tangents_of_all_rules_match_differences_of_the_force() {
     let q_n = random.perturbed(&positions(&mesh), 0.1);
     let q_np1 = random.perturbed(&q_n, 0.1);
     for law in laws() {
-        for rule in [StressRule::EndPoint, StressRule::Midpoint, StressRule::EnergyMomentum] {
+        let between = [0.3, 0.5, 0.7, 1.0].map(|theta| StressRule::Configuration { theta });
+        for rule in between.into_iter().chain([StressRule::EnergyMomentum]) {
             let mut body = body(&mesh, &law);
             body.begin_step(&q_n, rule).unwrap();
             let at = |q: &[f64]| force(&body, SolidStep { q_n: &q_n, q_np1: q, rule }).unwrap();
@@ -59,7 +60,7 @@ fn energy_momentum_tangent_in_the_limit_of_no_motion_is_half_the_static_one() {
         let mut body = body(&mesh, &law);
         body.begin_step(&q, StressRule::EnergyMomentum).unwrap();
         let (force_static, tangent_static) =
-            force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::EndPoint });
+            force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT });
         let (force, tangent) =
             force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::EnergyMomentum });
         for i in 0..q.len() {
@@ -78,7 +79,7 @@ fn force_weight_and_tangent_factor_scale_what_is_added() {
     let mesh = distorted_block([1, 1, 2], 0.1, 1);
     let q = Random(2).perturbed(&positions(&mesh), 0.1);
     let body = body(&mesh, &laws()[0]);
-    let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::EndPoint };
+    let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
     let (force, tangent) = force_and_tangent(&body, step);
     let (pattern, map) = pattern(&body, q.len());
     let (mut values, mut out) = (vec![1.0; pattern.nnz()], vec![2.0; q.len()]);

@@ -25,7 +25,7 @@ fn inverted_element_is_found_by_the_sign_of_det_f() {
     for law in laws() {
         let mut body = body(&mesh, &law);
         body.begin_step(&x, StressRule::EnergyMomentum).unwrap();
-        for rule in [StressRule::EndPoint, StressRule::Midpoint, StressRule::EnergyMomentum] {
+        for rule in [StressRule::END_POINT, StressRule::MIDPOINT, StressRule::EnergyMomentum] {
             for threads in [1, 2] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let step = SolidStep { q_n: &x, q_np1: &mirrored, rule };
@@ -55,8 +55,8 @@ fn half_a_turn_has_no_midpoint_configuration_but_an_energy_momentum_force() {
     body.begin_step(&x, StressRule::EnergyMomentum).unwrap();
     let step = |rule| SolidStep { q_n: &x, q_np1: &turned, rule };
     assert!(matches!(
-        force(&body, step(StressRule::Midpoint)),
-        Err(SolidError::InvertedElement { element: 0, level: Level::Midpoint, .. })
+        force(&body, step(StressRule::MIDPOINT)),
+        Err(SolidError::InvertedElement { element: 0, level: Level::Intermediate, .. })
     ));
     assert!(max_abs(&force(&body, step(StressRule::EnergyMomentum)).unwrap()) < 1e-12);
 }
@@ -68,7 +68,7 @@ fn not_a_number_in_the_positions_is_an_inverted_element() {
     q[0] = f64::NAN;
     let body = body(&mesh, &laws()[0]);
     assert!(matches!(
-        force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::EndPoint }),
+        force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }),
         Err(SolidError::InvertedElement { element: 0, .. })
     ));
 }
@@ -109,7 +109,7 @@ fn a_law_without_a_value_is_reported_with_its_place() {
     };
     assert_eq!(body.strain_energy(&q), Err(expected(0)));
     assert_eq!(body.begin_step(&q, StressRule::EnergyMomentum), Err(expected(0)));
-    assert_eq!(force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::EndPoint }), Err(expected(0)));
+    assert_eq!(force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }), Err(expected(0)));
     assert_eq!(
         expected(0).to_string(),
         "body 'body': element 2, Gauss point 0: the state of strain is out of the law's range (non-finite result)"

@@ -54,7 +54,12 @@ fn assembly_allocates_nothing_once_warm() {
             let (mut force, mut values) = (vec![0.0; q_n.len()], vec![0.0; pattern.nnz()]);
             let mut workspace = Workspace::default();
             pool.install(|| {
-                for rule in [StressRule::EndPoint, StressRule::Midpoint, StressRule::EnergyMomentum] {
+                for rule in [
+                    StressRule::Configuration { theta: 0.0 },
+                    StressRule::END_POINT,
+                    StressRule::MIDPOINT,
+                    StressRule::EnergyMomentum,
+                ] {
                     body.begin_step(&q_n, rule).unwrap();
                     let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule };
                     let mut assemble = || {

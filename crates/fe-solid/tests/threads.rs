@@ -13,7 +13,12 @@ fn serial_and_parallel_assembly_give_the_same_bits() {
     let n = q_n.len();
     let mut body = body(&mesh, &laws()[0]);
     let (pattern, map) = pattern(&body, n);
-    for rule in [StressRule::EndPoint, StressRule::Midpoint, StressRule::EnergyMomentum] {
+    for rule in [
+        StressRule::Configuration { theta: 0.0 },
+        StressRule::END_POINT,
+        StressRule::MIDPOINT,
+        StressRule::EnergyMomentum,
+    ] {
         let mut results = Vec::new();
         for threads in [1, 2, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -1,8 +1,11 @@
 //! The tables `[scene]`, `[time]` and `[solver]`.
 
 use crate::names::named;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use stoss_integrators::{SCHEMES, SchemeError};
 
 named! {
     /// What kind of analysis it is.
@@ -11,16 +14,6 @@ named! {
         Dynamic = "dynamic",
         /// Without inertia: a sequence of equilibria while loads and prescribed displacements follow their tables.
         QuasiStatic = "quasi-static",
-    }
-}
-
-named! {
-    /// Time-stepping scheme.
-    Scheme {
-        /// Conserves energy, linear and angular momentum for every law and step size (formulation §11, (3.2)).
-        EnergyMomentum = "energy-momentum",
-        /// Implicit midpoint rule: conserves both momenta, but not the energy.
-        Midpoint = "midpoint",
     }
 }
 
@@ -79,12 +72,59 @@ impl Time {
     }
 }
 
-/// Time-stepping scheme with its parameters, for instance `{ scheme = "energy-momentum" }`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+/// Time-stepping scheme with its parameters, for instance `{ scheme = "generalised-alpha", rho_inf = 0.8 }`. Schemes and their
+/// parameters are those of the table `stoss_integrators::SCHEMES`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Integrator {
     /// Name of the scheme.
-    pub scheme: Scheme,
+    pub scheme: String,
+    /// Its parameters; those left out take their default.
+    #[serde(flatten)]
+    pub parameters: BTreeMap<String, f64>,
+}
+
+impl Integrator {
+    /// The scheme, ready to use.
+    ///
+    /// # Errors
+    /// Names or values that reading a scene would have refused.
+    pub fn make(&self) -> Result<Box<dyn stoss_integrators::Scheme>, SchemeError> {
+        let entry =
+            stoss_integrators::entry(&self.scheme).ok_or_else(|| SchemeError::Unknown { name: self.scheme.clone() })?;
+        entry.with(self.parameters.iter().map(|(name, value)| (name.as_str(), *value)))
+    }
+}
+
+impl JsonSchema for Integrator {
+    fn schema_name() -> Cow<'static, str> {
+        "Integrator".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let variants: Vec<_> = SCHEMES
+            .iter()
+            .map(|entry| {
+                let mut properties = serde_json::Map::new();
+                properties.insert("scheme".into(), serde_json::json!({ "const": entry.name }));
+                for p in entry.parameters {
+                    let (minimum, maximum) = p.range;
+                    let parameter = serde_json::json!({
+                        "type": "number", "minimum": minimum, "maximum": maximum,
+                        "default": p.default, "description": p.about,
+                    });
+                    properties.insert(p.name.into(), parameter);
+                }
+                serde_json::json!({
+                    "description": entry.about, "type": "object", "properties": properties,
+                    "required": ["scheme"], "additionalProperties": false,
+                })
+            })
+            .collect();
+        json_schema!({
+            "description": "Time-stepping scheme with its parameters, for instance `{ scheme = \"energy-momentum\" }`.",
+            "oneOf": variants,
+        })
+    }
 }
 
 /// `[solver]`: the nonlinear and the linear solver. What is left out takes the program's default.

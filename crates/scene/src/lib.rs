@@ -30,7 +30,7 @@ pub use conditions::{
     BoxRegion, Component, Constraint, Contact, ContactMethod, Load, LoadKind, PlaneRegion, Prescribe, Series,
     SetDefinition, Table, split_set,
 };
-pub use general::{Header, Integrator, Kind, LinearSolver, Scheme, Solver, Time};
+pub use general::{Header, Integrator, Kind, LinearSolver, Solver, Time};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden};
 pub use mesh::{Block, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource};
 pub use problem::{Problem, SceneErrors};

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-const MAGIC: &[u8; 8] = b"STOSSCP\x01";
+const MAGIC: &[u8; 8] = b"STOSSCP\x02";
 
 /// Why a checkpoint cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -52,6 +52,10 @@ pub struct Checkpoint {
     pub q: Vec<f64>,
     /// Velocities (in quasi-static runs: last displacement increment over its time).
     pub v: Vec<f64>,
+    /// Accelerations, if the scheme carries them.
+    pub a: Vec<f64>,
+    /// Forces of the last end point, if the scheme carries them.
+    pub history: Vec<f64>,
     /// Pressures of each contact pair.
     pub pressures: Vec<Vec<f64>>,
     /// Active slots of each contact pair.

@@ -34,6 +34,9 @@ pub enum StepError {
         /// Changes tried.
         changes: usize,
     },
+    /// A system with the mass alone could not be solved.
+    #[error("the mass matrix is singular: is there a body without volume or density?")]
+    Mass,
 }
 
 /// Why a run stopped early. All completed steps stay valid.

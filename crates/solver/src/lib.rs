@@ -15,11 +15,14 @@ mod control;
 mod error;
 mod ledger;
 mod loads;
+mod mass_solve;
 mod model;
 mod numbering;
+mod problem;
 mod record;
 mod simulation;
 mod step;
+mod system;
 mod table;
 mod timing;
 

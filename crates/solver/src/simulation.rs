@@ -3,13 +3,14 @@
 use crate::assembly::{Iterate, System};
 use crate::control::Clock;
 use crate::step::{Attempt, StepInput, attempt, decision};
+use crate::system::{FeSystem, stress_rule};
 use crate::{
     Balance, Checkpoint, CheckpointError, ContactSummary, Decision, DecisionKind, LoadKind, Model, Phase,
     SimulationError, StepControl, StepError, StepRecord, Timings,
 };
 use std::collections::BTreeMap;
 use stoss_contact::SlotReport;
-use stoss_integrators::{ForceRule, Scheme, State};
+use stoss_integrators::{Scheme, State, Step, StepRule, finish, start};
 use stoss_linalg::{LinearSolver, SolverStatistics, vector};
 use stoss_newton::NewtonOptions;
 
@@ -54,6 +55,8 @@ pub struct Plan {
 /// An attempt that succeeded, with what could still have failed.
 struct Completed {
     attempt: Attempt,
+    next: State,
+    rule: StepRule,
     strain: f64,
     contact: Option<ContactSummary>,
 }
@@ -65,7 +68,6 @@ pub struct Simulation {
     control: StepControl,
     scheme: Option<Box<dyn Scheme>>,
     newton: NewtonOptions,
-    rule: ForceRule,
     system: System,
     clock: Clock,
     state: State,
@@ -103,7 +105,10 @@ impl Simulation {
                 return Err(SimulationError::Model(format!("body {} has no density", body.solid.name())));
             }
         }
-        let rule = settings.scheme.as_ref().map_or(ForceRule::EndPoint, |s| s.force_rule());
+        if let Some(scheme) = settings.scheme.as_ref().filter(|s| !s.claims().constraints && !model.contacts.is_empty())
+        {
+            return Err(SimulationError::Model(format!("scheme {} cannot carry contact constraints", scheme.name())));
+        }
         let Settings { control, scheme, newton, solver } = settings;
         let system = System::new(&model, dynamic, solver)?;
         let clock = Clock::new(control);
@@ -119,7 +124,6 @@ impl Simulation {
             reactions: vec![0.0; if prescribed.is_empty() { 0 } else { components }],
             contact_force: vec![0.0; contact_components],
             prescribed,
-            rule,
             system,
             clock,
             state,
@@ -134,18 +138,40 @@ impl Simulation {
             newton,
         };
         if dynamic {
-            simulation.set_prescribed_velocities();
+            let (time, mut v) = (0.0, std::mem::take(&mut simulation.state.v));
+            simulation.set_prescribed_velocities(time, &mut v);
+            simulation.state.v = v;
         }
         simulation.set_prescribed_positions_at_start();
+        simulation.complete_initial_state()?;
         let strain = simulation.strain_energy(&simulation.state.q)?;
         simulation.balance = simulation.measure_balance(strain, 0.0);
         Ok(simulation)
     }
 
-    fn set_prescribed_velocities(&mut self) {
+    fn set_prescribed_velocities(&self, time: f64, v: &mut [f64]) {
         for &(component, p, column) in &self.prescribed {
             let table = &self.model.prescriptions[p as usize].displacement;
-            self.state.v[component as usize] = table.slope(self.state.time, column as usize);
+            v[component as usize] = table.slope(time, column as usize);
+        }
+    }
+
+    /// Acceleration and forces at the start, for schemes that carry them.
+    fn complete_initial_state(&mut self) -> Result<(), StepError> {
+        let rule = self.step_rule(self.clock.dt());
+        self.set_dead_loads(self.state.time);
+        let Self { model, system, state, pressures, active, .. } = self;
+        start(&mut FeSystem { model, system, pressures, active }, &rule, state)
+    }
+
+    fn step_rule(&self, dt: f64) -> StepRule {
+        self.scheme.as_ref().map_or_else(|| StepRule::quasi_static(dt), |scheme| scheme.rule(dt))
+    }
+
+    fn set_dead_loads(&mut self, time: f64) {
+        self.system.dead.fill(0.0);
+        for load in &self.model.loads {
+            load.add_dead(time, 1.0, &mut self.system.dead);
         }
     }
 
@@ -342,8 +368,9 @@ impl Simulation {
     fn try_step(&mut self) -> Result<Completed, StepError> {
         let dt = self.clock.dt();
         let time = self.state.time;
+        let rule = self.step_rule(dt);
         for body in &mut self.model.bodies {
-            body.solid.begin_step(&self.state.q, crate::assembly::stress_rule(self.rule))?;
+            body.solid.begin_step(&self.state.q, stress_rule(rule.force.rule))?;
         }
         if !self.model.contacts.is_empty() {
             // The farthest that two surfaces can approach each other in the step if nothing accelerates them much.
@@ -357,12 +384,8 @@ impl Simulation {
                 Ok(())
             })?;
         }
-        let load_time = time + self.rule.load_fraction() * dt;
-        self.system.dead.fill(0.0);
-        for load in &self.model.loads {
-            load.add_dead(load_time, 1.0, &mut self.system.dead);
-        }
-        match self.try_from(true, dt, load_time) {
+        self.set_dead_loads(time + rule.force.rule.load_fraction() * dt);
+        match self.try_from(true, dt, rule) {
             Err(StepError::Solid(cause)) if self.predictor_moves(dt) => {
                 self.decisions.push(decision(
                     self.step + 1,
@@ -371,7 +394,7 @@ impl Simulation {
                     DecisionKind::Restart,
                     format!("from the predictor: {cause}"),
                 ));
-                self.try_from(false, dt, load_time)
+                self.try_from(false, dt, rule)
             }
             result => result,
         }
@@ -381,7 +404,7 @@ impl Simulation {
         vector::norm_inf(&self.state.v) * dt > 0.0
     }
 
-    fn try_from(&mut self, predict: bool, dt: f64, load_time: f64) -> Result<Completed, StepError> {
+    fn try_from(&mut self, predict: bool, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         let mut q = self.state.q.clone();
         if predict {
             match &self.scheme {
@@ -395,21 +418,34 @@ impl Simulation {
             q[component] = value;
         }
         let start = Iterate { q, pressures: self.pressures.clone(), active: self.active.clone() };
-        let input = StepInput {
-            state_n: &self.state,
-            start,
-            scheme: self.scheme.as_deref(),
-            rule: self.rule,
-            dt,
-            load_time,
-            newton: self.newton,
-        };
+        let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, newton: self.newton };
         let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings)?;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
         let strain = self.strain_energy(&attempt.iterate.q)?;
         let contact = self.contact_summary(&attempt)?;
-        Ok(Completed { attempt, strain, contact })
+        let next = self.next_state(&attempt.iterate, dt, rule)?;
+        Ok(Completed { attempt, next, rule, strain, contact })
+    }
+
+    /// Velocities and whatever else the scheme carries, at the end of a converged step.
+    fn next_state(&mut self, iterate: &Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
+        let mut next = State { v: self.state.v.clone(), ..State::at_rest(iterate.q.clone()) };
+        let end = self.clock.next_time();
+        self.set_prescribed_velocities(end, &mut next.v);
+        let Self { model, system, state, .. } = self;
+        let mut buffers = std::mem::take(&mut system.buffers);
+        let mut fe = FeSystem { model, system, pressures: &iterate.pressures, active: &iterate.active };
+        let step = Step { state_n: state, dt, rule };
+        let result = finish(&mut fe, &step, &mut buffers, &mut next);
+        if let Ok(true) = result {
+            vector::axpy(1.0, &buffers.inertia, &mut buffers.residual);
+        }
+        self.system.buffers = buffers;
+        result?;
+        // The clock's ticks, not the sum of steps.
+        next.time = end;
+        Ok(next)
     }
 
     fn strain_energy(&self, q: &[f64]) -> Result<f64, StepError> {
@@ -421,39 +457,29 @@ impl Simulation {
     }
 
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
-        let Completed { attempt, strain, contact } = completed;
+        let Completed { attempt, next, rule, strain, contact } = completed;
         let Attempt { iterate, newton, solves, .. } = attempt;
         self.solves += u64::from(solves);
         let dt = self.clock.dt();
-        let time_n = self.state.time;
-        let time = self.clock.next_time();
+        let (time_n, time) = (self.state.time, next.time);
         // Work of the step: loads that vary in time, follower pressures, and reactions at moving supports.
-        let load_time = time_n + self.rule.load_fraction() * dt;
+        let load_time = time_n + rule.force.rule.load_fraction() * dt;
         let mut varying = vec![0.0; self.state.q.len()];
         for load in self.model.loads.iter().filter(|load| !load.is_conservative()) {
             load.add_dead(load_time, 1.0, &mut varying);
         }
-        vector::axpy(1.0, &self.system.follower, &mut varying);
+        if self.system.has_followers {
+            vector::axpy(1.0, &self.system.follower, &mut varying);
+        }
         for &(component, ..) in &self.prescribed {
             // The residual at a prescribed component is what the support has to exert.
             let c = component as usize;
-            self.reactions[c] = self.system.residual[c];
+            self.reactions[c] = self.system.buffers.residual[c];
             varying[c] += self.reactions[c];
         }
         let mut work = 0.0;
-        for ((f, q1), q0) in varying.iter().zip(&iterate.q).zip(&self.state.q) {
+        for ((f, q1), q0) in varying.iter().zip(&next.q).zip(&self.state.q) {
             work += f * (q1 - q0);
-        }
-        let mut next = State { time, q: iterate.q, v: vec![0.0; self.state.v.len()] };
-        match &self.scheme {
-            Some(scheme) => {
-                scheme.update(&self.state, &next.q, dt, &mut next.v);
-            }
-            None => {
-                for ((v, q1), q0) in next.v.iter_mut().zip(&next.q).zip(&self.state.q) {
-                    *v = (q1 - q0) / dt;
-                }
-            }
         }
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
             pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
@@ -462,11 +488,13 @@ impl Simulation {
         if self.scheme.is_some() && !self.prescribed.is_empty() {
             // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
             let before = self.kinetic(&self.state.v);
-            self.set_prescribed_velocities();
+            let mut v = std::mem::take(&mut self.state.v);
+            self.set_prescribed_velocities(time, &mut v);
+            self.state.v = v;
             work += self.kinetic(&self.state.v) - before;
         }
         if !self.model.contacts.is_empty() {
-            self.contact_force.copy_from_slice(&self.system.contact_force);
+            self.contact_force.copy_from_slice(&self.system.buffers.constraint);
         }
         self.pressures = iterate.pressures;
         self.active = iterate.active;
@@ -507,7 +535,7 @@ impl Simulation {
                     summary.max_pressure = summary.max_pressure.max(iterate.pressures[c][slot]);
                 }
                 for i in 0..3 {
-                    summary.force_on_slave[i] += self.system.contact_force[3 * report.node as usize + i];
+                    summary.force_on_slave[i] += self.system.buffers.constraint[3 * report.node as usize + i];
                 }
             }
         }
@@ -523,6 +551,8 @@ impl Simulation {
             time: self.state.time,
             q: self.state.q.clone(),
             v: self.state.v.clone(),
+            a: self.state.a.clone(),
+            history: self.state.history.clone(),
             pressures: self.pressures.clone(),
             active: self.active.clone(),
             histories: self.model.contacts.iter().map(|p| p.method.save_history()).collect(),
@@ -554,7 +584,13 @@ impl Simulation {
         }
         self.clock = checkpoint.clock;
         self.step = checkpoint.step;
-        self.state = State { time: checkpoint.time, q: checkpoint.q, v: checkpoint.v };
+        self.state = State {
+            time: checkpoint.time,
+            q: checkpoint.q,
+            v: checkpoint.v,
+            a: checkpoint.a,
+            history: checkpoint.history,
+        };
         self.pressures = checkpoint.pressures;
         self.active = checkpoint.active;
         self.reactions = checkpoint.reactions;

@@ -1,10 +1,11 @@
 //! One attempted step: predictor, Newton with a fixed active set, active-set update, repeat.
 
-use crate::assembly::{Iterate, StepProblem, System};
+use crate::assembly::{Iterate, System};
+use crate::problem::StepProblem;
 use crate::{Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
-use stoss_integrators::{ForceRule, Scheme, State};
+use stoss_integrators::Step;
 use stoss_newton::{NewtonOptions, NewtonReport, solve};
 
 /// Changes of the active set tried in a step before it is given up (formulation §9.1).
@@ -24,12 +25,8 @@ pub(crate) struct Attempt {
 
 /// What an attempt needs from the run.
 pub(crate) struct StepInput<'a> {
-    pub state_n: &'a State,
+    pub step: Step<'a>,
     pub start: Iterate,
-    pub scheme: Option<&'a dyn Scheme>,
-    pub rule: ForceRule,
-    pub dt: f64,
-    pub load_time: f64,
     pub newton: NewtonOptions,
 }
 
@@ -74,18 +71,7 @@ pub(crate) fn attempt(
         } else {
             input.newton
         };
-        let mut problem = StepProblem {
-            model,
-            system,
-            state_n: input.state_n,
-            iterate: &mut iterate,
-            scheme: input.scheme,
-            rule: input.rule,
-            dt: input.dt,
-            load_time: input.load_time,
-            timings,
-            solves: 0,
-        };
+        let mut problem = StepProblem { model, system, step: input.step, iterate: &mut iterate, timings, solves: 0 };
         let result = solve(&mut problem, &options);
         solves += problem.solves;
         let report = match &result {

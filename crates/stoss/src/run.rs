@@ -116,7 +116,7 @@ fn load(path: &Path) -> Result<(Scene, Built, String), RunError> {
 
 fn scheme_name(scene: &Scene) -> String {
     match scene.time.integrator.as_ref().filter(|_| scene.is_dynamic()) {
-        Some(integrator) => integrator.scheme.name().to_owned(),
+        Some(integrator) => integrator.scheme.clone(),
         None => "quasi-static".to_owned(),
     }
 }

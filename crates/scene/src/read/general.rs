@@ -2,7 +2,9 @@
 
 use super::node::Node;
 use super::table::Table;
-use crate::{Header, Integrator, Kind, LinearSolver, Scheme, Solver, Time};
+use crate::{Header, Integrator, Kind, LinearSolver, Solver, Time};
+use std::collections::BTreeMap;
+use stoss_integrators::SCHEMES;
 
 /// `[scene]`; the kind is returned apart, for it is needed even if the title is bad.
 pub(super) fn header(table: &Table<'_>) -> (Option<Header>, Option<Kind>) {
@@ -48,10 +50,29 @@ pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
 
 fn integrator(node: &Node<'_>) -> Option<Integrator> {
     let table = node.table()?;
-    let scheme =
-        table.required("scheme", "scheme = \"energy-momentum\"", |n| n.choice(Scheme::NAMES, Scheme::from_name));
+    let names: Vec<&str> = SCHEMES.iter().map(|entry| entry.name).collect();
+    let entry =
+        table.required("scheme", "scheme = \"energy-momentum\"", |n| n.choice(&names, stoss_integrators::entry));
+    let Some(entry) = entry else {
+        // Which parameters there are is not known: nothing to say about them.
+        return None;
+    };
+    let mut parameters = BTreeMap::new();
+    let mut good = true;
+    for parameter in entry.parameters {
+        let (low, high) = parameter.range;
+        let value = table.optional(parameter.name, |n| {
+            let value = n.number()?;
+            if value < low || value > high {
+                return n.fail(format!("is outside [{low}, {high}]"), format!("it is the {}", parameter.about));
+            }
+            Some(value)
+        });
+        good &= value.is_some();
+        parameters.extend(value.flatten().map(|value| (parameter.name.to_owned(), value)));
+    }
     table.finish();
-    Some(Integrator { scheme: scheme? })
+    good.then(|| Integrator { scheme: entry.name.to_owned(), parameters })
 }
 
 pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {

@@ -10,6 +10,7 @@ pub use probe::{Probe, ProbeTarget};
 use crate::scene::{Kind, Problem, Scene, SceneErrors};
 use crate::solver::{Model, Settings, Simulation, StepControl};
 use std::path::Path;
+use stoss_integrators::{SCHEMES, Scheme};
 use stoss_linalg::AutoSolver;
 use stoss_mesh::Mesh;
 use stoss_newton::{LineSearch, NewtonOptions};
@@ -72,10 +73,11 @@ pub fn build(scene: &Scene, folder: &Path) -> Result<Built, SceneErrors> {
         condition::contacts(scene, &placed, &mut model, &mut problems, &mut warnings);
         probes = probe::probes(scene, &placed, &mut problems);
     }
+    let scheme = scheme(scene, &mut problems);
     if let Some(errors) = SceneErrors::new(problems.list, scene.text()) {
         return Err(errors);
     }
-    match Simulation::new(model, settings(scene)) {
+    match Simulation::new(model, settings(scene, scheme)) {
         Ok(simulation) => Ok(Built { simulation, probes, warnings, mesh_files, bodies }),
         Err(error) => {
             let remedy = "mend the scene; with several prescriptions, let each component of a node appear once";
@@ -89,7 +91,34 @@ pub fn build(scene: &Scene, folder: &Path) -> Result<Built, SceneErrors> {
     }
 }
 
-fn settings(scene: &Scene) -> Settings {
+/// The scheme of a dynamic scene, and whether it can do what the scene asks for.
+fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>> {
+    let integrator = scene.time.integrator.as_ref()?;
+    match integrator.make() {
+        Ok(scheme) => {
+            if !scheme.claims().constraints && !scene.contacts.is_empty() {
+                let constrained: Vec<&str> = SCHEMES
+                    .iter()
+                    .filter(|entry| entry.with([]).is_ok_and(|s| s.claims().constraints))
+                    .map(|entry| entry.name)
+                    .collect();
+                problems.add(
+                    "time.integrator.scheme".into(),
+                    &integrator.scheme,
+                    "cannot carry constraints, but the scene has contact",
+                    format!("choose one of {}, or remove the contact", constrained.join(", ")),
+                );
+            }
+            Some(scheme)
+        }
+        Err(error) => {
+            problems.add("time.integrator".into(), &integrator.scheme, error.to_string(), "see docs/guide.md, [time]");
+            None
+        }
+    }
+}
+
+fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
     let default = NewtonOptions::default();
     let solver = &scene.solver;
     Settings {
@@ -101,7 +130,7 @@ fn settings(scene: &Scene) -> Settings {
         },
         scheme: match scene.header.kind {
             Kind::QuasiStatic => None,
-            Kind::Dynamic => scene.time.integrator.as_ref().and_then(|i| stoss_integrators::scheme(i.scheme.name())),
+            Kind::Dynamic => scheme,
         },
         newton: NewtonOptions {
             relative_tolerance: solver.relative_tolerance.unwrap_or(DEFAULT_TOLERANCE),

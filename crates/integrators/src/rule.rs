@@ -1,0 +1,134 @@
+//! What a scheme prescribes for one step, as data.
+
+/// Where the forces `F(q)` of a step are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ForceRule {
+    /// At `q_{n+theta} = (1 - theta) q_n + theta q_np1`: 0 the start, 1/2 the midpoint, 1 the end of the step.
+    Configuration {
+        /// In `[0, 1]`.
+        theta: f64,
+    },
+    /// Discrete gradient between `q_n` and `q_np1`: `F_bar . (q_np1 - q_n) = V_np1 - V_n`.
+    DiscreteGradient,
+}
+
+impl ForceRule {
+    /// At `q_n`.
+    pub const START: Self = Self::Configuration { theta: 0.0 };
+    /// At the midpoint.
+    pub const MIDPOINT: Self = Self::Configuration { theta: 0.5 };
+    /// At `q_np1`.
+    pub const END_POINT: Self = Self::Configuration { theta: 1.0 };
+
+    /// Fraction of the step at which given loads are taken (`t_n + fraction * dt`).
+    pub fn load_fraction(self) -> f64 {
+        match self {
+            Self::Configuration { theta } => theta,
+            Self::DiscreteGradient => 0.5,
+        }
+    }
+}
+
+/// Where the constraint gradients `G(q)` of a step are taken. The constraint itself is always that of `q_np1`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GradientRule {
+    /// At `q_n`.
+    StartPoint,
+    /// At the midpoint configuration.
+    Midpoint,
+    /// At `q_np1`.
+    EndPoint,
+    /// Mean of the gradients at both ends.
+    EndPointMean,
+    /// Discrete gradient.
+    DiscreteGradient,
+}
+
+/// `increment (q_np1 - q_n) + velocity v_n + acceleration a_n`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Combination {
+    /// Factor of `q_np1 - q_n`.
+    pub increment: f64,
+    /// Factor of `v_n`.
+    pub velocity: f64,
+    /// Factor of `a_n`.
+    pub acceleration: f64,
+}
+
+impl Combination {
+    /// Without an acceleration.
+    pub fn new(increment: f64, velocity: f64) -> Self {
+        Self { increment, velocity, acceleration: 0.0 }
+    }
+}
+
+/// `weight * F_rule`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceTerm {
+    /// Where forces are taken.
+    pub rule: ForceRule,
+    /// Factor in the residual; with zero they are not evaluated during the iteration.
+    pub weight: f64,
+}
+
+/// `weight * G_rule^T p`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstraintTerm {
+    /// Where constraint gradients are taken.
+    pub rule: GradientRule,
+    /// Factor in the residual.
+    pub weight: f64,
+}
+
+/// `weight * H_n`: forces of the last end point, kept in [`crate::State::history`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HistoryTerm {
+    /// Factor in the residual.
+    pub weight: f64,
+    /// `H` contains `F`.
+    pub force: bool,
+    /// `H` contains `-G^T p`.
+    pub constraint: bool,
+}
+
+/// One step of a scheme for one step size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepRule {
+    /// Algorithmic acceleration `a_alg`; all zero: no inertia.
+    pub inertia: Combination,
+    /// Forces.
+    pub force: ForceTerm,
+    /// Constraint forces.
+    pub constraint: ConstraintTerm,
+    /// Forces of the last end point. A scheme that asks for `H` takes its forces and constraint gradients, as far as they are in `H`, at
+    /// the end point, so that those of the converged step are the next history.
+    pub history: Option<HistoryTerm>,
+    /// `v_np1`, if `impulse` is `None`.
+    pub velocity: Combination,
+    /// `M v_np1 = M velocity(..) + impulse F_rule`: an update of momenta. A time.
+    pub impulse: Option<f64>,
+    /// `a_np1`, for schemes that carry an acceleration.
+    pub acceleration: Option<Combination>,
+}
+
+impl StepRule {
+    /// Equilibrium at the end of the step: no inertia; the "velocity" is the mean one of the step.
+    pub fn quasi_static(dt: f64) -> Self {
+        Self {
+            inertia: Combination::default(),
+            force: ForceTerm { rule: ForceRule::END_POINT, weight: 1.0 },
+            constraint: ConstraintTerm { rule: GradientRule::EndPoint, weight: 1.0 },
+            history: None,
+            velocity: Combination::new(1.0 / dt, 0.0),
+            impulse: None,
+            acceleration: None,
+        }
+    }
+
+    /// True if the step has a mass term.
+    pub fn has_inertia(&self) -> bool {
+        self.inertia != Combination::default()
+    }
+}

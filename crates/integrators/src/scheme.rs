@@ -1,0 +1,40 @@
+//! The trait of a scheme.
+
+use crate::{State, StepRule};
+
+/// What a scheme conserves for an autonomous, frictionless, free system, to the tolerance of the nonlinear solution
+/// (formulation §16), and its order. Data, so that a battery can test each claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Claims {
+    /// Order of convergence of positions.
+    pub order: u32,
+    /// Linear momentum is exact.
+    pub linear_momentum: bool,
+    /// Angular momentum is exact.
+    pub angular_momentum: bool,
+    /// Total energy is exact for any potential.
+    pub energy: bool,
+    /// The scheme can carry constraints (contact).
+    pub constraints: bool,
+}
+
+/// A one-step scheme: [`StepRule`]s and a predictor. See the crate's documentation for how to add one.
+pub trait Scheme: std::fmt::Debug + Send + Sync {
+    /// Name used in scenes and reports.
+    fn name(&self) -> &'static str;
+    /// Order and conservation.
+    fn claims(&self) -> Claims;
+    /// Residual and updates of a step of size `dt > 0`.
+    fn rule(&self, dt: f64) -> StepRule;
+    /// True if the scheme is meant for the system augmented by further coordinates (formulation §5.1). A system that has no augmented form, or
+    /// eliminates its additional coordinates itself, uses the same equations.
+    fn augmented(&self) -> bool {
+        false
+    }
+    /// Predictor of `q_np1`: by default `q_n + dt v_n`.
+    fn predict(&self, state_n: &State, dt: f64, q_np1: &mut [f64]) {
+        for ((out, q), v) in q_np1.iter_mut().zip(&state_n.q).zip(&state_n.v) {
+            *out = q + dt * v;
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! One step, for any scheme and any system.
+
+use crate::{Combination, ConstraintTerm, ForceRule, SecondOrderSystem, State, StepConfiguration, StepRule};
+
+/// A step that is being solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// State at the beginning.
+    pub state_n: &'a State,
+    /// Size of the step.
+    pub dt: f64,
+    /// The scheme's rule for that size.
+    pub rule: StepRule,
+}
+
+impl<'a> Step<'a> {
+    fn configuration<'q>(&self, q_np1: &'q [f64]) -> StepConfiguration<'q>
+    where
+        'a: 'q,
+    {
+        StepConfiguration { time: self.state_n.time, dt: self.dt, q_n: &self.state_n.q, q_np1 }
+    }
+
+    /// A combination of increment and state, into `out`.
+    fn combine(&self, c: Combination, q_np1: &[f64], out: &mut [f64]) {
+        let State { q, v, a, .. } = self.state_n;
+        for (((out, q1), q0), v0) in out.iter_mut().zip(q_np1).zip(q).zip(v) {
+            *out = c.increment * (q1 - q0) + c.velocity * v0;
+        }
+        if c.acceleration != 0.0 {
+            for (out, a0) in out.iter_mut().zip(a) {
+                *out += c.acceleration * a0;
+            }
+        }
+    }
+}
+
+/// Vectors of a step, allocated once. What a run does not need has no entries.
+#[derive(Clone, Debug, Default)]
+pub struct Buffers {
+    /// `R`, without the constraint rows.
+    pub residual: Vec<f64>,
+    /// `F_rule`, not weighted.
+    pub force: Vec<f64>,
+    /// `G_rule^T p`, not weighted.
+    pub constraint: Vec<f64>,
+    /// `M a_alg`.
+    pub inertia: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+impl Buffers {
+    /// For a system with that many coordinates.
+    pub fn new(dimension: usize, inertia: bool, constraints: bool) -> Self {
+        let vector = |wanted| vec![0.0; if wanted { dimension } else { 0 }];
+        Self {
+            residual: vector(true),
+            force: vector(true),
+            constraint: vector(constraints),
+            inertia: vector(inertia),
+            scratch: vector(inertia),
+        }
+    }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        let all = [&self.residual, &self.force, &self.constraint, &self.inertia, &self.scratch];
+        all.iter().map(|v| 8 * v.capacity()).sum()
+    }
+}
+
+fn add(factor: f64, x: &[f64], out: &mut [f64]) {
+    for (out, x) in out.iter_mut().zip(x) {
+        *out += factor * x;
+    }
+}
+
+/// Residual of the step at `q_np1` into `buffers.residual`, its terms into the other buffers; with `tangent` the system's tangent too.
+///
+/// # Errors
+/// Those of the system; the buffers are then undefined.
+pub fn evaluate<S: SecondOrderSystem>(
+    system: &mut S,
+    step: &Step<'_>,
+    q_np1: &[f64],
+    tangent: bool,
+    buffers: &mut Buffers,
+) -> Result<(), S::Error> {
+    let rule = &step.rule;
+    let at = step.configuration(q_np1);
+    if tangent {
+        system.start_tangent(rule.inertia.increment);
+    }
+    buffers.residual.fill(0.0);
+    buffers.force.fill(0.0);
+    if rule.force.weight != 0.0 {
+        system.add_force(at, rule.force.rule, tangent.then_some(rule.force.weight), &mut buffers.force)?;
+        add(rule.force.weight, &buffers.force, &mut buffers.residual);
+    }
+    if rule.has_inertia() {
+        step.combine(rule.inertia, q_np1, &mut buffers.scratch);
+        buffers.inertia.fill(0.0);
+        system.add_mass_product(1.0, &buffers.scratch, &mut buffers.inertia);
+        add(1.0, &buffers.inertia, &mut buffers.residual);
+    }
+    if let Some(history) = rule.history {
+        add(history.weight, &step.state_n.history, &mut buffers.residual);
+    }
+    buffers.constraint.fill(0.0);
+    let ConstraintTerm { rule, weight } = rule.constraint;
+    system.add_constraint_force(at, rule, weight, tangent, &mut buffers.constraint)?;
+    add(-weight, &buffers.constraint, &mut buffers.residual);
+    Ok(())
+}
+
+/// Velocity, acceleration and history at `n+1` from the converged `q_np1`, whose [`evaluate`] was the last one with these buffers.
+/// `next.q` holds `q_np1`; where an update of momenta meets prescribed motion, `next.v` comes with the prescribed velocities.
+/// Returns the reaction impulse over `dt` that the update of momenta leaves at prescribed coordinates, to be added to the residual there (in
+/// `buffers.inertia`, which is overwritten): true if there is one.
+///
+/// # Errors
+/// Those of the system.
+pub fn finish<S: SecondOrderSystem>(
+    system: &mut S,
+    step: &Step<'_>,
+    buffers: &mut Buffers,
+    next: &mut State,
+) -> Result<bool, S::Error> {
+    let rule = &step.rule;
+    next.time = step.state_n.time + step.dt;
+    if let Some(impulse) = rule.impulse {
+        if rule.force.weight == 0.0 {
+            buffers.force.fill(0.0);
+            system.add_force(step.configuration(&next.q), rule.force.rule, None, &mut buffers.force)?;
+        }
+        step.combine(rule.velocity, &next.q, &mut buffers.scratch);
+        // The momenta that the velocities must have; then the residual of that at prescribed coordinates.
+        buffers.inertia.fill(0.0);
+        system.add_mass_product(1.0, &buffers.scratch, &mut buffers.inertia);
+        add(impulse, &buffers.force, &mut buffers.inertia);
+        system.solve_mass(&buffers.inertia, &mut next.v)?;
+        for value in &mut buffers.inertia {
+            *value = -*value / step.dt;
+        }
+        system.add_mass_product(1.0 / step.dt, &next.v, &mut buffers.inertia);
+    } else {
+        step.combine(rule.velocity, &next.q, &mut next.v);
+    }
+    if let Some(acceleration) = rule.acceleration {
+        next.a.resize(next.q.len(), 0.0);
+        step.combine(acceleration, &next.q, &mut next.a);
+    }
+    if let Some(history) = rule.history {
+        next.history.clear();
+        next.history.resize(next.q.len(), 0.0);
+        if history.force {
+            add(1.0, &buffers.force, &mut next.history);
+        }
+        if history.constraint {
+            add(-1.0, &buffers.constraint, &mut next.history);
+        }
+    }
+    Ok(rule.impulse.is_some())
+}
+
+/// Completes an initial state: `M a_0 = -F(q_0)` and `H_0 = F(q_0)` for schemes that carry them. There are no multipliers yet.
+///
+/// # Errors
+/// Those of the system.
+pub fn start<S: SecondOrderSystem>(system: &mut S, rule: &StepRule, state: &mut State) -> Result<(), S::Error> {
+    let n = state.q.len();
+    let keeps_force = rule.history.is_some_and(|history| history.force);
+    let mut force = vec![0.0; n];
+    if rule.acceleration.is_some() || keeps_force {
+        let at = StepConfiguration { time: state.time, dt: 0.0, q_n: &state.q, q_np1: &state.q };
+        system.add_force(at, ForceRule::END_POINT, None, &mut force)?;
+    }
+    if rule.acceleration.is_some() {
+        let rhs: Vec<f64> = force.iter().map(|f| -f).collect();
+        state.a.clear();
+        state.a.resize(n, 0.0);
+        system.solve_mass(&rhs, &mut state.a)?;
+    }
+    if rule.history.is_some() {
+        state.history = if keeps_force { force } else { vec![0.0; n] };
+    }
+    Ok(())
+}

@@ -1,0 +1,67 @@
+//! What a scheme needs to know of a system.
+
+use crate::{ForceRule, GradientRule};
+
+/// The configurations of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepConfiguration<'a> {
+    /// Beginning of the step.
+    pub time: f64,
+    /// Size of the step.
+    pub dt: f64,
+    /// Positions at `n`.
+    pub q_n: &'a [f64],
+    /// Iterate of the positions at `n+1`.
+    pub q_np1: &'a [f64],
+}
+
+/// A system `M v' + F(q) - G^T p = 0`, `Phi(q) = 0` with constant mass. Its matrix, its multipliers `p` and its constraint rows are
+/// its own; vectors have [`Self::dimension`] entries.
+pub trait SecondOrderSystem {
+    /// What can go wrong.
+    type Error;
+
+    /// Number of coordinates.
+    fn dimension(&self) -> usize;
+
+    /// `out += factor M x`.
+    fn add_mass_product(&self, factor: f64, x: &[f64], out: &mut [f64]);
+
+    /// Solves `M x = rhs`; `x` comes with a guess. Coordinates whose motion is prescribed keep the value that they come with.
+    ///
+    /// # Errors
+    /// The mass is singular.
+    fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) -> Result<(), Self::Error>;
+
+    /// Sets the tangent to `factor M`. Called before the other contributions.
+    fn start_tangent(&mut self, factor: f64);
+
+    /// `out += F_rule`, external loads (taken at the rule's time) subtracted; with `tangent = Some(w)` also
+    /// `w dF_rule/dq_np1` to the tangent.
+    ///
+    /// # Errors
+    /// The force does not exist at this configuration.
+    fn add_force(
+        &mut self,
+        step: StepConfiguration<'_>,
+        rule: ForceRule,
+        tangent: Option<f64>,
+        out: &mut [f64],
+    ) -> Result<(), Self::Error>;
+
+    /// `out += G_rule^T p`, and the system's own constraint rows; with `tangent` also `-weight d(G_rule^T p)/d(q_np1, p)` and the
+    /// derivatives of the rows (these not weighted). Systems without constraints do nothing (default).
+    ///
+    /// # Errors
+    /// The constraint does not exist at this configuration.
+    fn add_constraint_force(
+        &mut self,
+        _step: StepConfiguration<'_>,
+        _rule: GradientRule,
+        _weight: f64,
+        _tangent: bool,
+        _out: &mut [f64],
+    ) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}

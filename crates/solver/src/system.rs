@@ -1,0 +1,191 @@
+//! The finite-element model as a system that every scheme can drive: forces of solids, loads and contact, mass.
+
+use crate::assembly::System;
+use crate::mass_solve::MassSolver;
+use crate::{LoadKind, Model, StepError};
+use stoss_contact::{ContactRule, StepConfiguration as ContactStep};
+use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
+use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
+use stoss_linalg::vector;
+
+/// The stress rule of a scheme's force rule.
+pub(crate) fn stress_rule(rule: ForceRule) -> StressRule {
+    match rule {
+        ForceRule::Configuration { theta } => StressRule::Configuration { theta },
+        // The rules are not to be extended without their stress; the energy-momentum stress is the safe one.
+        _ => StressRule::EnergyMomentum,
+    }
+}
+
+fn contact_rule(rule: GradientRule) -> ContactRule {
+    match rule {
+        GradientRule::StartPoint => ContactRule::StartPoint,
+        GradientRule::Midpoint => ContactRule::Midpoint,
+        GradientRule::EndPoint => ContactRule::EndPoint,
+        GradientRule::EndPointMean => ContactRule::EndPointMean,
+        _ => ContactRule::EnergyMomentum,
+    }
+}
+
+/// Model and storage at an iterate of the pressures.
+pub(crate) struct FeSystem<'a> {
+    pub model: &'a Model,
+    pub system: &'a mut System,
+    pub pressures: &'a [Vec<f64>],
+    pub active: &'a [Vec<bool>],
+}
+
+impl FeSystem<'_> {
+    /// Follower pressures at the configuration of the rule, into `system.follower` and, with their tangent, the solids' values.
+    fn evaluate_follower(&mut self, step: StepConfiguration<'_>, rule: ForceRule, tangent: Option<f64>) {
+        let (model, s) = (self.model, &mut *self.system);
+        s.follower.fill(0.0);
+        let theta = rule.load_fraction();
+        let time = step.time + theta * step.dt;
+        let mut stencil = *s.first_stencil.last().unwrap_or(&0);
+        for load in &model.loads {
+            let LoadKind::FollowerPressure { facets } = &load.kind else { continue };
+            let pressure = load.magnitude.value(time, 0);
+            for facet in facets {
+                let corners = facet.map(|node| {
+                    let at = 3 * node as usize;
+                    std::array::from_fn(|i| {
+                        if theta == 1.0 {
+                            step.q_np1[at + i]
+                        } else {
+                            (1.0 - theta) * step.q_n[at + i] + theta * step.q_np1[at + i]
+                        }
+                    })
+                });
+                let (force, derivative) = follower_pressure(&corners, pressure);
+                add_follower_pressure(facet, &force, &mut s.follower);
+                if let Some(weight) = tangent {
+                    // The load enters the residual with a minus, and d q_theta / d q_np1 = theta.
+                    let factor = -weight * theta;
+                    let mut block = [0.0; 144];
+                    for (out, row) in block.chunks_exact_mut(12).zip(&derivative) {
+                        for (o, t) in out.iter_mut().zip(row) {
+                            *o = factor * t;
+                        }
+                    }
+                    s.solid_map.add(stencil, &block, &mut s.solid_values);
+                }
+                stencil += 1;
+            }
+        }
+    }
+}
+
+impl SecondOrderSystem for FeSystem<'_> {
+    type Error = StepError;
+
+    fn dimension(&self) -> usize {
+        self.model.reference.len()
+    }
+
+    fn add_mass_product(&self, factor: f64, x: &[f64], out: &mut [f64]) {
+        for mass in &self.system.masses {
+            mass.multiply_add(factor, x, out);
+        }
+    }
+
+    fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) -> Result<(), StepError> {
+        let System { masses, numbering, mass_solver, .. } = &mut *self.system;
+        mass_solver.get_or_insert_with(|| MassSolver::new(masses, &numbering.free, x.len())).solve(masses, rhs, x)
+    }
+
+    fn start_tangent(&mut self, factor: f64) {
+        let s = &mut *self.system;
+        if s.mass_values.is_empty() {
+            s.solid_values.fill(0.0);
+            return;
+        }
+        for (k, m) in s.solid_values.iter_mut().zip(&s.mass_values) {
+            *k = factor * m;
+        }
+    }
+
+    fn add_force(
+        &mut self,
+        step: StepConfiguration<'_>,
+        rule: ForceRule,
+        tangent: Option<f64>,
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        let s = &mut *self.system;
+        let solid_step = SolidStep { q_n: step.q_n, q_np1: step.q_np1, rule: stress_rule(rule) };
+        for (b, body) in self.model.bodies.iter().enumerate() {
+            let target = tangent.map(|factor| TangentTarget {
+                map: &s.solid_map,
+                first_stencil: s.first_stencil[b],
+                factor,
+                values: &mut s.solid_values,
+            });
+            body.solid.assemble(solid_step, 1.0, out, target, &mut s.workspaces[b])?;
+        }
+        s.force_scale = vector::norm2(out).max(vector::norm2(&s.dead));
+        vector::axpy(-1.0, &s.dead, out);
+        if s.has_followers {
+            self.evaluate_follower(step, rule, tangent);
+            let s = &mut *self.system;
+            vector::axpy(-1.0, &s.follower, out);
+            s.force_scale = s.force_scale.max(vector::norm2(&s.follower));
+        }
+        Ok(())
+    }
+
+    fn add_constraint_force(
+        &mut self,
+        step: StepConfiguration<'_>,
+        rule: GradientRule,
+        weight: f64,
+        tangent: bool,
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        let (model, s) = (self.model, &mut *self.system);
+        if tangent {
+            s.values.fill(0.0);
+            for (value, &at) in s.solid_values.iter().zip(&s.solid_to_global) {
+                s.values[at as usize] = *value;
+            }
+        }
+        let free = s.numbering.free.len();
+        s.rhs[free..].fill(0.0);
+        s.gap_measure = 0.0;
+        let mut k = 0;
+        for (c, pair) in model.contacts.iter().enumerate() {
+            let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule: contact_rule(rule) };
+            let method = &pair.method;
+            let length = method.length_scale();
+            let System { rhs, values, slot_equation, contact_map, weighted, gap_measure, .. } = s;
+            let equations = &slot_equation[c];
+            method.assemble(configuration, &self.pressures[c], &self.active[c], tangent, &mut |local| {
+                let coordinates = 3 * local.nodes.len();
+                for (i, &node) in local.nodes.iter().enumerate() {
+                    for d in 0..3 {
+                        out[3 * node as usize + d] -= local.residual[3 * i + d];
+                    }
+                }
+                for (&slot, row) in local.slots.iter().zip(&local.residual[coordinates..]) {
+                    rhs[equations[slot as usize] as usize] -= row;
+                    *gap_measure = gap_measure.max(row.abs() / (method.slot_weight(slot as usize) * length));
+                }
+                if tangent {
+                    if weight == 1.0 {
+                        contact_map.add(k, &local.tangent, values);
+                    } else {
+                        // Forces are weighted, constraint rows are not.
+                        weighted.clear();
+                        weighted.extend_from_slice(&local.tangent);
+                        for entry in &mut weighted[..coordinates * local.dim()] {
+                            *entry *= weight;
+                        }
+                        contact_map.add(k, weighted, values);
+                    }
+                }
+                k += 1;
+            })?;
+        }
+        Ok(())
+    }
+}
