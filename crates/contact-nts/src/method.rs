@@ -54,13 +54,16 @@ pub struct NodeToSurface {
     name: String,
     pub(crate) slave: ContactSurface,
     pub(crate) search: MasterSearch,
-    constraint: ConstraintForm,
+    pub(crate) constraint: ConstraintForm,
     pub(crate) slots: Vec<Slot>,
     /// Positions at `n`, for pairing.
     pub(crate) q_n: Vec<f64>,
     /// A typical edge of the master.
-    length: f64,
+    pub(crate) length: f64,
 }
+
+/// Bytes of history of a slot: facet, gap kept, strayed or not.
+const HISTORY: usize = 13;
 
 pub(crate) fn position(q: &[f64], node: u32) -> Vector3<f64> {
     let k = 3 * node as usize;
@@ -118,12 +121,18 @@ impl NodeToSurface {
             .ok_or(ContactError::Projection { node, facet })
     }
 
-    /// `g_n` that an active slot's constraint refers to.
-    fn reference_gap(&self, slot: usize) -> f64 {
-        match self.constraint {
-            ConstraintForm::Standard => 0.0,
-            ConstraintForm::Modified => self.slots[slot].gap_n,
-        }
+    /// What the gap of a node that is not active may fall to before it counts as closed: a node that was released while it kept a negative gap
+    /// must not be caught by that.
+    fn allowance(&self, slot: usize) -> f64 {
+        let slot = &self.slots[slot];
+        if slot.committed.is_some() { slot.origin_gap.min(0.0) } else { 0.0 }
+    }
+
+    /// True if a node behind the surface came there from the side or from behind: without a partner at `n` it was not in front of this
+    /// facet's extension then. Closing it would push it out with work that nobody did.
+    fn came_from_behind(&self, slot: usize, facet: u32) -> bool {
+        let state = &self.slots[slot];
+        state.strayed || state.origin.is_none() && self.gap(slot, facet, &self.q_n).is_ok_and(|at_n| at_n.gap < 0.0)
     }
 
     /// An active slot that found no facet (the union of sets of the active-set control can ask for one): the row `-A p = 0`, which keeps
@@ -172,7 +181,7 @@ impl NodeToSurface {
             // Rules that need the midpoint.
             _ => {}
         }
-        if pairing.start == pairing.end {
+        if pairing.start == pairing.end && !self.slots[slot].relaxing {
             let (q_n, q_1) = (local(step.q_n, &element.nodes[..5]), local(step.q_np1, &element.nodes[..5]));
             if step.rule == ContactRule::EnergyMomentum {
                 let (x, patch) = points(&q_n);
@@ -279,19 +288,35 @@ impl ContactMethod for NodeToSurface {
         self.q_n.clear();
         self.q_n.extend_from_slice(q_n);
         self.search.update(q_n, reach);
-        for slot in 0..self.slots.len() {
-            if let Some(facet) = self.slots[slot].committed {
-                // A node in contact keeps the facet and the gap that its last step ended with.
-                self.slots[slot] = Slot::begin(Some(facet), Some(facet), self.gap(slot, facet, q_n)?.gap);
-            }
-        }
         let view = self.search.at(q_n);
         for slot in 0..self.slots.len() {
-            if self.slots[slot].committed.is_none() {
-                let normal = self.slave.node_normal(slot, q_n);
-                let point = view.closest(&position(q_n, self.slave.nodes()[slot]), Some(&normal));
-                self.slots[slot] = Slot::begin(None, point.pairing.map(|p| p.facet), point.gap);
-            }
+            let state = self.slots[slot];
+            let normal = self.slave.node_normal(slot, q_n);
+            let closest = || view.closest(&position(q_n, self.slave.nodes()[slot]), Some(&normal));
+            self.slots[slot] = match state.committed {
+                // A node in contact keeps the gap that its last step ended with. It keeps its facet too, unless it stands on the extension
+                // of that: then it starts from the facet below it, with the gap that it has there. (Crossing the edge with
+                // the gap of the old facet would need a force tilted by the difference of both gaps over the motion.)
+                Some(facet) => {
+                    let on_facet = self.gap(slot, facet, q_n)?;
+                    let mut at_n = (facet, on_facet.gap);
+                    if on_facet.outside() > 0.0
+                        && let Some(pairing) = closest().pairing
+                        && pairing.facet != facet
+                    {
+                        at_n = (pairing.facet, self.gap(slot, pairing.facet, q_n)?.gap);
+                    }
+                    let (kept, wanted) = match self.constraint {
+                        ConstraintForm::Standard => (state.kept + (at_n.1 - on_facet.gap), 0.0),
+                        ConstraintForm::Modified => (at_n.1, at_n.1),
+                    };
+                    Slot::closed(at_n.0, at_n.1, kept, wanted)
+                }
+                None => {
+                    let point = closest();
+                    Slot::open(point.pairing.map(|p| p.facet), point.gap, state.strayed)
+                }
+            };
         }
         Ok(())
     }
@@ -337,7 +362,7 @@ impl ContactMethod for NodeToSurface {
             for (r, g) in contribution.residual.iter_mut().zip(&work.gradient[..n]) {
                 *r = -weight * pressure * g;
             }
-            contribution.residual[n] = -weight * (end.gap - self.reference_gap(slot));
+            contribution.residual[n] = -weight * (end.gap - self.slots[slot].reference);
             if want_tangent {
                 let dim = n + 1;
                 for i in 0..n {
@@ -366,9 +391,13 @@ impl ContactMethod for NodeToSurface {
                     let gap = self.gap(slot, end, q_np1)?;
                     let slid_off = gap.outside() > self.search.options().overhang
                         && self.pair(&view, slot, q_np1, end).pairing.is_none();
-                    if slid_off { f64::INFINITY } else { gap.gap - self.reference_gap(slot) }
+                    if slid_off { f64::INFINITY } else { gap.gap - self.slots[slot].reference }
                 }
-                None => self.closest(&view, slot, q_np1).gap,
+                None => {
+                    let point = self.closest(&view, slot, q_np1);
+                    let behind = point.gap < 0.0 && point.pairing.is_some_and(|p| self.came_from_behind(slot, p.facet));
+                    if behind { f64::INFINITY } else { point.gap - self.allowance(slot) }
+                }
             };
             if !active[slot] && out[slot] >= 0.0 && self.pieces(slot, q_np1).is_some() {
                 in_front.push(slot);
@@ -390,6 +419,7 @@ impl ContactMethod for NodeToSurface {
                 changes += 1;
             }
         }
+        changes += self.relax(q_np1, active)?;
         for (slot, &active) in self.slots.iter_mut().zip(active) {
             if !active {
                 // A released node that closes again is paired anew.
@@ -415,33 +445,52 @@ impl ContactMethod for NodeToSurface {
             .collect())
     }
 
-    fn commit(&mut self, _q_np1: &[f64], _pressures: &[f64], active: &[bool]) {
-        for (slot, &active) in self.slots.iter_mut().zip(active) {
+    fn commit(&mut self, q_np1: &[f64], _pressures: &[f64], active: &[bool]) {
+        let view = self.search.at(q_np1);
+        let strayed: Vec<bool> = (0..self.slots.len())
+            .map(|slot| {
+                let state = &self.slots[slot];
+                // Most nodes are in front, or far away: nothing to look for.
+                let may_stray = !active[slot] && (state.origin.is_none() || state.strayed);
+                let point = may_stray.then(|| self.closest(&view, slot, q_np1));
+                point.is_some_and(|point| {
+                    point.gap < 0.0 && point.pairing.is_some_and(|p| self.came_from_behind(slot, p.facet))
+                })
+            })
+            .collect();
+        for ((slot, &active), strayed) in self.slots.iter_mut().zip(active).zip(strayed) {
             slot.committed = slot.pairing.filter(|_| active).map(|p| p.end);
+            slot.kept = if slot.committed.is_some() { slot.reference } else { 0.0 };
+            slot.strayed = strayed;
         }
     }
 
     fn save_history(&self) -> Vec<u8> {
-        let mut out = Vec::with_capacity(4 * self.slots.len());
+        let mut out = Vec::with_capacity(HISTORY * self.slots.len());
         for slot in &self.slots {
             out.extend_from_slice(&slot.committed.unwrap_or(u32::MAX).to_le_bytes());
+            out.extend_from_slice(&slot.kept.to_le_bytes());
+            out.push(u8::from(slot.strayed));
         }
         out
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        if bytes.len() != 4 * self.slots.len() {
+        if bytes.len() != HISTORY * self.slots.len() {
             return Err(ContactError::History {
                 reason: format!("{} bytes for {} slave nodes", bytes.len(), self.slots.len()),
             });
         }
         let facets = self.search.surface().facets().len() as u32;
-        for (slot, chunk) in self.slots.iter_mut().zip(bytes.chunks_exact(4)) {
+        for (slot, chunk) in self.slots.iter_mut().zip(bytes.chunks_exact(HISTORY)) {
             let facet = u32::from_le_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
             if facet != u32::MAX && facet >= facets {
                 return Err(ContactError::History { reason: format!("facet {facet} of {facets}") });
             }
+            let kept: [u8; 8] = std::array::from_fn(|k| chunk[4 + k]);
             slot.committed = (facet != u32::MAX).then_some(facet);
+            slot.kept = f64::from_le_bytes(kept);
+            slot.strayed = chunk[12] != 0;
         }
         Ok(())
     }

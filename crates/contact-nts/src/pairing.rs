@@ -1,7 +1,7 @@
 //! Which facets a node is paired with, decided in [`stoss_contact::ContactMethod::repair`] and then fixed for the iterations.
 
 use crate::kinematics::Gap;
-use crate::method::{NodeToSurface, position};
+use crate::method::{ConstraintForm, NodeToSurface, position};
 use crate::slot::Pairing;
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, MasterPoint, SearchView};
@@ -17,7 +17,40 @@ const UNCHECKED_MOTION: f64 = 0.5;
 /// Most pieces of a path; only a step of hundreds of facets' lengths has longer pieces.
 const MAX_PIECES: f64 = 1000.0;
 
+/// A node off its surface comes back by at most this fraction of its slip in a step: the tilt of the contact force that keeps this free of work.
+const MOST_TILT: f64 = 0.1;
+
+/// A node nearer to the surface than this (in multiples of a master edge) is not brought back on a facet that it stays on.
+const NEAR_ENOUGH: f64 = 1.0e-4;
+
 impl NodeToSurface {
+    /// Motion of a node in the step relative to the material of a facet at its foot at `n+1`.
+    fn slip(&self, slot: usize, facet: u32, q_np1: &[f64]) -> Result<f64, ContactError> {
+        let xi = self.gap(slot, facet, q_np1)?.xi.map(|x| x.clamp(-1.0, 1.0));
+        let relative = |q: &[f64]| position(q, self.node(slot)) - self.patch(facet, q).point(xi);
+        Ok((relative(q_np1) - relative(&self.q_n)).norm())
+    }
+
+    /// Lets nodes that are off the surface but stay on their facet come nearer, as far as their slip allows; returns how many. At
+    /// most once a step for each node.
+    pub(crate) fn relax(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        let mut changes = 0;
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            let state = self.slots[slot];
+            let Some(pairing) = state.pairing.filter(|p| p.start == p.end) else { continue };
+            let off = state.kept - state.wanted;
+            if state.committed.is_none() || state.relaxing || off.abs() <= NEAR_ENOUGH * self.length {
+                continue;
+            }
+            let most = MOST_TILT * self.slip(slot, pairing.end, q_np1)?;
+            if most > NEAR_ENOUGH * self.length {
+                self.slots[slot].cross(pairing, most);
+                changes += 1;
+            }
+        }
+        Ok(changes)
+    }
+
     pub(crate) fn closest(&self, view: &SearchView<'_>, slot: usize, q: &[f64]) -> MasterPoint {
         let normal = self.slave.node_normal(slot, q);
         view.closest(&position(q, self.node(slot)), Some(&normal))
@@ -124,7 +157,7 @@ impl NodeToSurface {
 
     /// Pairs a slot with `end`, and chooses the facet and the gap at `n` and the facet at the midpoint that go with it.
     ///
-    /// A node in contact at `n` starts from its own facet, with the gap that its last step ended with. A node that closes in this step
+    /// A node in contact at `n` starts from its own facet, and goes to another one without work ([`crate::slot::Slot::cross`]). A node that closes in this step
     /// starts from the extension of the facet that it closes on, so that the element with 17 invariants applies, if its position at `n` projects
     /// on the near extension *and is not behind it*; otherwise from the facet that it was found at, with the true gap. In the closing step
     /// the energy changes by `-p g_n` (standard constraint): a negative gap to the extension beyond a ridge would gain energy, and
@@ -132,7 +165,16 @@ impl NodeToSurface {
     pub(crate) fn set_end(&mut self, slot: usize, end: u32, q_np1: &[f64]) -> Result<(), ContactError> {
         let state = self.slots[slot];
         let (start, gap_n) = match (state.committed, state.origin) {
-            (Some(facet), _) => (facet, state.origin_gap),
+            (Some(facet), _) if facet == end => {
+                self.slots[slot].stay(facet);
+                return Ok(());
+            }
+            (Some(start), _) => {
+                let mid = self.facet_at_midpoint(slot, start, end, q_np1);
+                let most = MOST_TILT * self.slip(slot, end, q_np1)?;
+                self.slots[slot].cross(Pairing { start, mid, end }, most);
+                return Ok(());
+            }
             (None, origin) => {
                 let x = position(&self.q_n, self.node(slot));
                 let on_end = Gap::project(&x, &self.patch(end, &self.q_n), [0.0, 0.0]);
@@ -150,8 +192,13 @@ impl NodeToSurface {
             }
         };
         let mid = if start == end { end } else { self.facet_at_midpoint(slot, start, end, q_np1) };
-        self.slots[slot].gap_n = gap_n;
-        self.slots[slot].pairing = Some(Pairing { start, mid, end });
+        let slot = &mut self.slots[slot];
+        slot.gap_n = gap_n;
+        slot.reference = match self.constraint {
+            ConstraintForm::Standard => 0.0,
+            ConstraintForm::Modified => gap_n,
+        };
+        slot.pairing = Some(Pairing { start, mid, end });
         Ok(())
     }
 

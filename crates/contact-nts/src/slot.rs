@@ -33,14 +33,25 @@ impl Pairing {
 pub(crate) struct Slot {
     /// Facet that the node was in contact with at the end of the last accepted step.
     pub committed: Option<u32>,
+    /// Gap that the constraint keeps if the facet stays.
+    pub kept: f64,
+    /// Gap that it should keep: 0 for the standard form, the gap at `n` for the modified one. `kept` differs from it by the
+    /// steps between the extended facets over which the node has slid slowly.
+    pub wanted: f64,
+    /// An open node that got behind the surface from the side or from behind: it is no contact until it has been in front.
+    pub strayed: bool,
     /// Facet at `n`: the committed one, or that found by the search; `None` if nothing is within reach.
     pub origin: Option<u32>,
     /// Gap at `n` to `origin`: to its extension if committed, else to the whole surface; infinite if there is none.
     pub origin_gap: f64,
     /// Pairing while active; `None` until [`stoss_contact::ContactMethod::repair`] made one.
     pub pairing: Option<Pairing>,
-    /// Gap at `n` that the pairing starts from.
+    /// Gap at `n` from which the work of the step is counted.
     pub gap_n: f64,
+    /// Gap that the constraint keeps at `n+1`.
+    pub reference: f64,
+    /// The constraint takes back a part of what is misplaced although the facet stays: the work is then counted by the crossing element.
+    pub relaxing: bool,
     visited: [u32; MAX_VISITS],
     visits: usize,
     returns: u32,
@@ -50,24 +61,50 @@ impl Slot {
     /// A node that has never touched.
     pub const FREE: Self = Self {
         committed: None,
+        kept: 0.0,
+        wanted: 0.0,
+        strayed: false,
         origin: None,
         origin_gap: f64::INFINITY,
         pairing: None,
         gap_n: f64::INFINITY,
+        reference: 0.0,
+        relaxing: false,
         visited: [0; MAX_VISITS],
         visits: 0,
         returns: 0,
     };
 
-    /// At the start of a step.
-    pub fn begin(committed: Option<u32>, origin: Option<u32>, origin_gap: f64) -> Self {
-        let mut slot = Self { committed, origin, origin_gap, ..Self::FREE };
-        if let Some(facet) = committed {
-            slot.pairing = Some(Pairing::single(facet));
-            slot.gap_n = origin_gap;
-            slot.admits(facet);
-        }
+    /// A node that is open at the start of a step.
+    pub fn open(origin: Option<u32>, origin_gap: f64, strayed: bool) -> Self {
+        Self { origin, origin_gap, strayed, ..Self::FREE }
+    }
+
+    /// A node in contact at the start of a step: on `facet`, with the gap `gap_n` there.
+    pub fn closed(facet: u32, gap_n: f64, kept: f64, wanted: f64) -> Self {
+        let origin = Some(facet);
+        let mut slot = Self { committed: origin, kept, wanted, origin, origin_gap: gap_n, ..Self::FREE };
+        slot.stay(facet);
+        slot.admits(facet);
         slot
+    }
+
+    /// Pairs a node in contact at `n` with its own facet: it keeps the gap that it has there.
+    pub fn stay(&mut self, facet: u32) {
+        self.pairing = Some(Pairing::single(facet));
+        self.gap_n = self.origin_gap;
+        self.reference = self.kept;
+        self.relaxing = false;
+    }
+
+    /// Pairs a node in contact at `n` so that the crossing element does no work, and brings it nearer to the gap that it should keep by at
+    /// most `most`: to go a fixed distance without work tilts the force by distance over motion, which small motions could not bear.
+    pub fn cross(&mut self, pairing: Pairing, most: f64) {
+        let off = self.kept - self.wanted;
+        self.reference = self.wanted + (off - off.clamp(-most, most));
+        self.gap_n = self.reference + (self.origin_gap - self.kept);
+        self.relaxing = pairing.start == pairing.end;
+        self.pairing = Some(pairing);
     }
 
     /// Whether the end may go to `facet`; keeps the record of such changes.
@@ -133,12 +170,24 @@ mod tests {
 
     #[test]
     fn a_slot_goes_on_but_not_to_and_fro() {
-        let mut slot = Slot::begin(Some(3), Some(3), 0.0);
+        let mut slot = Slot::closed(3, 0.0, 0.0, 0.0);
         assert!(slot.admits(4), "a facet not visited yet");
         assert!(slot.admits(3) && slot.admits(4), "two returns");
         assert!(!slot.admits(3), "the third");
-        let mut slot = Slot::begin(Some(0), Some(0), 0.0);
+        let mut slot = Slot::closed(0, 0.0, 0.0, 0.0);
         let admitted = (1..100).filter(|&f| slot.admits(f)).count();
         assert_eq!(admitted, MAX_VISITS - 1);
+    }
+
+    #[test]
+    fn crossing_brings_the_node_back_without_work() {
+        // It keeps 0.1 too much and may come back by 0.03 a step.
+        let mut slot = Slot::closed(0, 0.1, 0.1, 0.0);
+        slot.cross(Pairing { start: 0, mid: 1, end: 1 }, 0.03);
+        assert!((slot.reference - 0.07).abs() < 1e-15 && slot.gap_n == slot.reference);
+        slot.cross(Pairing::single(0), 1.0);
+        assert!(slot.reference == 0.0 && slot.relaxing);
+        slot.stay(0);
+        assert!(slot.reference == 0.1 && !slot.relaxing);
     }
 }

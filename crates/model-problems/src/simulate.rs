@@ -104,6 +104,9 @@ pub struct Effort {
     pub evaluations: u64,
     /// Linear systems solved.
     pub solves: u64,
+    /// Times that Newton found nothing from the last positions and started again from the predictor. (From the last positions, because stiff
+    /// problems at large steps have several solutions, and that start finds the smallest step.)
+    pub restarts: u64,
 }
 
 struct StepProblem<'a, 'p> {
@@ -167,7 +170,15 @@ impl NewtonProblem for StepProblem<'_, '_> {
 }
 
 fn options() -> NewtonOptions {
-    NewtonOptions { relative_tolerance: 1e-14, polish: 2, max_iterations: 50, ..NewtonOptions::default() }
+    // Stiff problems at large steps wander before they converge.
+    NewtonOptions {
+        relative_tolerance: 1e-14,
+        polish: 2,
+        max_iterations: 100,
+        stagnation_iterations: 50,
+        divergence_factor: 1e16,
+        ..NewtonOptions::default()
+    }
 }
 
 /// Runs `steps` steps of size `dt`; `observe` sees the start and every completed step.
@@ -213,7 +224,7 @@ fn run(
     let mut next = state.clone();
     for number in 1..=steps {
         let step = Step { state_n: &state, dt, rule };
-        effort.solves += attempt(&mut system, scheme, step, &mut buffers, &mut next.q, number)?;
+        attempt(&mut system, scheme, step, &mut buffers, &mut next.q, number, &mut effort)?;
         finish(&mut system, &step, &mut buffers, &mut next)?;
         // Counted, not summed up.
         next.time = number as f64 * dt;
@@ -230,7 +241,7 @@ fn run(
     Ok(effort)
 }
 
-/// Solves a step for `q`, active set included; returns the number of linear solves.
+/// Solves a step for `q`, active set included.
 fn attempt(
     system: &mut Dense<'_>,
     scheme: &dyn Scheme,
@@ -238,36 +249,55 @@ fn attempt(
     buffers: &mut Buffers,
     q: &mut [f64],
     number: u64,
-) -> Result<u64, ModelError> {
-    let (n, m) = (q.len(), system.rows.len());
+    effort: &mut Effort,
+) -> Result<(), ModelError> {
     let time = step.state_n.time;
-    let mut solves = 0;
     for _ in 0..MAX_SET_CHANGES {
-        scheme.predict(step.state_n, step.dt, q);
-        let mut problem = StepProblem {
-            system,
-            step,
-            buffers,
-            q,
-            base: (vec![0.0; n], vec![0.0; m]),
-            residual: DVector::zeros(n + m),
-            increment: DVector::zeros(n + m),
-            solves: 0,
-        };
-        let result = solve(&mut problem, &options());
-        solves += problem.solves;
-        match result {
-            Ok(_) => {}
-            Err(NewtonFailure::Problem { error, .. }) => return Err(error),
-            Err(NewtonFailure::NotConverged(report)) => {
-                return Err(ModelError::Newton { step: number, time, reason: report.reason.to_string() });
-            }
+        let multipliers = system.multipliers.clone();
+        q.copy_from_slice(&step.state_n.q);
+        let mut reason = newton(system, step, buffers, q, effort)?;
+        if reason.is_some() {
+            effort.restarts += 1;
+            scheme.predict(step.state_n, step.dt, q);
+            system.multipliers = multipliers;
+            reason = newton(system, step, buffers, q, effort)?;
+        }
+        if let Some(reason) = reason {
+            return Err(ModelError::Newton { step: number, time, reason });
         }
         if !system.problem.is_unilateral() || !change_active_set(system, q) {
-            return Ok(solves);
+            return Ok(());
         }
     }
     Err(ModelError::ActiveSet { step: number, time })
+}
+
+/// Newton's method from `q`; the reason if it does not converge.
+fn newton(
+    system: &mut Dense<'_>,
+    step: Step<'_>,
+    buffers: &mut Buffers,
+    q: &mut [f64],
+    effort: &mut Effort,
+) -> Result<Option<String>, ModelError> {
+    let (n, m) = (q.len(), system.rows.len());
+    let mut problem = StepProblem {
+        system,
+        step,
+        buffers,
+        q,
+        base: (vec![0.0; n], vec![0.0; m]),
+        residual: DVector::zeros(n + m),
+        increment: DVector::zeros(n + m),
+        solves: 0,
+    };
+    let result = solve(&mut problem, &options());
+    effort.solves += problem.solves;
+    match result {
+        Ok(_) => Ok(None),
+        Err(NewtonFailure::Problem { error, .. }) => Err(error),
+        Err(NewtonFailure::NotConverged(report)) => Ok(Some(report.reason.to_string())),
+    }
 }
 
 /// Formulation §9.1: an active constraint opens when its multiplier pulls, an open one closes when it is violated.
