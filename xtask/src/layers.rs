@@ -15,6 +15,14 @@ struct Layer {
     dev_only: bool,
 }
 
+/// `layers.toml`.
+#[derive(Clone, Debug, Default)]
+struct Layers {
+    crates: BTreeMap<String, Layer>,
+    /// Crates of ours that a member outside of the stack may link.
+    tools: BTreeMap<String, BTreeSet<String>>,
+}
+
 /// Findings of the check; notes do not fail it.
 #[derive(Debug, Default, PartialEq)]
 struct Findings {
@@ -42,24 +50,29 @@ pub fn command(workspace: &Workspace) -> Outcome<bool> {
     Ok(findings.errors.is_empty())
 }
 
-fn parse(text: &str) -> Outcome<BTreeMap<String, Layer>> {
+fn parse(text: &str) -> Outcome<Layers> {
     let table: Table = text.parse().map_err(|error| format!("layers.toml: {error}"))?;
-    let set = |entry: &Table, key: &str| manifest::strings(entry.get(key)).into_iter().collect();
-    let mut layers = BTreeMap::new();
-    for (name, entry) in manifest::table(&table, "crate") {
-        let Some(entry) = entry.as_table() else { return Err(format!("layers.toml: {name} is no table").into()) };
-        for key in entry.keys() {
-            if !["ours", "external", "dev-only"].contains(&key.as_str()) {
+    let mut layers = Layers::default();
+    for (section, known) in [("crate", ["ours", "external", "dev-only"].as_slice()), ("tool", &["ours"])] {
+        for (name, entry) in manifest::table(&table, section) {
+            let Some(entry) = entry.as_table() else { return Err(format!("layers.toml: {name} is no table").into()) };
+            if let Some(key) = entry.keys().find(|key| !known.contains(&key.as_str())) {
                 return Err(format!("layers.toml: unknown key {key} of {name}").into());
             }
+            let set = |key: &str| manifest::strings(entry.get(key)).into_iter().collect();
+            if section == "tool" {
+                layers.tools.insert(name, set("ours"));
+                continue;
+            }
+            let dev_only = entry.get("dev-only").and_then(|flag| flag.as_bool()).unwrap_or(false);
+            layers.crates.insert(name, Layer { ours: set("ours"), external: set("external"), dev_only });
         }
-        let dev_only = entry.get("dev-only").and_then(|flag| flag.as_bool()).unwrap_or(false);
-        layers.insert(name, Layer { ours: set(entry, "ours"), external: set(entry, "external"), dev_only });
     }
     Ok(layers)
 }
 
-fn check(layers: &BTreeMap<String, Layer>, members: &[Member]) -> Findings {
+fn check(layers: &Layers, members: &[Member]) -> Findings {
+    let Layers { crates: layers, tools } = layers;
     let mut findings = Findings::default();
     let ours: BTreeMap<&str, &Member> = members.iter().map(|member| (member.name.as_str(), member)).collect();
     let crates: BTreeMap<&str, &Member> =
@@ -69,9 +82,7 @@ fn check(layers: &BTreeMap<String, Layer>, members: &[Member]) -> Findings {
     }
     for member in members {
         let Some(name) = member.crate_name() else {
-            // xtask and tests stand outside the stack: nothing of ours may be linked into them.
-            let linked = member.dependencies.iter().filter(|dependency| ours.contains_key(dependency.as_str()));
-            findings.errors.extend(linked.map(|dependency| format!("{} depends on {dependency}", member.folder)));
+            check_tool(&mut findings, member, tools.get(&member.folder), layers, &ours);
             continue;
         };
         let package = expected_package(name);
@@ -103,6 +114,29 @@ fn check(layers: &BTreeMap<String, Layer>, members: &[Member]) -> Findings {
         }
     }
     findings
+}
+
+/// A member outside of the stack links of ours what is listed for it, and nothing if it is not.
+fn check_tool(
+    findings: &mut Findings,
+    member: &Member,
+    allowed: Option<&BTreeSet<String>>,
+    layers: &BTreeMap<String, Layer>,
+    ours: &BTreeMap<&str, &Member>,
+) {
+    let linked = member.dependencies.iter().filter_map(|dependency| ours.get(dependency.as_str()));
+    let linked: BTreeSet<&str> = linked.map(|other| other.crate_name().unwrap_or(&other.folder)).collect();
+    let (folder, none) = (&member.folder, BTreeSet::new());
+    let allowed = allowed.unwrap_or(&none);
+    for name in &linked {
+        if !allowed.contains(*name) {
+            findings.errors.push(format!("{folder} -> {name} is not among its `ours` in layers.toml"));
+        } else if layers.get(*name).is_some_and(|layer| layer.dev_only) {
+            findings.errors.push(format!("{folder} -> {name}: {name} may only be a dev-dependency"));
+        }
+    }
+    let unused = allowed.iter().filter(|name| !linked.contains(name.as_str()));
+    findings.notes.extend(unused.map(|name| format!("{folder} -> {name} is listed but not used")));
 }
 
 /// All sources of a member in one text; tests, benches and examples do not count.
@@ -142,6 +176,8 @@ mod tests {
         dev-only = true
         ours = ["tensor"]
         external = []
+        [tool.xtask]
+        ours = ["continuum"]
     "#;
 
     fn member(folder: &str, name: &str, dependencies: &[&str]) -> Member {
@@ -159,7 +195,8 @@ mod tests {
             member("crates/continuum", "stoss-continuum", &["stoss-tensor", "thiserror"]),
             member("crates/tensor", "stoss-tensor", &["nalgebra"]),
             member("crates/testkit", "stoss-testkit", &["stoss-tensor"]),
-            member("xtask", "xtask", &["toml"]),
+            member("xtask", "xtask", &["toml", "stoss-continuum"]),
+            member("tests", "tests", &[]),
         ]
     }
 
@@ -193,7 +230,24 @@ mod tests {
         assert!(errors(&members).iter().any(|error| error.contains("may only be a dev-dependency")));
         let mut members = stack();
         members[3].dependencies.push("stoss-tensor".into());
-        assert_eq!(errors(&members), ["xtask depends on stoss-tensor"]);
+        assert_eq!(errors(&members), ["xtask -> tensor is not among its `ours` in layers.toml"]);
+    }
+
+    #[test]
+    fn tools_link_what_is_listed_for_them() {
+        let mut members = stack();
+        members[4].dependencies.push("stoss-continuum".into());
+        assert_eq!(errors(&members), ["tests -> continuum is not among its `ours` in layers.toml"]);
+        let mut members = stack();
+        members[3].dependencies.pop();
+        let notes = check(&parse(LAYERS).unwrap(), &members).notes;
+        assert_eq!(notes, ["xtask -> continuum is listed but not used"]);
+        let with_testkit = LAYERS.replace("ours = [\"continuum\"]", "ours = [\"continuum\", \"testkit\"]");
+        let mut members = stack();
+        members[3].dependencies.push("stoss-testkit".into());
+        let errors = check(&parse(&with_testkit).unwrap(), &members).errors;
+        assert_eq!(errors, ["xtask -> testkit: testkit may only be a dev-dependency"]);
+        assert!(parse("[tool.xtask]\nexternal = []").is_err());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Chores of the workspace: `cargo xtask <command>`.
 //!
-//! Depends on none of the workspace's crates: `verify`, `schema` and `gallery` run the program `stoss` and read the files
-//! that it leaves.
+//! `schema`, `gallery` and the suites of `verify` that measure scenes run the program `stoss` and read the files that it
+//! leaves; the suites that measure a crate (`tangents`, `materials`) call it. Which crates those are is in `layers.toml`.
 
 mod base64;
 mod gallery;

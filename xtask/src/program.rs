@@ -34,6 +34,11 @@ impl Program {
         Ok(Self { workspace: workspace.clone(), executable })
     }
 
+    /// Path of the executable.
+    pub fn executable(&self) -> &Path {
+        &self.executable
+    }
+
     /// Standard output of `stoss schema`.
     pub fn schema(&self) -> Outcome<String> {
         capture(self.workspace.process(&self.executable).arg("schema"))

@@ -17,6 +17,7 @@ const LEAVES: &[&str] = &[
     "contact",
     "contact-nts",
     "integrators",
+    "numerical-derivative",
 ];
 
 /// Lists are made for one platform, so that they are the same on every machine.

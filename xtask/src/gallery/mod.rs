@@ -121,5 +121,5 @@ fn energies(runs: &[(&str, PathBuf)]) -> Outcome<String> {
         let start = total.first().copied().unwrap_or(1.0);
         series.push(Series::new(name, balance.column("time")?, total.iter().map(|energy| energy / start)));
     }
-    plot::linear(Labels { title: "Total energy over its value at the start", x: "time", y: "" }, &series)
+    Ok(plot::linear(Labels { title: "Total energy over its value at the start", x: "time", y: "" }, &series))
 }

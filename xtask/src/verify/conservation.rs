@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::check::{Bound, Check};
-use super::{Bench, Findings, Run, Suite, newton};
+use super::{Bench, Findings, Run, Suite, models, newton};
 use crate::workspace::Outcome;
 
 /// Free flight with every law, and the impact of the ball on the plate.
@@ -38,6 +38,7 @@ impl Suite for Conservation {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
+        models::measure(&mut findings)?;
         let flight = Bounds { energy: FLIGHT_ENERGY, momentum: FLIGHT_MOMENTUM };
         let impact = Bounds { energy: IMPACT_ENERGY_MODIFIED, momentum: IMPACT_MOMENTUM };
         for scene in FLIGHTS {

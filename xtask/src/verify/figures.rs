@@ -25,7 +25,7 @@ pub fn section(run: &Run) -> Outcome<Section> {
         Series::new("energy", time, energy),
     ];
     let labels = Labels { title: "drift over the largest value of the run", x: "time", y: "" };
-    let mut figures = vec![plot::logarithmic(labels, &drifts, FLOOR)?];
+    let mut figures = vec![plot::logarithmic(labels, &drifts, FLOOR)];
     let table = run.table("balance.csv")?;
     let mut parts = Vec::new();
     for name in ["kinetic", "strain", "potential", "contact", "dissipation", "external_work", "total"] {
@@ -34,7 +34,7 @@ pub fn section(run: &Run) -> Outcome<Section> {
             parts.push(Series::new(name, time, column.iter().copied()));
         }
     }
-    figures.push(plot::linear(Labels { title: "energies", x: "time", y: "" }, &parts)?);
+    figures.push(plot::linear(Labels { title: "energies", x: "time", y: "" }, &parts));
     figures.push(gallery::last_frame(&run.last_frame()?)?);
     let title = format!("{} {}", run.name, if run.until.is_some() { "(shortened)" } else { "" });
     Ok(Section { title, figures, tables: vec![triples(&run.newton()?)] })

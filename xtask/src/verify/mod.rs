@@ -1,4 +1,5 @@
-//! `cargo xtask verify`: runs the program and holds what it leaves against what was promised.
+//! `cargo xtask verify`: measures, on runs of the program and on the crates themselves, and holds the result against what was
+//! promised.
 //!
 //! A suite is a [`Suite`] in its own file and a row in [`SUITES`]; `docs/how-to-add/verify-suite.md` has the recipe.
 
@@ -6,13 +7,21 @@ mod balance;
 mod check;
 mod conservation;
 mod convergence;
+mod derivatives;
 mod figures;
+mod laws;
+mod materials;
+mod models;
 mod newton;
 mod report;
 mod run;
 mod scenes;
+mod stability;
+mod states;
+mod tangents;
+mod work_precision;
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -39,7 +48,15 @@ pub trait Suite {
 }
 
 /// Every suite, in the order in which they run.
-const SUITES: &[&dyn Suite] = &[&conservation::Conservation, &convergence::Convergence, &scenes::Scenes];
+const SUITES: &[&dyn Suite] = &[
+    &materials::Materials,
+    &tangents::Tangents,
+    &conservation::Conservation,
+    &convergence::Convergence,
+    &work_precision::WorkPrecision,
+    &stability::Stability,
+    &scenes::Scenes,
+];
 
 /// What a suite found.
 #[derive(Debug, Default)]
@@ -50,7 +67,7 @@ pub struct Findings {
     pub sections: Vec<Section>,
 }
 
-/// Runs scenes for the suites, each at most once.
+/// Runs scenes for the suites, each at most once; the program is built for the first of them.
 #[derive(Debug)]
 pub struct Bench {
     /// The repository.
@@ -58,21 +75,20 @@ pub struct Bench {
     /// True if long scenes are shortened.
     pub quick: bool,
     folder: PathBuf,
-    program: Program,
+    program: OnceCell<Program>,
     runs: RefCell<BTreeMap<String, Run>>,
     shown: RefCell<BTreeSet<String>>,
 }
 
 impl Bench {
-    /// Builds the program.
+    /// Builds nothing yet: a suite that runs no scene needs no program.
     pub fn new(workspace: &Workspace, quick: bool) -> Outcome<Self> {
-        let program = Program::build(workspace)?;
         let folder = workspace.target()?.join(FOLDER);
         Ok(Self {
             workspace: workspace.clone(),
             quick,
             folder,
-            program,
+            program: OnceCell::new(),
             runs: RefCell::default(),
             shown: RefCell::default(),
         })
@@ -85,13 +101,22 @@ impl Bench {
         self.run(scene, until)
     }
 
+    /// The program, built when it is first needed.
+    fn program(&self) -> Outcome<&Program> {
+        if let Some(program) = self.program.get() {
+            return Ok(program);
+        }
+        let built = Program::build(&self.workspace)?;
+        Ok(self.program.get_or_init(|| built))
+    }
+
     fn run(&self, scene: &Path, until: Option<f64>) -> Outcome<Run> {
         let name = scene.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         if let Some(run) = self.runs.borrow().get(&name).filter(|run| run.until == until) {
             return Ok(run.clone());
         }
         let folder = self.folder.join("runs").join(&name);
-        let ending = self.program.run(scene, &folder, until)?;
+        let ending = self.program()?.run(scene, &folder, until)?;
         println!("verify: ran {name} in {:.1} s", ending.seconds);
         let run = Run { name: name.clone(), folder, ending, until };
         self.runs.borrow_mut().insert(name, run.clone());
@@ -121,7 +146,7 @@ impl Bench {
 
     /// Seconds of all runs together.
     fn seconds(&self) -> f64 {
-        self.runs.borrow().values().map(|run| run.ending.seconds).sum()
+        self.runs.borrow().values().map(|run| run.ending.seconds).fold(0.0, |sum, seconds| sum + seconds)
     }
 }
 

@@ -1,0 +1,205 @@
+//! Every law of the catalogue with the parameters of the literature, and its energy written once more over complex
+//! numbers.
+
+use std::sync::Arc;
+
+use stoss_continuum::{HyperelasticLaw, SymmetricTensor2};
+use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_numerical_derivative::{Analytic, AnalyticVector, Method, Scalar, Step, Workspace, jacobian};
+
+use crate::workspace::Outcome;
+
+/// A law by its parameters: energies of formulation §2, as they are printed there.
+#[derive(Clone, Copy, Debug)]
+pub enum Energy {
+    /// `lambda`, `mu`.
+    SaintVenantKirchhoff(f64, f64),
+    /// `lambda`, `mu`.
+    NeoHooke(f64, f64),
+    /// `c1`, `c2`, `c`.
+    MooneyRivlin(f64, f64, f64),
+    /// `mu_P`, `alpha_P`, `kappa`, `beta`.
+    Ogden([f64; 3], [f64; 3], f64, f64),
+}
+
+/// A law that is measured.
+pub struct Sample {
+    /// Its energy.
+    pub energy: Energy,
+    /// Young's modulus and Poisson's ratio of these parameters in the literature (formulation §2.5), with the
+    /// digits there.
+    pub literature: (f64, f64),
+}
+
+/// All laws that a scene can name.
+pub const LAWS: [Sample; 4] = [
+    Sample { energy: Energy::SaintVenantKirchhoff(1298.0769, 865.3846), literature: (2250.0, 0.3) },
+    Sample { energy: Energy::NeoHooke(1298.0769, 865.3846), literature: (2250.0, 0.3) },
+    Sample { energy: Energy::MooneyRivlin(176_051.0, 4332.63, 2e6), literature: (1.05257e6, 0.4588) },
+    Sample {
+        energy: Energy::Ogden([6300.0, 12.0, -100.0], [1.3, 5.0, -2.0], 2000.0, 9.0),
+        literature: (7437.65, -0.1198),
+    },
+];
+
+impl Energy {
+    /// The law of the catalogue.
+    pub fn law(&self) -> Outcome<Arc<dyn HyperelasticLaw>> {
+        Ok(match self {
+            Self::SaintVenantKirchhoff(lambda, mu) => Arc::new(SaintVenantKirchhoff::new(*lambda, *mu)?),
+            Self::NeoHooke(lambda, mu) => Arc::new(NeoHooke::new(*lambda, *mu)?),
+            Self::MooneyRivlin(c1, c2, c) => Arc::new(MooneyRivlin::new(*c1, *c2, *c)?),
+            Self::Ogden(mu, alpha, kappa, beta) => Arc::new(Ogden::new(mu, alpha, *kappa, *beta)?),
+        })
+    }
+
+    /// `2 dW/dC` by the complex step: exact but for round-off.
+    pub fn stress(&self, c: &SymmetricTensor2) -> Outcome<SymmetricTensor2> {
+        let (mut gradient, mut workspace) = ([0.0; 6], Workspace::default());
+        jacobian(&mut Analytic(*self), &c.0, Method::ComplexStep, Step::default(), &mut workspace, &mut gradient)?;
+        Ok(twice_by_tensor(&gradient))
+    }
+}
+
+/// `2 dw/dC` from the derivatives by the six stored components: a shear component stands for two entries of the tensor.
+pub fn twice_by_tensor(gradient: &[f64; 6]) -> SymmetricTensor2 {
+    SymmetricTensor2(std::array::from_fn(|a| if a < 3 { 2.0 * gradient[a] } else { gradient[a] }))
+}
+
+impl AnalyticVector for Energy {
+    /// `W(C)` of the six stored components.
+    fn at<S: Scalar>(&self, c: &[S], value: &mut [S]) {
+        let [xx, yy, zz, xy, yz, xz] = std::array::from_fn(|a| c[a]);
+        let trace = xx + yy + zz;
+        let second = xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz;
+        let det = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+        let log_j = det.ln() * 0.5;
+        value[0] = match *self {
+            Self::SaintVenantKirchhoff(lambda, mu) => {
+                let trace_e = (trace - 3.0) * 0.5;
+                // E:E = (tr C^2 - 2 tr C + 3)/4.
+                let square = (trace * trace - second * 2.0 - trace * 2.0 + 3.0) * 0.25;
+                trace_e * trace_e * (0.5 * lambda) + square * mu
+            }
+            Self::NeoHooke(lambda, mu) => (trace - 3.0) * (0.5 * mu) + log_j * log_j * (0.5 * lambda) - log_j * mu,
+            Self::MooneyRivlin(c1, c2, c) => {
+                let volume = det.sqrt() - 1.0;
+                (trace - 3.0) * c1 + (second - 3.0) * c2 + volume * volume * c - log_j * (2.0 * (c1 + 2.0 * c2))
+            }
+            Self::Ogden(mu, alpha, kappa, beta) => {
+                let volumetric = log_j / beta + ((log_j * -beta).exp() - 1.0) / (beta * beta);
+                let traces = traces_of_powers(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], alpha.map(|a| 0.5 * a));
+                let mut sum = volumetric * kappa;
+                for (trace, (mu, alpha)) in traces.into_iter().zip(mu.into_iter().zip(alpha)) {
+                    // lambda_A^alpha summed is tr C^(alpha/2).
+                    sum += ((log_j * (-alpha / 3.0)).exp() * trace - 3.0) * (mu / alpha);
+                }
+                sum
+            }
+        };
+    }
+}
+
+type Matrix<S> = [[S; 3]; 3];
+
+fn matrix<S>(entry: impl Fn(usize, usize) -> S) -> Matrix<S> {
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
+}
+
+fn product<S: Scalar>(a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
+    matrix(|i, j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j])
+}
+
+fn inverse<S: Scalar>(a: &Matrix<S>) -> Matrix<S> {
+    let cofactor = |i: usize, j: usize| {
+        let (p, q, r, s) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        a[p][r] * a[q][s] - a[p][s] * a[q][r]
+    };
+    let det = a[0][0] * cofactor(0, 0) + a[0][1] * cofactor(0, 1) + a[0][2] * cofactor(0, 2);
+    matrix(|i, j| cofactor(j, i) / det)
+}
+
+/// `tr C^e` for real exponents without eigenvalues, which have no derivative where they meet:
+/// `C^e = ((1 + X)^e)^(2^k)`, where `1 + X = C^(2^-k)` by square roots (Denman and Beavers) and `(1 + X)^e` by its
+/// binomial series.
+fn traces_of_powers<S: Scalar>(c: &Matrix<S>, exponents: [f64; 3]) -> [S; 3] {
+    // Six roots bring eigenvalues between 0.02 and 10 to |X| < 0.07, where 14 terms reach 1e-17.
+    const ROOTS: usize = 6;
+    const TERMS: u32 = 14;
+    let unit = |i: usize, j: usize| S::from(if i == j { 1.0 } else { 0.0 });
+    let mut root = *c;
+    for _ in 0..ROOTS {
+        let (mut y, mut z) = (root, matrix(unit));
+        // Quadratic convergence; that of the imaginary part is one iteration late.
+        for _ in 0..10 {
+            let (y_inverse, z_inverse) = (inverse(&y), inverse(&z));
+            (y, z) =
+                (matrix(|i, j| (y[i][j] + z_inverse[i][j]) * 0.5), matrix(|i, j| (z[i][j] + y_inverse[i][j]) * 0.5));
+        }
+        root = y;
+    }
+    let x = matrix(|i, j| root[i][j] - unit(i, j));
+    exponents.map(|exponent| {
+        let mut power = matrix(unit);
+        for n in (1..=TERMS).rev() {
+            let next = product(&x, &power);
+            let factor = (exponent - f64::from(n) + 1.0) / f64::from(n);
+            power = matrix(|i, j| unit(i, j) + next[i][j] * factor);
+        }
+        for _ in 0..ROOTS {
+            power = product(&power, &power);
+        }
+        power[0][0] + power[1][1] + power[2][2]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(energy: Energy, c: [f64; 6]) -> f64 {
+        let mut value = [0.0];
+        energy.at(&c, &mut value);
+        value[0]
+    }
+
+    #[test]
+    fn energies_of_a_uniform_dilation() {
+        // C = 4 1: J = 8, E = 3/2 1, I1 = 12, I2 = 48; isochoric stretches are 1.
+        let c = [4.0, 4.0, 4.0, 0.0, 0.0, 0.0];
+        let log = 8.0_f64.ln();
+        let expected = [
+            (Energy::SaintVenantKirchhoff(2.0, 3.0), 4.5 * 4.5 + 3.0 * 6.75),
+            (Energy::NeoHooke(2.0, 3.0), 1.5 * 9.0 + log * log - 3.0 * log),
+            (Energy::MooneyRivlin(2.0, 3.0, 0.5), 18.0 + 3.0 * 45.0 + 0.5 * 49.0 - 16.0 * log),
+            (Energy::Ogden([1.0, 2.0, -3.0], [1.3, 5.0, -2.0], 2.0, -1.0), 2.0 * (-log + 7.0)),
+        ];
+        for (energy, expected) in expected {
+            assert!((value(energy, c) - expected).abs() < 1e-12 * expected, "{energy:?}: {}", value(energy, c));
+        }
+    }
+
+    #[test]
+    fn traces_of_powers_of_known_matrices() {
+        let c = matrix(|i, j| if i == j { [0.25, 4.0, 1.0][i] } else { 0.0 });
+        let traces = traces_of_powers(&c, [0.5, 2.0, -1.0]);
+        for (trace, expected) in traces.into_iter().zip([3.5, 17.0625, 5.25]) {
+            assert!((trace / expected - 1.0).abs() < 1e-13, "{trace}");
+        }
+        // With shear: tr A^2 = A : A, whatever the eigenvalues.
+        let c = [[2.0, 0.5, 0.1], [0.5, 1.0, -0.2], [0.1, -0.2, 0.8]];
+        let square: f64 = c.as_flattened().iter().map(|x| x * x).sum();
+        assert!((traces_of_powers(&c, [2.0, 1.0, 1.0])[0] / square - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn the_stress_doubles_the_derivatives_by_normal_components_only() {
+        // W = lambda/8 (tr C - 3)^2 + ...: with mu -> 0 the stress is lambda/2 (tr C - 3) 1.
+        let stress = Energy::SaintVenantKirchhoff(2.0, 0.0).stress(&SymmetricTensor2([2.0, 1.0, 1.0, 0.3, 0.0, 0.0]));
+        let expected = SymmetricTensor2([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+        assert!((stress.unwrap() - expected).norm() < 1e-14);
+        // S = 2 mu E.
+        let stress = Energy::SaintVenantKirchhoff(0.0, 2.0).stress(&SymmetricTensor2([1.0, 1.0, 1.0, 0.3, 0.0, 0.0]));
+        assert!((stress.unwrap() - SymmetricTensor2([0.0, 0.0, 0.0, 0.6, 0.0, 0.0])).norm() < 1e-14);
+    }
+}

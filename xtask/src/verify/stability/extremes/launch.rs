@@ -1,0 +1,70 @@
+//! Runs the program with a time limit: a hang is a result too.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use super::super::super::{Bench, Run};
+use crate::program::Ending;
+use crate::workspace::{Outcome, read, write};
+
+/// Where scenes and results go, below the folder of `verify`.
+pub const FOLDER: &str = "extremes";
+
+/// Far more than any of these scenes needs.
+const LIMIT: Duration = Duration::from_secs(30);
+
+/// Time between two looks at a running program.
+const PAUSE: Duration = Duration::from_millis(2);
+
+/// How a run ended and what it said.
+#[derive(Clone, Debug)]
+pub struct Launched {
+    /// The run; its exit code is missing if it was stopped or killed by a signal.
+    pub run: Run,
+    /// True if the time limit stopped it.
+    pub hung: bool,
+    /// Everything that the program said.
+    pub log: String,
+}
+
+/// Writes a scene with the files that it refers to and runs it.
+pub fn launch(bench: &Bench, name: &str, scene: &str, files: &[(String, String)]) -> Outcome<Launched> {
+    let home = bench.folder.join(FOLDER);
+    let path = home.join(format!("{name}.toml"));
+    write(&path, scene)?;
+    for (file, text) in files {
+        write(&home.join(file), text)?;
+    }
+    let folder = home.join(name);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder)?;
+    }
+    let log = folder.with_extension("log");
+    let program = bench.program()?.executable();
+    let (ending, hung) = run(bench, program, &path, &folder, &log)?;
+    let run = Run { name: name.to_owned(), folder, ending, until: None };
+    Ok(Launched { run, hung, log: read(&log)? })
+}
+
+fn run(bench: &Bench, program: &Path, scene: &Path, out: &PathBuf, log: &Path) -> Outcome<(Ending, bool)> {
+    let words = File::create(log)?;
+    let mut command = bench.workspace.process(program);
+    command.arg("run").arg(scene).arg("--out").arg(out).args(["--threads", "1", "--quiet"]);
+    command.stdin(Stdio::null()).stdout(words.try_clone()?).stderr(words);
+    let start = Instant::now();
+    let mut child = command.spawn()?;
+    loop {
+        let seconds = start.elapsed().as_secs_f64();
+        if let Some(status) = child.try_wait()? {
+            return Ok((Ending { code: status.code(), seconds }, false));
+        }
+        if start.elapsed() > LIMIT {
+            child.kill()?;
+            child.wait()?;
+            return Ok((Ending { code: None, seconds }, true));
+        }
+        std::thread::sleep(PAUSE);
+    }
+}
