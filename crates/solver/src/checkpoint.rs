@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-const MAGIC: &[u8; 8] = b"STOSSCP\x02";
+const MAGIC: &[u8; 8] = b"STOSSCP\x03";
 
 /// Why a checkpoint cannot be written or read.
 #[derive(Debug, thiserror::Error)]

@@ -26,6 +26,8 @@ pub struct PhaseTime {
     pub wall: f64,
     /// CPU seconds of the whole process (all threads).
     pub cpu: f64,
+    /// How often it was entered; zero for what a run does not use.
+    pub calls: u64,
 }
 
 /// Seconds of all phases.
@@ -57,6 +59,7 @@ impl Timings {
         };
         slot.wall += wall.elapsed().as_secs_f64();
         slot.cpu += cpu.elapsed().as_secs_f64();
+        slot.calls += 1;
         result
     }
 }
