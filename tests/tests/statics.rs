@@ -2,6 +2,7 @@
 
 mod support;
 
+use stoss::solver::{DecisionKind, Simulation, SimulationError};
 use support::simulation;
 
 const LAMBDA: f64 = 600.0;
@@ -59,7 +60,7 @@ fn lateral(axial: f64) -> f64 {
 }
 
 /// Node of a unit block at a corner.
-fn node_at(simulation: &stoss::solver::Simulation, x: [f64; 3]) -> usize {
+fn node_at(simulation: &Simulation, x: [f64; 3]) -> usize {
     let reference = &simulation.model().reference;
     (0..reference.len() / 3)
         .find(|n| (0..3).all(|i| (reference[3 * n + i] - x[i]).abs() < 1e-12))
@@ -166,4 +167,267 @@ fn free_fall_keeps_the_total_energy() {
         assert!((z - z0 - (2.0 * t - 0.5 * 9.81 * t * t)).abs() < 1e-11, "at {t}: {z}");
         assert!((record.balance.linear_momentum[2] - (20.0 - 98.1 * t)).abs() < 1e-10);
     }
+}
+
+fn run(text: &str) -> Simulation {
+    let mut simulation = simulation(text);
+    while !simulation.finished() {
+        simulation.advance().unwrap();
+    }
+    simulation
+}
+
+fn cuts(simulation: &Simulation) -> usize {
+    simulation.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count()
+}
+
+/// A cube between a fixed bottom and a platen that holds its top and presses it by `d` at time 1.
+fn pressed(n: usize, d: f64, step: f64) -> String {
+    let conditions = format!(
+        "[[prescribe]]\nset = \"block.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+         [[prescribe]]\nset = \"block.top\"\ncomponents = [\"x\", \"y\", \"z\"]\n\
+         displacement = {{ table = [[0, 0, 0, 0], [1, 0, 0, {:?}]] }}\n",
+        -d
+    );
+    block("quasi-static", &format!("end = 1.0\nstep = {step:?}"), [n; 3], "", &conditions)
+}
+
+#[test]
+fn the_interior_follows_prescribed_motion() {
+    // The top moves by more than the height of an element in one step: on the boundary alone it would turn elements inside out.
+    let simulation = run(&pressed(10, 0.15, 1.0));
+    assert!(simulation.decisions().is_empty(), "{:?}", simulation.decisions());
+    assert!(simulation.solves() <= 6, "{} solves", simulation.solves());
+    // After the linear prediction the residual is of second order in the motion, and its scale, the forces, of first.
+    let first_residual = |d: f64| {
+        let mut simulation = self::simulation(&pressed(4, d, 1.0));
+        simulation.advance().unwrap().newton[0].residual
+    };
+    let (a, b) = (first_residual(0.02), first_residual(0.01));
+    assert!((a / b - 2.0).abs() < 0.1, "{a:e} {b:e}");
+}
+
+#[test]
+fn external_work_is_of_second_order() {
+    let error = |step: f64| {
+        let simulation = run(&pressed(3, 0.2, step));
+        (simulation.balance().external_work - simulation.balance().strain).abs() / simulation.balance().strain
+    };
+    let errors = [0.5, 0.25, 0.125].map(error);
+    assert!(errors[0] < 0.05, "{errors:?}");
+    for pair in errors.windows(2) {
+        assert!((pair[0] / pair[1] - 4.0).abs() < 0.5, "{errors:?}");
+    }
+    let follower = |step: f64| {
+        let load = "[[load]]\nset = \"block.top\"\nfollower_pressure = { table = [[0, 0], [1, 200]] }\n";
+        let time = format!("end = 1.0\nstep = {step:?}");
+        let simulation = run(&block("quasi-static", &time, [1, 1, 1], "", &format!("{SYMMETRY}{load}")));
+        (simulation.balance().external_work - simulation.balance().strain).abs() / simulation.balance().strain
+    };
+    let (coarse, fine) = (follower(0.5), follower(0.25));
+    assert!(coarse < 0.1 && (coarse / fine - 4.0).abs() < 0.7, "{coarse:e} {fine:e}");
+}
+
+#[test]
+fn absolute_tolerance_is_a_force() {
+    // The same press in two units of force: the same iterations.
+    let press = |unit: f64| {
+        let scene = pressed(3, 0.2, 0.25)
+            .replace(&format!("lambda = {LAMBDA}"), &format!("lambda = {:?}", LAMBDA * unit))
+            .replace(&format!("mu = {MU}"), &format!("mu = {:?}", MU * unit));
+        let solver = format!("[solver]\nabsolute_tolerance = {:?}\nrelative_tolerance = 1e-14\n", 1e-4 * unit);
+        let mut simulation = simulation(&format!("{scene}{solver}"));
+        (0..4).map(|_| simulation.advance().unwrap().newton).collect::<Vec<_>>()
+    };
+    for (a, b) in press(1.0).iter().zip(press(1e6)) {
+        assert_eq!(a.len(), b.len(), "{a:?} {b:?}");
+        for (a, b) in a.iter().zip(b) {
+            assert!((a.residual - b.residual).abs() < 1e-3 * a.residual + 1e-10, "{} {}", a.residual, b.residual);
+        }
+        // Forces are about 100: 1e-4 is reached in a few iterations, not at once and not never.
+        assert!((3..6).contains(&a.len()), "{} iterations", a.len());
+    }
+}
+
+const LOWER_AND_UPPER: &str = r#"
+[scene]
+title = "stack"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.25
+[[body]]
+name = "upper"
+mesh = { generator = "block", size = [1, 1, 1], divisions = [4, 2, 2] }
+position = [0.0, 0.03, 1.4999]
+material = { law = "neo-hooke", young = 1000.0, poisson = 0.3 }
+[[load]]
+set = "upper.top"
+pressure = { table = [[0, 0], [1, 50]] }
+"#;
+
+fn lower(name: &str, min: f64, max: f64) -> String {
+    format!(
+        r#"
+[[body]]
+name = "{name}"
+mesh = {{ generator = "block", min = [{min:?}, -1, 0], max = [{max:?}, 1, 1], divisions = [3, 4, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[prescribe]]
+set = "{name}.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[contact]]
+method = "nts"
+slave = "upper.bottom"
+master = "{name}.top"
+"#
+    )
+}
+
+const GUIDE: &str = "[[prescribe]]\nset = \"upper.top\"\ncomponents = [\"x\", \"y\"]\nfixed = true\n";
+
+#[test]
+fn a_body_held_by_contact_alone_is_pressed_on_another() {
+    let scene = format!("{LOWER_AND_UPPER}{}{GUIDE}", lower("lower", -1.0, 1.0));
+    let mut simulation = simulation(&scene);
+    while !simulation.finished() {
+        let record = simulation.advance().unwrap();
+        let force = record.contact.unwrap().force_on_slave[2];
+        // Pressure times the area 1.
+        assert!((force - 50.0 * record.time).abs() < 1e-7, "{force} at {}", record.time);
+    }
+    assert_eq!(cuts(&simulation), 0);
+}
+
+#[test]
+fn the_force_of_a_contact_pair_is_its_own() {
+    // The upper body stands on two lower ones; all its bottom nodes are slaves of both pairs.
+    let scene = format!("{LOWER_AND_UPPER}{}{}{GUIDE}", lower("left", -1.0, -0.0005), lower("right", 0.0005, 1.0));
+    let mut simulation = simulation(&scene);
+    let contact = simulation.advance().unwrap().contact.unwrap();
+    let [left, right] = [contact.force_of_pair[0][2], contact.force_of_pair[1][2]];
+    assert!((contact.force_on_slave[2] - 12.5).abs() < 1e-7, "{:?}", contact.force_on_slave);
+    assert!((left + right - 12.5).abs() < 1e-7 && left > 4.0 && right > 4.0, "{left} {right}");
+}
+
+#[test]
+fn what_is_not_determined_is_named() {
+    let fails = |scene: &str| match simulation(scene).advance() {
+        Err(SimulationError::StepFailed { cause, .. }) => cause.to_string(),
+        other => panic!("{other:?}"),
+    };
+    let load = "[[load]]\nset = \"block.top\"\npressure = 1.0\n";
+    let alone = fails(&block("quasi-static", "end = 1.0\nstep = 1.0", [1; 3], "", load));
+    assert!(alone.contains("node ") && alone.contains("of body block"), "{alone}");
+    assert!(alone.contains("nothing holds body block"), "{alone}");
+    let hinged = "[[prescribe]]\nset = \"block.bottom\"\ncomponents = [\"z\"]\nfixed = true\n";
+    let rolls = fails(&block("quasi-static", "end = 1.0\nstep = 1.0", [1; 3], "", &format!("{hinged}{load}")));
+    assert!(rolls.contains("too few supports"), "{rolls}");
+    let far = format!("{LOWER_AND_UPPER}{}{GUIDE}", lower("lower", -1.0, 1.0)).replace("1.4999", "1.6");
+    let far = fails(&far);
+    assert!(far.contains("of body upper") && far.contains("only if it touches"), "{far}");
+    // The same facets in two pairs.
+    let pair =
+        "[[contact]]\nname = \"second\"\nmethod = \"nts\"\nslave = \"upper.bottom\"\nmaster = \"lower.boundary\"\n";
+    let twice = fails(&format!("{LOWER_AND_UPPER}{}{GUIDE}{pair}", lower("lower", -1.0, 1.0)));
+    // Which of the equal constraints shows first depends on rounding; that something is there twice is always said.
+    assert!(twice.contains("twice"), "{twice}");
+}
+
+/// The active set and the facets of many nodes change together while an indenter slides: sets come back, but not under the same facets.
+#[test]
+fn an_indenter_slides_over_a_slab() {
+    let scene = r#"
+[scene]
+title = "indenter"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.1
+[[body]]
+name = "indenter"
+mesh = { generator = "indenter", size = [1, 1], height = 0.5, radius = 2.0, divisions = [6, 6, 3] }
+material = { law = "neo-hooke", young = 1000.0, poisson = 0.3 }
+[[body]]
+name = "slab"
+mesh = { generator = "block", min = [-1.5, -1.5, -1], max = [1.5, 1.5, 0], divisions = [9, 9, 3] }
+material = { law = "neo-hooke", young = 100.0, poisson = 0.3 }
+[[contact]]
+method = "nts"
+slave = "indenter.bottom"
+master = "slab.top"
+[[prescribe]]
+set = "slab.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "indenter.top"
+components = ["x", "y", "z"]
+displacement = { table = [[0, 0, 0, 0], [0.5, 0, 0, -0.2], [1.0, 0.5, 0, -0.2]] }
+"#;
+    let mut simulation = simulation(scene);
+    let mut repaired = 0;
+    while !simulation.finished() {
+        let record = simulation.advance().unwrap();
+        let contact = record.contact.unwrap();
+        repaired += contact.repaired;
+        // The platen's reaction and the contact force are in balance.
+        let platen: f64 =
+            (0..simulation.model().bodies[0].nodes.len()).map(|node| simulation.reactions()[3 * node + 2]).sum();
+        assert!((platen + contact.force_on_slave[2]).abs() < 1e-6, "{platen} {:?}", contact.force_on_slave);
+    }
+    assert_eq!(cuts(&simulation), 0, "{:?}", simulation.decisions());
+    assert!(repaired > 50, "only {repaired} changes of facets, the test shows nothing");
+}
+
+#[test]
+fn solves_of_failed_attempts_are_counted() {
+    let scene = pressed(3, 0.3, 1.0) + "[solver]\nmax_iterations = 2\n";
+    let simulation = run(&scene);
+    assert!(cuts(&simulation) > 0, "the test shows nothing");
+    assert_eq!(simulation.solves(), simulation.solver_statistics().factorisations);
+}
+
+#[test]
+fn an_element_turned_inside_out_is_reported() {
+    // One element on a fixed bottom, one of its corners pushed along the diagonal.
+    let conditions = r#"
+[[set]]
+name = "block.corner"
+body = "block"
+box = { min = [0.9, 0.9, 0.9], max = [1.1, 1.1, 1.1] }
+[[prescribe]]
+set = "block.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "block.corner"
+components = ["x", "y", "z"]
+displacement = { table = [[0, 0, 0, 0], [1, -0.4, -0.4, -0.4]] }
+"#;
+    let text = block("quasi-static", "end = 1.0\nstep = 0.1", [1; 3], "", conditions);
+    let mut simulation = simulation(&text);
+    let corner = node_at(&simulation, [1.0; 3]);
+    let mut counts = Vec::new();
+    while !simulation.finished() {
+        let record = simulation.advance().unwrap();
+        // Column vectors from the corner to its three neighbours.
+        let q = &simulation.state().q;
+        let position = |x: [f64; 3]| {
+            let at = 3 * node_at(&simulation, x);
+            [q[at], q[at + 1], q[at + 2]]
+        };
+        let x = position([1.0; 3]);
+        let edge = |y: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| x[i] - position(y)[i]) };
+        let [a, b, c] = [edge([0.0, 1.0, 1.0]), edge([1.0, 0.0, 1.0]), edge([1.0, 1.0, 0.0])];
+        let volume = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+            + a[2] * (b[0] * c[1] - b[1] * c[0]);
+        assert_eq!(record.inside_out, usize::from(volume <= 0.0), "volume at corner {corner}: {volume}");
+        counts.push(record.inside_out);
+    }
+    assert_eq!((counts[0], counts[counts.len() - 1]), (0, 1));
+    let warnings: Vec<_> = simulation.decisions().iter().filter(|d| d.kind == DecisionKind::Warning).collect();
+    assert_eq!(warnings.len(), 1, "once, not in every step");
+    assert!(warnings[0].reason.contains("body block: 1 of 1 elements"), "{}", warnings[0].reason);
 }

@@ -6,7 +6,7 @@ use crate::layers::expected_package;
 use crate::manifest;
 use crate::workspace::{Outcome, Workspace, capture, read, show, write};
 
-/// Crates that others may want without the rest of Stoss (folders under `crates/`).
+/// Crates that others may want without the rest of Stoss (folders under `crates/`), and the facade with its default features.
 const LEAVES: &[&str] = &[
     "tensor",
     "continuum",
@@ -18,6 +18,12 @@ const LEAVES: &[&str] = &[
     "contact-nts",
     "integrators",
     "numerical-derivative",
+    "mesh-io",
+    "linalg",
+    "newton",
+    "fe-solid",
+    "solver",
+    "stoss",
 ];
 
 /// Lists are made for one platform, so that they are the same on every machine.

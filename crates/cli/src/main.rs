@@ -31,7 +31,7 @@ enum Command {
         /// Threads for element loops; the results do not depend on it [default: all cores].
         #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
-        /// Stop at this time instead of the scene's end.
+        /// Stop with the first step that reaches this time, before the scene's end.
         #[arg(long)]
         until: Option<f64>,
         /// Continue from the checkpoint in the folder.
@@ -60,7 +60,7 @@ fn main() -> ExitCode {
                 return ExitCode::from(1);
             }
             let out = out.unwrap_or_else(|| default_folder(&scene));
-            run(&scene, RunOptions { out, until, resume }, quiet)
+            run(&scene, RunOptions { out, until, resume, ..RunOptions::default() }, quiet)
         }
         Command::Check { scene } => check(&scene),
         Command::Schema => {
@@ -87,7 +87,7 @@ fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
             diagnostics::print(path, &problems);
             ExitCode::from(2)
         }
-        Err(error @ RunError::Option(_)) => {
+        Err(error @ (RunError::Option(_) | RunError::Encoding { .. })) => {
             eprintln!("error: {error}");
             ExitCode::from(2)
         }
@@ -112,6 +112,10 @@ fn check(path: &Path) -> ExitCode {
         }
         Err(RunError::Scene(problems)) => {
             diagnostics::print(path, &problems);
+            ExitCode::from(2)
+        }
+        Err(error @ RunError::Encoding { .. }) => {
+            eprintln!("error: {error}");
             ExitCode::from(2)
         }
         Err(error) => {

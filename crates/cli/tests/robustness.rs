@@ -98,7 +98,16 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("step = 0.02", "step = \"0.02\"", "step = \"0.02\"", "time.step"),
     ("end = 0.4", "end = -1.0", "end = -1.0", "time.end"),
     ("end = 0.4", "end = inf", "end = inf", "time.end"),
-    ("\"energy-momentum\"", "\"newmark\"", "newmark", "time.integrator.scheme"),
+    ("\"energy-momentum\"", "\"leapfrog\"", "leapfrog", "time.integrator.scheme"),
+    ("\"energy-momentum\"", "\"forward-euler\"", "forward-euler", "time.integrator.scheme"),
+    ("\"energy-momentum\"", "\"newmark\", beta = 7.0", "beta = 7.0", "time.integrator.beta"),
+    ("\"energy-momentum\"", "\"midpoint\", beta = 0.25", "beta = 0.25", "time.integrator.beta"),
+    (
+        "[[prescribe]]",
+        "[[contact]]\nname = \"again\"\nmethod = \"nts\"\nslave = \"top.bottom\"\nmaster = \"plate.top\"\n[[prescribe]]",
+        "name = \"again\"",
+        "contact[1].name",
+    ),
     ("max_cuts = 4", "max_cuts = 99", "max_cuts = 99", "time.max_cuts"),
     ("max_iterations = 20", "max_iterations = 0", "max_iterations = 0", "solver.max_iterations"),
     ("max_iterations = 20", "linear = \"magic\"", "magic", "solver.linear"),
@@ -243,6 +252,52 @@ fn wrong_command_lines() {
     }
     let output = stoss(folder.path(), &["run", "scene.toml", "--resume", "--out", "nothing-here"]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("without --resume"), "{}", stderr(&output));
+    std::fs::write(folder.path().join("latin1.toml"), b"[scene]\ntitle = \"Sto\xdf\"\n").unwrap();
+    let output = stoss(folder.path(), &["check", "latin1.toml"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("latin1.toml:2") && stderr(&output).contains("UTF-8"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_run_replaces_its_own_frames_only_and_misses_them() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "scene.toml", BASE);
+    let arguments = ["run", "scene.toml", "--out", "out", "--until", "0.1", "--quiet"];
+    assert_eq!(stoss(folder.path(), &arguments).status.code(), Some(0));
+    let out = folder.path().join("out");
+    write(&out, "frames/frame_mine.vtu", "mine");
+    write(&out, "frames/frame_000099.vtu", "of a longer run");
+    assert_eq!(stoss(folder.path(), &arguments).status.code(), Some(0));
+    assert!(out.join("frames/frame_mine.vtu").exists() && !out.join("frames/frame_000099.vtu").exists());
+    std::fs::remove_file(out.join("frames/frame_000002.vtu")).unwrap();
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--resume"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("frame_000002.vtu"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_run_killed_at_once_can_be_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "scene.toml", &changed("checkpoint_every = 3", "checkpoint_every = 1000"));
+    let whole = stoss(folder.path(), &["run", "scene.toml", "--out", "whole", "--quiet"]);
+    assert_eq!(whole.status.code(), Some(0), "{}", stderr(&whole));
+    let out = folder.path().join("killed");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_stoss"))
+        .args(["run", "scene.toml", "--out", "killed", "--quiet"])
+        .current_dir(folder.path())
+        .stdin(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while rows(&out) < 3 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    assert!(!child.wait().unwrap().success(), "the run was over before it could be killed");
+    let resumed = stoss(folder.path(), &["run", "scene.toml", "--out", "killed", "--resume", "--quiet"]);
+    assert_eq!(resumed.status.code(), Some(0), "{}", stderr(&resumed));
+    assert_same_results(&folder.path().join("whole"), &out);
 }
 
 fn frames(out: &Path) -> Vec<PathBuf> {
@@ -293,7 +348,7 @@ fn a_run_that_fails_keeps_what_it_has() {
 }
 
 fn assert_same_results(a: &Path, b: &Path) {
-    for table in ["balance.csv", "newton.csv", "probes.csv"] {
+    for table in ["balance.csv", "newton.csv", "probes.csv", "contact.csv", "frames.pvd"] {
         let [x, y] = [a, b].map(|folder| std::fs::read(folder.join(table)).unwrap());
         assert!(x == y, "{table} differs");
     }
@@ -303,6 +358,8 @@ fn assert_same_results(a: &Path, b: &Path) {
     for (frame, other) in x.iter().zip(&y) {
         assert!(std::fs::read(frame).unwrap() == std::fs::read(other).unwrap(), "{} differs", frame.display());
     }
+    let [x, y] = [a, b].map(|folder| summary(folder)["drift"].clone());
+    assert_eq!(x, y, "drifts of the summaries");
 }
 
 fn rows(out: &Path) -> usize {

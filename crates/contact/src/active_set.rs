@@ -15,7 +15,16 @@ pub enum ActiveSetOutcome {
         /// Slots that became inactive.
         released: usize,
     },
-    /// Sets repeat and the union has been tried: the set is left as it was. Halve the step.
+    /// A set came back, and the union of the sets since then was taken. It may be the present set or one that was there before: solve for it as
+    /// accurately as possible before asking again, for a slot whose pressure or gap is nearly zero flips with the error of the solution.
+    Union {
+        /// Slots that became active.
+        activated: usize,
+        /// Slots that became inactive.
+        released: usize,
+    },
+    /// A set came back again after the union: the set is left as it was, [`ActiveSetControl::flipping`] tells which slots
+    /// flip. Halve the step.
     Cycling,
 }
 
@@ -85,32 +94,42 @@ pub fn update(
 
 /// The rule with a memory of the sets of this step, against cycling (formulation §9.2).
 ///
-/// If a proposed set was there before in this step, the union of all sets since then is taken, once. If sets repeat again, or the union is a set
-/// that was tried already, the answer is [`ActiveSetOutcome::Cycling`].
+/// If a proposed set was there before, the union of all sets since then is taken ([`ActiveSetOutcome::Union`]) and the memory is cleared. If
+/// a set comes back once more, the answer is [`ActiveSetOutcome::Cycling`].
+///
+/// Sets can be compared only as long as the constraints are the same: after a change of pairings (other than those of slots that
+/// have just been activated) call [`Self::reset`].
 #[derive(Clone, Debug)]
 pub struct ActiveSetControl {
     tolerance: ActiveSetTolerance,
-    /// Sets of this step, one after the other, `slots` entries each.
+    /// Sets that were solved for, one after the other, `slots` entries each.
     history: Vec<bool>,
     proposed: Vec<bool>,
+    flipping: Vec<usize>,
     union_taken: bool,
 }
 
 impl ActiveSetControl {
     /// A control without history.
     pub fn new(tolerance: ActiveSetTolerance) -> Self {
-        Self { tolerance, history: Vec::new(), proposed: Vec::new(), union_taken: false }
+        Self { tolerance, history: Vec::new(), proposed: Vec::new(), flipping: Vec::new(), union_taken: false }
     }
 
-    /// Forgets the sets: at the start of each step and of each repetition of one.
+    /// Forgets the sets: at the start of each step and of each repetition of one, and when pairings changed.
     pub fn reset(&mut self) {
         self.history.clear();
+        self.flipping.clear();
         self.union_taken = false;
     }
 
-    /// Number of different sets tried since [`ActiveSetControl::reset`], that of the last proposal not counted.
+    /// Number of sets solved for since [`ActiveSetControl::reset`] or the union, that of the last proposal not counted.
     pub fn tried(&self) -> usize {
         self.history.len().checked_div(self.proposed.len()).unwrap_or(0)
+    }
+
+    /// Slots that are active in some and inactive in others of the sets that came back last; empty before.
+    pub fn flipping(&self) -> &[usize] {
+        &self.flipping
     }
 
     /// Applies the rule ([`update`]) to the converged values of the present set and changes `active` in place.
@@ -122,20 +141,22 @@ impl ActiveSetControl {
             return ActiveSetOutcome::Unchanged;
         }
         self.history.extend_from_slice(active);
-        let sets = || self.history.chunks_exact(slots);
-        if let Some(first) = sets().position(|set| set == self.proposed) {
+        let first = self.history.chunks_exact(slots).position(|set| set == self.proposed);
+        if let Some(first) = first {
+            self.flipping.clear();
+            for slot in 0..slots {
+                let sets = || self.history.chunks_exact(slots).skip(first);
+                let (any, all) = (sets().any(|set| set[slot]), sets().all(|set| set[slot]));
+                if any && !all {
+                    self.flipping.push(slot);
+                }
+                self.proposed[slot] = any;
+            }
             if self.union_taken {
                 return ActiveSetOutcome::Cycling;
             }
             self.union_taken = true;
-            for set in sets().skip(first) {
-                for (union, &member) in self.proposed.iter_mut().zip(set) {
-                    *union |= member;
-                }
-            }
-            if sets().any(|set| set == self.proposed) {
-                return ActiveSetOutcome::Cycling;
-            }
+            self.history.clear();
         }
         let (mut activated, mut released) = (0, 0);
         for (now, &new) in active.iter_mut().zip(&self.proposed) {
@@ -143,6 +164,9 @@ impl ActiveSetControl {
             released += usize::from(*now && !new);
             *now = new;
         }
-        ActiveSetOutcome::Changed { activated, released }
+        match first {
+            Some(_) => ActiveSetOutcome::Union { activated, released },
+            None => ActiveSetOutcome::Changed { activated, released },
+        }
     }
 }

@@ -211,6 +211,42 @@ impl SolidBody {
         Ok(total)
     }
 
+    /// Elements that are turned inside out at a vertex (`det dx/dxi <= 0` there), which the integrals do not notice as long as
+    /// `det F > 0` at the Gauss points. `None` if there are none.
+    ///
+    /// # Errors
+    /// [`SolidError::Length`].
+    pub fn inside_out(&self, q: &[f64]) -> Result<Option<InsideOut>, SolidError> {
+        self.check_length("the positions", q)?;
+        let natural: [Gradients; NODES] = std::array::from_fn(|vertex| {
+            let gradient = hex8::shape_gradient(hex8::VERTICES[vertex]);
+            std::array::from_fn(|a| std::array::from_fn(|node| gradient[node][a]))
+        });
+        let mut found: Option<InsideOut> = None;
+        for element in 0..self.element_count() {
+            let x = self.gather(element, q);
+            let volume: f64 = self.integration[element].weights.iter().sum();
+            let mut worst = (0, f64::INFINITY);
+            for (vertex, gradients) in natural.iter().enumerate() {
+                let determinant = kernel::determinant(&kernel::deformation_gradient(&x, gradients));
+                if determinant < worst.1 || determinant.is_nan() {
+                    worst = (vertex, determinant);
+                }
+            }
+            // Also a NaN is no volume.
+            if worst.1 > 0.0 {
+                continue;
+            }
+            let (vertex, relative_volume) = (worst.0, 8.0 * worst.1 / volume);
+            let count = found.map_or(0, |f| f.count) + 1;
+            found = match found {
+                Some(f) if f.relative_volume <= relative_volume => Some(InsideOut { count, ..f }),
+                _ => Some(InsideOut { count, element, vertex, relative_volume }),
+            };
+        }
+        Ok(found)
+    }
+
     /// The mass of the body for a reference density.
     pub fn mass(&self, density: f64, kind: MassKind) -> MassMatrix {
         MassMatrix::new(self.connectivity.clone(), &self.integration, density, kind)
@@ -272,6 +308,19 @@ impl SolidBody {
             FailureKind::Constitutive(source) => SolidError::Constitutive { body, element, gauss_point, source },
         }
     }
+}
+
+/// Elements of a body that are turned inside out at a vertex, see [`SolidBody::inside_out`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InsideOut {
+    /// Number of such elements.
+    pub count: usize,
+    /// The worst one, in the body.
+    pub element: usize,
+    /// Its worst vertex, in the order of `hex8::VERTICES`.
+    pub vertex: usize,
+    /// `8 det dx/dxi` there over the element's reference volume: 1 for an undeformed parallelepiped, not positive here.
+    pub relative_volume: f64,
 }
 
 /// A body in a step, as the loop over elements sees it.

@@ -32,7 +32,7 @@ mod mass;
 mod recovery;
 
 pub use assembly::{TangentTarget, Workspace};
-pub use body::SolidBody;
+pub use body::{InsideOut, SolidBody};
 pub use element::{SolidStep, StressRule};
 pub use error::{Level, SolidError};
 pub use load::{

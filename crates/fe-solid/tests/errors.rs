@@ -151,3 +151,32 @@ fn bad_meshes_and_arrays_are_errors() {
         SolidError::StepNotBegun { body: "box".into() }
     );
 }
+
+#[test]
+fn an_element_turned_inside_out_at_a_vertex_is_counted() {
+    // The node at (1, 1, 1) of a unit cube goes along the diagonal by `d`: F = I - d 1 (grad N)^T with grad N = (1, 1, 1) there, so
+    // that det F = 1 - 3 d at this vertex, and 1 - 1.87 d at the next Gauss point.
+    let mesh = Block::new([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1]).generate().unwrap();
+    let law = &laws()[0];
+    let body = body(&mesh, law);
+    let x = positions(&mesh);
+    let corner = (0..mesh.nodes.len()).find(|&n| mesh.nodes[n] == [2.0, 1.0, 1.0]).unwrap();
+    let element = mesh.elements.iter().position(|e| e.contains(&(corner as u32))).unwrap();
+    for d in [0.0, 0.3, 0.4, 0.5] {
+        let mut q = x.clone();
+        q[3 * corner..3 * corner + 3].iter_mut().for_each(|x| *x -= d);
+        assert!(body.strain_energy(&q).is_ok(), "the Gauss points notice nothing");
+        let found = body.inside_out(&q).unwrap();
+        if d < 1.0 / 3.0 {
+            assert_eq!(found, None);
+            continue;
+        }
+        let found = found.unwrap();
+        assert_eq!((found.count, found.element), (1, element));
+        assert_eq!(mesh.elements[element][found.vertex], corner as u32);
+        assert!((found.relative_volume - (1.0 - 3.0 * d)).abs() < 1e-14, "{found:?}");
+    }
+    let mut q = x;
+    q[3 * corner] = f64::NAN;
+    assert_eq!(body.inside_out(&q).unwrap().map(|f| f.count), Some(1));
+}

@@ -66,8 +66,9 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A [`MeshIoError::Syntax`].
+/// A [`MeshIoError::Syntax`]. What is missing in an empty file is missing in its first line.
 pub(crate) fn syntax(path: &Path, line: usize, value: impl Display, remedy: impl Display) -> MeshIoError {
+    let line = line.max(1);
     MeshIoError::Syntax { path: path.to_owned(), line, value: excerpt(&value.to_string()), remedy: remedy.to_string() }
 }
 

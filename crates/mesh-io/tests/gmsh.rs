@@ -160,6 +160,7 @@ fn errors_name_the_line() {
         (replaced("$Nodes", "$NodeData").replace("$EndNodes", "$EndNodeData"), 19, "$Nodes must come before"),
         (replaced("$EndNodes\n", "$EndNodes\nhello\n"), 19, "beginning of a section"),
         (replaced("3 5 2 0 1", "3 17 2 0 1"), 21, "1 20-node hexahedra (type 17)"),
+        (String::new(), 1, "expected $MeshFormat"),
         (
             cube(&["1 1 2 7 1 45 55"])
                 .replace("2 7 \"lid\"", "1 7 \"lid\"")

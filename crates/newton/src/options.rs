@@ -31,7 +31,8 @@ impl LineSearch {
 pub struct NewtonOptions {
     /// At most so many linear systems are solved, those of the polishing included.
     pub max_iterations: u32,
-    /// Converged when `residual <= absolute_tolerance + relative_tolerance * scale`. A residual's unit.
+    /// Converged when `residual <= absolute_tolerance + relative_tolerance * scale` and the constraints' relative violation is at
+    /// most `relative_tolerance`. A residual's unit.
     pub absolute_tolerance: f64,
     /// See [`Self::absolute_tolerance`]. Without unit.
     pub relative_tolerance: f64,

@@ -47,6 +47,13 @@ pub trait NewtonProblem {
         Ok(self.assemble()?.residual)
     }
 
+    /// Largest violation of the constraints among the equations at the iterate that was evaluated last, relative to what they
+    /// are measured with (a gap to a length): it must not exceed the relative tolerance. `residual` and `scale` are then those of
+    /// the other equations. Zero without constraints (default).
+    fn relative_violation(&self) -> f64 {
+        0.0
+    }
+
     /// Whether a shorter step may help: true for an inadmissible trial (an inverted element), false for everything that
     /// no step length changes. By default false.
     fn is_recoverable(&self, _error: &Self::Error) -> bool {

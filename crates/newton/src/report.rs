@@ -51,11 +51,22 @@ pub struct IterationRecord {
     pub residual: f64,
     /// The residual's scale at this iterate.
     pub scale: f64,
+    /// Largest violation of the constraints at this iterate, relative to what they are measured with.
+    pub violation: f64,
     /// Norm of the full increment `du` that led here.
     pub increment: f64,
     /// The part of the increment that was taken: 1 without a line search, 0 for an iterate of the polishing that was
     /// taken back (its residual is the rejected one).
     pub step_length: f64,
+}
+
+impl IterationRecord {
+    /// The larger of `residual / scale` and the violation of the constraints.
+    pub fn relative_residual(&self) -> f64 {
+        let relative = if self.residual == 0.0 { 0.0 } else { self.residual / self.scale };
+        // `max` would lose a NaN.
+        if self.violation > relative { self.violation } else { relative }
+    }
 }
 
 /// The course of one iteration.
@@ -73,10 +84,14 @@ impl NewtonReport {
         self.iterations.len().saturating_sub(1)
     }
 
+    /// The accepted iterate, if there was one.
+    pub fn accepted(&self) -> Option<&IterationRecord> {
+        self.iterations.iter().rev().find(|r| r.step_length > 0.0 || r.increment == 0.0)
+    }
+
     /// Norm of the residual at the accepted iterate; NaN if there was none.
     pub fn final_residual(&self) -> f64 {
-        let accepted = |r: &&IterationRecord| r.step_length > 0.0 || r.increment == 0.0;
-        (self.iterations.iter().rev().find(accepted)).map_or(f64::NAN, |r| r.residual)
+        self.accepted().map_or(f64::NAN, |r| r.residual)
     }
 
     /// The order of convergence seen in the last three residuals `a > b > c` that are above the level of round-off

@@ -24,9 +24,39 @@ pub fn solve<P: NewtonProblem>(
     }
 }
 
+/// Norms of an iterate.
+#[derive(Clone, Copy)]
+struct Norms {
+    /// The larger of the residual and of the violation times the scale: what has to fall.
+    measure: f64,
+    residual: f64,
+    scale: f64,
+    violation: f64,
+}
+
+impl Norms {
+    fn new(ResidualNorms { residual, scale }: ResidualNorms, violation: f64) -> Self {
+        Self { measure: measure(residual, scale, violation), residual, scale, violation }
+    }
+
+    fn is_finite(self) -> bool {
+        self.measure.is_finite() && self.scale.is_finite() && self.violation.is_finite()
+    }
+}
+
+fn measure(residual: f64, scale: f64, violation: f64) -> f64 {
+    // Not `max`, which loses a NaN.
+    if violation * scale > residual { violation * scale } else { residual }
+}
+
+fn assemble<P: NewtonProblem>(problem: &mut P) -> Result<Norms, P::Error> {
+    let norms = problem.assemble()?;
+    Ok(Norms::new(norms, problem.relative_violation()))
+}
+
 /// What became of a step.
 enum Step {
-    Taken { norms: ResidualNorms, length: f64 },
+    Taken { norms: Norms, length: f64 },
     NotAcceptable,
     NotFinite,
 }
@@ -43,13 +73,13 @@ impl Course<'_> {
 
     fn run<P: NewtonProblem>(&mut self, problem: &mut P) -> Result<StopReason, P::Error> {
         let o = self.options;
-        let mut norms = problem.assemble()?;
+        let mut norms = assemble(problem)?;
         self.record(norms, 0.0, 0.0);
         if !norms.is_finite() {
             return Ok(StopReason::NotFinite);
         }
-        let divergence = o.divergence_factor * norms.residual.max(norms.scale);
-        let mut smallest = norms.residual;
+        let divergence = o.divergence_factor * norms.measure.max(norms.scale);
+        let mut smallest = norms.measure;
         let mut since_smallest = 0;
         let mut solves = 0;
         while !self.within_tolerance(norms) {
@@ -61,7 +91,7 @@ impl Course<'_> {
             if !increment.is_finite() {
                 return Ok(StopReason::NotFinite);
             }
-            let previous = norms.residual;
+            let previous = norms;
             let length = match self.step(problem, previous)? {
                 Step::Taken { norms: new, length } => {
                     norms = new;
@@ -75,17 +105,17 @@ impl Course<'_> {
                 break;
             }
             // Full steps only: a short step says nothing about what a full one would gain.
-            let fell = norms.residual <= o.polish_factor * previous || length < 1.0;
-            let at_round_off = norms.residual <= o.stagnation_residual * norms.scale
+            let fell = norms.measure <= o.polish_factor * previous.measure || length < 1.0;
+            let at_round_off = norms.measure <= o.stagnation_residual * norms.scale
                 || (increment <= o.stagnation_increment * problem.iterate_norm() && increment > 0.0);
             if !fell && at_round_off {
                 return Ok(StopReason::ConvergedToRoundOff);
             }
-            if norms.residual > divergence {
+            if norms.measure > divergence {
                 return Ok(StopReason::Diverged);
             }
-            if norms.residual < smallest {
-                smallest = norms.residual;
+            if norms.measure < smallest {
+                smallest = norms.measure;
                 since_smallest = 0;
             } else {
                 since_smallest += 1;
@@ -102,31 +132,31 @@ impl Course<'_> {
     fn polish<P: NewtonProblem>(
         &mut self,
         problem: &mut P,
-        mut norms: ResidualNorms,
+        mut norms: Norms,
         solves: u32,
     ) -> Result<StopReason, P::Error> {
         let o = self.options;
         for _ in 0..o.polish.min(o.max_iterations - solves) {
-            if norms.residual <= o.round_off_level * norms.scale {
+            if norms.measure <= o.round_off_level * norms.scale {
                 return Ok(StopReason::ConvergedToRoundOff);
             }
             let Ok(increment) = problem.solve() else {
                 return Ok(StopReason::Converged);
             };
             let trial = match problem.update(1.0) {
-                Ok(()) => problem.assemble(),
+                Ok(()) => assemble(problem),
                 Err(error) => Err(error),
             };
-            let residual = trial.as_ref().map_or(f64::NAN, |t| t.residual);
+            let rejected = trial.as_ref().map_or(f64::NAN, |t| t.measure);
             match trial {
                 Ok(new)
                     if new.is_finite()
                         && increment.is_finite()
                         && self.within_tolerance(new)
-                        && residual * o.polish_factor <= norms.residual =>
+                        && new.measure * o.polish_factor <= norms.measure =>
                 {
                     self.record(new, increment, 1.0);
-                    let paid = residual <= o.polish_factor * norms.residual;
+                    let paid = new.measure <= o.polish_factor * norms.measure;
                     norms = new;
                     if !paid {
                         return Ok(StopReason::ConvergedToRoundOff);
@@ -136,7 +166,7 @@ impl Course<'_> {
                     // Clearly worse than before: take it back.
                     problem.update(0.0)?;
                     problem.assemble()?;
-                    self.record(ResidualNorms { residual, ..norms }, increment, 0.0);
+                    self.record(Norms { residual: rejected, ..norms }, increment, 0.0);
                     return Ok(StopReason::Converged);
                 }
             }
@@ -145,20 +175,20 @@ impl Course<'_> {
     }
 
     /// One step along the increment: the full one, or a shorter one where the line search is on and has to act.
-    fn step<P: NewtonProblem>(&self, problem: &mut P, previous: f64) -> Result<Step, P::Error> {
+    fn step<P: NewtonProblem>(&self, problem: &mut P, previous: Norms) -> Result<Step, P::Error> {
         let full = match problem.update(1.0) {
-            Ok(()) => problem.assemble(),
+            Ok(()) => assemble(problem),
             Err(error) => Err(error),
         };
         let LineSearch::Backtracking { max_growth, reduction, max_reductions } = self.options.line_search else {
             let norms = full?;
             return Ok(if norms.is_finite() { Step::Taken { norms, length: 1.0 } } else { Step::NotFinite });
         };
-        let limit = max_growth * previous;
+        let limit = max_growth * previous.measure;
         let mut last_error = None;
         match full {
             // Also below the tolerance: a residual at round-off may grow by any factor.
-            Ok(norms) if norms.is_finite() && (norms.residual <= limit || self.within_tolerance(norms)) => {
+            Ok(norms) if norms.is_finite() && (norms.measure <= limit || self.within_tolerance(norms)) => {
                 return Ok(Step::Taken { norms, length: 1.0 });
             }
             Ok(_) => {}
@@ -169,12 +199,12 @@ impl Course<'_> {
         for _ in 0..max_reductions {
             length *= reduction;
             let trial = match problem.update(length) {
-                Ok(()) => problem.residual_norm(),
+                Ok(()) => problem.residual_norm().map(|r| measure(r, previous.scale, problem.relative_violation())),
                 Err(error) => Err(error),
             };
             match trial {
                 Ok(residual) if residual <= limit => {
-                    let norms = problem.assemble()?;
+                    let norms = assemble(problem)?;
                     return Ok(if norms.is_finite() { Step::Taken { norms, length } } else { Step::NotFinite });
                 }
                 Ok(_) => last_error = None,
@@ -185,18 +215,14 @@ impl Course<'_> {
         last_error.map_or(Ok(Step::NotAcceptable), Err)
     }
 
-    fn within_tolerance(&self, norms: ResidualNorms) -> bool {
+    fn within_tolerance(&self, norms: Norms) -> bool {
         let o = self.options;
         norms.residual <= o.absolute_tolerance + o.relative_tolerance * norms.scale
+            && norms.violation <= o.relative_tolerance
     }
 
-    fn record(&mut self, norms: ResidualNorms, increment: f64, step_length: f64) {
-        self.records.push(IterationRecord { residual: norms.residual, scale: norms.scale, increment, step_length });
-    }
-}
-
-impl ResidualNorms {
-    fn is_finite(self) -> bool {
-        self.residual.is_finite() && self.scale.is_finite()
+    fn record(&mut self, norms: Norms, increment: f64, step_length: f64) {
+        let Norms { residual, scale, violation, .. } = norms;
+        self.records.push(IterationRecord { residual, scale, violation, increment, step_length });
     }
 }

@@ -347,3 +347,47 @@ proptest! {
         }
     }
 }
+
+/// A force balance `f = 0` that is nearly fulfilled, and a constraint `y = 0` that is not.
+struct Constrained {
+    y: f64,
+    base: f64,
+}
+
+impl NewtonProblem for Constrained {
+    type Error = std::convert::Infallible;
+
+    fn assemble(&mut self) -> Result<ResidualNorms, Self::Error> {
+        Ok(ResidualNorms { residual: 0.1, scale: 100.0 })
+    }
+
+    fn solve(&mut self) -> Result<f64, Self::Error> {
+        self.base = self.y;
+        Ok(self.y.abs())
+    }
+
+    fn update(&mut self, factor: f64) -> Result<(), Self::Error> {
+        self.y = self.base * (1.0 - 0.9 * factor);
+        Ok(())
+    }
+
+    fn relative_violation(&self) -> f64 {
+        self.y.abs()
+    }
+}
+
+#[test]
+fn the_absolute_tolerance_is_not_one_of_constraints() {
+    // The force residual is below its absolute tolerance from the start; the violation has to come down to the relative one.
+    let options =
+        NewtonOptions { absolute_tolerance: 1.0, relative_tolerance: 1e-6, polish: 0, ..NewtonOptions::default() };
+    let mut problem = Constrained { y: 0.5, base: 0.5 };
+    let report = solve(&mut problem, &options).unwrap();
+    assert_eq!(report.iteration_count(), 6);
+    assert!(problem.y <= 1e-6);
+    let last = report.accepted().unwrap();
+    assert_eq!((last.violation, last.residual), (problem.y, 0.1));
+    // 0.1 of 100 is more than the violation.
+    assert_eq!(last.relative_residual(), 1e-3);
+    assert_eq!(report.iterations[0].relative_residual(), 0.5);
+}

@@ -31,8 +31,9 @@ pub use conditions::{
     SetDefinition, Table, split_set,
 };
 pub use general::{Header, Integrator, Kind, LinearSolver, Solver, Time};
-pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden};
+pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
 pub use mesh::{Block, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource};
+pub use names::known;
 pub use problem::{Problem, SceneErrors};
 pub use results::{Expect, ExpectedValue, Field, Interval, Outcome, Output, Probe, Quantity};
 pub use schema::json_schema;
@@ -122,5 +123,14 @@ impl Scene {
 /// All problems of the scene: those of TOML's syntax if there are any, otherwise unknown keys, wrong types, missing keys, values
 /// out of range and contradictions.
 pub fn parse(text: &str, file: &str) -> Result<Scene, SceneErrors> {
-    read::scene(text, file)
+    read::scene(text, file, &[])
+}
+
+/// As [`parse`] for a program with laws of its own: `material = { law = "mine", ... }` with a name from `own_laws` is read as
+/// [`Material::Own`], with any keys whose values are numbers or lists of numbers. A name of the catalogue stays the catalogue's.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_with(text: &str, file: &str, own_laws: &[&str]) -> Result<Scene, SceneErrors> {
+    read::scene(text, file, own_laws)
 }

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A hyperelastic law with its parameters. The implied small-strain shear modulus and bulk modulus must be positive.
 ///
@@ -18,15 +19,20 @@ pub enum Material {
     MooneyRivlin(MooneyRivlin),
     /// Isochoric Ogden terms and a volumetric part; see the parameters.
     Ogden(Ogden),
+    /// A law that the program brings with it; see [`crate::parse_with`]. Not in the schema, which knows the catalogue only.
+    #[serde(untagged)]
+    #[schemars(skip)]
+    Own(OwnMaterial),
 }
 
 impl Material {
-    /// Names of all laws.
+    /// Names of the laws of the catalogue.
     pub const NAMES: &'static [&'static str] = &["saint-venant-kirchhoff", "neo-hooke", "mooney-rivlin", "ogden"];
 
     /// Name of the law in a scene.
-    pub fn law(&self) -> &'static str {
+    pub fn law(&self) -> &str {
         match self {
+            Self::Own(own) => &own.law,
             Self::SaintVenantKirchhoff(_) => "saint-venant-kirchhoff",
             Self::NeoHooke(_) => "neo-hooke",
             Self::MooneyRivlin(_) => "mooney-rivlin",
@@ -92,6 +98,47 @@ pub struct Ogden {
     pub kappa: f64,
     /// Exponent of the volumetric part, not zero.
     pub beta: f64,
+}
+
+/// A law that is not in the catalogue, with whatever parameters stand beside its name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "AnyMaterial")]
+pub struct OwnMaterial {
+    /// Name of the law.
+    pub law: String,
+    /// Its parameters by key.
+    #[serde(flatten)]
+    pub parameters: BTreeMap<String, Parameter>,
+}
+
+/// A parameter of a law that is not in the catalogue.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Parameter {
+    /// `key = 1.0`
+    Number(f64),
+    /// `key = [1.0, 2.0]`
+    List(Vec<f64>),
+}
+
+/// As [`OwnMaterial`], before it is known that the law is not one of the catalogue with parameters that do not fit.
+#[derive(Deserialize)]
+struct AnyMaterial {
+    law: String,
+    #[serde(flatten)]
+    parameters: BTreeMap<String, Parameter>,
+}
+
+impl TryFrom<AnyMaterial> for OwnMaterial {
+    type Error = String;
+
+    fn try_from(material: AnyMaterial) -> Result<Self, String> {
+        let AnyMaterial { law, parameters } = material;
+        if Material::NAMES.contains(&law.as_str()) {
+            return Err(format!("the parameters do not fit the law {law}"));
+        }
+        Ok(Self { law, parameters })
+    }
 }
 
 #[cfg(test)]

@@ -40,8 +40,17 @@ macro_rules! named {
 
 pub(crate) use named;
 
+/// Remedy for an unknown word: the nearest known one, and the list.
+pub fn known<'n>(word: &str, names: impl IntoIterator<Item = &'n str> + Clone) -> String {
+    let list = names.clone().into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    match nearest(word, names) {
+        Some(name) => format!("did you mean `{name}`? Known are {list}"),
+        None => format!("known are {list}"),
+    }
+}
+
 /// The candidate nearest to `word` by edit distance, if it is near enough to be meant.
-pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).max(1) + 1;
     candidates
         .into_iter()

@@ -53,7 +53,7 @@ const CASES: &[Case] = &[
     dynamic("step = 0.01\n", "", "[time]", "time.step"),
     dynamic("end = 1.0", "end = inf", "end = inf", "time.end"),
     dynamic("end = 1.0", "end = 1e999", "end = 1e999", "time.end"),
-    dynamic("\"energy-momentum\"", "\"newmark\"", "newmark", "time.integrator.scheme"),
+    dynamic("\"energy-momentum\"", "\"leapfrog\"", "leapfrog", "time.integrator.scheme"),
     dynamic("integrator = { scheme = \"energy-momentum\" }", "", "[time]", "time.integrator"),
     dynamic("{ scheme = \"energy-momentum\" }", "{}", "integrator = {}", "time.integrator.scheme"),
     dynamic("{ scheme = \"energy-momentum\" }", "\"midpoint\"", "integrator = \"", "time.integrator"),

@@ -3,7 +3,9 @@
 mod support;
 
 use std::path::PathBuf;
-use stoss_scene::{Kind, LoadKind, Material, MeshSource, Problem, Scene, Series, json_schema, parse};
+use stoss_scene::{
+    Kind, LoadKind, Material, MeshSource, Parameter, Problem, Scene, Series, json_schema, parse, parse_with,
+};
 use support::schema;
 
 const DYNAMIC: &str = include_str!("data/dynamic.toml");
@@ -117,4 +119,27 @@ fn later_checks_find_their_line() {
     let problem = Problem::at(&scene, "contact[0].friction", "", "message", "remedy");
     assert_eq!(DYNAMIC.lines().nth(problem.line - 1), Some("[[contact]]"));
     assert_eq!(problem.file, "dynamic.toml");
+}
+
+#[test]
+fn laws_of_a_program_are_read_only_if_it_names_them() {
+    let from = "{ law = \"ogden\", mu = [6300.0, 12.0, -100.0], alpha = [1.3, 5.0, -2.0], kappa = 2000.0, beta = 9.0 }";
+    assert!(DYNAMIC.contains(from));
+    let text = DYNAMIC.replacen(from, "{ law = \"mine\", stiffness = 3, exponents = [1, 2.5] }", 1);
+    let problems = parse(&text, "x").unwrap_err();
+    assert_eq!(problems.problems()[0].key, "body[0].material.law");
+    let scene = parse_with(&text, "x", &["mine"]).unwrap();
+    let Material::Own(own) = &scene.bodies[0].material else { panic!("{:?}", scene.bodies[0].material) };
+    assert_eq!(own.law, "mine");
+    assert_eq!(own.parameters["stiffness"], Parameter::Number(3.0));
+    assert_eq!(own.parameters["exponents"], Parameter::List(vec![1.0, 2.5]));
+    // The same through serde, in both directions.
+    let written = toml::to_string(&scene).unwrap();
+    assert_eq!(parse_with(&written, "written", &["mine"]).unwrap(), scene);
+    assert_eq!(toml::from_str::<Scene>(&text).unwrap(), scene);
+    // A law of the catalogue without one of its parameters is not a law of one's own.
+    assert!(toml::from_str::<Scene>(&DYNAMIC.replacen("kappa = 2000.0, ", "", 1)).is_err());
+    let bad = text.replacen("stiffness = 3", "stiffness = \"3\"", 1);
+    let problems = parse_with(&bad, "x", &["mine"]).unwrap_err();
+    assert_eq!(problems.problems()[0].key, "body[0].material.stiffness");
 }

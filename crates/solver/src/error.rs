@@ -15,7 +15,7 @@ pub enum StepError {
     /// Contact geometry failed.
     #[error(transparent)]
     Contact(#[from] ContactError),
-    /// The linear system could not be solved.
+    /// The linear system could not be solved for another reason than [`Self::Singular`].
     #[error(transparent)]
     Linear(#[from] LinalgError),
     /// Newton did not converge.
@@ -28,15 +28,79 @@ pub enum StepError {
         /// Last relative residual.
         residual: f64,
     },
-    /// The active set did not settle.
-    #[error("the active set did not settle in {changes} changes")]
-    ActiveSet {
-        /// Changes tried.
+    /// A matrix without inverse.
+    #[error("the system is singular: {unknown} is not determined; {hint}")]
+    Singular {
+        /// The unknown in which the undetermined motion is largest.
+        unknown: Unknown,
+        /// What may be the reason.
+        hint: String,
+    },
+    /// Sets of constraints came back.
+    #[error(
+        "the active set cycles: {count} node(s) of contact {pair} (first: {first}) want to open when closed and to close when open, after {changes} changes of the set and {repairs} changes of facets"
+    )]
+    Cycling {
+        /// Contact pair.
+        pair: String,
+        /// Nodes that flip.
+        count: usize,
+        /// The first of them.
+        first: String,
+        /// Changes of the set in this attempt.
         changes: usize,
+        /// Changes of pairings in this attempt.
+        repairs: usize,
+    },
+    /// The active set did not settle.
+    #[error(
+        "the active set did not settle in {rounds} rounds, with {changes} changes of the set and {repairs} changes of facets"
+    )]
+    ActiveSet {
+        /// Rounds tried, each with a solution.
+        rounds: usize,
+        /// Rounds that changed the set.
+        changes: usize,
+        /// Changes of pairings in this attempt.
+        repairs: usize,
     },
     /// A system with the mass alone could not be solved.
     #[error("the mass matrix is singular: is there a body without volume or density?")]
     Mass,
+}
+
+/// An unknown of the system, in words of the model.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Unknown {
+    /// A component of the position of a node.
+    Position {
+        /// Component (0, 1, 2).
+        component: u8,
+        /// The node: number in its body, the body, where it is.
+        node: String,
+    },
+    /// The pressure of a contact constraint.
+    Pressure {
+        /// Contact pair.
+        pair: String,
+        /// Its slave node.
+        node: String,
+    },
+    /// Which one is not known.
+    Unnamed,
+}
+
+impl std::fmt::Display for Unknown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Position { component, node } => {
+                write!(f, "a motion that is largest in {} of {node}", ["x", "y", "z"][usize::from(*component) % 3])
+            }
+            Self::Pressure { pair, node } => write!(f, "the pressure of contact {pair} at {node}"),
+            Self::Unnamed => f.write_str("a motion or a pressure"),
+        }
+    }
 }
 
 /// Why a run stopped early. All completed steps stay valid.

@@ -12,6 +12,7 @@
 mod assembly;
 mod checkpoint;
 mod control;
+mod diagnosis;
 mod error;
 mod ledger;
 mod loads;
@@ -28,7 +29,7 @@ mod timing;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use control::{Clock, StepControl};
-pub use error::{SimulationError, StepError};
+pub use error::{SimulationError, StepError, Unknown};
 pub use ledger::Balance;
 pub use loads::{Load, LoadKind};
 pub use model::{Body, ContactPair, Model, Prescription};

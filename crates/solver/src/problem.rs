@@ -1,6 +1,7 @@
 //! One step as a problem for Newton's method.
 
 use crate::assembly::{Iterate, System};
+use crate::diagnosis::linear_error;
 use crate::system::FeSystem;
 use crate::{Model, Phase, StepError, Timings};
 use stoss_integrators::{ForceRule, Step, evaluate};
@@ -20,12 +21,18 @@ pub(crate) struct StepProblem<'a> {
     pub iterate: &'a mut Iterate,
     pub timings: &'a mut Timings,
     /// Linear solves so far.
-    pub solves: u32,
+    pub solves: &'a mut u32,
+    /// Norms at the iterate, if residual and tangent are those of the iterate already.
+    pub assembled: Option<ResidualNorms>,
 }
 
+/// Size of the motion, in multiples of an edge length, whose difference of forces replaces the product of prescribed motions and
+/// stiffness in [`StepProblem::predict`]: truncation and round-off are both about 1e-10 of the result.
+const DIFFERENCE: f64 = 1.0e-5;
+
 impl StepProblem<'_> {
-    /// Fills residual, and matrix values if asked; returns the relative residual.
-    fn evaluate(&mut self, want_tangent: bool) -> Result<f64, StepError> {
+    /// Fills residual, and matrix values if asked; returns norms of forces. (The constraints' violation is `system.gap_measure`.)
+    fn evaluate(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
         let Self { model, system, step, iterate, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
         let mut fe = FeSystem { model, system, pressures: &iterate.pressures, active: &iterate.active };
@@ -51,7 +58,49 @@ impl StepProblem<'_> {
             *rhs = -r;
             sum += r * r;
         }
-        Ok((sum.sqrt() / scale).max(s.gap_measure))
+        Ok(ResidualNorms { residual: sum.sqrt(), scale })
+    }
+
+    fn measured(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
+        let mut timings = std::mem::take(self.timings);
+        let norms = timings.measure(Phase::Assembly, || self.evaluate(want_tangent));
+        *self.timings = timings;
+        norms
+    }
+
+    /// Moves prescribed components (`component`, new position) and lets all others follow by one linear solution from the present
+    /// iterate: `K_ff du_f = -R_f - K_fp du_p`. Putting prescribed motions on the boundary alone would squash the elements there.
+    ///
+    /// `K_fp du_p` is a central difference of the residual along `du_p`, because the matrix has no columns of prescribed components.
+    pub fn predict(&mut self, prescribed: &[(usize, f64)]) -> Result<(), StepError> {
+        let from: Vec<f64> = prescribed.iter().map(|&(component, _)| self.iterate.q[component]).collect();
+        let largest = prescribed.iter().zip(&from).map(|((_, to), from)| (to - from).abs()).fold(0.0, f64::max);
+        let length = self.model.bodies.iter().map(|b| b.solid.characteristic_length()).fold(f64::INFINITY, f64::min);
+        if largest == 0.0 || !length.is_finite() {
+            return Ok(());
+        }
+        let fraction = DIFFERENCE * length / largest;
+        let mut rhs_at = |fraction: f64| -> Result<Vec<f64>, StepError> {
+            for (&(component, to), from) in prescribed.iter().zip(&from) {
+                self.iterate.q[component] = from + fraction * (to - from);
+            }
+            self.measured(false)?;
+            Ok(self.system.rhs.clone())
+        };
+        let (ahead, behind) = (rhs_at(fraction)?, rhs_at(-fraction)?);
+        for (&(component, _), from) in prescribed.iter().zip(&from) {
+            self.iterate.q[component] = *from;
+        }
+        self.measured(true)?;
+        for ((rhs, ahead), behind) in self.system.rhs.iter_mut().zip(ahead).zip(behind) {
+            *rhs += (ahead - behind) / (2.0 * fraction);
+        }
+        self.solve()?;
+        self.update(1.0)?;
+        for &(component, to) in prescribed {
+            self.iterate.q[component] = to;
+        }
+        Ok(())
     }
 }
 
@@ -59,10 +108,10 @@ impl NewtonProblem for StepProblem<'_> {
     type Error = StepError;
 
     fn assemble(&mut self) -> Result<ResidualNorms, StepError> {
-        let mut timings = std::mem::take(self.timings);
-        let residual = timings.measure(Phase::Assembly, || self.evaluate(true));
-        *self.timings = timings;
-        Ok(ResidualNorms { residual: residual?, scale: 1.0 })
+        match self.assembled.take() {
+            Some(norms) => Ok(norms),
+            None => self.measured(true),
+        }
     }
 
     fn solve(&mut self) -> Result<f64, StepError> {
@@ -76,13 +125,19 @@ impl NewtonProblem for StepProblem<'_> {
         };
         let s = &mut *self.system;
         let (solver, pattern, values) = (&mut s.solver, &s.pattern, &s.values);
-        self.timings.measure(Phase::Factorisation, || {
+        let (rhs, increment) = (&s.rhs, &mut s.increment);
+        let factorised = self.timings.measure(Phase::Factorisation, || {
             solver.analyse(pattern, kind)?;
             solver.factorise(values)
-        })?;
-        let (rhs, increment) = (&s.rhs, &mut s.increment);
-        self.timings.measure(Phase::Solve, || solver.solve(rhs, increment))?;
-        self.solves += 1;
+        });
+        let solved = match factorised {
+            Ok(()) => self.timings.measure(Phase::Solve, || solver.solve(rhs, increment)),
+            Err(error) => Err(error),
+        };
+        *self.solves += 1;
+        if let Err(error) = solved {
+            return Err(linear_error(self.model, s, self.iterate, self.step.rule.has_inertia(), error));
+        }
         s.base_q.copy_from_slice(&self.iterate.q);
         for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
             base.copy_from_slice(pressures);
@@ -109,10 +164,11 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn residual_norm(&mut self) -> Result<f64, StepError> {
-        let mut timings = std::mem::take(self.timings);
-        let residual = timings.measure(Phase::Assembly, || self.evaluate(false));
-        *self.timings = timings;
-        residual
+        Ok(self.measured(false)?.residual)
+    }
+
+    fn relative_violation(&self) -> f64 {
+        self.system.gap_measure
     }
 
     fn is_recoverable(&self, error: &StepError) -> bool {

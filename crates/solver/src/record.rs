@@ -40,8 +40,10 @@ pub enum DecisionKind {
     Cut,
     /// The step was doubled again.
     Grow,
-    /// The predictor was dropped and the step was started from the last positions.
+    /// The predictor was dropped and the step was started in another way.
     Restart,
+    /// The step was accepted, but something about its result is not right.
+    Warning,
 }
 
 /// Contact of one step, all methods together.
@@ -59,8 +61,10 @@ pub struct ContactSummary {
     pub min_gap: f64,
     /// Largest pressure.
     pub max_pressure: f64,
-    /// Sum of the contact forces on the slave nodes.
+    /// Sum over the contact pairs of the force that each exerts on its slave nodes.
     pub force_on_slave: [f64; 3],
+    /// The force of each pair on its slave nodes; its own only, where nodes belong to several pairs.
+    pub force_of_pair: Vec<[f64; 3]>,
 }
 
 /// A completed step.
@@ -78,10 +82,12 @@ pub struct StepRecord {
     pub balance: Balance,
     /// Newton history of the successful attempt.
     pub newton: Vec<NewtonRow>,
-    /// Linear solves of the successful attempt.
+    /// Linear solves of the successful attempt, that of a linear predictor included.
     pub iterations: u32,
     /// Decisions since the last completed step.
     pub decisions: Vec<Decision>,
+    /// Elements that are turned inside out at a vertex (see [`DecisionKind::Warning`]).
+    pub inside_out: usize,
     /// Contact, if the model has any.
     pub contact: Option<ContactSummary>,
 }

@@ -1,18 +1,24 @@
 //! The run: state, steps, ledger.
 
-use crate::assembly::{Iterate, System};
+mod advance;
+
+use crate::assembly::System;
 use crate::control::Clock;
-use crate::step::{Attempt, StepInput, attempt, decision};
-use crate::system::{FeSystem, stress_rule};
+use crate::system::FeSystem;
 use crate::{
-    Balance, Checkpoint, CheckpointError, ContactSummary, Decision, DecisionKind, LoadKind, Model, Phase,
-    SimulationError, StepControl, StepError, StepRecord, Timings,
+    Balance, Checkpoint, CheckpointError, Decision, LoadKind, Model, SimulationError, StepControl, StepError,
+    StepRecord, Timings,
 };
 use std::collections::BTreeMap;
 use stoss_contact::SlotReport;
-use stoss_integrators::{Scheme, State, Step, StepRule, finish, start};
-use stoss_linalg::{LinearSolver, SolverStatistics, vector};
+use stoss_integrators::{Scheme, State, StepRule, start};
+use stoss_linalg::{LinearSolver, NONE, SolverStatistics};
 use stoss_newton::NewtonOptions;
+
+/// Slave nodes nearer to the master surface than this (in multiples of an edge length of the slave surface) are in contact from the
+/// start of a quasi-static run; tension releases them. Without inertia a body that is held by contact alone could not move
+/// until it touches.
+const TOUCHING: f64 = 1.0e-3;
 
 /// How to run.
 #[derive(Debug)]
@@ -48,17 +54,26 @@ pub struct Plan {
     pub mass_matrix: bool,
     /// True if there is a contact search.
     pub contact_search: bool,
+    /// True if there is a matrix with pressure rows beside that of the solids.
+    pub contact_matrix: bool,
+    /// True if nodal contact forces are kept.
+    pub contact_force: bool,
+    /// True if support forces are kept.
+    pub reactions: bool,
+    /// True if there is a vector of dead loads.
+    pub dead_loads: bool,
+    /// True if there is a vector of follower pressures.
+    pub follower_pressure: bool,
+    /// True if equations with the mass matrix alone are, or were, solved.
+    pub mass_solver: bool,
+    /// True if the state has accelerations.
+    pub accelerations: bool,
+    /// True if the state has forces of the last end point.
+    pub history: bool,
+    /// The scheme's rule for the present step size: which stress and which contact gradient are evaluated.
+    pub rule: StepRule,
     /// Bytes held by the system before the first factorisation.
     pub memory_bytes: usize,
-}
-
-/// An attempt that succeeded, with what could still have failed.
-struct Completed {
-    attempt: Attempt,
-    next: State,
-    rule: StepRule,
-    strain: f64,
-    contact: Option<ContactSummary>,
 }
 
 /// A running simulation. See [`Self::advance`].
@@ -144,9 +159,38 @@ impl Simulation {
         }
         simulation.set_prescribed_positions_at_start();
         simulation.complete_initial_state()?;
+        if !dynamic {
+            simulation.close_touching()?;
+        }
         let strain = simulation.strain_energy(&simulation.state.q)?;
         simulation.balance = simulation.measure_balance(strain, 0.0);
         Ok(simulation)
+    }
+
+    /// Activates slots whose node touches the master, see [`TOUCHING`].
+    fn close_touching(&mut self) -> Result<(), StepError> {
+        let q = &self.state.q;
+        let equation = &self.system.numbering.equation;
+        for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
+            let method = &mut pair.method;
+            let near = TOUCHING * method.length_scale();
+            method.begin_step(q, near)?;
+            let mut gaps = vec![0.0; active.len()];
+            method.complementarity_gaps(q, active, &mut gaps)?;
+            for (active, gap) in active.iter_mut().zip(gaps) {
+                *active = gap.abs() <= near;
+            }
+            method.repair(q, active)?;
+            // A constraint between nodes that cannot move determines nothing.
+            let mut free = vec![false; active.len()];
+            method.stencils(active, &mut |nodes, slots| {
+                let moves = nodes.iter().any(|&n| (0..3).any(|i| equation[3 * n as usize + i] != NONE));
+                slots.iter().for_each(|&slot| free[slot as usize] = moves);
+            });
+            active.iter_mut().zip(free).for_each(|(active, free)| *active &= free);
+            method.commit(q, &vec![0.0; active.len()], active);
+        }
+        Ok(())
     }
 
     fn set_prescribed_velocities(&self, time: f64, v: &mut [f64]) {
@@ -275,6 +319,15 @@ impl Simulation {
             steps: self.clock.nominal_steps(),
             mass_matrix: self.system.has_mass(),
             contact_search: !self.model.contacts.is_empty(),
+            contact_matrix: !self.system.solid_to_global.is_empty(),
+            contact_force: !self.contact_force.is_empty(),
+            reactions: !self.reactions.is_empty(),
+            dead_loads: !self.system.dead.is_empty(),
+            follower_pressure: !self.system.follower.is_empty(),
+            mass_solver: self.system.mass_solver.is_some(),
+            accelerations: !self.state.a.is_empty(),
+            history: !self.state.history.is_empty(),
+            rule: self.step_rule(self.clock.dt()),
             memory_bytes: self.system.memory_bytes()
                 + self.model.bodies.iter().map(|b| b.solid.memory_bytes()).sum::<usize>(),
         }
@@ -299,6 +352,7 @@ impl Simulation {
             newton: Vec::new(),
             iterations: 0,
             decisions: Vec::new(),
+            inside_out: 0,
             contact: None,
         }
     }
@@ -341,205 +395,12 @@ impl Simulation {
         balance
     }
 
-    fn kinetic(&self, v: &[f64]) -> f64 {
-        self.system.masses.iter().map(|m| m.kinetic_energy(v)).sum()
-    }
-
-    /// Does one step: tries the present step size and halves it as often as the settings allow.
-    ///
-    /// # Errors
-    /// [`SimulationError::StepFailed`]; state, balance and records are then those of the last completed step.
-    pub fn advance(&mut self) -> Result<StepRecord, SimulationError> {
-        let first_decision = self.decisions.len();
-        loop {
-            match self.try_step() {
-                Ok(completed) => return Ok(self.accept(completed, first_decision)),
-                Err(cause) => {
-                    let (time, dt) = (self.state.time, self.clock.dt());
-                    if !self.clock.cut() {
-                        return Err(SimulationError::StepFailed { step: self.step + 1, time, dt, cause });
-                    }
-                    self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Cut, cause.to_string()));
-                }
-            }
-        }
-    }
-
-    fn try_step(&mut self) -> Result<Completed, StepError> {
-        let dt = self.clock.dt();
-        let time = self.state.time;
-        let rule = self.step_rule(dt);
-        for body in &mut self.model.bodies {
-            body.solid.begin_step(&self.state.q, stress_rule(rule.force.rule))?;
-        }
-        if !self.model.contacts.is_empty() {
-            // The farthest that two surfaces can approach each other in the step if nothing accelerates them much.
-            let speed = self.state.v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
-            let reach = 2.0 * speed * dt;
-            let (model, state) = (&mut self.model, &self.state);
-            self.timings.measure(Phase::Search, || -> Result<(), StepError> {
-                for pair in &mut model.contacts {
-                    pair.method.begin_step(&state.q, reach + 0.5 * pair.method.length_scale())?;
-                }
-                Ok(())
-            })?;
-        }
-        self.set_dead_loads(time + rule.force.rule.load_fraction() * dt);
-        match self.try_from(true, dt, rule) {
-            Err(StepError::Solid(cause)) if self.predictor_moves(dt) => {
-                self.decisions.push(decision(
-                    self.step + 1,
-                    time,
-                    dt,
-                    DecisionKind::Restart,
-                    format!("from the predictor: {cause}"),
-                ));
-                self.try_from(false, dt, rule)
-            }
-            result => result,
-        }
-    }
-
-    fn predictor_moves(&self, dt: f64) -> bool {
-        vector::norm_inf(&self.state.v) * dt > 0.0
-    }
-
-    fn try_from(&mut self, predict: bool, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
-        let mut q = self.state.q.clone();
-        if predict {
-            match &self.scheme {
-                Some(scheme) => scheme.predict(&self.state, dt, &mut q),
-                None => vector::axpy(dt, &self.state.v, &mut q),
-            }
-        }
-        let end = self.clock.next_time();
-        for k in 0..self.prescribed.len() {
-            let (component, value) = self.prescribed_position(k, end);
-            q[component] = value;
-        }
-        let start = Iterate { q, pressures: self.pressures.clone(), active: self.active.clone() };
-        let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, newton: self.newton };
-        let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings)?;
-        // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
-        // instance, an element may be inverted although it is not at the midpoint.
-        let strain = self.strain_energy(&attempt.iterate.q)?;
-        let contact = self.contact_summary(&attempt)?;
-        let next = self.next_state(&attempt.iterate, dt, rule)?;
-        Ok(Completed { attempt, next, rule, strain, contact })
-    }
-
-    /// Velocities and whatever else the scheme carries, at the end of a converged step.
-    fn next_state(&mut self, iterate: &Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
-        let mut next = State { v: self.state.v.clone(), ..State::at_rest(iterate.q.clone()) };
-        let end = self.clock.next_time();
-        self.set_prescribed_velocities(end, &mut next.v);
-        let Self { model, system, state, .. } = self;
-        let mut buffers = std::mem::take(&mut system.buffers);
-        let mut fe = FeSystem { model, system, pressures: &iterate.pressures, active: &iterate.active };
-        let step = Step { state_n: state, dt, rule };
-        let result = finish(&mut fe, &step, &mut buffers, &mut next);
-        if let Ok(true) = result {
-            vector::axpy(1.0, &buffers.inertia, &mut buffers.residual);
-        }
-        self.system.buffers = buffers;
-        result?;
-        // The clock's ticks, not the sum of steps.
-        next.time = end;
-        Ok(next)
-    }
-
     fn strain_energy(&self, q: &[f64]) -> Result<f64, StepError> {
         let mut energy = 0.0;
         for body in &self.model.bodies {
             energy += body.solid.strain_energy(q)?;
         }
         Ok(energy)
-    }
-
-    fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
-        let Completed { attempt, next, rule, strain, contact } = completed;
-        let Attempt { iterate, newton, solves, .. } = attempt;
-        self.solves += u64::from(solves);
-        let dt = self.clock.dt();
-        let (time_n, time) = (self.state.time, next.time);
-        // Work of the step: loads that vary in time, follower pressures, and reactions at moving supports.
-        let load_time = time_n + rule.force.rule.load_fraction() * dt;
-        let mut varying = vec![0.0; self.state.q.len()];
-        for load in self.model.loads.iter().filter(|load| !load.is_conservative()) {
-            load.add_dead(load_time, 1.0, &mut varying);
-        }
-        if self.system.has_followers {
-            vector::axpy(1.0, &self.system.follower, &mut varying);
-        }
-        for &(component, ..) in &self.prescribed {
-            // The residual at a prescribed component is what the support has to exert.
-            let c = component as usize;
-            self.reactions[c] = self.system.buffers.residual[c];
-            varying[c] += self.reactions[c];
-        }
-        let mut work = 0.0;
-        for ((f, q1), q0) in varying.iter().zip(&next.q).zip(&self.state.q) {
-            work += f * (q1 - q0);
-        }
-        for (c, pair) in self.model.contacts.iter_mut().enumerate() {
-            pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
-        }
-        self.state = next;
-        if self.scheme.is_some() && !self.prescribed.is_empty() {
-            // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
-            let before = self.kinetic(&self.state.v);
-            let mut v = std::mem::take(&mut self.state.v);
-            self.set_prescribed_velocities(time, &mut v);
-            self.state.v = v;
-            work += self.kinetic(&self.state.v) - before;
-        }
-        if !self.model.contacts.is_empty() {
-            self.contact_force.copy_from_slice(&self.system.buffers.constraint);
-        }
-        self.pressures = iterate.pressures;
-        self.active = iterate.active;
-        self.balance = self.measure_balance(strain, self.balance.external_work + work);
-        self.step += 1;
-        if self.clock.accept() {
-            let reason = format!("{} steps succeeded in a row", self.control.grow_after);
-            self.decisions.push(decision(self.step, time, dt, DecisionKind::Grow, reason));
-        }
-        StepRecord {
-            step: self.step,
-            time,
-            dt,
-            nominal: self.clock.on_nominal_grid(),
-            balance: self.balance,
-            newton,
-            iterations: solves,
-            decisions: self.decisions[first_decision..].to_vec(),
-            contact,
-        }
-    }
-
-    fn contact_summary(&mut self, attempt: &Attempt) -> Result<Option<ContactSummary>, StepError> {
-        if self.model.contacts.is_empty() {
-            return Ok(None);
-        }
-        let Attempt { iterate, repaired, .. } = attempt;
-        let mut summary = ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
-        for (c, pair) in self.model.contacts.iter().enumerate() {
-            let reports = self.timings.measure(Phase::Search, || pair.method.report(&iterate.q))?;
-            for (slot, report) in reports.iter().enumerate() {
-                let (now, then) = (iterate.active[c][slot], self.active[c][slot]);
-                summary.active += usize::from(now);
-                summary.closed += usize::from(now && !then);
-                summary.released += usize::from(then && !now);
-                summary.min_gap = summary.min_gap.min(report.gap.unwrap_or(f64::INFINITY));
-                if now {
-                    summary.max_pressure = summary.max_pressure.max(iterate.pressures[c][slot]);
-                }
-                for i in 0..3 {
-                    summary.force_on_slave[i] += self.system.buffers.constraint[3 * report.node as usize + i];
-                }
-            }
-        }
-        Ok(Some(summary))
     }
 
     /// The present state as a checkpoint.

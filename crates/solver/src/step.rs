@@ -1,15 +1,17 @@
 //! One attempted step: predictor, Newton with a fixed active set, active-set update, repeat.
 
 use crate::assembly::{Iterate, System};
+use crate::diagnosis::slot_name;
 use crate::problem::StepProblem;
-use crate::{Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
+use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
 use stoss_integrators::Step;
-use stoss_newton::{NewtonOptions, NewtonReport, solve};
+use stoss_newton::{NewtonOptions, NewtonReport, ResidualNorms, solve};
 
-/// Changes of the active set tried in a step before it is given up (formulation §9.1).
-const MAX_SET_CHANGES: usize = 20;
+/// Solutions with one set and one pairing each that are tried in a step before it is given up (formulation §9.1 allows 20 changes of the
+/// set; changes of pairings alone come in between).
+const MAX_ROUNDS: usize = 40;
 
 /// Residual at which the active set is looked at for the first time. The set is settled long before the last digits are;
 /// iterating to the end for each trial set would cost two to three solves each.
@@ -19,7 +21,6 @@ const LOOSE_TOLERANCE: f64 = 1.0e-4;
 pub(crate) struct Attempt {
     pub iterate: Iterate,
     pub newton: Vec<NewtonRow>,
-    pub solves: u32,
     pub repaired: usize,
 }
 
@@ -27,6 +28,8 @@ pub(crate) struct Attempt {
 pub(crate) struct StepInput<'a> {
     pub step: Step<'a>,
     pub start: Iterate,
+    /// Prescribed components with their new positions, if `start` has the old ones and the others are to follow ([`StepProblem::predict`]).
+    pub predict: Vec<(usize, f64)>,
     pub newton: NewtonOptions,
 }
 
@@ -34,34 +37,116 @@ fn not_converged(report: &NewtonReport) -> StepError {
     StepError::NotConverged {
         reason: report.reason.to_string(),
         iterations: report.iteration_count(),
-        residual: report.final_residual(),
+        residual: report.accepted().map_or(f64::NAN, |record| record.relative_residual()),
     }
 }
 
-/// Tries the step. The pairings of `model.contacts` and the pattern of `system` are left in the state of the last iteration.
+/// The active sets of an attempt.
+struct ActiveSets {
+    controls: Vec<ActiveSetControl>,
+    gaps: Vec<Vec<f64>>,
+    /// `c` of each slot.
+    factors: Vec<Vec<f64>>,
+    /// Rounds that changed the set, changes of pairings.
+    changes: usize,
+    repairs: usize,
+}
+
+/// What a look at the active sets and pairings led to.
+#[derive(Clone, Copy, Default)]
+struct Look {
+    /// Slots and pairings changed.
+    changes: usize,
+    /// A set came back: the next solution must be accurate.
+    doubtful: bool,
+}
+
+impl ActiveSets {
+    fn new(model: &Model, iterate: &Iterate) -> Self {
+        let control = |pair: &ContactPair| {
+            ActiveSetControl::new(ActiveSetTolerance::for_length_scale(pair.method.length_scale()))
+        };
+        let gaps: Vec<Vec<f64>> = iterate.pressures.iter().map(|p| vec![0.0; p.len()]).collect();
+        Self {
+            controls: model.contacts.iter().map(control).collect(),
+            factors: model.contacts.iter().zip(&gaps).map(|(c, gaps)| vec![c.complementarity; gaps.len()]).collect(),
+            gaps,
+            changes: 0,
+            repairs: 0,
+        }
+    }
+
+    /// Applies the rule of the active set and renews pairings at a converged iterate.
+    fn look(&mut self, model: &mut Model, iterate: &mut Iterate) -> Result<Look, StepError> {
+        let mut look = Look::default();
+        for c in 0..model.contacts.len() {
+            let method = &mut model.contacts[c].method;
+            let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
+            method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
+            let outcome = self.controls[c].propose(active, pressures, &self.gaps[c], &self.factors[c]);
+            let (activated, released) = match outcome {
+                ActiveSetOutcome::Unchanged | ActiveSetOutcome::Cycling => (0, 0),
+                ActiveSetOutcome::Changed { activated, released } | ActiveSetOutcome::Union { activated, released } => {
+                    (activated, released)
+                }
+            };
+            look.doubtful |= matches!(outcome, ActiveSetOutcome::Union { .. });
+            for (p, active) in pressures.iter_mut().zip(active.iter()) {
+                if !active {
+                    *p = 0.0;
+                }
+            }
+            let repairs = method.repair(&iterate.q, active)?;
+            self.changes += usize::from(activated + released > 0);
+            self.repairs += repairs;
+            look.changes += activated + released + repairs;
+            if repairs > activated {
+                // A slot that closes gets its pairing. All beyond that are changes of the constraints under which the sets were judged.
+                self.controls[c].reset();
+            } else if outcome == ActiveSetOutcome::Cycling {
+                return Err(self.cycling(model, c, &iterate.q));
+            }
+        }
+        Ok(look)
+    }
+
+    fn cycling(&self, model: &Model, pair: usize, q: &[f64]) -> StepError {
+        let flipping = self.controls[pair].flipping();
+        StepError::Cycling {
+            pair: model.contacts[pair].name.clone(),
+            count: flipping.len(),
+            first: flipping.first().map(|&slot| slot_name(model, pair, slot, q)).unwrap_or_default(),
+            changes: self.changes,
+            repairs: self.repairs,
+        }
+    }
+}
+
+/// Tries the step. The pairings of `model.contacts` and the pattern of `system` are left in the state of the last iteration. `solves` counts
+/// linear solutions, also those of an attempt that fails.
 pub(crate) fn attempt(
     model: &mut Model,
     system: &mut System,
     input: StepInput<'_>,
     timings: &mut Timings,
+    solves: &mut u32,
 ) -> Result<Attempt, StepError> {
     let mut iterate = input.start;
-    let mut controls: Vec<ActiveSetControl> = model
-        .contacts
-        .iter()
-        .map(|pair| ActiveSetControl::new(ActiveSetTolerance::for_length_scale(pair.method.length_scale())))
-        .collect();
-    let mut gaps: Vec<Vec<f64>> = iterate.pressures.iter().map(|p| vec![0.0; p.len()]).collect();
-    let factors: Vec<Vec<f64>> =
-        model.contacts.iter().zip(&gaps).map(|(pair, gaps)| vec![pair.complementarity; gaps.len()]).collect();
+    let mut sets = ActiveSets::new(model, &iterate);
     let mut rows = Vec::new();
-    let (mut solves, mut repaired, mut changes) = (0, 0, 0);
+    let mut look = Look::default();
     let has_contact = !model.contacts.is_empty();
     if has_contact {
         system.renew_pattern(model, &iterate.active)?;
     }
-    let mut loose = has_contact;
-    for _ in 0..2 * MAX_SET_CHANGES {
+    if !input.predict.is_empty() {
+        let (iterate, assembled) = (&mut iterate, None);
+        StepProblem { model, system, step: input.step, iterate, timings, solves, assembled }.predict(&input.predict)?;
+    }
+    // After a set came back, only accurate solutions are judged.
+    let (mut loose, mut accurate) = (has_contact, false);
+    let mut assembled = None;
+    for _ in 0..MAX_ROUNDS {
         let options = if loose {
             NewtonOptions {
                 relative_tolerance: LOOSE_TOLERANCE.max(input.newton.relative_tolerance),
@@ -71,9 +156,9 @@ pub(crate) fn attempt(
         } else {
             input.newton
         };
-        let mut problem = StepProblem { model, system, step: input.step, iterate: &mut iterate, timings, solves: 0 };
+        let mut problem =
+            StepProblem { model, system, step: input.step, iterate: &mut iterate, timings, solves, assembled };
         let result = solve(&mut problem, &options);
-        solves += problem.solves;
         let report = match &result {
             Ok(report) => report,
             Err(failure) => failure.report(),
@@ -82,17 +167,18 @@ pub(crate) fn attempt(
         for (k, record) in report.iterations.iter().enumerate() {
             // A further Newton call starts where the last one stopped: its first residual is a new row only if the
             // constraints changed.
-            if k == 0 && changes == 0 && !rows.is_empty() {
+            if k == 0 && look.changes == 0 && !rows.is_empty() {
                 continue;
             }
             rows.push(NewtonRow {
                 iteration: rows.len() as u32,
-                residual: record.residual,
+                residual: record.relative_residual(),
                 increment: record.increment,
                 active,
-                changes: if k == 0 { changes } else { 0 },
+                changes: if k == 0 { look.changes } else { 0 },
             });
         }
+        let last = report.accepted().map(|r| ResidualNorms { residual: r.residual, scale: r.scale });
         match result {
             Ok(report) if report.reason.is_converged() => {}
             Ok(report) => return Err(not_converged(&report)),
@@ -100,40 +186,23 @@ pub(crate) fn attempt(
             Err(stoss_newton::NewtonFailure::NotConverged(report)) => return Err(not_converged(&report)),
         }
         if !has_contact {
-            return Ok(Attempt { iterate, newton: rows, solves, repaired });
+            return Ok(Attempt { iterate, newton: rows, repaired: 0 });
         }
-        changes = 0;
-        let repairs = timings.measure(Phase::Search, || -> Result<usize, StepError> {
-            let mut repairs = 0;
-            for (c, pair) in model.contacts.iter_mut().enumerate() {
-                pair.method.complementarity_gaps(&iterate.q, &iterate.active[c], &mut gaps[c])?;
-                let active = &mut iterate.active[c];
-                match controls[c].propose(active, &iterate.pressures[c], &gaps[c], &factors[c]) {
-                    ActiveSetOutcome::Unchanged => {}
-                    ActiveSetOutcome::Changed { activated, released } => changes += activated + released,
-                    ActiveSetOutcome::Cycling => return Err(StepError::ActiveSet { changes: MAX_SET_CHANGES }),
-                }
-                for (p, active) in iterate.pressures[c].iter_mut().zip(active.iter()) {
-                    if !active {
-                        *p = 0.0;
-                    }
-                }
-                repairs += pair.method.repair(&iterate.q, active)?;
-            }
-            Ok(repairs)
-        })?;
-        repaired += repairs;
-        changes += repairs;
-        if changes > 0 {
+        look = timings.measure(Phase::Search, || sets.look(model, &mut iterate))?;
+        accurate |= look.doubtful;
+        assembled = None;
+        if look.changes > 0 {
             timings.measure(Phase::Assembly, || system.renew_pattern(model, &iterate.active))?;
-            loose = true;
+            loose = !accurate;
         } else if loose {
+            // The next iteration starts from what was assembled last.
             loose = false;
-        } else {
-            return Ok(Attempt { iterate, newton: rows, solves, repaired });
+            assembled = last;
+        } else if !look.doubtful {
+            return Ok(Attempt { iterate, newton: rows, repaired: sets.repairs });
         }
     }
-    Err(StepError::ActiveSet { changes: MAX_SET_CHANGES })
+    Err(StepError::ActiveSet { rounds: MAX_ROUNDS, changes: sets.changes, repairs: sets.repairs })
 }
 
 /// A record of a decision.

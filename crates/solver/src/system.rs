@@ -17,7 +17,8 @@ pub(crate) fn stress_rule(rule: ForceRule) -> StressRule {
     }
 }
 
-fn contact_rule(rule: GradientRule) -> ContactRule {
+/// The contact rule of a scheme's rule for constraints.
+pub(crate) fn contact_rule(rule: GradientRule) -> ContactRule {
     match rule {
         GradientRule::StartPoint => ContactRule::StartPoint,
         GradientRule::Midpoint => ContactRule::Midpoint,
@@ -37,7 +38,7 @@ pub(crate) struct FeSystem<'a> {
 
 impl FeSystem<'_> {
     /// Follower pressures at the configuration of the rule, into `system.follower` and, with their tangent, the solids' values.
-    fn evaluate_follower(&mut self, step: StepConfiguration<'_>, rule: ForceRule, tangent: Option<f64>) {
+    pub fn evaluate_follower(&mut self, step: StepConfiguration<'_>, rule: ForceRule, tangent: Option<f64>) {
         let (model, s) = (self.model, &mut *self.system);
         s.follower.fill(0.0);
         let theta = rule.load_fraction();

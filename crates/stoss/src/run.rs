@@ -1,6 +1,6 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
-use crate::build::{Built, build};
+use crate::build::{Built, OwnLaws, build_with};
 use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder};
 use crate::scene::{Scene, SceneErrors};
 use sha2::{Digest, Sha256};
@@ -18,6 +18,8 @@ pub struct RunOptions {
     pub until: Option<f64>,
     /// Continue from the checkpoint in the folder.
     pub resume: bool,
+    /// Laws beside the catalogue that the scene may name.
+    pub laws: OwnLaws,
 }
 
 /// Why a run was not done or not finished.
@@ -34,6 +36,14 @@ pub enum RunError {
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// The scene's file is no text.
+    #[error("{path}:{line}: the file is not UTF-8 text here: save the scene in the encoding UTF-8", path = .path.display())]
+    Encoding {
+        /// The file.
+        path: PathBuf,
+        /// The first line that cannot be read, from 1.
+        line: usize,
     },
     /// An option does not fit the scene.
     #[error("{0}")]
@@ -99,11 +109,16 @@ pub fn set_threads(threads: usize) -> Result<(), String> {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(|e| e.to_string())
 }
 
-fn load(path: &Path) -> Result<(Scene, Built, String), RunError> {
-    let text = std::fs::read_to_string(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
-    let scene = crate::scene::parse(&text, &path.display().to_string()).map_err(RunError::Scene)?;
+fn load(path: &Path, laws: &OwnLaws) -> Result<(Scene, Built, String), RunError> {
+    let bytes = std::fs::read(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..good].iter().filter(|&&byte| byte == b'\n').count();
+        RunError::Encoding { path: path.to_path_buf(), line }
+    })?;
+    let scene = crate::scene::parse_with(&text, &path.display().to_string(), &laws.names()).map_err(RunError::Scene)?;
     let folder = path.parent().unwrap_or(Path::new("."));
-    let built = build(&scene, folder).map_err(RunError::Scene)?;
+    let built = build_with(&scene, folder, laws).map_err(RunError::Scene)?;
     let mut hash = Sha256::new();
     hash.update(env!("CARGO_PKG_VERSION"));
     hash.update(&text);
@@ -127,7 +142,7 @@ fn scheme_name(scene: &Scene) -> String {
 /// See [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
-    let (scene, built, scene_hash) = load(path)?;
+    let (scene, built, scene_hash) = load(path, &options.laws)?;
     let Built { mut simulation, probes, warnings, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
@@ -169,7 +184,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
             }
             Err(source) => {
                 let (last_step, last_time) = (simulation.step(), simulation.state().time);
-                folder.checkpoint(&simulation)?;
+                folder.close(&simulation)?;
                 let reason = source.to_string();
                 folder.summarise(&simulation, Outcome::Failed { reason, last_step, last_time })?;
                 return Err(RunError::Simulation {
@@ -181,8 +196,13 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
             }
         }
     }
-    folder.checkpoint(&simulation)?;
-    Ok(folder.summarise(&simulation, Outcome::Completed)?)
+    folder.close(&simulation)?;
+    let outcome = if simulation.finished() {
+        Outcome::Completed
+    } else {
+        Outcome::Stopped { last_step: simulation.step(), last_time: simulation.state().time }
+    };
+    Ok(folder.summarise(&simulation, outcome)?)
 }
 
 /// The plan of a run, for people.
@@ -202,7 +222,15 @@ impl std::fmt::Display for PlanReport {
 /// # Errors
 /// All problems of the scene at once.
 pub fn check_scene(path: &Path) -> Result<PlanReport, RunError> {
-    let (scene, built, _) = load(path)?;
+    check_scene_with(path, &OwnLaws::default())
+}
+
+/// As [`check_scene`] for a program with laws of its own.
+///
+/// # Errors
+/// As [`check_scene`].
+pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunError> {
+    let (scene, built, _) = load(path, laws)?;
     let plan = built.simulation.plan();
     let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
     lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));

@@ -10,6 +10,7 @@ mod convergence;
 mod derivatives;
 mod figures;
 mod laws;
+mod lean;
 mod materials;
 mod models;
 mod newton;
@@ -55,6 +56,7 @@ const SUITES: &[&dyn Suite] = &[
     &convergence::Convergence,
     &work_precision::WorkPrecision,
     &stability::Stability,
+    &lean::Lean,
     &scenes::Scenes,
 ];
 

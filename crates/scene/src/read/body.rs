@@ -10,17 +10,16 @@ use toml::de::DeValue;
 const MOTION: [&str; 4] = ["velocity", "angular_velocity", "velocity_gradient", "velocity_about"];
 
 /// The body and its name, which is needed even if the rest is bad.
-pub(super) fn body(table: &Table<'_>, kind: Option<Kind>) -> (Option<Body>, Option<String>) {
+pub(super) fn body(table: &Table<'_>, kind: Option<Kind>, own_laws: &[&str]) -> (Option<Body>, Option<String>) {
     let name = table.required("name", "name = \"ball\"", Node::name);
     let mesh =
         table.required("mesh", "mesh = { generator = \"block\", size = [1, 1, 1], divisions = [4, 4, 4] }", mesh::mesh);
     let position = table.default("position", [0.0; 3], Node::vector);
     let rotation = table.default("rotation", Rotations::default(), rotations);
-    let material = table.required(
-        "material",
-        "material = { law = \"neo-hooke\", young = 2250.0, poisson = 0.3 }",
-        material::material,
-    );
+    let material =
+        table.required("material", "material = { law = \"neo-hooke\", young = 2250.0, poisson = 0.3 }", |n| {
+            material::material(n, own_laws)
+        });
     let density = if kind == Some(Kind::Dynamic) {
         table.required("density", "density = 10.0", Node::positive).map(Some)
     } else {

@@ -2,18 +2,22 @@
 
 use super::node::Node;
 use super::table::Table;
-use crate::{ElasticModuli, Material, MooneyRivlin, Ogden};
+use crate::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
+use toml::de::DeValue;
 
-pub(super) fn material(node: &Node<'_>) -> Option<Material> {
+/// `own_laws`: names of the laws beside the catalogue.
+pub(super) fn material(node: &Node<'_>, own_laws: &[&str]) -> Option<Material> {
     let table = node.table()?;
+    let names: Vec<&str> = Material::NAMES.iter().chain(own_laws).copied().collect();
     let reader = table.required("law", "law = \"neo-hooke\"", |n| {
-        n.choice(Material::NAMES, |name| match name {
+        n.choice(&names, |name| match name {
             "saint-venant-kirchhoff" => {
                 Some((|t: &Table<'_>| moduli(t).map(Material::SaintVenantKirchhoff)) as fn(&Table<'_>) -> _)
             }
             "neo-hooke" => Some(|t: &Table<'_>| moduli(t).map(Material::NeoHooke)),
             "mooney-rivlin" => Some(mooney_rivlin),
             "ogden" => Some(ogden),
+            name if own_laws.contains(&name) => Some(own),
             _ => None,
         })
     });
@@ -21,6 +25,23 @@ pub(super) fn material(node: &Node<'_>) -> Option<Material> {
     let material = reader?(&table);
     table.finish();
     material
+}
+
+/// Numbers and lists of numbers; which keys there are is the law's own business.
+fn own(table: &Table<'_>) -> Option<Material> {
+    let law = table.required("law", "law = \"mine\"", Node::name);
+    let parameters: Vec<_> = table
+        .rest()
+        .map(|(key, node)| {
+            let value = match node.value {
+                DeValue::Array(_) => node.list(Node::number).map(Parameter::List),
+                _ => node.number().map(Parameter::Number),
+            };
+            Some((key.to_owned(), value?))
+        })
+        .collect();
+    let parameters = parameters.into_iter().collect::<Option<_>>();
+    Some(Material::Own(OwnMaterial { law: law?, parameters: parameters? }))
 }
 
 fn moduli(table: &Table<'_>) -> Option<ElasticModuli> {

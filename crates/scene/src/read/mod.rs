@@ -43,7 +43,7 @@ impl World {
     }
 }
 
-pub(crate) fn scene(text: &str, file: &str) -> Result<Scene, SceneErrors> {
+pub(crate) fn scene(text: &str, file: &str, own_laws: &[&str]) -> Result<Scene, SceneErrors> {
     let mut source = Source::new(text, file);
     let (document, errors) = DeTable::parse_recoverable(text);
     let syntax: Vec<Problem> = errors.iter().map(|error| syntax_problem(&source, error)).collect();
@@ -54,7 +54,7 @@ pub(crate) fn scene(text: &str, file: &str) -> Result<Scene, SceneErrors> {
     let report = Report { source: &source, problems: RefCell::default() };
     let root = DeValue::Table(document.into_inner());
     let node = Node { report: &report, value: &root, span: 0..0, key: String::new() };
-    let scene = node.table().and_then(|table| read(&table));
+    let scene = node.table().and_then(|table| read(&table, own_laws));
     let problems = report.problems.into_inner();
     match (SceneErrors::new(problems, text), scene) {
         (None, Some(scene)) => Ok(Scene { source, ..scene }),
@@ -86,7 +86,7 @@ fn syntax_problem(source: &Source, error: &toml::de::Error) -> Problem {
     Problem::new(&source.file, location, String::new(), "", message, remedy.to_owned())
 }
 
-fn read(root: &Table<'_>) -> Option<Scene> {
+fn read(root: &Table<'_>, own_laws: &[&str]) -> Option<Scene> {
     let (header, kind) = match root.required("scene", "[scene]", Node::table) {
         Some(table) => general::header(&table),
         None => (None, None),
@@ -103,7 +103,7 @@ fn read(root: &Table<'_>) -> Option<Scene> {
     }
     let mut bodies_complete = !body_tables.is_empty();
     for table in &body_tables {
-        let (body, name) = table.as_ref().map_or((None, None), |table| body::body(table, kind));
+        let (body, name) = table.as_ref().map_or((None, None), |table| body::body(table, kind, own_laws));
         unique.check(table.as_ref(), "name", name.as_deref());
         bodies_complete &= name.is_some();
         names.extend(name);

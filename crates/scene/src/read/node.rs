@@ -2,7 +2,7 @@
 //!
 //! Every reader returns `None` after it has reported what is wrong, so that reading goes on and all problems are found.
 
-use crate::names::nearest;
+pub(super) use crate::names::known;
 use crate::source::{Source, element};
 use crate::{Location, Problem};
 use std::cell::RefCell;
@@ -230,15 +230,6 @@ impl<'a> Node<'a> {
 /// True for names of letters, digits, `-` and `_`.
 pub(super) fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_')
-}
-
-/// Remedy for an unknown word: the nearest known one, and the list.
-pub(super) fn known<'n>(word: &str, names: impl IntoIterator<Item = &'n str> + Clone) -> String {
-    let list = names.clone().into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    match nearest(word, names) {
-        Some(name) => format!("did you mean `{name}`? Known are {list}"),
-        None => format!("known are {list}"),
-    }
 }
 
 fn with_article(noun: &str) -> String {

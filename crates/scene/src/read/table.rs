@@ -2,18 +2,20 @@
 
 use super::node::{Node, known};
 use crate::source::join;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use toml::de::DeTable;
 
 pub(super) struct Table<'a> {
     pub(super) node: Node<'a>,
     map: &'a DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
+    /// True if the remaining keys were read, whatever they are called.
+    exhausted: Cell<bool>,
 }
 
 impl<'a> Table<'a> {
     pub(super) fn new(node: Node<'a>, map: &'a DeTable<'a>) -> Self {
-        Self { node, map, known: RefCell::default() }
+        Self { node, map, known: RefCell::default(), exhausted: Cell::new(false) }
     }
 
     /// The value of a key, which is known from now on.
@@ -24,6 +26,22 @@ impl<'a> Table<'a> {
             value: value.get_ref(),
             span: value.span(),
             key: join(&self.node.key, key),
+        })
+    }
+
+    /// The values of all keys that nobody asked for so far; none of them is unknown from now on.
+    pub(super) fn rest(&self) -> impl Iterator<Item = (&'a str, Node<'a>)> {
+        self.exhausted.set(true);
+        let map = self.map;
+        let known = self.known.borrow().clone();
+        map.iter().filter(move |(key, _)| !known.contains(&key.get_ref().as_ref())).map(|(key, value)| {
+            let node = Node {
+                report: self.node.report,
+                value: value.get_ref(),
+                span: value.span(),
+                key: join(&self.node.key, key.get_ref()),
+            };
+            (key.get_ref().as_ref(), node)
         })
     }
 
@@ -111,6 +129,9 @@ impl<'a> Table<'a> {
 
     /// Reports every key that nobody asked for.
     pub(super) fn finish(&self) {
+        if self.exhausted.get() {
+            return;
+        }
         let known_keys = self.known.borrow();
         for (key, _) in self.map.iter() {
             if !known_keys.contains(&key.get_ref().as_ref()) {

@@ -1,13 +1,13 @@
 //! Meshes, laws, densities, initial velocities.
 
-use super::{Placed, Problems};
+use super::{OwnLaws, ParameterError, Placed, Problems};
 use crate::scene::{Body, Generator, Mass, Material, MeshSource, Rotation as SceneRotation, Scene};
 use crate::solver::Model;
 use std::path::Path;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{MassKind, SolidBody};
-use stoss_materials::{MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::generate::{Block, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock};
 use stoss_mesh::{Mesh, MeshError, Region, Rotation};
 
@@ -15,6 +15,7 @@ use stoss_mesh::{Mesh, MeshError, Region, Rotation};
 pub(super) fn bodies(
     scene: &Scene,
     folder: &Path,
+    laws: &OwnLaws,
     model: &mut Model,
     mesh_files: &mut Vec<Vec<u8>>,
     problems: &mut Problems<'_>,
@@ -23,11 +24,15 @@ pub(super) fn bodies(
     let mut lines = Vec::new();
     for (b, body) in scene.bodies.iter().enumerate() {
         let key = format!("body[{b}]");
-        let law = match law(&body.material) {
+        let law = match law(&body.material, laws) {
             Ok(law) => Some(law),
-            Err(error) => {
-                let remedy = "choose parameters with positive shear and bulk moduli at small strains";
-                problems.add(format!("{key}.material"), body.material.law(), error.to_string(), remedy);
+            Err(ParameterError { key: parameter, message, remedy }) if parameter.is_empty() => {
+                problems.add(format!("{key}.material"), body.material.law(), message, remedy);
+                None
+            }
+            Err(ParameterError { key: parameter, message, remedy }) => {
+                let value = if parameter == "law" { body.material.law() } else { "" };
+                problems.add(format!("{key}.material.{parameter}"), value, message, remedy);
                 None
             }
         };
@@ -71,12 +76,10 @@ pub(super) fn bodies(
     (placed, lines)
 }
 
-/// The law of a material.
-///
-/// # Errors
-/// Parameters that are no material.
-pub fn law(material: &Material) -> Result<Arc<dyn HyperelasticLaw>, MaterialError> {
+/// The law of a material: of the catalogue, or of the program's own.
+fn law(material: &Material, laws: &OwnLaws) -> Result<Arc<dyn HyperelasticLaw>, ParameterError> {
     Ok(match material {
+        Material::Own(own) => laws.make(own)?,
         Material::SaintVenantKirchhoff(m) => match (m.young, m.poisson) {
             (Some(young), Some(poisson)) => Arc::new(SaintVenantKirchhoff::from_young_poisson(young, poisson)?),
             _ => {
@@ -167,8 +170,12 @@ fn mesh(
             (None, None) => continue,
         };
         if let Err(error) = mesh.add_region_sets(set.local_name(), &region) {
-            let [low, high] = bounds(&mesh);
-            let remedy = format!("body `{}` reaches from {low:?} to {high:?} in its place", body.name);
+            let remedy = match error {
+                MeshError::SetExists { .. } => {
+                    format!("body `{}` has of its own: {}", body.name, mesh.set_names().join(", "))
+                }
+                _ => "move or enlarge the region; positions are those of the body in its place".to_owned(),
+            };
             problems.add(format!("set[{s}]"), &set.name, error.to_string(), remedy);
         }
     }
@@ -204,11 +211,16 @@ fn read(
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
     let path = folder.join(file);
-    let result = std::fs::read(&path).map_err(|e| e.to_string()).and_then(|bytes| {
-        mesh_files.push(bytes);
-        stoss_mesh_io::read_mesh(&path).map_err(|e| e.to_string())
-    });
-    result.map_err(|error| problems.add(key.to_owned(), file, error, "paths are relative to the scene's file")).ok()
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            problems.add(key.to_owned(), file, error.to_string(), "paths are relative to the scene's file");
+            return None;
+        }
+    };
+    let mesh = stoss_mesh_io::read_mesh(&path);
+    mesh_files.push(bytes);
+    mesh.map_err(|error| problems.add(key.to_owned(), file, error.to_string(), "mend the file or name another")).ok()
 }
 
 #[cfg(not(feature = "mesh-files"))]

@@ -1,12 +1,13 @@
 //! Prescribed motion, loads, contact.
 
 use super::{Placed, Problems};
-use crate::scene::{LoadKind as SceneLoad, Scene, split_set};
+use crate::scene::{LoadKind as SceneLoad, Scene, known, split_set};
 use crate::solver::{Load, LoadKind, Model, Prescription, Table};
+use stoss_mesh::{Mesh, MeshError, SetKind};
 
 /// Facets of a set in global node numbers.
-fn facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, String> {
-    let list = placed.mesh.facets_of(set).map_err(|e| e.to_string())?;
+fn facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
+    let list = placed.mesh.facets_of(set)?;
     Ok(list.iter().map(|facet| facet.nodes.map(|n| n + placed.first_node)).collect())
 }
 
@@ -17,28 +18,45 @@ pub(super) fn resolve<T>(
     key: &str,
     reference: &str,
     problems: &mut Problems<'_>,
-    look_up: impl Fn(&Placed, &str) -> Result<Vec<T>, String>,
+    look_up: impl Fn(&Placed, &str) -> Result<Vec<T>, MeshError>,
 ) -> Option<(usize, Vec<T>)> {
     let (body, set) = split_set(reference)?;
     let b = scene.body_index(body)?;
-    let names = || placed[b].mesh.set_names().join(", ");
+    let names = || placed[b].mesh.set_names();
     match look_up(&placed[b], set) {
         Ok(list) if !list.is_empty() => Some((b, list)),
         Ok(_) => {
-            let remedy = format!("choose a set that is not empty; body `{body}` has: {}", names());
+            let remedy = format!("choose a set that is not empty; body `{body}` has: {}", names().join(", "));
             problems.add(key.to_owned(), reference, "the set is empty", remedy);
             None
         }
+        Err(MeshError::UnknownSet { name, .. }) => {
+            let message = format!("body `{body}` has no set `{name}`");
+            problems.add(key.to_owned(), reference, message, known(&name, names().iter().map(String::as_str)));
+            None
+        }
         Err(error) => {
-            problems.add(key.to_owned(), reference, error, format!("body `{body}` has: {}", names()));
+            let remedy = match &error {
+                MeshError::WrongSetKind { wanted: SetKind::Facets, .. } => format!(
+                    "choose a set of facets of body `{body}`: {}; a surface between two elements has no outside and is a set of nodes",
+                    facet_sets(&placed[b].mesh).join(", ")
+                ),
+                _ => format!("body `{body}` has: {}", names().join(", ")),
+            };
+            problems.add(key.to_owned(), reference, error.to_string(), remedy);
             None
         }
     }
 }
 
+/// Names of the sets that have facets.
+fn facet_sets(mesh: &Mesh) -> Vec<String> {
+    mesh.set_names().into_iter().filter(|name| mesh.facets_of(name).is_ok()).collect()
+}
+
 /// Global nodes of a set.
-pub(super) fn nodes(placed: &Placed, set: &str) -> Result<Vec<u32>, String> {
-    let list = placed.mesh.nodes_of(set).map_err(|e| e.to_string())?;
+pub(super) fn nodes(placed: &Placed, set: &str) -> Result<Vec<u32>, MeshError> {
+    let list = placed.mesh.nodes_of(set)?;
     Ok(list.iter().map(|n| n + placed.first_node).collect())
 }
 
@@ -171,17 +189,30 @@ pub(super) fn contacts(
     use crate::solver::ContactPair;
     use stoss_contact::ContactMethod;
     use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+    let mut seen: Vec<(Vec<[u32; 4]>, Vec<[u32; 4]>, String)> = Vec::new();
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
         let slave = resolve(scene, placed, &format!("{key}.slave"), &item.slave, problems, facets);
         let master = resolve(scene, placed, &format!("{key}.master"), &item.master, problems, facets);
         let (Some((slave_body, slave)), Some((master_body, master))) = (slave, master) else { continue };
+        if let Some((.., other)) = seen.iter().find(|(s, m, _)| *s == slave && *m == master) {
+            let message = format!("is the same contact as `{other}`: its constraints would be there twice");
+            problems.add(format!("{key}.name"), item.label(), message, "remove one of the two");
+            continue;
+        }
+        seen.push((slave.clone(), master.clone(), item.label()));
+        if [&slave, &master].iter().all(|surface| is_prescribed(model, surface)) {
+            let message =
+                "every node of both surfaces is prescribed in all components: no contact force could move them";
+            problems.add(key, item.label(), message, "remove the contact, or free one of the surfaces");
+            continue;
+        }
         let constraint = match item.constraint {
             Constraint::Standard => ConstraintForm::Standard,
             Constraint::Modified => ConstraintForm::Modified,
         };
         let options = NodeToSurfaceOptions { constraint, ..NodeToSurfaceOptions::default() };
-        let method = match NodeToSurface::new(&item.label(), &slave, &master, &model.reference, options) {
+        let mut method = match NodeToSurface::new(&item.label(), &slave, &master, &model.reference, options) {
             Ok(method) => method,
             Err(error) => {
                 let remedy = "choose two different, not degenerate surfaces of different bodies";
@@ -204,14 +235,49 @@ pub(super) fn contacts(
             }
             Err(error) => problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces"),
         }
+        let bodies = [slave_body, master_body];
+        warnings.extend(overlap(&item.label(), bodies.map(|b| (&scene.bodies[b].name, &placed[b].mesh))));
+        // The first frame shows the gaps of the nodes that are in reach, as later ones do.
+        let speed = model.velocity.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        let reach = 2.0 * speed * scene.time.step + 0.5 * method.length_scale();
+        if let Err(error) = method.begin_step(&model.reference, reach) {
+            problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces");
+        }
         // The softer body decides how the two terms of the complementarity function balance.
-        let young = [slave_body, master_body]
+        let young = bodies
             .map(|b| model.bodies[b].solid.law().small_strain_moduli().young_modulus())
             .into_iter()
             .fold(f64::INFINITY, f64::min);
         let complementarity = young / method.length_scale();
         model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
     }
+}
+
+/// A warning if two bodies lie in each other: what is deeper behind a surface than the search looks has no partner there.
+#[cfg(feature = "nts")]
+fn overlap(label: &str, [(slave, slave_mesh), (master, master_mesh)]: [(&String, &Mesh); 2]) -> Option<String> {
+    use super::overlap::Locator;
+    let in_master = Locator::new(master_mesh).centres_of(slave_mesh);
+    let in_slave = Locator::new(slave_mesh).centres_of(master_mesh);
+    (in_master + in_slave > 0).then(|| {
+        format!(
+            "{label}: the bodies lie in each other: {in_master} elements of `{slave}` have their centre inside `{master}`, {in_slave} \
+             of `{master}` inside `{slave}`; a node deeper behind a surface than the length of a facet finds no partner and is not \
+             kept out: move one of the bodies"
+        )
+    })
+}
+
+/// True if all components of all nodes of a surface are prescribed.
+#[cfg(feature = "nts")]
+fn is_prescribed(model: &Model, facets: &[[u32; 4]]) -> bool {
+    let mut prescribed = std::collections::BTreeSet::new();
+    for prescription in &model.prescriptions {
+        for &node in &prescription.nodes {
+            prescribed.extend(prescription.components.iter().map(|&component| (node, component)));
+        }
+    }
+    facets.iter().flatten().all(|&node| (0..3).all(|component| prescribed.contains(&(node, component))))
 }
 
 #[cfg(not(feature = "nts"))]

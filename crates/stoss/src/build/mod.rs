@@ -3,8 +3,12 @@
 
 mod body;
 mod condition;
+mod law;
+#[cfg(feature = "nts")]
+mod overlap;
 mod probe;
 
+pub use law::{LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use probe::{Probe, ProbeTarget};
 
 use crate::scene::{Kind, Problem, Scene, SceneErrors};
@@ -60,10 +64,18 @@ impl Problems<'_> {
 /// Every problem that needs the meshes to be found: unreadable or bad meshes, parameters that are no material, unknown or
 /// empty sets, components prescribed twice, contact of a body with itself.
 pub fn build(scene: &Scene, folder: &Path) -> Result<Built, SceneErrors> {
+    build_with(scene, folder, &OwnLaws::default())
+}
+
+/// As [`build`] with laws beside the catalogue, whose names the scene was parsed with ([`crate::scene::parse_with`]).
+///
+/// # Errors
+/// As [`build`].
+pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built, SceneErrors> {
     let mut problems = Problems { scene, list: Vec::new() };
     let mut model = Model::default();
     let mut mesh_files = Vec::new();
-    let (placed, bodies) = body::bodies(scene, folder, &mut model, &mut mesh_files, &mut problems);
+    let (placed, bodies) = body::bodies(scene, folder, laws, &mut model, &mut mesh_files, &mut problems);
     let mut warnings = Vec::new();
     let mut probes = Vec::new();
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.

@@ -1,6 +1,7 @@
 //! Writes a run into a folder.
 
 use super::drift::Drifts;
+use super::earlier;
 use super::table::CsvTable;
 use super::{Memory, Outcome, OutputError, Summary, frame};
 use crate::build::Probe;
@@ -64,16 +65,12 @@ impl ResultFolder {
     /// Creates the folder (replacing the results of an earlier run) and writes the initial state.
     ///
     /// # Errors
-    /// [`OutputError`].
+    /// [`OutputError`]; [`OutputError::NotOurs`], before anything is touched, if a file in the folder has the name of one of ours but
+    /// was not written by this program.
     pub fn create(path: &Path, settings: FolderSettings, simulation: &mut Simulation) -> Result<Self, OutputError> {
+        earlier::remove(path)?;
         let frames = path.join("frames");
         std::fs::create_dir_all(&frames).map_err(OutputError::io(&frames))?;
-        for stale in ["checkpoint", "summary.json", "frames.pvd", "probes.csv", "contact.csv"] {
-            let file = path.join(stale);
-            if file.exists() {
-                std::fs::remove_file(&file).map_err(OutputError::io(&file))?;
-            }
-        }
         let memo = Memo {
             lengths: BTreeMap::new(),
             frames: Vec::new(),
@@ -87,6 +84,8 @@ impl ResultFolder {
         folder.remove_other_frames()?;
         let record = simulation.initial_record();
         folder.write(simulation, &record)?;
+        // A run that is killed before its first regular checkpoint can be resumed from the start.
+        folder.checkpoint(simulation)?;
         folder.summarise(simulation, Outcome::Running)?;
         Ok(folder)
     }
@@ -101,6 +100,10 @@ impl ResultFolder {
         simulation: &mut Simulation,
     ) -> Result<Self, crate::run::RunError> {
         let file = path.join("checkpoint");
+        if !file.is_file() {
+            let reason = "there is no checkpoint in this folder: name the folder of an earlier run with --out, or run without --resume";
+            return Err(OutputError::Damaged { path: file, reason: reason.into() }.into());
+        }
         let checkpoint = Checkpoint::read(&file).map_err(OutputError::from)?;
         let attachments = simulation
             .restore(checkpoint, &settings.scene_hash)
@@ -114,6 +117,7 @@ impl ResultFolder {
             CsvTable::resume(&path.join(name), length)
         };
         let folder = Self::open(path, settings, simulation, memo, open)?;
+        folder.check_frames()?;
         folder.remove_other_frames()?;
         folder.write_collection()?;
         Ok(folder)
@@ -231,6 +235,33 @@ impl ResultFolder {
         frame::write_collection(&self.path.join("frames.pvd"), &entries)
     }
 
+    /// Ends a session: a checkpoint, and a frame of the last completed step if it has none. That frame is not in the checkpoint, so that
+    /// a run that goes on has frames where a run without a break has them.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn close(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+        self.checkpoint(simulation)?;
+        let step = simulation.step();
+        if self.memo.frames.last().is_none_or(|&(_, last)| last != step) {
+            self.write_frame(simulation, step)?;
+        }
+        Ok(())
+    }
+
+    /// Every frame that the collection names is there.
+    fn check_frames(&self) -> Result<(), OutputError> {
+        for &(_, step) in &self.memo.frames {
+            let file = self.path.join("frames").join(frame_name(step));
+            if !file.is_file() {
+                let reason =
+                    "this frame of the run so far is missing: put it back, or run again without --resume".into();
+                return Err(OutputError::Damaged { path: file, reason });
+            }
+        }
+        Ok(())
+    }
+
     /// Removes frames that do not belong to the run so far (of an earlier run, or written after the checkpoint).
     fn remove_other_frames(&self) -> Result<(), OutputError> {
         let folder = self.path.join("frames");
@@ -238,7 +269,7 @@ impl ResultFolder {
         for entry in std::fs::read_dir(&folder).map_err(OutputError::io(&folder))? {
             let entry = entry.map_err(OutputError::io(&folder))?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            if name.starts_with("frame_") && name.ends_with(".vtu") && !ours.contains(&name) {
+            if is_frame_name(&name) && !ours.contains(&name) {
                 std::fs::remove_file(entry.path()).map_err(OutputError::io(&folder))?;
             }
         }
@@ -323,9 +354,30 @@ fn frame_name(step: u64) -> String {
     format!("frame_{step:06}.vtu")
 }
 
+/// True for names that this program gives, so that no file of the user's is ever touched.
+fn is_frame_name(name: &str) -> bool {
+    let step = name.strip_prefix("frame_").and_then(|rest| rest.strip_suffix(".vtu"));
+    step.is_some_and(|step| step.len() >= 6 && step.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
 /// Largest resident set of this process, where `/proc` tells.
 fn peak_resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kb| 1024 * kb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_our_own_frames_are_recognised() {
+        assert!(
+            is_frame_name(&frame_name(0)) && is_frame_name(&frame_name(123)) && is_frame_name(&frame_name(12_345_678))
+        );
+        for other in ["frame_mine.vtu", "frame_.vtu", "frame_12.vtu", "frame_000001.vtu.bak", "Frame_000001.vtu"] {
+            assert!(!is_frame_name(other), "{other}");
+        }
+    }
 }

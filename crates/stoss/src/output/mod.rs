@@ -4,6 +4,7 @@
 //! them back to its checkpoint and then writes the same bytes as a run that was never interrupted.
 
 mod drift;
+mod earlier;
 mod folder;
 mod frame;
 mod summary;
@@ -34,6 +35,13 @@ pub enum OutputError {
         path: PathBuf,
         /// What is wrong.
         reason: String,
+    },
+    /// A file has the name of a file of results, but is none.
+    #[error("{path} was not written by Stoss, but a run would replace it; move it away, or choose another folder with --out",
+        path = .path.display())]
+    NotOurs {
+        /// The file.
+        path: PathBuf,
     },
     /// A frame could not be written.
     #[error(transparent)]

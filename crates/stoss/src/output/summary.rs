@@ -9,8 +9,15 @@ use stoss_solver::{Decision, Timings};
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Outcome {
-    /// Reached its end.
+    /// Reached the end of the scene.
     Completed,
+    /// Stopped at the time that was asked for, before the end of the scene; it can be resumed.
+    Stopped {
+        /// Last completed step.
+        last_step: u64,
+        /// Time of the last completed step.
+        last_time: f64,
+    },
     /// Still running (or killed).
     Running,
     /// Stopped with an error; everything up to the last completed step is valid.
@@ -80,6 +87,12 @@ pub struct Summary {
 
 impl std::fmt::Display for Summary {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.outcome {
+            Outcome::Completed => write!(f, "completed: ")?,
+            Outcome::Stopped { .. } => write!(f, "stopped before the scene's end: ")?,
+            Outcome::Running => write!(f, "running: ")?,
+            Outcome::Failed { .. } => write!(f, "failed: ")?,
+        }
         writeln!(
             f,
             "{} steps to t = {} in {:.2} s ({:.2} s CPU), {:.2} Newton iterations a step, {} cuts",

@@ -1,0 +1,271 @@
+//! What is in the folder of results, what is left alone there, and what the program says about doubtful scenes.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// A block falls on another one.
+const SCENE: &str = r#"[scene]
+title = "fall"
+kind = "dynamic"
+
+[time]
+end = 0.04
+step = 0.002
+integrator = { scheme = "energy-momentum" }
+
+[[body]]
+name = "upper"
+mesh = { generator = "block", min = [0, 0, 1.02], max = [1, 1, 2.02], divisions = [2, 2, 2] }
+material = { law = "neo-hooke", lambda = 1300.0, mu = 865.0 }
+density = 10.0
+velocity = [0.0, 0.0, -1.0]
+
+[[body]]
+name = "lower"
+mesh = { generator = "block", min = [-1, -1, 0], max = [2, 2, 1], divisions = [3, 3, 2] }
+material = { law = "neo-hooke", lambda = 1300.0, mu = 865.0 }
+density = 10.0
+
+[[contact]]
+method = "nts"
+slave = "upper.bottom"
+master = "lower.top"
+
+[[prescribe]]
+set = "lower.bottom"
+components = ["x", "y", "z"]
+fixed = true
+
+[output]
+every = 1
+checkpoint_every = 3
+"#;
+
+fn stoss(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stoss"))
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .output()
+        .expect("the program starts")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn folder_with(scene: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("there is room for temporary files");
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("the temporary folder is writable");
+    folder
+}
+
+/// The scene with texts replaced, which must be there.
+fn changed(replacements: &[(&str, &str)]) -> String {
+    replacements.iter().fold(SCENE.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "no `{from}`");
+        text.replacen(from, to, 1)
+    })
+}
+
+fn run(folder: &Path, out: &str, more: &[&str]) -> Output {
+    let output = stoss(folder, &[&["run", "scene.toml", "--out", out][..], more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    output
+}
+
+/// Every file of a folder of results but the checkpoint and the summary, which holds times of computing.
+fn results(out: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut files: Vec<PathBuf> = [out.to_owned(), out.join("frames")]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(folder).expect("the folder exists"))
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.is_file() && path.extension().is_some_and(|e| e != "json"))
+        .collect();
+    files.sort();
+    files.iter().map(|path| (path.strip_prefix(out).unwrap().to_owned(), std::fs::read(path).unwrap())).collect()
+}
+
+fn summary(out: &Path) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap()
+}
+
+fn last_frame(out: &Path) -> (String, String) {
+    let mut frames: Vec<String> = std::fs::read_dir(out.join("frames"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    frames.sort();
+    let collection = std::fs::read_to_string(out.join("frames.pvd")).unwrap();
+    let entry = collection.lines().rfind(|line| line.contains("frames/")).unwrap_or_default();
+    (frames.pop().unwrap_or_default(), entry.to_owned())
+}
+
+#[test]
+fn times_of_frames_and_drifts_are_the_same_bits_after_resuming() {
+    // Among the times before the break is 13 * 0.002 = 0.026000000000000002, which a careless reader turns into 0.026.
+    assert_ne!(13.0 * 0.002, 0.026);
+    let folder = folder_with(SCENE);
+    run(folder.path(), "whole", &["--quiet"]);
+    run(folder.path(), "broken", &["--quiet", "--until", "0.03"]);
+    run(folder.path(), "broken", &["--quiet", "--resume"]);
+    let [whole, broken] = ["whole", "broken"].map(|out| folder.path().join(out));
+    let collection = std::fs::read_to_string(whole.join("frames.pvd")).unwrap();
+    assert!(collection.contains("0.026000000000000002"), "the test shows nothing:\n{collection}");
+    assert!(results(&whole) == results(&broken));
+    assert_eq!(summary(&whole)["drift"], summary(&broken)["drift"]);
+}
+
+#[test]
+fn a_run_that_stops_early_says_so_and_shows_its_last_step() {
+    let folder = folder_with(&changed(&[("every = 1\n", "every = 4\n")]));
+    run(folder.path(), "whole", &["--quiet"]);
+    let output = run(folder.path(), "part", &["--until", "0.0209"]);
+    let [whole, part] = ["whole", "part"].map(|out| folder.path().join(out));
+    // Step 11 is the first that reaches the time.
+    assert!(stderr(&output).contains("stopped before the scene's end: 11 steps to t = 0.022"), "{}", stderr(&output));
+    let outcome = summary(&part)["outcome"].clone();
+    assert_eq!((outcome["kind"].as_str(), outcome["last_step"].as_u64()), (Some("stopped"), Some(11)), "{outcome}");
+    let (file, entry) = last_frame(&part);
+    assert_eq!(file, "frame_000011.vtu");
+    assert!(entry.contains("frame_000011.vtu") && entry.contains("0.022"), "{entry}");
+    // Going on, the run has frames where it would have had them.
+    let output = run(folder.path(), "part", &["--resume"]);
+    assert!(stderr(&output).contains("completed: 20 steps"), "{}", stderr(&output));
+    assert_eq!(summary(&part)["outcome"]["kind"], "completed");
+    assert!(results(&whole) == results(&part));
+    assert_eq!(last_frame(&part).0, "frame_000020.vtu");
+}
+
+#[test]
+fn a_run_that_fails_shows_its_last_good_step() {
+    let load = "[[load]]\nset = \"upper.top\"\ntraction = { table = [[0.0, 0, 0, 0], [0.02, 0, 0, 0], \
+                [0.021, 0, 0, -1e12]] }\n[output]\nevery = 4\n";
+    let folder =
+        folder_with(&changed(&[("[output]\nevery = 1\n", load), ("step = 0.002", "step = 0.002\nmax_cuts = 0")]));
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let out = folder.path().join("out");
+    let last = summary(&out)["outcome"]["last_step"].as_u64().unwrap();
+    assert_ne!(last % 4, 0, "the test shows nothing");
+    assert_eq!(last_frame(&out).0, format!("frame_{last:06}.vtu"));
+}
+
+#[test]
+fn files_of_others_are_left_alone() {
+    for name in ["balance.csv", "newton.csv", "contact.csv", "probes.csv", "frames.pvd", "summary.json", "checkpoint"] {
+        let folder = folder_with(SCENE);
+        let mine = folder.path().join(name);
+        std::fs::write(&mine, "year,gain\n2024,3\n").unwrap();
+        let output = stoss(folder.path(), &["run", "scene.toml", "--out", ".", "--quiet"]);
+        assert_eq!(output.status.code(), Some(1), "{name}: {}", stderr(&output));
+        assert!(stderr(&output).contains(name) && stderr(&output).contains("--out"), "{}", stderr(&output));
+        assert_eq!(std::fs::read_to_string(&mine).unwrap(), "year,gain\n2024,3\n");
+        assert!(!folder.path().join("frames").exists(), "{name}: nothing must be written");
+    }
+    // The results of a run of ours, ended in whatever way, are replaced.
+    let folder = folder_with(SCENE);
+    run(folder.path(), "out", &["--quiet", "--until", "0.01"]);
+    std::fs::write(folder.path().join("out/newton.csv"), "").unwrap();
+    run(folder.path(), "out", &["--quiet", "--until", "0.004"]);
+    assert_eq!(summary(&folder.path().join("out"))["steps"], 2);
+}
+
+#[test]
+fn frames_agree_on_which_gaps_are_shown() {
+    // Three quarters of a facet above the lower block, far beyond the reach of a step.
+    let folder = folder_with(&changed(&[("1.02]", "1.75]"), ("2.02]", "2.75]")]));
+    run(folder.path(), "out", &["--quiet", "--until", "0.004"]);
+    for frame in ["frame_000000.vtu", "frame_000002.vtu"] {
+        let data = stoss::mesh_io::read_vtu(folder.path().join("out/frames").join(frame)).unwrap();
+        let gap = data.point_field("gap").expect("there is contact");
+        assert!(gap.values.iter().all(|g| g.is_nan()), "{frame}: {:?}", gap.values);
+    }
+    let near = folder_with(SCENE);
+    run(near.path(), "out", &["--quiet", "--until", "0.002"]);
+    let data = stoss::mesh_io::read_vtu(near.path().join("out/frames/frame_000000.vtu")).unwrap();
+    let gaps = &data.point_field("gap").unwrap().values;
+    assert_eq!(gaps.iter().filter(|g| (*g - 0.02).abs() < 1e-12).count(), 9, "{gaps:?}");
+}
+
+#[test]
+fn bodies_in_the_same_place_are_noticed() {
+    let folder = folder_with(SCENE);
+    let plan = stoss(folder.path(), &["check", "scene.toml"]);
+    assert!(!String::from_utf8_lossy(&plan.stdout).contains("warning"), "{plan:?}");
+    // In the same place as the lower one, and of the same divisions: node on node.
+    let same = "min = [-1, -1, 0], max = [2, 2, 1], divisions = [3, 3, 2]";
+    let folder = folder_with(&changed(&[("min = [0, 0, 1.02], max = [1, 1, 2.02], divisions = [2, 2, 2]", same)]));
+    let plan = stoss(folder.path(), &["check", "scene.toml"]);
+    let text = String::from_utf8_lossy(&plan.stdout).into_owned();
+    assert_eq!(plan.status.code(), Some(0), "{}", stderr(&plan));
+    assert!(text.contains("warning: upper.bottom/lower.top: the bodies lie in each other: 18 elements"), "{text}");
+    assert!(text.contains("move one of the bodies"), "{text}");
+}
+
+/// The `error:` lines of `stoss check`.
+fn errors(scene: &str, files: &[(&str, &str)]) -> Vec<String> {
+    let folder = folder_with(scene);
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let output = stoss(folder.path(), &["check", "scene.toml"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    stderr(&output).lines().filter(|line| line.starts_with("error: ")).map(str::to_owned).collect()
+}
+
+#[test]
+fn contact_between_prescribed_surfaces_is_refused() {
+    let all = "[[prescribe]]\nset = \"upper.all\"\ncomponents = [\"x\", \"y\", \"z\"]\ndisplacement = [0.0, 0.0, 0.0]\n\
+               [[prescribe]]\nset = \"lower.top\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n[output]";
+    let found = errors(&changed(&[("[output]", all)]), &[]);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].contains("contact[0]") && found[0].contains("; remove the contact, or free"), "{}", found[0]);
+    // One free component is enough.
+    let free = changed(&[(
+        "[output]",
+        &all.replacen("[\"x\", \"y\", \"z\"]\ndisplacement = [0.0, 0.0, 0.0]", "[\"x\", \"y\"]\nfixed = true", 1),
+    )]);
+    let folder = folder_with(&free);
+    assert_eq!(stoss(folder.path(), &["check", "scene.toml"]).status.code(), Some(0));
+}
+
+#[test]
+fn remedies_fit_the_mistake() {
+    let found = errors(&changed(&[("\"upper.bottom\"", "\"upper.botom\"")]), &[]);
+    assert!(found[0].contains("did you mean `bottom`?"), "{}", found[0]);
+    assert_eq!(found[0].matches("`right`").count(), 1, "the sets are listed once: {}", found[0]);
+
+    let file = (
+        "mesh = { generator = \"block\", min = [0, 0, 1.02], max = [1, 1, 2.02], divisions = [2, 2, 2] }",
+        "mesh = { file = \"part.msh\" }",
+    );
+    let found = errors(&changed(&[file]), &[]);
+    assert!(found[0].contains("paths are relative"), "{}", found[0]);
+    let found = errors(&changed(&[file]), &[("part.msh", "$MeshFormat\n9 0 8\n$EndMeshFormat\n")]);
+    assert!(!found[0].contains("paths are relative") && found[0].contains("msh41"), "{}", found[0]);
+    let found = errors(&changed(&[file]), &[("part.msh", "")]);
+    assert!(found[0].contains("part.msh:1:"), "{}", found[0]);
+
+    let twice =
+        "[[set]]\nname = \"lower.top\"\nbody = \"lower\"\nplane = { point = [0, 0, 1], normal = [0, 0, 1] }\n[output]";
+    let found = errors(&changed(&[("[output]", twice)]), &[]);
+    assert!(found[0].contains("exists already") && found[0].contains("`lower` has of its own: "), "{}", found[0]);
+}
+
+/// Two cubes on one another; the physical surface 7 is between them, 8 on top.
+const STACK: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"middle\"\n2 8 \"lid\"\n$EndPhysicalNames\n\
+    $Nodes\n12\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n9 0 0 2\n10 1 0 2\n11 1 1 2\n12 0 1 2\n$EndNodes\n\
+    $Elements\n4\n1 5 2 0 1 1 2 3 4 5 6 7 8\n2 5 2 0 1 5 6 7 8 9 10 11 12\n3 3 2 7 1 5 6 7 8\n4 3 2 8 1 9 10 11 12\n$EndElements\n";
+
+#[test]
+fn a_surface_between_elements_is_explained() {
+    let file = "mesh = { file = \"stack.msh\" }\nposition = [0, 0, 1.02]";
+    let scene = changed(&[
+        ("mesh = { generator = \"block\", min = [0, 0, 1.02], max = [1, 1, 2.02], divisions = [2, 2, 2] }", file),
+        ("upper.bottom", "upper.middle"),
+    ]);
+    let found = errors(&scene, &[("stack.msh", STACK)]);
+    assert!(found[0].contains("contact[0].slave") && found[0].contains("boundary, lid;"), "{}", found[0]);
+    assert!(found[0].contains("between two elements has no outside"), "{}", found[0]);
+}

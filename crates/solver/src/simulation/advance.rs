@@ -1,0 +1,337 @@
+//! One step of a simulation: attempts, acceptance, work.
+
+use super::Simulation;
+use crate::assembly::Iterate;
+use crate::step::{Attempt, StepInput, attempt, decision};
+use crate::system::{FeSystem, contact_rule, stress_rule};
+use crate::{ContactSummary, DecisionKind, Phase, SimulationError, StepError, StepRecord};
+use stoss_contact::StepConfiguration as ContactStep;
+use stoss_fe_solid::InsideOut;
+use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
+use stoss_linalg::vector;
+
+/// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
+/// fraction of their motion.
+const EXTRAPOLATION_FITS: f64 = 0.1;
+
+/// From where the iterations start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Start {
+    /// The scheme's predictor; in statics the last increment once more.
+    Extrapolation,
+    /// The last positions, and the linear response to the motion of prescribed components.
+    Linear,
+    /// The last positions.
+    Last,
+}
+
+/// An attempt that succeeded, with what could still have failed.
+struct Completed {
+    attempt: Attempt,
+    next: State,
+    rule: StepRule,
+    strain: f64,
+    contact: Option<ContactSummary>,
+    /// For each body.
+    inside_out: Vec<Option<InsideOut>>,
+    /// Linear solutions of the attempt.
+    solves: u32,
+}
+
+impl Simulation {
+    fn kinetic(&self, v: &[f64]) -> f64 {
+        self.system.masses.iter().map(|m| m.kinetic_energy(v)).sum()
+    }
+
+    /// Does one step: tries the present step size and halves it as often as the settings allow.
+    ///
+    /// # Errors
+    /// [`SimulationError::StepFailed`]; state, balance and records are then those of the last completed step.
+    pub fn advance(&mut self) -> Result<StepRecord, SimulationError> {
+        let first_decision = self.decisions.len();
+        loop {
+            match self.try_step() {
+                Ok(completed) => return Ok(self.accept(completed, first_decision)),
+                Err(cause) => {
+                    let (time, dt) = (self.state.time, self.clock.dt());
+                    if !self.clock.cut() {
+                        return Err(SimulationError::StepFailed { step: self.step + 1, time, dt, cause });
+                    }
+                    self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Cut, cause.to_string()));
+                }
+            }
+        }
+    }
+
+    fn try_step(&mut self) -> Result<Completed, StepError> {
+        let dt = self.clock.dt();
+        let time = self.state.time;
+        let rule = self.step_rule(dt);
+        for body in &mut self.model.bodies {
+            body.solid.begin_step(&self.state.q, stress_rule(rule.force.rule))?;
+        }
+        self.set_dead_loads(time + rule.force.rule.load_fraction() * dt);
+        let (start, other) = self.starts(dt);
+        match self.try_from(start, dt, rule) {
+            Err(cause @ (StepError::Solid(_) | StepError::Singular { .. }))
+                if other.is_some() && (start == Start::Linear || matches!(cause, StepError::Solid(_))) =>
+            {
+                let reason = format!("from the predictor: {cause}");
+                self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
+                self.try_from(other.unwrap_or(start), dt, rule)
+            }
+            result => result,
+        }
+    }
+
+    /// Search and projection at the last positions.
+    fn begin_contact(&mut self, dt: f64) -> Result<(), StepError> {
+        if self.model.contacts.is_empty() {
+            return Ok(());
+        }
+        // The farthest that two surfaces can approach each other in the step if nothing accelerates them much.
+        let speed = self.state.v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        let reach = 2.0 * speed * dt;
+        let (model, state) = (&mut self.model, &self.state);
+        self.timings.measure(Phase::Search, || -> Result<(), StepError> {
+            for pair in &mut model.contacts {
+                pair.method.begin_step(&state.q, reach + 0.5 * pair.method.length_scale())?;
+            }
+            Ok(())
+        })
+    }
+
+    /// How to start, and how to start if an element is inverted there.
+    fn starts(&self, dt: f64) -> (Start, Option<Start>) {
+        let moves = vector::norm_inf(&self.state.v) * dt > 0.0;
+        if self.scheme.is_some() {
+            return (Start::Extrapolation, moves.then_some(Start::Last));
+        }
+        let end = self.clock.next_time();
+        let (mut moved, mut missed) = (0.0_f64, 0.0_f64);
+        for k in 0..self.prescribed.len() {
+            let (component, position) = self.prescribed_position(k, end);
+            let motion = position - self.state.q[component];
+            moved = moved.max(motion.abs());
+            missed = missed.max((motion - dt * self.state.v[component]).abs());
+        }
+        let plain = if moved > 0.0 { Start::Linear } else { Start::Last };
+        if missed <= EXTRAPOLATION_FITS * moved {
+            (Start::Extrapolation, moves.then_some(plain))
+        } else {
+            (plain, (plain == Start::Linear).then_some(Start::Last))
+        }
+    }
+
+    fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
+        // Also after an attempt from elsewhere, which has changed pairings.
+        self.begin_contact(dt)?;
+        let mut q = self.state.q.clone();
+        if from == Start::Extrapolation {
+            match &self.scheme {
+                Some(scheme) => scheme.predict(&self.state, dt, &mut q),
+                None => vector::axpy(dt, &self.state.v, &mut q),
+            }
+        }
+        let end = self.clock.next_time();
+        let prescribed = (0..self.prescribed.len()).map(|k| self.prescribed_position(k, end));
+        let mut predict = Vec::new();
+        if from == Start::Linear {
+            predict.extend(prescribed);
+        } else {
+            for (component, position) in prescribed {
+                q[component] = position;
+            }
+        }
+        let start = Iterate { q, pressures: self.pressures.clone(), active: self.active.clone() };
+        let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, predict, newton: self.newton };
+        let mut solves = 0;
+        let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, &mut solves);
+        self.solves += u64::from(solves);
+        let attempt = attempt?;
+        // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
+        // instance, an element may be inverted although it is not at the midpoint.
+        let strain = self.strain_energy(&attempt.iterate.q)?;
+        let inside_out = self.inside_out(&attempt.iterate.q)?;
+        let contact = self.contact_summary(&attempt, rule)?;
+        let next = self.next_state(&attempt.iterate, dt, rule)?;
+        Ok(Completed { attempt, next, rule, strain, contact, inside_out, solves })
+    }
+
+    fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
+        Ok(self.model.bodies.iter().map(|body| body.solid.inside_out(q)).collect::<Result<_, _>>()?)
+    }
+
+    /// Tells of bodies that now have elements turned inside out and had none at the last step.
+    fn warn_inside_out(&mut self, completed: &Completed) {
+        if completed.inside_out.iter().all(Option::is_none) {
+            return;
+        }
+        // The lengths were checked when the last step was accepted.
+        let before = self.inside_out(&self.state.q).unwrap_or_default();
+        for (b, now) in completed.inside_out.iter().enumerate() {
+            let (Some(now), None) = (now, before.get(b).copied().flatten()) else { continue };
+            let reason = format!(
+                "body {}: {} of {} elements are turned inside out at a corner (worst: element {}, relative volume {:.1e} at \
+                 its node {}); the result is doubtful from here on, try smaller steps or another mesh",
+                self.model.bodies[b].solid.name(),
+                now.count,
+                self.model.bodies[b].solid.element_count(),
+                now.element,
+                now.relative_volume,
+                now.vertex,
+            );
+            let (time, dt) = (self.state.time, self.clock.dt());
+            self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Warning, reason));
+        }
+    }
+
+    /// Velocities and whatever else the scheme carries, at the end of a converged step.
+    fn next_state(&mut self, iterate: &Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
+        let mut next = State { v: self.state.v.clone(), ..State::at_rest(iterate.q.clone()) };
+        let end = self.clock.next_time();
+        self.set_prescribed_velocities(end, &mut next.v);
+        let Self { model, system, state, .. } = self;
+        let mut buffers = std::mem::take(&mut system.buffers);
+        let mut fe = FeSystem { model, system, pressures: &iterate.pressures, active: &iterate.active };
+        let step = Step { state_n: state, dt, rule };
+        let result = finish(&mut fe, &step, &mut buffers, &mut next);
+        if let Ok(true) = result {
+            vector::axpy(1.0, &buffers.inertia, &mut buffers.residual);
+        }
+        self.system.buffers = buffers;
+        result?;
+        // The clock's ticks, not the sum of steps.
+        next.time = end;
+        Ok(next)
+    }
+
+    fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
+        self.warn_inside_out(&completed);
+        let Completed { attempt, next, rule, strain, contact, inside_out, solves } = completed;
+        let Attempt { iterate, newton, .. } = attempt;
+        let dt = self.clock.dt();
+        let (time_n, time) = (self.state.time, next.time);
+        // Work of the step: loads that vary in time, follower pressures, and reactions at moving supports; of the forces of the rule, or in
+        // statics, where all forces are those of the end, by the trapezium rule.
+        let mut varying = vec![0.0; self.state.q.len()];
+        let quasi_static = self.scheme.is_none();
+        if quasi_static {
+            self.add_varying_loads(time_n, 0.5, &mut varying);
+            self.add_reactions(0.5, &mut varying);
+        }
+        let end_weight = if quasi_static { 0.5 } else { 1.0 };
+        self.add_varying_loads(time_n + rule.force.rule.load_fraction() * dt, end_weight, &mut varying);
+        if self.system.has_followers {
+            vector::axpy(end_weight, &self.system.follower, &mut varying);
+            if quasi_static {
+                let Self { model, system, state, pressures, active, .. } = &mut *self;
+                let at_n = StepConfiguration { time: time_n, dt: 0.0, q_n: &state.q, q_np1: &state.q };
+                FeSystem { model, system, pressures, active }.evaluate_follower(at_n, ForceRule::END_POINT, None);
+                vector::axpy(0.5, &self.system.follower, &mut varying);
+            }
+        }
+        for &(component, ..) in &self.prescribed {
+            // The residual at a prescribed component is what the support has to exert.
+            let c = component as usize;
+            self.reactions[c] = self.system.buffers.residual[c];
+        }
+        self.add_reactions(end_weight, &mut varying);
+        let mut work = 0.0;
+        for ((f, q1), q0) in varying.iter().zip(&next.q).zip(&self.state.q) {
+            work += f * (q1 - q0);
+        }
+        for (c, pair) in self.model.contacts.iter_mut().enumerate() {
+            pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
+        }
+        self.state = next;
+        if self.scheme.is_some() && !self.prescribed.is_empty() {
+            // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
+            let before = self.kinetic(&self.state.v);
+            let mut v = std::mem::take(&mut self.state.v);
+            self.set_prescribed_velocities(time, &mut v);
+            self.state.v = v;
+            work += self.kinetic(&self.state.v) - before;
+        }
+        if !self.model.contacts.is_empty() {
+            self.contact_force.copy_from_slice(&self.system.buffers.constraint);
+        }
+        self.pressures = iterate.pressures;
+        self.active = iterate.active;
+        self.balance = self.measure_balance(strain, self.balance.external_work + work);
+        self.step += 1;
+        if self.clock.accept() {
+            let reason = format!("{} steps succeeded in a row", self.control.grow_after);
+            self.decisions.push(decision(self.step, time, dt, DecisionKind::Grow, reason));
+        }
+        StepRecord {
+            step: self.step,
+            time,
+            dt,
+            nominal: self.clock.on_nominal_grid(),
+            balance: self.balance,
+            newton,
+            iterations: solves,
+            decisions: self.decisions[first_decision..].to_vec(),
+            inside_out: inside_out.iter().flatten().map(|found| found.count).sum(),
+            contact,
+        }
+    }
+
+    /// Adds `factor` times the dead loads that vary in time.
+    fn add_varying_loads(&self, time: f64, factor: f64, force: &mut [f64]) {
+        for load in self.model.loads.iter().filter(|load| !load.is_conservative()) {
+            load.add_dead(time, factor, force);
+        }
+    }
+
+    fn add_reactions(&self, factor: f64, force: &mut [f64]) {
+        for &(component, ..) in &self.prescribed {
+            force[component as usize] += factor * self.reactions[component as usize];
+        }
+    }
+
+    fn contact_summary(&mut self, attempt: &Attempt, rule: StepRule) -> Result<Option<ContactSummary>, StepError> {
+        if self.model.contacts.is_empty() {
+            return Ok(None);
+        }
+        let Attempt { iterate, repaired, .. } = attempt;
+        let mut summary = ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
+        let mut is_slave = vec![false; self.model.node_count()];
+        for (c, pair) in self.model.contacts.iter().enumerate() {
+            let reports = self.timings.measure(Phase::Search, || pair.method.report(&iterate.q))?;
+            for (slot, report) in reports.iter().enumerate() {
+                let (now, then) = (iterate.active[c][slot], self.active[c][slot]);
+                summary.active += usize::from(now);
+                summary.closed += usize::from(now && !then);
+                summary.released += usize::from(then && !now);
+                summary.min_gap = summary.min_gap.min(report.gap.unwrap_or(f64::INFINITY));
+                if now {
+                    summary.max_pressure = summary.max_pressure.max(iterate.pressures[c][slot]);
+                }
+                is_slave[report.node as usize] = true;
+            }
+            // This pair's own contributions: its slave nodes may belong to other pairs too.
+            let mut force = [0.0; 3];
+            let configuration =
+                ContactStep { q_n: &self.state.q, q_np1: &iterate.q, rule: contact_rule(rule.constraint.rule) };
+            pair.method.assemble(configuration, &iterate.pressures[c], &iterate.active[c], false, &mut |local| {
+                for (node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                    if is_slave[*node as usize] {
+                        for i in 0..3 {
+                            force[i] -= residual[i];
+                        }
+                    }
+                }
+            })?;
+            for report in &reports {
+                is_slave[report.node as usize] = false;
+            }
+            for i in 0..3 {
+                summary.force_on_slave[i] += force[i];
+            }
+            summary.force_of_pair.push(force);
+        }
+        Ok(Some(summary))
+    }
+}

@@ -1,0 +1,44 @@
+//! Results of an earlier run, which a new run into the same folder replaces.
+
+use super::OutputError;
+use std::io::Read;
+use std::path::Path;
+
+/// Every file that a run writes beside its frames, with what stands near its beginning if this program wrote it. An empty file is
+/// a table that a kill left.
+const FILES: [(&str, &str); 7] = [
+    ("balance.csv", "step,time,dt,lx,"),
+    ("newton.csv", "step,time,iteration,"),
+    ("contact.csv", "step,time,active,"),
+    ("probes.csv", "step,time,"),
+    ("frames.pvd", "frames/frame_"),
+    ("summary.json", "\"scene_hash\""),
+    ("checkpoint", "STOSSCP"),
+];
+
+/// Where the marks of [`FILES`] are; a summary begins with the scene's title.
+const BEGINNING: u64 = 1 << 16;
+
+/// Removes the files of an earlier run: all of them, or none if one is not ours.
+pub(super) fn remove(folder: &Path) -> Result<(), OutputError> {
+    for (name, mark) in FILES {
+        let path = folder.join(name);
+        if path.exists() && !is_ours(&path, mark)? {
+            return Err(OutputError::NotOurs { path });
+        }
+    }
+    for (name, _) in FILES {
+        let path = folder.join(name);
+        if path.exists() {
+            std::fs::remove_file(&path).map_err(OutputError::io(&path))?;
+        }
+    }
+    Ok(())
+}
+
+fn is_ours(path: &Path, mark: &str) -> Result<bool, OutputError> {
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(OutputError::io(path))?;
+    file.take(BEGINNING).read_to_end(&mut bytes).map_err(OutputError::io(path))?;
+    Ok(bytes.is_empty() || String::from_utf8_lossy(&bytes).contains(mark))
+}

@@ -1,0 +1,100 @@
+//! The scenes: shipped ones, and small ones for each support, load and scheme.
+
+use super::Bench;
+use crate::workspace::Outcome;
+use stoss_integrators::SCHEMES;
+
+/// A scene and how many of its steps show everything that it uses.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// Name of the row.
+    pub name: String,
+    /// TOML.
+    pub text: String,
+    /// Steps to run.
+    pub steps: u64,
+}
+
+/// Shipped scenes; those with contact run until it has closed.
+const SHIPPED: [(&str, u64); 4] = [("flight", 2), ("ball-plate", 7), ("press", 12), ("two-blocks", 27)];
+
+/// A free bar that stretches.
+const BAR: &str = r#"
+[[body]]
+name = "bar"
+mesh = { generator = "block", size = [1.0, 1.0, 2.0], divisions = [1, 1, 2] }
+material = { law = "neo-hooke", young = 2250.0, poisson = 0.3 }
+density = 0.1
+velocity_gradient = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 5.0]]
+"#;
+
+const SUPPORT: &str = r#"
+[[prescribe]]
+set = "bar.bottom"
+components = ["x", "y", "z"]
+fixed = true
+"#;
+
+const DEAD_LOAD: &str = r#"
+[[load]]
+set = "bar.top"
+traction = [0.0, 1.0, 0.0]
+"#;
+
+const FOLLOWER_PRESSURE: &str = r#"
+[[load]]
+set = "bar.top"
+follower_pressure = 1.0
+"#;
+
+/// Two blocks, the upper one reaches the lower one after 5 ms.
+const IMPACT: &str = r#"
+[[body]]
+name = "lower"
+mesh = { generator = "block", min = [0, 0, 0], max = [2, 2, 1], divisions = [2, 2, 1] }
+material = { law = "neo-hooke", young = 1.0e6, poisson = 0.3 }
+density = 1000.0
+[[body]]
+name = "upper"
+mesh = { generator = "block", min = [0.3, 0.4, 1.02], max = [1.3, 1.4, 2.02], divisions = [1, 1, 1] }
+material = { law = "neo-hooke", young = 1.0e6, poisson = 0.3 }
+density = 1000.0
+velocity = [0.0, 0.0, -4.0]
+[[contact]]
+method = "nts"
+slave = "upper.bottom"
+master = "lower.top"
+"#;
+
+const STEP: f64 = 0.002;
+
+/// Steps of 2 ms.
+fn generated(name: String, scheme: &str, parts: &[&str], steps: u64) -> Sample {
+    let end = STEP * steps as f64;
+    let text = format!(
+        "[scene]\ntitle = \"{name}\"\nkind = \"dynamic\"\n[time]\nend = {end:?}\nstep = {STEP:?}\n\
+         integrator = {{ scheme = \"{scheme}\" }}\n{}",
+        parts.concat()
+    );
+    Sample { name, text, steps }
+}
+
+/// All scenes.
+pub fn samples(bench: &Bench) -> Outcome<Vec<Sample>> {
+    let mut samples = Vec::new();
+    for (name, steps) in SHIPPED {
+        let text = bench.workspace.read(format!("scenes/{name}.toml"))?;
+        samples.push(Sample { name: name.into(), text, steps });
+    }
+    let with = |name: &str, part| generated(name.into(), "energy-momentum", &[BAR, part], 2);
+    samples.push(with("bar on a fixed support", SUPPORT));
+    samples.push(with("bar under a dead load", DEAD_LOAD));
+    samples.push(with("bar under a follower pressure", FOLLOWER_PRESSURE));
+    for entry in SCHEMES {
+        samples.push(generated(format!("free bar, {}", entry.name), entry.name, &[BAR], 2));
+        if entry.with([])?.claims().constraints {
+            samples.push(generated(format!("impact, {}", entry.name), entry.name, &[IMPACT], 4));
+        }
+    }
+    Ok(samples)
+}
