@@ -2,7 +2,7 @@
 
 mod support;
 
-use stoss::solver::{DecisionKind, Simulation, SimulationError};
+use stoss::solver::{DecisionKind, Simulation, SimulationError, StepError};
 use support::simulation;
 
 const LAMBDA: f64 = 600.0;
@@ -390,7 +390,7 @@ fn solves_of_failed_attempts_are_counted() {
 }
 
 #[test]
-fn an_element_turned_inside_out_is_reported() {
+fn an_element_turned_inside_out_is_refused_or_reported() {
     // One element on a fixed bottom, one of its corners pushed along the diagonal.
     let conditions = r#"
 [[set]]
@@ -407,7 +407,18 @@ components = ["x", "y", "z"]
 displacement = { table = [[0, 0, 0, 0], [1, -0.4, -0.4, -0.4]] }
 "#;
     let text = block("quasi-static", "end = 1.0\nstep = 0.1", [1; 3], "", conditions);
-    let mut simulation = simulation(&text);
+    let mut refusing = simulation(&text);
+    let error = loop {
+        match refusing.advance() {
+            Ok(record) => assert_eq!(record.inside_out, 0),
+            Err(error) => break error,
+        }
+    };
+    assert!(
+        matches!(&error, SimulationError::StepFailed { cause: StepError::InsideOut { body, .. }, .. } if body == "block"),
+        "{error}"
+    );
+    let mut simulation = simulation(&(text + "[solver]\ninside_out = \"warn\"\n"));
     let corner = node_at(&simulation, [1.0; 3]);
     let mut counts = Vec::new();
     while !simulation.finished() {

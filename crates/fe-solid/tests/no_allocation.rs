@@ -68,11 +68,16 @@ fn assembly_allocates_nothing_once_warm() {
                         body.assemble(step, 1.0, &mut force, None, &mut workspace).unwrap();
                     };
                     assemble();
-                    let warm = ALLOCATIONS.load(Ordering::Relaxed);
-                    assemble();
-                    let count = ALLOCATIONS.load(Ordering::Relaxed) - warm;
-                    assert_eq!(count, 0, "{} {rule:?} {threads} threads", law.name());
+                    // An allocation of ours comes back in every call; the pool allocates when a thread first steals.
+                    let mut count = || {
+                        let warm = ALLOCATIONS.load(Ordering::Relaxed);
+                        assemble();
+                        ALLOCATIONS.load(Ordering::Relaxed) - warm
+                    };
+                    let least = (0..if threads == 1 { 1 } else { 10 }).map(|_| count()).min();
+                    assert_eq!(least, Some(0), "{} {rule:?} {threads} threads", law.name());
                     // A later step reuses the history.
+                    let warm = ALLOCATIONS.load(Ordering::Relaxed);
                     body.begin_step(&q_n, rule).unwrap();
                     assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - warm, 0);
                 }

@@ -93,6 +93,13 @@ pub struct HistoryTerm {
     pub constraint: bool,
 }
 
+impl HistoryTerm {
+    /// False if there is nothing to remember: constraint forces only, of a system without constraints.
+    pub fn is_needed(&self, constrained: bool) -> bool {
+        self.force || (self.constraint && constrained)
+    }
+}
+
 /// One step of a scheme for one step size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepRule {

@@ -104,12 +104,15 @@ pub fn evaluate<S: SecondOrderSystem>(
         add(1.0, &buffers.inertia, &mut buffers.residual);
     }
     if let Some(history) = rule.history {
+        // Empty if there is nothing to remember.
         add(history.weight, &step.state_n.history, &mut buffers.residual);
     }
-    buffers.constraint.fill(0.0);
-    let ConstraintTerm { rule, weight } = rule.constraint;
-    system.add_constraint_force(at, rule, weight, tangent, &mut buffers.constraint)?;
-    add(-weight, &buffers.constraint, &mut buffers.residual);
+    if system.has_constraints() {
+        buffers.constraint.fill(0.0);
+        let ConstraintTerm { rule, weight } = rule.constraint;
+        system.add_constraint_force(at, rule, weight, tangent, &mut buffers.constraint)?;
+        add(-weight, &buffers.constraint, &mut buffers.residual);
+    }
     Ok(())
 }
 
@@ -150,13 +153,13 @@ pub fn finish<S: SecondOrderSystem>(
         next.a.resize(next.q.len(), 0.0);
         step.combine(acceleration, &next.q, &mut next.a);
     }
-    if let Some(history) = rule.history {
+    if let Some(history) = rule.history.filter(|history| history.is_needed(system.has_constraints())) {
         next.history.clear();
         next.history.resize(next.q.len(), 0.0);
         if history.force {
             add(1.0, &buffers.force, &mut next.history);
         }
-        if history.constraint {
+        if history.constraint && system.has_constraints() {
             add(-1.0, &buffers.constraint, &mut next.history);
         }
     }
@@ -181,7 +184,7 @@ pub fn start<S: SecondOrderSystem>(system: &mut S, rule: &StepRule, state: &mut 
         state.a.resize(n, 0.0);
         system.solve_mass(&rhs, &mut state.a)?;
     }
-    if rule.history.is_some() {
+    if rule.history.is_some_and(|history| history.is_needed(system.has_constraints())) {
         state.history = if keeps_force { force } else { vec![0.0; n] };
     }
     Ok(())

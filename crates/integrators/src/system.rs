@@ -24,6 +24,11 @@ pub trait SecondOrderSystem {
     /// Number of coordinates.
     fn dimension(&self) -> usize;
 
+    /// False if there are no constraints: then nothing is kept for their forces, and they are not asked for.
+    fn has_constraints(&self) -> bool {
+        true
+    }
+
     /// `out += factor M x`.
     fn add_mass_product(&self, factor: f64, x: &[f64], out: &mut [f64]);
 

@@ -2,6 +2,7 @@
 
 use crate::names::named;
 use crate::{Material, MeshSource};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +17,8 @@ named! {
 }
 
 /// A deformable body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Unique name: letters, digits, `-` and `_`. Sets of the body are called `body.set`.
@@ -76,7 +78,8 @@ impl Body {
 }
 
 /// A rotation of the mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Rotation {
     /// Direction of the axis, of any length but zero.
@@ -89,7 +92,8 @@ pub struct Rotation {
 }
 
 /// One rotation or a list of them; see [`Rotations::as_slice`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum Rotations {
     /// A single rotation.

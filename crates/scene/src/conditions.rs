@@ -1,6 +1,7 @@
 //! Sets, contact, prescribed displacements, loads, and functions of time.
 
 use crate::names::named;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -45,7 +46,8 @@ impl Component {
 
 /// `[[set]]`: nodes, facets and elements of a body inside a box or on a plane, in the placed reference configuration.
 /// Exactly one of `box` and `plane`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SetDefinition {
     /// `body.name`, unique.
@@ -73,7 +75,8 @@ pub fn split_set(reference: &str) -> Option<(&str, &str)> {
 }
 
 /// An axis-parallel box.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BoxRegion {
     /// Smallest coordinates; `-inf` is allowed.
@@ -83,7 +86,8 @@ pub struct BoxRegion {
 }
 
 /// A plane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlaneRegion {
     /// A point of the plane.
@@ -96,7 +100,8 @@ pub struct PlaneRegion {
 }
 
 /// `[[contact]]`: unilateral, frictionless contact of a slave surface with a master surface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
     /// Unique name for reports; `slave/master` if left out.
@@ -126,7 +131,8 @@ impl Contact {
 
 /// A function of time with one or more values: a constant, or `{ table = [[time, value, ...], ...] }`, linear in between and
 /// constant before the first and after the last row.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum Series {
     /// One constant value.
@@ -138,7 +144,8 @@ pub enum Series {
 }
 
 /// Rows `[time, value, ...]` with increasing times and equally many values.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Table {
     /// The rows, at least one.
@@ -167,7 +174,8 @@ impl Series {
 
 /// `[[prescribe]]`: displacement components of a set, given as functions of time. Exactly one of `displacement` and
 /// `fixed = true`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Prescribe {
     /// Set of nodes, `body.set`.
@@ -219,7 +227,8 @@ impl LoadKind {
 }
 
 /// `[[load]]`: a load on a set, or a body force on a whole body. Exactly one of the kinds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Load {
     /// Set of facets (`pressure`, `traction`, `follower_pressure`), elements (`body_force`) or nodes (`force`), `body.set`.

@@ -1,11 +1,15 @@
 //! The tables `[scene]`, `[time]` and `[solver]`.
 
 use crate::names::named;
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use stoss_integrators::{SCHEMES, SchemeError};
+#[cfg(feature = "schema")]
+use stoss_integrators::SCHEMES;
+use stoss_integrators::SchemeError;
 
 named! {
     /// What kind of analysis it is.
@@ -28,7 +32,8 @@ named! {
 }
 
 /// `[scene]`: what the scene is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Header {
     /// Title for reports.
@@ -38,7 +43,8 @@ pub struct Header {
 }
 
 /// `[time]`: interval, step size, scheme and step control. Runs start at time zero.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Time {
     /// End of the run, positive.
@@ -95,6 +101,7 @@ impl Integrator {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Integrator {
     fn schema_name() -> Cow<'static, str> {
         "Integrator".into()
@@ -127,8 +134,21 @@ impl JsonSchema for Integrator {
     }
 }
 
+named! {
+    /// What happens if an element is turned inside out at a corner while it is not at its integration points.
+    #[derive(Default)]
+    InsideOut {
+        /// The step fails; it is tried again with a smaller step size.
+        #[default]
+        Refuse = "refuse",
+        /// A warning and the number of such elements in the records.
+        Warn = "warn",
+    }
+}
+
 /// `[solver]`: the nonlinear and the linear solver. What is left out takes the program's default.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Solver {
     /// Newton has converged when `residual <= absolute_tolerance + relative_tolerance * scale`, where the scale is the
@@ -144,4 +164,7 @@ pub struct Solver {
     /// How linear systems are solved.
     #[serde(default)]
     pub linear: LinearSolver,
+    /// What happens if an element is turned inside out at a corner at the end of a step.
+    #[serde(default)]
+    pub inside_out: InsideOut,
 }

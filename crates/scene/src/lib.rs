@@ -1,7 +1,7 @@
 //! The scene format: schema and validation, data only.
 //!
 //! [`parse`] turns the text of a scene (TOML) into a [`Scene`] or into *all* of its problems at once, each with file, line, column,
-//! key, value, message and remedy. The types carry the documentation of every key; [`json_schema`] prints it for editors.
+//! key, value, message and remedy. The types carry the documentation of every key; `json_schema` (feature `schema`) prints it for editors.
 //!
 //! # What it is not
 //! No mesh, no law, no simulation: whether a set exists, a file can be read or a mesh is inverted is for the facade, which reports
@@ -22,6 +22,7 @@ mod read;
 mod results;
 #[cfg(test)]
 mod samples;
+#[cfg(feature = "schema")]
 mod schema;
 mod source;
 
@@ -30,21 +31,24 @@ pub use conditions::{
     BoxRegion, Component, Constraint, Contact, ContactMethod, Load, LoadKind, PlaneRegion, Prescribe, Series,
     SetDefinition, Table, split_set,
 };
-pub use general::{Header, Integrator, Kind, LinearSolver, Solver, Time};
+pub use general::{Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
 pub use mesh::{Block, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource};
 pub use names::known;
 pub use problem::{Problem, SceneErrors};
 pub use results::{Expect, ExpectedValue, Field, Interval, Outcome, Output, Probe, Quantity};
+#[cfg(feature = "schema")]
 pub use schema::json_schema;
 pub use source::Location;
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use source::Source;
 
 /// A scene, as [`parse`] returns it: complete, and consistent as far as that can be told without meshes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// `[scene]`.

@@ -1,5 +1,6 @@
 //! Hyperelastic laws and their parameters (formulation §2).
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -8,7 +9,8 @@ use std::collections::BTreeMap;
 ///
 /// # How to add one
 /// A variant with a struct of parameters here, its reading in `read/material.rs`, its arm in the facade.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Material {
     /// `W = lambda/2 (tr E)^2 + mu E:E`. For large rotations with small strains; it softens under compression.
@@ -21,7 +23,7 @@ pub enum Material {
     Ogden(Ogden),
     /// A law that the program brings with it; see [`crate::parse_with`]. Not in the schema, which knows the catalogue only.
     #[serde(untagged)]
-    #[schemars(skip)]
+    #[cfg_attr(feature = "schema", schemars(skip))]
     Own(OwnMaterial),
 }
 
@@ -42,7 +44,8 @@ impl Material {
 }
 
 /// Two elastic moduli: `young` and `poisson`, or `lambda` and `mu`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ElasticModuli {
     /// Young's modulus `E` (stress), positive; together with `poisson`.
@@ -73,7 +76,8 @@ impl ElasticModuli {
 }
 
 /// Parameters of the law `mooney-rivlin` (formulation (2.1)): shear modulus `2 (c1 + c2)`, first Lame parameter `2 c + 4 c2`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MooneyRivlin {
     /// Factor of the first invariant (stress).
@@ -87,7 +91,8 @@ pub struct MooneyRivlin {
 /// Parameters of the law `ogden` (formulation §2.4):
 /// `W = sum_p mu_p/alpha_p (sum_a lbar_a^alpha_p - 3) + kappa (ln(J)/beta + (J^-beta - 1)/beta^2)` with the isochoric principal
 /// stretches `lbar_a`. Shear modulus `1/2 sum_p mu_p alpha_p`, bulk modulus `kappa`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Ogden {
     /// Moduli of the terms (stress); one or more.

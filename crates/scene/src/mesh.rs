@@ -1,10 +1,12 @@
 //! Where a mesh comes from.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A generator with its parameters, or a file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 #[allow(
     clippy::large_enum_variant,
@@ -18,7 +20,8 @@ pub enum MeshSource {
 }
 
 /// A mesh from a file: Gmsh MSH 2.2 or 4.1 (text, `.msh`) or Abaqus (`.inp`).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
     /// Path, relative to the folder of the scene file.
@@ -30,7 +33,8 @@ pub struct MeshFile {
 /// # How to add one
 /// A variant here, its reading in `read/mesh.rs` (the exhaustive name list there is the one that errors print), its arm in the
 /// facade.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "generator", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Generator {
     /// An axis-parallel box, given either by `size` (then its centre is the origin) or by `min` and `max`.
@@ -59,7 +63,8 @@ fn uniform() -> [f64; 3] {
 }
 
 /// Parameters of the generator `block`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Block {
     /// Edge lengths of a box with its centre at the origin. Either this, or `min` and `max`.
@@ -92,7 +97,8 @@ impl Block {
 }
 
 /// Parameters of the generator `hollow-ball`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HollowBall {
     /// Diameter of the hole.
@@ -104,7 +110,8 @@ pub struct HollowBall {
 }
 
 /// Parameters of the generator `hollow-torus`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HollowTorus {
     /// Radius of the circle through the middle of the tube.
@@ -118,7 +125,8 @@ pub struct HollowTorus {
 }
 
 /// Parameters of the generator `hexahedron`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Hexahedron {
     /// The eight corners: the bottom counter-clockwise seen from the top, then the top.
@@ -131,7 +139,8 @@ pub struct Hexahedron {
 }
 
 /// Parameters of the generator `indenter`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Indenter {
     /// Widths along x and y; the axis is in the middle.
@@ -148,7 +157,8 @@ pub struct Indenter {
 }
 
 /// Parameters of the generator `l-shape`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LShape {
     /// Outer lengths of the arms along x and y, larger than the width.

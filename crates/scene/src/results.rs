@@ -2,6 +2,7 @@
 
 use crate::Component;
 use crate::names::named;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -81,7 +82,8 @@ named! {
 
 /// `[[probe]]`: a column, or three, of `probes.csv`. Nodal quantities need `set`, or `body` and `point`; energies and momenta are
 /// those of `body`, or of everything.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
     /// Unique name.
@@ -100,7 +102,8 @@ pub struct Probe {
 }
 
 /// `[output]`: what is written, and how often.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Output {
     /// A frame every so many steps, at least 1. The tables have a row for every step anyway.
@@ -140,7 +143,8 @@ impl Default for Output {
 /// The drift of a quantity is the largest distance from its value at step 0, divided by its scale: the largest norm of the
 /// quantity in the run unless a `*_scale` is given (needed where the quantity itself is zero, as the linear momentum of a body
 /// that only spins). Energy is the column `total` of `balance.csv`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Expect {
     /// How the run ends (`summary.json`).
@@ -194,7 +198,8 @@ pub struct Expect {
 }
 
 /// An interval of time, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Interval {
     /// Its start.
@@ -204,7 +209,8 @@ pub struct Interval {
 }
 
 /// `[[expect.probe]]`: the value of a probe at the step whose time is nearest to `time`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ExpectedValue {
     /// Name of the probe.

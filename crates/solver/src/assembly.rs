@@ -21,12 +21,14 @@ pub(crate) struct System {
     pub first_stencil: Vec<usize>,
     pub mass_values: Vec<f64>,
     pub solid_values: Vec<f64>,
-    /// Pattern with the active constraints, where each entry of the solids' pattern goes, and the constraints' scatter map.
+    /// Pattern with the active constraints, where each entry of the solids' pattern goes, and the constraints' scatter map. Without
+    /// contact: the solids' pattern, and nothing.
     pub pattern: Arc<SparsityPattern>,
     pub solid_to_global: Vec<u32>,
     pub contact_map: ScatterMap,
     /// Equation of each slot of each contact pair, `NONE` if inactive.
     pub slot_equation: Vec<Vec<u32>>,
+    /// With the active constraints; empty without contact: then the matrix is `solid_values`.
     pub values: Vec<f64>,
     pub solver: Box<dyn LinearSolver>,
     /// Made when a scheme first asks for it.
@@ -34,9 +36,10 @@ pub(crate) struct System {
     pub workspaces: Vec<Workspace>,
     stencils: StencilList,
     pub has_followers: bool,
+    pub has_dead_loads: bool,
     /// Residual and its terms, `3 * nodes` each.
     pub buffers: Buffers,
-    /// Dead loads of the step (follower pressures are configuration dependent and go to `follower`).
+    /// Dead loads of the step, empty if there are none (follower pressures are configuration dependent and go to `follower`).
     pub dead: Vec<f64>,
     /// Empty without follower pressures.
     pub follower: Vec<f64>,
@@ -119,6 +122,7 @@ impl System {
                 }
             }
         }
+        let has_dead_loads = model.loads.iter().any(|load| !matches!(load.kind, LoadKind::FollowerPressure { .. }));
         let n = numbering.free.len();
         let solid_pattern = Arc::new(SparsityPattern::from_stencils(n, solids.iter())?);
         let solid_map = ScatterMap::new(&solid_pattern, solids.iter())?;
@@ -154,13 +158,13 @@ impl System {
         Ok(Self {
             contact_map: ScatterMap::new(&solid_pattern, empty.iter().copied())?,
             pattern: Arc::clone(&solid_pattern),
-            solid_to_global: (0..nnz as u32).collect(),
-            values: vec![0.0; nnz],
+            solid_to_global: Vec::new(),
+            values: Vec::new(),
             solid_values: vec![0.0; nnz],
             workspaces: model.bodies.iter().map(|_| Workspace::default()).collect(),
             stencils: solids,
             buffers: Buffers::new(components, dynamic, !model.contacts.is_empty()),
-            dead: zeros(),
+            dead: vec![0.0; if has_dead_loads { components } else { 0 }],
             follower: vec![0.0; if has_followers { components } else { 0 }],
             force_scale: 0.0,
             gap_measure: 0.0,
@@ -179,6 +183,7 @@ impl System {
             slot_equation,
             solver,
             has_followers,
+            has_dead_loads,
             mass_length,
             stiffness_force,
         })

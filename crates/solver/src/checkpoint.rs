@@ -4,9 +4,13 @@ use crate::control::Clock;
 use crate::{Balance, Decision, Timings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+#[cfg(feature = "checkpoints")]
 use std::io::Write;
-use std::path::{Path, PathBuf};
+#[cfg(feature = "checkpoints")]
+use std::path::Path;
+use std::path::PathBuf;
 
+#[cfg(feature = "checkpoints")]
 const MAGIC: &[u8; 8] = b"STOSSCP\x03";
 
 /// Why a checkpoint cannot be written or read.
@@ -79,10 +83,12 @@ pub struct Checkpoint {
 }
 
 /// 64-bit FNV-1a: detects a torn or damaged file; it is no protection against intent.
+#[cfg(feature = "checkpoints")]
 fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
+#[cfg(feature = "checkpoints")]
 impl Checkpoint {
     /// Writes to a temporary file in the same folder, flushes it to the disk and renames it: at any moment the path names a complete
     /// checkpoint or none.

@@ -2,7 +2,7 @@
 
 use crate::checkpoint::CheckpointError;
 use stoss_contact::ContactError;
-use stoss_fe_solid::SolidError;
+use stoss_fe_solid::{InsideOut, SolidError};
 use stoss_linalg::LinalgError;
 
 /// Why an attempted step failed.
@@ -63,6 +63,19 @@ pub enum StepError {
         changes: usize,
         /// Changes of pairings in this attempt.
         repairs: usize,
+    },
+    /// Elements that are turned inside out at a vertex at the end of the step and were not before.
+    #[error(
+        "body {body}: {} of {elements} elements are turned inside out at a corner (worst: element {}, relative volume {:.1e} at its node {})",
+        .found.count, .found.element, .found.relative_volume, .found.vertex
+    )]
+    InsideOut {
+        /// The body.
+        body: String,
+        /// Its number of elements.
+        elements: usize,
+        /// How many, and the worst one.
+        found: InsideOut,
     },
     /// A system with the mass alone could not be solved.
     #[error("the mass matrix is singular: is there a body without volume or density?")]

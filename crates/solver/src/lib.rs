@@ -34,6 +34,6 @@ pub use ledger::Balance;
 pub use loads::{Load, LoadKind};
 pub use model::{Body, ContactPair, Model, Prescription};
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, StepRecord};
-pub use simulation::{Plan, Settings, Simulation};
+pub use simulation::{InsideOutRule, Plan, Settings, Simulation};
 pub use table::{Table, TableError};
 pub use timing::{Phase, PhaseTime, Timings};

@@ -124,7 +124,8 @@ impl NewtonProblem for StepProblem<'_> {
             MatrixKind::General
         };
         let s = &mut *self.system;
-        let (solver, pattern, values) = (&mut s.solver, &s.pattern, &s.values);
+        let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
+        let (solver, pattern) = (&mut s.solver, &s.pattern);
         let (rhs, increment) = (&s.rhs, &mut s.increment);
         let factorised = self.timings.measure(Phase::Factorisation, || {
             solver.analyse(pattern, kind)?;

@@ -29,8 +29,21 @@ pub struct Settings {
     pub scheme: Option<Box<dyn Scheme>>,
     /// Newton's settings.
     pub newton: NewtonOptions,
+    /// What an element that is turned inside out at a vertex does.
+    pub inside_out: InsideOutRule,
     /// Direct solver.
     pub solver: Box<dyn LinearSolver>,
+}
+
+/// What happens if at the end of a step elements of a body are turned inside out at a vertex that were not before: the
+/// integrals do not notice as long as `det F > 0` at the Gauss points, see [`stoss_fe_solid::SolidBody::inside_out`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InsideOutRule {
+    /// The step fails with [`StepError::InsideOut`], thus is tried again with a smaller one.
+    #[default]
+    Refuse,
+    /// The step is accepted with a warning.
+    Warn,
 }
 
 /// What a run will use, without running it.
@@ -83,6 +96,7 @@ pub struct Simulation {
     control: StepControl,
     scheme: Option<Box<dyn Scheme>>,
     newton: NewtonOptions,
+    inside_out_rule: InsideOutRule,
     system: System,
     clock: Clock,
     state: State,
@@ -124,7 +138,7 @@ impl Simulation {
         {
             return Err(SimulationError::Model(format!("scheme {} cannot carry contact constraints", scheme.name())));
         }
-        let Settings { control, scheme, newton, solver } = settings;
+        let Settings { control, scheme, newton, inside_out: inside_out_rule, solver } = settings;
         let system = System::new(&model, dynamic, solver)?;
         let clock = Clock::new(control);
         let mut state = State::at_rest(model.reference.clone());
@@ -151,6 +165,7 @@ impl Simulation {
             control,
             scheme,
             newton,
+            inside_out_rule,
         };
         if dynamic {
             let (time, mut v) = (0.0, std::mem::take(&mut simulation.state.v));
@@ -213,6 +228,9 @@ impl Simulation {
     }
 
     fn set_dead_loads(&mut self, time: f64) {
+        if !self.system.has_dead_loads {
+            return;
+        }
         self.system.dead.fill(0.0);
         for load in &self.model.loads {
             load.add_dead(time, 1.0, &mut self.system.dead);

@@ -84,6 +84,10 @@ impl SecondOrderSystem for FeSystem<'_> {
         self.model.reference.len()
     }
 
+    fn has_constraints(&self) -> bool {
+        !self.model.contacts.is_empty()
+    }
+
     fn add_mass_product(&self, factor: f64, x: &[f64], out: &mut [f64]) {
         for mass in &self.system.masses {
             mass.multiply_add(factor, x, out);
@@ -124,8 +128,11 @@ impl SecondOrderSystem for FeSystem<'_> {
             });
             body.solid.assemble(solid_step, 1.0, out, target, &mut s.workspaces[b])?;
         }
-        s.force_scale = vector::norm2(out).max(vector::norm2(&s.dead));
-        vector::axpy(-1.0, &s.dead, out);
+        s.force_scale = vector::norm2(out);
+        if s.has_dead_loads {
+            s.force_scale = s.force_scale.max(vector::norm2(&s.dead));
+            vector::axpy(-1.0, &s.dead, out);
+        }
         if s.has_followers {
             self.evaluate_follower(step, rule, tangent);
             let s = &mut *self.system;

@@ -2,7 +2,7 @@
 
 use super::node::Node;
 use super::table::Table;
-use crate::{Header, Integrator, Kind, LinearSolver, Solver, Time};
+use crate::{Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 use std::collections::BTreeMap;
 use stoss_integrators::SCHEMES;
 
@@ -86,6 +86,8 @@ pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {
     });
     let absolute_tolerance = table.optional("absolute_tolerance", Node::not_negative);
     let max_iterations = table.optional("max_iterations", Node::count);
+    let inside_out =
+        table.default("inside_out", InsideOut::Refuse, |n| n.choice(InsideOut::NAMES, InsideOut::from_name));
     let linear =
         table.default("linear", LinearSolver::Auto, |n| n.choice(LinearSolver::NAMES, LinearSolver::from_name));
     table.finish();
@@ -94,5 +96,6 @@ pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {
         absolute_tolerance: absolute_tolerance?,
         max_iterations: max_iterations?,
         linear: linear?,
+        inside_out: inside_out?,
     })
 }

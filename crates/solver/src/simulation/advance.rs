@@ -1,6 +1,6 @@
 //! One step of a simulation: attempts, acceptance, work.
 
-use super::Simulation;
+use super::{InsideOutRule, Simulation};
 use crate::assembly::Iterate;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
@@ -153,6 +153,11 @@ impl Simulation {
         // instance, an element may be inverted although it is not at the midpoint.
         let strain = self.strain_energy(&attempt.iterate.q)?;
         let inside_out = self.inside_out(&attempt.iterate.q)?;
+        if self.inside_out_rule == InsideOutRule::Refuse
+            && let Some(error) = self.newly_inside_out(&inside_out).next()
+        {
+            return Err(error);
+        }
         let contact = self.contact_summary(&attempt, rule)?;
         let next = self.next_state(&attempt.iterate, dt, rule)?;
         Ok(Completed { attempt, next, rule, strain, contact, inside_out, solves })
@@ -162,28 +167,27 @@ impl Simulation {
         Ok(self.model.bodies.iter().map(|body| body.solid.inside_out(q)).collect::<Result<_, _>>()?)
     }
 
-    /// Tells of bodies that now have elements turned inside out and had none at the last step.
-    fn warn_inside_out(&mut self, completed: &Completed) {
-        if completed.inside_out.iter().all(Option::is_none) {
-            return;
-        }
+    /// Bodies that now have elements turned inside out and had none at the last step.
+    fn newly_inside_out(&self, now: &[Option<InsideOut>]) -> impl Iterator<Item = StepError> {
+        let some = now.iter().any(Option::is_some);
         // The lengths were checked when the last step was accepted.
-        let before = self.inside_out(&self.state.q).unwrap_or_default();
-        for (b, now) in completed.inside_out.iter().enumerate() {
-            let (Some(now), None) = (now, before.get(b).copied().flatten()) else { continue };
-            let reason = format!(
-                "body {}: {} of {} elements are turned inside out at a corner (worst: element {}, relative volume {:.1e} at \
-                 its node {}); the result is doubtful from here on, try smaller steps or another mesh",
-                self.model.bodies[b].solid.name(),
-                now.count,
-                self.model.bodies[b].solid.element_count(),
-                now.element,
-                now.relative_volume,
-                now.vertex,
-            );
-            let (time, dt) = (self.state.time, self.clock.dt());
-            self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Warning, reason));
-        }
+        let before = if some { self.inside_out(&self.state.q).unwrap_or_default() } else { Vec::new() };
+        let new = move |(b, now): (usize, &Option<InsideOut>)| {
+            let (Some(found), None) = (*now, before.get(b).copied().flatten()) else { return None };
+            let solid = &self.model.bodies[b].solid;
+            Some(StepError::InsideOut { body: solid.name().to_owned(), elements: solid.element_count(), found })
+        };
+        now.iter().enumerate().filter_map(new)
+    }
+
+    fn warn_inside_out(&mut self, completed: &Completed) {
+        let (step, time, dt) = (self.step + 1, self.state.time, self.clock.dt());
+        let warn = |error: StepError| {
+            let reason = format!("{error}; the result is doubtful from here on, try smaller steps or another mesh");
+            decision(step, time, dt, DecisionKind::Warning, reason)
+        };
+        let warnings: Vec<_> = self.newly_inside_out(&completed.inside_out).map(warn).collect();
+        self.decisions.extend(warnings);
     }
 
     /// Velocities and whatever else the scheme carries, at the end of a converged step.

@@ -11,8 +11,8 @@ mod probe;
 pub use law::{LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use probe::{Probe, ProbeTarget};
 
-use crate::scene::{Kind, Problem, Scene, SceneErrors};
-use crate::solver::{Model, Settings, Simulation, StepControl};
+use crate::scene::{InsideOut, Kind, Problem, Scene, SceneErrors};
+use crate::solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
 use std::path::Path;
 use stoss_integrators::{SCHEMES, Scheme};
 use stoss_linalg::AutoSolver;
@@ -150,6 +150,10 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             max_iterations: solver.max_iterations.unwrap_or(default.max_iterations),
             line_search: LineSearch::backtracking(),
             ..default
+        },
+        inside_out: match solver.inside_out {
+            InsideOut::Refuse => InsideOutRule::Refuse,
+            InsideOut::Warn => InsideOutRule::Warn,
         },
         solver: Box::new(AutoSolver::new()),
     }

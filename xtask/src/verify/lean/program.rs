@@ -1,5 +1,5 @@
-//! The program whose size `cargo xtask verify lean` measures: it uses every feature of the facade that it is built with.
-//! It is given a folder to write to.
+//! The program whose size `cargo xtask verify lean` measures: it uses every feature of the facade that it is built
+//! with. It is given a folder to write to.
 
 use std::error::Error;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use stoss::integrators::EnergyMomentum;
 use stoss::linalg::AutoSolver;
 use stoss::mesh::generate::Block;
 use stoss::newton::NewtonOptions;
-use stoss::solver::{Body, Model, Settings, Simulation, StepControl};
+use stoss::solver::{Body, Model, InsideOutRule, Settings, Simulation, StepControl};
 
 /// A law of the user's own: `W = lambda/2 (tr E)^2 + mu E:E` with `lambda = 0`, `mu = 500`.
 #[derive(Debug)]
@@ -71,6 +71,7 @@ fn model() -> Result<(), Box<dyn Error>> {
         control: StepControl { step: 0.01, end: 0.02, max_cuts: 0, grow_after: 1 },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
+        inside_out: InsideOutRule::Refuse,
         solver: Box::new(AutoSolver::new()),
     };
     run(Simulation::new(model, settings)?)
