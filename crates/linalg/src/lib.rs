@@ -11,6 +11,7 @@
 //! ("sequential fixed"): faer's last bits change with its degree of parallelism, and that must not be a property of the machine.
 
 pub mod faer_backend;
+pub mod multifrontal;
 pub mod vector;
 
 mod auto;
@@ -28,6 +29,7 @@ pub use direct::{DirectSolver, Factorisation};
 pub use error::{LinalgError, Place};
 pub use faer_backend::{DenseSolver, FaerSolver};
 pub use matrix::SparseMatrix;
+pub use multifrontal::MultifrontalSolver;
 pub use pattern::{NONE, SparsityPattern};
 pub use scatter::ScatterMap;
 pub use solver::{LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics};

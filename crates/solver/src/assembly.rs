@@ -120,7 +120,7 @@ impl System {
             }
         }
         let n = numbering.free.len();
-        let solid_pattern = Arc::new(SparsityPattern::from_stencils(n, solids.iter())?);
+        let solid_pattern = Arc::new(SparsityPattern::from_stencils(n, solids.iter())?.with_groups(numbering.nodes())?);
         let solid_map = ScatterMap::new(&solid_pattern, solids.iter())?;
         let nnz = solid_pattern.nnz();
         let mut masses = Vec::new();
@@ -233,15 +233,26 @@ impl System {
         }
         let n = next as usize;
         let mut contact = StencilList::default();
+        // A pressure belongs to the node of its slot, the first one of its contribution.
+        let mut groups = self.numbering.nodes();
+        groups.resize(n, NONE);
         for (pair, (equations, active)) in model.contacts.iter().zip(self.slot_equation.iter().zip(active)) {
             pair.method.stencils(active, &mut |nodes, slots| {
                 contact.push(|out| {
                     self.numbering.node_equations(nodes, out);
                     out.extend(slots.iter().map(|&slot| equations[slot as usize]));
                 });
+                for &slot in slots {
+                    if let Some(group) = groups.get_mut(equations[slot as usize] as usize)
+                        && *group == NONE
+                    {
+                        *group = nodes.first().copied().unwrap_or(NONE);
+                    }
+                }
             });
         }
-        let pattern = Arc::new(SparsityPattern::from_stencils(n, self.stencils.iter().chain(contact.iter()))?);
+        let pattern = SparsityPattern::from_stencils(n, self.stencils.iter().chain(contact.iter()))?;
+        let pattern = Arc::new(pattern.with_groups(groups)?);
         self.contact_map = ScatterMap::new(&pattern, contact.iter())?;
         self.solid_to_global.clear();
         for column in 0..free {

@@ -3,6 +3,8 @@
 
 mod body;
 mod condition;
+#[cfg(feature = "nts")]
+mod friction;
 mod law;
 #[cfg(feature = "nts")]
 mod overlap;

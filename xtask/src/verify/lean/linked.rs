@@ -10,8 +10,8 @@ const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 /// What somebody may ask the facade for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ability {
-    /// A model with a law of the user's own is simulated. The solver's model names the trait of contact methods, so that the trait's
-    /// crate and what it stands on are always there.
+    /// A model with a law of the user's own is simulated. The solver's model names the trait of contact methods, so
+    /// that the trait's crate and what it stands on are always there.
     Simulate,
     /// Scenes are read and built.
     Scenes,
@@ -31,8 +31,8 @@ pub enum Ability {
 
 use Ability::{Checkpoints, MeshFiles, NodeToSurface, Program, Results, Scenes, Schema, Simulate};
 
-/// Crates with the abilities that they are for: all of ours, and of the others those that are for some abilities only. A crate of ours
-/// that is not listed is for nothing.
+/// Crates with the abilities that they are for: all of ours, and of the others those that are for some abilities only.
+/// A crate of ours that is not listed is for nothing.
 const CRATES: &[(&str, &[Ability])] = &[
     ("stoss", &[Simulate]),
     ("stoss-tensor", &[Simulate]),
@@ -151,7 +151,8 @@ impl Tree {
         found
     }
 
-    /// Crates that nobody asked for, and crates below them that nothing else needs; then crates that were asked for and are not there.
+    /// Crates that nobody asked for, and crates below them that nothing else needs; then crates that were asked for and
+    /// are not there.
     pub fn against(&self, asked: &[Ability]) -> Deviations<'_> {
         let is_for = |name: &str| CRATES.iter().find(|(known, _)| *known == name).map(|(_, abilities)| *abilities);
         let wanted = |abilities: &[Ability]| abilities.iter().any(|ability| asked.contains(ability));
@@ -207,8 +208,8 @@ mod tests {
 
     /// `stoss` uses the solver, which uses `postcard`, which alone uses `cobs`; `serde` is used by both.
     const TREE: &str = "0stoss v0.1.0 (/x)\n1stoss-solver v0.1.0 (/x)\n2postcard v1.1.0\n3cobs v0.3.0\n3serde v1.0.0\n\
-                        2serde v1.0.0\n1stoss-scene v0.1.0 (/x)\n2toml v1.2.0\n3serde v1.0.0\n4serde_derive v1.0.0 (proc-macro)\n\
-                        5syn v2.0.0\n1stoss-strange v0.1.0\n";
+                        2serde v1.0.0\n1stoss-scene v0.1.0 (/x)\n2toml v1.2.0\n3serde v1.0.0\n\
+                        4serde_derive v1.0.0 (proc-macro)\n5syn v2.0.0\n1stoss-strange v0.1.0\n";
 
     #[test]
     fn a_tree_is_read_by_depth() {

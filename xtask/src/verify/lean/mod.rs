@@ -24,8 +24,8 @@ impl Suite for Lean {
     }
 
     fn about(&self) -> &'static str {
-        "Crates that are linked, structures that are allocated, phases and kernels that are called, against what each scene asks for; \
-         crates and program size of each feature set of the facade."
+        "Crates that are linked, structures that are allocated, phases and kernels that are called, against what each scene asks \
+         for; crates and program size of each feature set of the facade."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
@@ -47,8 +47,8 @@ impl Suite for Lean {
         let (checks, sets) = sets::measure(bench)?;
         findings.checks.extend(checks);
         let scenes = Grid {
-            caption: "What each scene links, allocates and calls; what deviates from what it asks for is in brackets. Crates: those of \
-                      the smallest feature set that runs the scene. Calls: search, assembly, factorisation, solve"
+            caption: "What each scene links, allocates and calls; what deviates from what it asks for is in brackets. \
+                      Crates: those of the smallest feature set that runs the scene. Calls: search, assembly, factorisation, solve"
                 .into(),
             head: ["scene", "steps", "features", "crates", "allocated", "called", "calls"].map(str::to_owned).to_vec(),
             rows,

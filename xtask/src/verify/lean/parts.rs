@@ -5,7 +5,8 @@ use stoss_integrators::{ForceRule, GradientRule, entry};
 use stoss_scene::{LoadKind, MeshSource, Scene};
 use stoss_solver::{PhaseTime, Simulation};
 
-/// Everything that a run may or may not have. Asked for and found are both of this type, so that they can be compared one by one.
+/// Everything that a run may or may not have. Asked for and found are both of this type, so that they can be compared
+/// one by one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
     /// Matrices and vectors.
@@ -154,7 +155,8 @@ enum History {
     WithContact,
 }
 
-/// What a scheme asks for: formulation §11, written down here once more. The rules of the crate `integrators` are what is measured.
+/// What a scheme asks for: formulation §11, written down here once more. The rules of the crate `integrators` are what
+/// is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SchemeNeeds {
     stress: ForceRule,

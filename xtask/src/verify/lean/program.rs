@@ -1,5 +1,5 @@
-//! The program whose size `cargo xtask verify lean` measures: it uses every feature of the facade that it is built with.
-//! It is given a folder to write to.
+//! The program whose size `cargo xtask verify lean` measures: it uses every feature of the facade that it is built
+//! with. It is given a folder to write to.
 
 use std::error::Error;
 use std::sync::Arc;

@@ -104,8 +104,8 @@ fn grid(measured: &[Measured]) -> Grid {
         vec![set.name.into(), linked, compiled, size, more]
     });
     Grid {
-        caption: "Feature sets of the facade: crates in the dependency tree, and size of a stripped release program that uses all of \
-                  the set (full mode only)"
+        caption: "Feature sets of the facade: crates in the dependency tree, and size of a stripped release program that uses \
+                  all of the set (full mode only)"
             .into(),
         head: ["features", "crates linked", "crates compiled", "program", "linked beyond those of none"]
             .map(str::to_owned)
