@@ -207,6 +207,15 @@ impl ContactMethod for NodeToSurface {
         }
     }
 
+    fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for slot in (0..self.slots.len()).filter(|&s| !active[s]) {
+            if let Some(facet) = self.slots[slot].origin {
+                let element = ElementNodes::new(self.node(slot), self.search.surface(), Pairing::single(facet));
+                visit(element.list(), &[slot as u32]);
+            }
+        }
+    }
+
     fn assemble(
         &self,
         step: StepConfiguration<'_>,

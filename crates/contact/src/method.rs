@@ -115,6 +115,9 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
     /// Nodes and slots of every active contribution, in the order in which `assemble` visits them.
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32]));
+    /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin_step`. A hint: the
+    /// matrix gets room for them, so that no symbolic work is needed when they close. None by default.
+    fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
     /// Residual and (if asked) tangent of every active slot, visited in slot order. `pressures` has one entry a slot.
     fn assemble(
         &self,

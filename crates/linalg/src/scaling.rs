@@ -73,7 +73,7 @@ impl Equilibration {
     /// root, after Ruiz (Rutherford Appleton Laboratory, RAL-TR-2001-034).
     ///
     /// # Errors
-    /// The index of a row of zeros.
+    /// The index of a row or column of zeros.
     pub fn compute_symmetric(
         &mut self,
         pattern: &SparsityPattern,
@@ -86,6 +86,10 @@ impl Equilibration {
         self.columns.resize(n, 0.0);
         scaled.clear();
         scaled.extend_from_slice(values);
+        // Values that are not symmetric after all may have a column of zeros without a row of zeros.
+        if let Some(j) = (0..n).find(|&j| values[pattern.column_range(j)].iter().all(|&v| v == 0.0)) {
+            return Err(j);
+        }
         for _ in 0..ROUNDS {
             let factors = &mut self.columns;
             crate::matrix::row_max(pattern, scaled, factors);

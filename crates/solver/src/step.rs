@@ -146,7 +146,7 @@ pub(crate) fn attempt(
     let mut look = Look::default();
     let has_contact = !model.contacts.is_empty();
     if has_contact {
-        system.renew_pattern(model, &iterate.active)?;
+        timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
     }
     if !input.predict.is_empty() {
         let (iterate, assembled) = (&mut iterate, None);
