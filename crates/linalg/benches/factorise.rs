@@ -12,7 +12,8 @@ use stoss_linalg::{DenseSolver, FaerSolver, LinearSolver, MatrixKind, Multifront
 const SIZES: [usize; 7] = [3, 4, 5, 6, 8, 9, 15];
 
 fn solvers(n: usize, kind: MatrixKind) -> Vec<(&'static str, Box<dyn LinearSolver>)> {
-    let mut list: Vec<(&'static str, Box<dyn LinearSolver>)> = vec![("faer", Box::new(FaerSolver::new())), ("multifrontal", Box::new(MultifrontalSolver::new()))];
+    let mut list: Vec<(&'static str, Box<dyn LinearSolver>)> =
+        vec![("faer", Box::new(FaerSolver::new())), ("multifrontal", Box::new(MultifrontalSolver::new()))];
     if n <= 1100 && kind == MatrixKind::General {
         list.push(("dense", Box::new(DenseSolver::new())));
     }

@@ -196,8 +196,7 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinalgError> {
         self.factorised = false;
         self.refinement.set_values(values)?;
-        let pattern =
-            self.pattern.clone().ok_or(LinalgError::CallOrder { called: "factorise", missing: "analyse" })?;
+        let pattern = self.pattern.clone().ok_or(LinalgError::CallOrder { called: "factorise", missing: "analyse" })?;
         self.statistics.factorisations += 1;
         if pattern.n() == 0 {
             self.factorised = true;

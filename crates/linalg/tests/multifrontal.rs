@@ -23,7 +23,12 @@ fn backward_error(a: &SparseMatrix, x: &[f64], b: &[f64]) -> f64 {
     r.iter().zip(&d).map(|(r, d)| if *r == 0.0 { 0.0 } else { r.abs() / d }).fold(0.0, f64::max)
 }
 
-fn solve(solver: &mut dyn LinearSolver, a: &SparseMatrix, kind: MatrixKind, b: &[f64]) -> Result<Vec<f64>, LinalgError> {
+fn solve(
+    solver: &mut dyn LinearSolver,
+    a: &SparseMatrix,
+    kind: MatrixKind,
+    b: &[f64],
+) -> Result<Vec<f64>, LinalgError> {
     let mut x = vec![f64::NAN; b.len()];
     solver.analyse(&a.pattern, kind)?;
     solver.factorise(&a.values)?;
@@ -54,7 +59,8 @@ fn saddle_points_of_contact() {
         block_pair(6, Setting { unsymmetric: true, ..bad }),
     ];
     for (s, (a, b)) in systems.iter().enumerate() {
-        let kinds = if s % 2 == 0 { vec![MatrixKind::General, MatrixKind::Symmetric] } else { vec![MatrixKind::General] };
+        let kinds =
+            if s % 2 == 0 { vec![MatrixKind::General, MatrixKind::Symmetric] } else { vec![MatrixKind::General] };
         for kind in kinds {
             for a in [a, &ungrouped(a)] {
                 let mut solver = MultifrontalSolver::new();

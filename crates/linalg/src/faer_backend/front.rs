@@ -25,6 +25,9 @@ const SMALLEST_PRODUCT: usize = 4_000_000;
 /// Columns of a block of the update.
 const BLOCK: usize = 96;
 
+/// Columns of a block on the diagonal of a symmetric update.
+const DIAGONAL_BLOCK: usize = 32;
+
 /// Scratch memory of one task.
 #[derive(Debug, Default)]
 pub struct FrontWork {
@@ -127,6 +130,8 @@ pub fn factorise_lu_front(
 /// 2 x 2 (Bunch and Kaufman), chosen among the first `w` equations. Afterwards the panel is `P^T L` and has the diagonal of `D`, `subdiagonal` the rest
 /// of `D`. `product` (`w r` entries) is scratch.
 ///
+/// The upper triangle of `update` is spoilt.
+///
 /// False if an equation has no acceptable pivot (or for want of memory); the factors are then worthless.
 pub fn factorise_ldl_front(
     w: usize,
@@ -202,20 +207,28 @@ pub fn factorise_ldl_front(
     let (below, scaled) = (below.as_ref(), scaled.as_ref());
     for_columns(update, r, parallel && w * r * r >= SMALLEST_PRODUCT, |first, columns| {
         let width = columns.ncols();
-        let below = below.subrows(first, r - first);
-        let scaled = scaled.subrows(first, width);
-        matmul(columns.subrows_mut(first, r - first), Accum::Add, below, scaled.transpose(), -1.0, Par::Seq);
+        let right = scaled.subrows(first, width);
+        let (diagonal, rest) = columns.subrows_mut(first, r - first).split_at_row_mut(width);
+        subtract_lower(diagonal, below.subrows(first, width), right);
+        let below = below.subrows(first + width, r - first - width);
+        matmul(rest, Accum::Add, below, right.transpose(), -1.0, Par::Seq);
     });
     true
 }
 
+/// `target -= left right^T` for the lower triangle and parts of the upper one, which nobody reads.
+fn subtract_lower(mut target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
+    let n = target.ncols();
+    for first in (0..n).step_by(DIAGONAL_BLOCK) {
+        let width = DIAGONAL_BLOCK.min(n - first);
+        let block = target.rb_mut().submatrix_mut(first, first, n - first, width);
+        let right = right.subrows(first, width).transpose();
+        matmul(block, Accum::Add, left.subrows(first, n - first), right, -1.0, Par::Seq);
+    }
+}
+
 /// `task(first, block)` for all blocks of columns of a matrix of `rows` rows.
-fn for_columns(
-    matrix: &mut [f64],
-    rows: usize,
-    parallel: bool,
-    task: impl Fn(usize, MatMut<'_, f64>) + Send + Sync,
-) {
+fn for_columns(matrix: &mut [f64], rows: usize, parallel: bool, task: impl Fn(usize, MatMut<'_, f64>) + Send + Sync) {
     let each = |(k, block): (usize, &mut [f64])| {
         let columns = block.len() / rows;
         task(k * BLOCK, MatMut::from_column_major_slice_mut(block, rows, columns));

@@ -116,7 +116,9 @@ impl KnownGroups {
         for j in 0..n {
             let column = pattern.column(j);
             let twin = column.iter().copied().take_while(|&i| i < j).find(|&i| {
-                known.labels[i] == i as u32 && pattern.column_range(i).len() == column.len() && pattern.column(i) == column
+                known.labels[i] == i as u32
+                    && pattern.column_range(i).len() == column.len()
+                    && pattern.column(i) == column
             });
             if let Some(i) = twin {
                 known.labels[j] = i as u32;
@@ -184,7 +186,8 @@ impl KnownGroups {
 
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
-        size_of::<u32>() * self.labels.capacity() + size_of::<u8>() * (self.guests.capacity() + self.is_loose.capacity())
+        size_of::<u32>() * self.labels.capacity()
+            + size_of::<u8>() * (self.guests.capacity() + self.is_loose.capacity())
     }
 }
 

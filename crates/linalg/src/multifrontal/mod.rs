@@ -139,7 +139,10 @@ impl Factorisation for Multifrontal {
     fn memory_bytes(&self) -> usize {
         let analysis =
             self.analysis.as_ref().map_or(0, |(symbolic, numeric)| symbolic.memory_bytes() + numeric.memory_bytes());
-        analysis + self.known.memory_bytes() + self.vectors.memory_bytes() + self.fallback.as_ref().map_or(0, FaerSparse::memory_bytes)
+        analysis
+            + self.known.memory_bytes()
+            + self.vectors.memory_bytes()
+            + self.fallback.as_ref().map_or(0, FaerSparse::memory_bytes)
     }
 
     fn pivoting_fallbacks(&self) -> u64 {

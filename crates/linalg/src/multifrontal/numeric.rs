@@ -102,7 +102,7 @@ impl Run<'_> {
             factors = rest;
             let (own_pivots, rest) = pivots.split_at_mut(front.w);
             pivots = rest;
-            let (own_subdiagonal, rest) = subdiagonal.split_at_mut(if self.symbolic.symmetric { front.w } else { 0 });
+            let (own_subdiagonal, rest) = subdiagonal.split_at_mut(if self.symmetric() { front.w } else { 0 });
             subdiagonal = rest;
             let (held, free) = part.arena.split_at_mut(top);
             // The children's updates are the uppermost ones of the stack.
@@ -123,7 +123,7 @@ impl Run<'_> {
             if result.is_err() {
                 break;
             }
-            part.arena.copy_within(top..top + front.r * front.r, bottom);
+            self.move_update(part.arena, front.r, top, bottom);
             top = bottom + front.r * front.r;
         }
         self.return_work(work);
@@ -139,7 +139,7 @@ impl Run<'_> {
         let base = self.symbolic.fronts[front.first];
         let (below, own) = part.factors.split_at_mut(front.offset - base.offset);
         let (pivots_below, own_pivots) = part.pivots.split_at_mut(front.begin - base.begin);
-        let split = if self.symbolic.symmetric { front.begin - base.begin } else { 0 };
+        let split = if self.symmetric() { front.begin - base.begin } else { 0 };
         let (subdiagonal_below, own_subdiagonal) = part.subdiagonal.split_at_mut(split);
         let arena = &mut *part.arena;
         let below = Part { factors: below, pivots: pivots_below, subdiagonal: subdiagonal_below, arena };
@@ -156,8 +156,26 @@ impl Run<'_> {
         let mut work = self.take_work();
         let result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
         self.return_work(work);
-        part.arena.copy_within(top..top + front.r * front.r, 0);
+        self.move_update(part.arena, front.r, top, 0);
         result
+    }
+
+    /// Moves an update matrix of `r` rows down in the arena; of a symmetric one the lower triangle.
+    fn move_update(&self, arena: &mut [f64], r: usize, from: usize, to: usize) {
+        if from == to {
+            return;
+        }
+        if self.symmetric() {
+            for j in 0..r {
+                arena.copy_within(from + j * r + j..from + (j + 1) * r, to + j * r + j);
+            }
+        } else {
+            arena.copy_within(from..from + r * r, to);
+        }
+    }
+
+    fn symmetric(&self) -> bool {
+        self.symbolic.symmetric
     }
 
     /// The children of front `f` as parallel tasks. Returns the storage that they took.
@@ -169,14 +187,12 @@ impl Run<'_> {
         for &c in self.symbolic.children(f) {
             let child = self.symbolic.fronts[c as usize];
             let base = self.symbolic.fronts[child.first];
-            let (own_factors, rest) =
-                factors.split_at_mut(self.symbolic.fronts[c as usize + 1].offset - base.offset);
+            let (own_factors, rest) = factors.split_at_mut(self.symbolic.fronts[c as usize + 1].offset - base.offset);
             factors = rest;
             let equations = child.begin + child.w - base.begin;
             let (own_pivots, rest) = pivots.split_at_mut(equations);
             pivots = rest;
-            let (own_subdiagonal, rest) =
-                subdiagonal.split_at_mut(if self.symbolic.symmetric { equations } else { 0 });
+            let (own_subdiagonal, rest) = subdiagonal.split_at_mut(if self.symmetric() { equations } else { 0 });
             subdiagonal = rest;
             let (own_arena, rest) = arena.split_at_mut(child.need_shared);
             arena = rest;
@@ -185,8 +201,7 @@ impl Run<'_> {
                 Part { factors: own_factors, pivots: own_pivots, subdiagonal: own_subdiagonal, arena: own_arena };
             tasks.push((c as usize, part));
         }
-        let results: Vec<Result<(), NoPivot>> =
-            tasks.into_par_iter().map(|(c, part)| self.subtree(c, part)).collect();
+        let results: Vec<Result<(), NoPivot>> = tasks.into_par_iter().map(|(c, part)| self.subtree(c, part)).collect();
         results.into_iter().collect::<Result<Vec<()>, NoPivot>>().map(|_| taken)
     }
 
@@ -200,7 +215,11 @@ impl Run<'_> {
     ) {
         let Front { w, r, .. } = self.symbolic.fronts[f];
         block.fill(0.0);
-        update.fill(0.0);
+        if self.symmetric() {
+            (0..r).for_each(|j| update[j * r + j..(j + 1) * r].fill(0.0));
+        } else {
+            update.fill(0.0);
+        }
         let entries = self.symbolic.entry_starts[f]..self.symbolic.entry_starts[f + 1];
         for &(place, k) in &self.symbolic.entries[entries] {
             block[place as usize] += self.values[k as usize];
@@ -210,12 +229,12 @@ impl Run<'_> {
             let places = &self.symbolic.places[child.rows()];
             let inner = places.partition_point(|&p| (p as usize) < w);
             for (j, (column, &place)) in values.chunks_exact(child.r.max(1)).zip(places).enumerate() {
-                let begin = if self.symbolic.symmetric { j } else { 0 };
+                let begin = if self.symmetric() { j } else { 0 };
                 let place = place as usize;
                 if j < inner {
                     add(&mut lower[place * (w + r)..][..w + r], &places[begin..], 0, &column[begin..]);
                 } else {
-                    if !self.symbolic.symmetric {
+                    if !self.symmetric() {
                         add(&mut upper[(place - w) * w..][..w], &places[..inner], 0, &column[..inner]);
                     }
                     let begin = begin.max(inner);
@@ -236,7 +255,7 @@ impl Run<'_> {
         work: &mut FrontWork,
     ) -> Result<(), NoPivot> {
         let Front { w, r, .. } = front;
-        let result = if self.symbolic.symmetric {
+        let result = if self.symmetric() {
             factorise_ldl_front(w, r, block, update, pivots, subdiagonal, &mut free[..w * r], work, self.parallel)
         } else {
             factorise_lu_front(w, r, block, update, pivots, work, self.parallel)

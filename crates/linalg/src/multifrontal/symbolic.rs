@@ -125,17 +125,7 @@ impl Symbolic {
                 rows.extend(groups.members(g as usize).iter().map(|&equation| position[equation as usize]));
             }
             let (need, need_shared, first, shared) = (0, 0, fronts.len(), false);
-            fronts.push(Front {
-                begin,
-                w,
-                r,
-                offset,
-                rows: first_row,
-                first,
-                shared,
-                need,
-                need_shared,
-            });
+            fronts.push(Front { begin, w, r, offset, rows: first_row, first, shared, need, need_shared });
             begin += w;
             offset += block;
             operations += work(w, r, symmetric);

@@ -29,7 +29,13 @@ const CORNERS: [Point; 8] = [
 
 impl Mesh {
     /// Hexahedra between `counts` cells of a grid whose nodes are `node(i, j, k)`; the first two directions may be closed.
-    fn grid(&mut self, counts: [usize; 3], closed: bool, modulus: f64, point: impl Fn(usize, usize, usize) -> Point) -> usize {
+    fn grid(
+        &mut self,
+        counts: [usize; 3],
+        closed: bool,
+        modulus: f64,
+        point: impl Fn(usize, usize, usize) -> Point,
+    ) -> usize {
         let first = self.nodes.len();
         let [a, b, c] = counts;
         let (na, nb) = if closed { (a, b) } else { (a + 1, b + 1) };
@@ -43,7 +49,8 @@ impl Mesh {
             for j in 0..b {
                 for i in 0..a {
                     let (p, q, r) = (i + 1, j + 1, k + 1);
-                    let element = [(i, j, k), (p, j, k), (p, q, k), (i, q, k), (i, j, r), (p, j, r), (p, q, r), (i, q, r)];
+                    let element =
+                        [(i, j, k), (p, j, k), (p, q, k), (i, q, k), (i, j, r), (p, j, r), (p, q, r), (i, q, r)];
                     self.elements.push(element.map(|(i, j, k)| id(i, j, k)));
                     self.modulus.push(modulus);
                 }
