@@ -59,8 +59,8 @@ impl AutoSolver {
 impl LinearSolver for AutoSolver {
     fn analyse(&mut self, pattern: &Arc<SparsityPattern>, kind: MatrixKind) -> Result<(), LinalgError> {
         self.choice = match pattern.n() {
-            0..=Self::DENSE_LIMIT => Choice::Dense,
-            0..=Self::SPARSE_LIMIT => Choice::Sparse,
+            n if n <= Self::DENSE_LIMIT => Choice::Dense,
+            n if n <= Self::SPARSE_LIMIT => Choice::Sparse,
             _ => Choice::Multifrontal,
         };
         self.active().analyse(pattern, kind)
