@@ -1,10 +1,10 @@
-//! Forward-mode dual numbers with the 15 partial derivatives of one contact element, and the scalar trait that lets one
-//! formula serve for values and for derivatives.
+//! Forward-mode dual numbers with 15 partial derivatives (the positions of one contact element, or the five vectors that friction
+//! depends on), and the scalar trait that lets one formula serve for values and for derivatives.
 
 use crate::kinematics::LOCAL;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What the energy-momentum element needs of a number.
+/// What the elements need of a number.
 pub(crate) trait Scalar:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
@@ -29,7 +29,7 @@ impl Scalar for f64 {
     }
 }
 
-/// A number with its derivatives with respect to the local positions at `n+1`.
+/// A number with its derivatives with respect to 15 variables, mostly the local positions at `n+1`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dual {
     pub value: f64,

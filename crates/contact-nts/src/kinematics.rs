@@ -24,9 +24,16 @@ pub struct Gap {
     pub gradient: Local,
     /// `D^alpha` of (4.1): `d xi^alpha = D^alpha . dq`.
     pub xi_gradient: [Local; 2],
-    /// Derivatives of the shape functions at the foot.
-    shape_gradient: [[f64; 2]; 4],
+    /// Tangents `a_1`, `a_2` at the foot.
+    pub(crate) tangents: [Vector3<f64>; 2],
+    /// `a_12`.
+    pub(crate) a_12: Vector3<f64>,
+    /// Shape functions and their derivatives at the foot.
+    pub(crate) shape: [f64; 4],
+    pub(crate) shape_gradient: [[f64; 2]; 4],
     metric: [[f64; 2]; 2],
+    /// `A^ab`.
+    upper: [[f64; 2]; 2],
     curvature_12: f64,
 }
 
@@ -78,8 +85,12 @@ impl Gap {
             normal: n,
             gradient,
             xi_gradient,
+            tangents: a,
+            a_12: frame.a_12,
+            shape,
             shape_gradient,
             metric: frame.metric,
+            upper,
             curvature_12: frame.curvature_12,
         })
     }
@@ -122,6 +133,58 @@ impl Gap {
         out
     }
 }
+
+impl Gap {
+    /// Second variations of both convective coordinates, (4.4).
+    pub fn xi_hessian(&self) -> [LocalMatrix; 2] {
+        let d = &self.xi_gradient;
+        // Coefficients of the slave node and the facet's nodes in E.
+        let e: [f64; 5] = std::array::from_fn(|k| if k == 0 { 1.0 } else { -self.shape[k - 1] });
+        let lower: [LocalMatrix; 2] = std::array::from_fn(|b| {
+            let other = 1 - b;
+            // What stands beside D^c in symmetric pairs: T_bc - g N_bc + V_bc.
+            let beside: [Local; 2] = std::array::from_fn(|c| {
+                let mut w = [0.0; LOCAL];
+                for i in 0..4 {
+                    // T_bc and, of V_bc, T_cb.
+                    put(&mut w, i + 1, &self.tangents[b], self.shape_gradient[i][c]);
+                    put(&mut w, i + 1, &self.tangents[c], self.shape_gradient[i][b]);
+                    if c == other {
+                        put(&mut w, i + 1, &self.normal, -self.gap * SHAPE_12[i]);
+                    }
+                }
+                let slope = self.a_12.dot(&self.tangents[c]);
+                std::array::from_fn(|k| w[k] + slope * d[other][k])
+            });
+            let bend = self.tangents[b].dot(&self.a_12);
+            // G_b, three columns.
+            let g: [[f64; 3]; LOCAL] = std::array::from_fn(|k| {
+                std::array::from_fn(|i| {
+                    let unit = if k >= 3 && k % 3 == i { self.shape_gradient[k / 3 - 1][b] } else { 0.0 };
+                    unit + d[other][k] * self.a_12[i]
+                })
+            });
+            std::array::from_fn(|i| {
+                std::array::from_fn(|j| {
+                    e[i / 3] * g[j][i % 3] + g[i][j % 3] * e[j / 3]
+                        - bend * (d[0][i] * d[1][j] + d[1][i] * d[0][j])
+                        - beside[0][i] * d[0][j]
+                        - d[0][i] * beside[0][j]
+                        - beside[1][i] * d[1][j]
+                        - d[1][i] * beside[1][j]
+                })
+            })
+        });
+        std::array::from_fn(|al| {
+            std::array::from_fn(|i| {
+                std::array::from_fn(|j| self.upper[al][0] * lower[0][i][j] + self.upper[al][1] * lower[1][i][j])
+            })
+        })
+    }
+}
+
+/// `N_I,12` of the four shape functions.
+const SHAPE_12: [f64; 4] = [0.25, -0.25, 0.25, -0.25];
 
 /// Adds `factor * v` to the block of a local node.
 fn put(local: &mut Local, node: usize, v: &Vector3<f64>, factor: f64) {

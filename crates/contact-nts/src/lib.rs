@@ -3,12 +3,16 @@
 //! * [`kinematics`]: gap of a node to an extended facet, first and second variation;
 //! * [`invariants`]: the frictionless energy-momentum element with 17 invariants, its local unknowns eliminated;
 //! * [`crossing`]: the element for a step from one facet to another;
+//! * friction in the direct form, also with the energy-momentum element ([`NodeToSurface::with_friction`]);
 //! * [`NodeToSurface`]: all of them as a [`stoss_contact::ContactMethod`].
 //!
-//! The crate knows neither solids nor the global system. Friction and coordinate augmentation are not here yet.
+//! The crate knows neither solids nor the global system. Coordinate augmentation is not here yet.
 
 pub mod crossing;
 mod dual;
+mod friction;
+mod frictional;
+mod gradient;
 pub mod invariants;
 pub mod kinematics;
 mod method;

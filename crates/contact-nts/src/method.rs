@@ -1,31 +1,15 @@
 //! Node-to-surface contact as a contact method.
 //!
-//! The gradient of the gap that the rules take, of a node paired with a *start* facet at `n` and an *end* facet at
-//! `n+1`, which may be the same (each measured on the facet's bilinear extension, so that a foot beyond an edge is
-//! allowed):
-//!
-//! | rule | gradient | derivative | no moment about |
-//! |---|---|---|---|
-//! | `StartPoint` | start facet, `q_n` | zero | `q_n` |
-//! | `EndPoint` | end facet, `q_np1` | second variation | `q_np1` |
-//! | `EndPointMean` | half of each of the two above | half the second variation | -- |
-//! | `Midpoint` | facet of the midpoint, `q_mid` | half the second variation | `q_mid` |
-//! | `EnergyMomentum` | [`crate::invariants`]; over edges [`crate::crossing`] | dual numbers; closed form | `q_mid` |
-//!
-//! A node that was in contact at `n` starts on the facet that its last step ended with; one that closes in this step
-//! starts on the facet that its gap at `n` is measured to. The constraint row is the gap to the end facet at `q_np1`
-//! under every rule. Linear momentum is exact under every rule. `EndPointMean` has a moment about `q_mid` that the
-//! angular momentum of the trapezoidal rule sees: zero in a rigid motion, of second order in the motion on one facet,
-//! the kink times the motion over an edge.
+//! Pairings are made in `pairing`, gap gradients in `gradient`, friction in `friction` and `frictional`.
 
-use crate::crossing::{Crossing, MAX_NODES};
-use crate::invariants;
-use crate::kinematics::{Gap, LOCAL, Local, LocalMatrix, points};
+use crate::friction::SurfaceFriction;
+use crate::gradient::Work;
+use crate::kinematics::{Gap, LOCAL};
 use crate::slot::{ElementNodes, Pairing, Slot};
 use nalgebra::Vector3;
 use stoss_contact::{
-    ContactError, ContactMethod, ContactRule, ContactSurface, LocalContribution, MasterSearch, SearchOptions,
-    SlotReport, StepConfiguration,
+    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, MasterSearch,
+    SearchOptions, SlotReport, StepConfiguration,
 };
 use stoss_geometry::BilinearPatch;
 
@@ -48,7 +32,7 @@ pub struct NodeToSurfaceOptions {
     pub search: SearchOptions,
 }
 
-/// Slave nodes against master facets, frictionless, one pressure (traction on the node's reference area) a slave node.
+/// Slave nodes against master facets, with or without friction, one pressure (traction on the node's reference area) a slave node.
 #[derive(Clone, Debug)]
 pub struct NodeToSurface {
     name: String,
@@ -60,6 +44,7 @@ pub struct NodeToSurface {
     pub(crate) q_n: Vec<f64>,
     /// A typical edge of the master.
     pub(crate) length: f64,
+    pub(crate) friction: Option<SurfaceFriction>,
 }
 
 /// Bytes of history of a slot: facet, gap kept, strayed or not.
@@ -68,14 +53,6 @@ const HISTORY: usize = 13;
 pub(crate) fn position(q: &[f64], node: u32) -> Vector3<f64> {
     let k = 3 * node as usize;
     Vector3::new(q[k], q[k + 1], q[k + 2])
-}
-
-fn local(q: &[f64], nodes: &[u32]) -> Local {
-    let mut out = [0.0; LOCAL];
-    for (block, &node) in out.chunks_exact_mut(3).zip(nodes) {
-        block.copy_from_slice(&q[3 * node as usize..3 * node as usize + 3]);
-    }
-    out
 }
 
 impl NodeToSurface {
@@ -102,6 +79,7 @@ impl NodeToSurface {
             slots,
             q_n: Vec::new(),
             length,
+            friction: None,
             slave,
         })
     }
@@ -146,125 +124,6 @@ impl NodeToSurface {
             contribution.tangent[15] = -weight;
         }
     }
-
-    /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.
-    fn gradient(
-        &self,
-        slot: usize,
-        element: &ElementNodes,
-        pairing: Pairing,
-        end: &Gap,
-        step: StepConfiguration<'_>,
-        want_tangent: bool,
-        work: &mut Work,
-    ) -> Result<(), ContactError> {
-        let n = 3 * element.count;
-        let failed = |facet| ContactError::Projection { node: self.node(slot), facet };
-        work.reset(n, want_tangent);
-        match step.rule {
-            ContactRule::StartPoint => {
-                let start = self.gap(slot, pairing.start, step.q_n)?;
-                work.add_gradient(&start.gradient, &element.start, 1.0);
-                return Ok(());
-            }
-            ContactRule::EndPoint => {
-                work.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), n, 1.0);
-                return Ok(());
-            }
-            ContactRule::EndPointMean => {
-                let start = self.gap(slot, pairing.start, step.q_n)?;
-                let half = end.gradient.map(|g| 0.5 * g);
-                work.set(&half, want_tangent.then(|| end.hessian()).as_ref(), n, 0.5);
-                work.add_gradient(&start.gradient, &element.start, 0.5);
-                return Ok(());
-            }
-            // Rules that need the midpoint.
-            _ => {}
-        }
-        if pairing.start == pairing.end && !self.slots[slot].relaxing {
-            let (q_n, q_1) = (local(step.q_n, &element.nodes[..5]), local(step.q_np1, &element.nodes[..5]));
-            if step.rule == ContactRule::EnergyMomentum {
-                let (x, patch) = points(&q_n);
-                // The same start as for `gap_n`, hence the same foot.
-                let at_n = Gap::project(&x, &patch, [0.0, 0.0]).ok_or_else(|| failed(pairing.end))?;
-                if want_tangent {
-                    let (g, k) = invariants::discrete_gradient_and_tangent(&q_n, &q_1, &at_n, end, self.length)
-                        .ok_or_else(|| failed(pairing.end))?;
-                    work.set(&g, Some(&k), n, 1.0);
-                } else {
-                    let g = invariants::discrete_gradient(&q_n, &q_1, &at_n, end, self.length)
-                        .ok_or_else(|| failed(pairing.end))?;
-                    work.set(&g, None, n, 1.0);
-                }
-            } else {
-                let q_mid: Local = std::array::from_fn(|k| 0.5 * (q_n[k] + q_1[k]));
-                let (x, patch) = points(&q_mid);
-                let mid = Gap::project(&x, &patch, end.xi).ok_or_else(|| failed(pairing.end))?;
-                work.set(&mid.gradient, want_tangent.then(|| mid.hessian()).as_ref(), n, 0.5);
-            }
-            return Ok(());
-        }
-        let (mut q_n, mut q_1) = ([0.0; 3 * MAX_NODES], [0.0; 3 * MAX_NODES]);
-        for (k, &node) in element.list().iter().enumerate() {
-            let at = 3 * node as usize;
-            q_n[3 * k..3 * k + 3].copy_from_slice(&step.q_n[at..at + 3]);
-            q_1[3 * k..3 * k + 3].copy_from_slice(&step.q_np1[at..at + 3]);
-        }
-        let mut q_mid = [0.0; LOCAL];
-        for (block, node) in std::iter::once(0).chain(element.mid).enumerate() {
-            for i in 0..3 {
-                q_mid[3 * block + i] = 0.5 * (q_n[3 * node + i] + q_1[3 * node + i]);
-            }
-        }
-        let (x, patch) = points(&q_mid);
-        let mid = Gap::project(&x, &patch, [0.0, 0.0]).ok_or_else(|| failed(pairing.mid))?;
-        Crossing {
-            q_n: &q_n[..n],
-            q_np1: &q_1[..n],
-            gap_n: self.slots[slot].gap_n,
-            end: (end, &element.end),
-            mid: (&mid, &element.mid),
-            length: self.length,
-            exact_work: step.rule == ContactRule::EnergyMomentum,
-        }
-        .evaluate(&mut work.gradient[..n], &mut work.tangent);
-        Ok(())
-    }
-}
-
-/// Gap gradient and tangent of one slot; the tangent is empty if not asked for.
-struct Work {
-    gradient: [f64; 3 * MAX_NODES],
-    tangent: Vec<f64>,
-}
-
-impl Work {
-    fn reset(&mut self, n: usize, want_tangent: bool) {
-        self.gradient[..n].fill(0.0);
-        self.tangent.clear();
-        if want_tangent {
-            self.tangent.resize(n * n, 0.0);
-        }
-    }
-
-    /// Adds `factor * gradient` at the slave node and a facet's nodes.
-    fn add_gradient(&mut self, gradient: &Local, facet: &[usize; 4], factor: f64) {
-        for (node, part) in std::iter::once(&0).chain(facet).zip(gradient.chunks_exact(3)) {
-            for i in 0..3 {
-                self.gradient[3 * node + i] += factor * part[i];
-            }
-        }
-    }
-
-    /// A gradient, and `factor` times a tangent, at the slave node and the end facet's nodes.
-    fn set(&mut self, gradient: &Local, tangent: Option<&LocalMatrix>, n: usize, factor: f64) {
-        self.gradient[..LOCAL].copy_from_slice(gradient);
-        for (i, row) in tangent.into_iter().flatten().enumerate() {
-            for (j, k) in row.iter().enumerate() {
-                self.tangent[i * n + j] = factor * k;
-            }
-        }
-    }
 }
 
 impl ContactMethod for NodeToSurface {
@@ -284,11 +143,23 @@ impl ContactMethod for NodeToSurface {
         self.slave.length_scale()
     }
 
+    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
+        if let Some(friction) = &mut self.friction {
+            friction.rule = rule;
+            friction.step_size = step_size;
+        }
+    }
+
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
         self.q_n.clear();
         self.q_n.extend_from_slice(q_n);
         self.search.update(q_n, reach);
         let view = self.search.at(q_n);
+        // Facets that the last step ended on, for friction only.
+        let mut last = Vec::new();
+        if self.friction.is_some() {
+            last.extend(self.slots.iter().map(|slot| slot.committed));
+        }
         for slot in 0..self.slots.len() {
             let state = self.slots[slot];
             let normal = self.slave.node_normal(slot, q_n);
@@ -318,6 +189,9 @@ impl ContactMethod for NodeToSurface {
                 }
             };
         }
+        for (slot, facet) in last.into_iter().enumerate() {
+            self.begin_friction(slot, facet);
+        }
         Ok(())
     }
 
@@ -333,6 +207,15 @@ impl ContactMethod for NodeToSurface {
         }
     }
 
+    fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for slot in (0..self.slots.len()).filter(|&s| !active[s]) {
+            if let Some(facet) = self.slots[slot].origin {
+                let element = ElementNodes::new(self.node(slot), self.search.surface(), Pairing::single(facet));
+                visit(element.list(), &[slot as u32]);
+            }
+        }
+    }
+
     fn assemble(
         &self,
         step: StepConfiguration<'_>,
@@ -342,7 +225,7 @@ impl ContactMethod for NodeToSurface {
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
         let mut contribution = LocalContribution::default();
-        let mut work = Work { gradient: [0.0; 3 * MAX_NODES], tangent: Vec::new() };
+        let mut work = Work::new();
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             contribution.slots.clear();
             contribution.slots.push(slot as u32);
@@ -375,6 +258,9 @@ impl ContactMethod for NodeToSurface {
                     // The end facet's nodes are the first five of the element.
                     contribution.tangent[n * dim + j] = -weight * end.gradient[j];
                 }
+            }
+            if self.friction.is_some() {
+                self.add_friction(slot, &element, pairing, &end, step, pressure, want_tangent, &mut contribution)?;
             }
             visit(&contribution);
         }
@@ -416,6 +302,7 @@ impl ContactMethod for NodeToSurface {
             let first = self.slots[slot].pairing.is_none();
             if self.slots[slot].admits(facet) || first {
                 self.set_end(slot, facet, q_np1)?;
+                self.place_foot(slot);
                 changes += 1;
             }
         }
@@ -427,6 +314,14 @@ impl ContactMethod for NodeToSurface {
             }
         }
         Ok(changes)
+    }
+
+    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        self.augment_friction(q_np1, pressures, active)
+    }
+
+    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+        self.friction_work(q_np1, pressures, active)
     }
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
@@ -445,7 +340,8 @@ impl ContactMethod for NodeToSurface {
             .collect())
     }
 
-    fn commit(&mut self, q_np1: &[f64], _pressures: &[f64], active: &[bool]) {
+    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        self.commit_friction(q_np1, pressures, active);
         let view = self.search.at(q_np1);
         let strayed: Vec<bool> = (0..self.slots.len())
             .map(|slot| {
@@ -472,15 +368,18 @@ impl ContactMethod for NodeToSurface {
             out.extend_from_slice(&slot.kept.to_le_bytes());
             out.push(u8::from(slot.strayed));
         }
+        self.save_friction(&mut out);
         out
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        if bytes.len() != HISTORY * self.slots.len() {
+        let size = HISTORY + self.friction_bytes();
+        if bytes.len() != size * self.slots.len() {
             return Err(ContactError::History {
-                reason: format!("{} bytes for {} slave nodes", bytes.len(), self.slots.len()),
+                reason: format!("{} bytes for {} slave nodes of {size} bytes", bytes.len(), self.slots.len()),
             });
         }
+        let (bytes, friction) = bytes.split_at(HISTORY * self.slots.len());
         let facets = self.search.surface().facets().len() as u32;
         for (slot, chunk) in self.slots.iter_mut().zip(bytes.chunks_exact(HISTORY)) {
             let facet = u32::from_le_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
@@ -492,6 +391,7 @@ impl ContactMethod for NodeToSurface {
             slot.kept = f64::from_le_bytes(kept);
             slot.strayed = chunk[12] != 0;
         }
+        self.load_friction(friction);
         Ok(())
     }
 }

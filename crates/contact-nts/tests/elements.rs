@@ -76,6 +76,11 @@ proptest! {
         let hessian =
             central_difference_jacobian(|x, out| out.copy_from_slice(&gap(x.try_into().unwrap()).gradient), &q, 1e-3, LOCAL);
         assert_jacobian_close(&kinematics.hessian().concat(), &hessian, LOCAL, 1e-7, "second variation of g");
+        let second = central_difference_jacobian(
+            |x, out| out.copy_from_slice(&gap(x.try_into().unwrap()).xi_gradient.concat()), &q, 1e-3, 2 * LOCAL,
+        );
+        let closed: Vec<f64> = kinematics.xi_hessian().iter().flat_map(|h| h.concat()).collect();
+        assert_jacobian_close(&closed, &second, LOCAL, 1e-7, "second variation of xi");
     }
 
     #[test]

@@ -58,6 +58,22 @@ pub enum ContactError {
         /// Allowed values.
         range: &'static str,
     },
+    /// A friction parameter is out of its range.
+    #[error("friction parameter `{parameter}` must be {range}, but is {value}")]
+    Friction {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Value given.
+        value: f64,
+        /// Allowed values.
+        range: &'static str,
+    },
+    /// There is no friction under a rule or constraint.
+    #[error("contact with friction is not available with {what}")]
+    FrictionUnavailable {
+        /// Which rule or form of the constraint.
+        what: String,
+    },
     /// History bytes do not fit.
     #[error("contact history does not fit this model: {reason}")]
     History {

@@ -2,19 +2,20 @@
 //!
 //! The stages are types that can be looked at: [`ContactSurface`] (facets, nodes, adjacency, nodal areas) ->
 //! [`MasterSearch`] (tree over the master facets) -> [`MasterPoint`] (closest point, signed gap, which geometric case, pairing
-//! facet) -> [`ActiveSetControl`] (which constraints are closed). A contact discretisation implements [`ContactMethod`] on top of
-//! them, in a crate of its own.
+//! facet) -> [`ActiveSetControl`] (which constraints are closed) and [`friction`] (tangential tractions). A contact discretisation implements
+//! [`ContactMethod`] on top of them, in a crate of its own.
 //!
 //! Not here: forces and tangents (they are a method's), the global system (the solver's), meshes' files.
 
 pub mod active_set;
 mod error;
+pub mod friction;
 mod method;
 pub mod search;
 pub mod surface;
 
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use error::ContactError;
-pub use method::{ContactMethod, ContactRule, LocalContribution, SlotReport, StepConfiguration};
+pub use method::{ContactMethod, ContactRule, ContactWork, LocalContribution, SlotReport, StepConfiguration};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use surface::{ContactSurface, IrregularEdge};

@@ -83,13 +83,22 @@ pub struct SlotReport {
     pub feature: &'static str,
 }
 
+/// Energy of the contact in a step, as far as it is not that of the bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactWork {
+    /// Energy stored at the end of the step (tangential springs).
+    pub stored: f64,
+    /// Energy dissipated in the step.
+    pub dissipated: f64,
+}
+
 /// A contact discretisation between one slave and one master surface.
 ///
 /// # Protocol
 /// `begin_step(q_n)` once for every attempted step (it may be repeated with another step size); then any number of
-/// `assemble`, `complementarity_gap`, `repair`; `q_n` never changes in between. There is no undo and no commit: all history
-/// that frictionless contact needs follows from `q_n`. A method with history of its own also implements `commit`,
-/// `save_history` and `load_history`.
+/// `assemble`, `complementarity_gap`, `repair`, `augment`; `q_n` never changes in between. There is no undo: `begin_step` forgets
+/// what an attempt left. `commit` makes the end of an accepted step the history of the next; `save_history` and `load_history` carry it over.
+/// `set_rule` comes before `begin_step`, `work` before `commit`.
 ///
 /// A *slot* is a potential constraint with one pressure; their number is constant for a run. Slots not active contribute nothing.
 pub trait ContactMethod: Send + Sync + std::fmt::Debug {
@@ -99,11 +108,16 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     fn slot_count(&self) -> usize;
     /// Weight (reference area) of a slot.
     fn slot_weight(&self, slot: usize) -> f64;
+    /// Rule and size of the step that begins, for methods with history.
+    fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
     /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the
     /// master in the step (candidates farther away need no pairing).
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
     /// Nodes and slots of every active contribution, in the order in which `assemble` visits them.
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32]));
+    /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin_step`. A hint: the
+    /// matrix gets room for them, so that no symbolic work is needed when they close. None by default.
+    fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
     /// Residual and (if asked) tangent of every active slot, visited in slot order. `pressures` has one entry a slot.
     fn assemble(
         &self,
@@ -119,6 +133,15 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     /// Re-pairs active slots whose contact point left their face (and pairs slots that are about to be activated);
     /// returns how many pairings changed. Stencils may be different afterwards.
     fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError>;
+    /// Updates multipliers that are no unknowns (augmented Lagrangian) after a converged iteration; returns how many have not settled. The step is
+    /// solved again as long as there are such.
+    fn augment(&mut self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<usize, ContactError> {
+        Ok(0)
+    }
+    /// Energy stored and dissipated by the step from `q_n` that ends at `q_np1`.
+    fn work(&self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<ContactWork, ContactError> {
+        Ok(ContactWork::default())
+    }
     /// Gap, normal and feature of every slot at a configuration, for output and probes.
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;
     /// Characteristic `c = E/h`-like factor is the solver's; this is the length scale `h` of the slave surface.

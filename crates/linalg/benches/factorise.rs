@@ -6,13 +6,14 @@ mod common;
 
 use common::hex_system;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use stoss_linalg::{DenseSolver, FaerSolver, LinearSolver, MatrixKind};
+use stoss_linalg::{DenseSolver, FaerSolver, LinearSolver, MatrixKind, MultifrontalSolver};
 
 /// Elements per edge; 144, 300, 540, 882, 1944, 2700 and 11520 displacement components (one face is clamped).
 const SIZES: [usize; 7] = [3, 4, 5, 6, 8, 9, 15];
 
 fn solvers(n: usize, kind: MatrixKind) -> Vec<(&'static str, Box<dyn LinearSolver>)> {
-    let mut list: Vec<(&'static str, Box<dyn LinearSolver>)> = vec![("faer", Box::new(FaerSolver::new()))];
+    let mut list: Vec<(&'static str, Box<dyn LinearSolver>)> =
+        vec![("faer", Box::new(FaerSolver::new())), ("multifrontal", Box::new(MultifrontalSolver::new()))];
     if n <= 1100 && kind == MatrixKind::General {
         list.push(("dense", Box::new(DenseSolver::new())));
     }

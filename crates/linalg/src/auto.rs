@@ -1,24 +1,36 @@
 //! The choice of a solver by the size of the system.
 
 use crate::{
-    DenseSolver, FaerSolver, LinalgError, LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics,
-    SparsityPattern,
+    DenseSolver, FaerSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, SolveReport, SolverOptions,
+    SolverStatistics, SparsityPattern,
 };
 use std::sync::Arc;
 
-/// Dense LU up to [`AutoSolver::DENSE_LIMIT`] equations, sparse factorisation above. The choice depends on the size only, hence
-/// it is the same in every run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Choice {
+    Dense,
+    #[default]
+    Sparse,
+    Multifrontal,
+}
+
+/// Dense LU up to [`AutoSolver::DENSE_LIMIT`] equations, faer's sparse factorisation up to [`AutoSolver::SPARSE_LIMIT`], the multifrontal
+/// one above. The choice depends on the size only, hence it is the same in every run.
 #[derive(Debug, Default)]
 pub struct AutoSolver {
     dense: DenseSolver,
     sparse: FaerSolver,
-    use_dense: bool,
+    multifrontal: MultifrontalSolver,
+    choice: Choice,
 }
 
 impl AutoSolver {
     /// The largest system that is factorised as a dense one. Measured (`benches/factorise.rs`, a saddle point on a mesh): 148
     /// equations 0.17 ms dense and 0.22 ms sparse, 309 equations 0.88 and 0.80 ms; the dense one needs no analysis.
     pub const DENSE_LIMIT: usize = 200;
+
+    /// The largest system that is left to faer's sparse factorisation.
+    pub const SPARSE_LIMIT: usize = 1000;
 
     /// With the default settings.
     pub fn new() -> Self {
@@ -27,17 +39,30 @@ impl AutoSolver {
 
     /// With other settings.
     pub fn with_options(options: SolverOptions) -> Self {
-        Self { dense: DenseSolver::with_options(options), sparse: FaerSolver::with_options(options), use_dense: false }
+        Self {
+            dense: DenseSolver::with_options(options),
+            sparse: FaerSolver::with_options(options),
+            multifrontal: MultifrontalSolver::with_options(options),
+            choice: Choice::default(),
+        }
     }
 
     fn active(&mut self) -> &mut dyn LinearSolver {
-        if self.use_dense { &mut self.dense } else { &mut self.sparse }
+        match self.choice {
+            Choice::Dense => &mut self.dense,
+            Choice::Sparse => &mut self.sparse,
+            Choice::Multifrontal => &mut self.multifrontal,
+        }
     }
 }
 
 impl LinearSolver for AutoSolver {
     fn analyse(&mut self, pattern: &Arc<SparsityPattern>, kind: MatrixKind) -> Result<(), LinalgError> {
-        self.use_dense = pattern.n() <= Self::DENSE_LIMIT;
+        self.choice = match pattern.n() {
+            n if n <= Self::DENSE_LIMIT => Choice::Dense,
+            n if n <= Self::SPARSE_LIMIT => Choice::Sparse,
+            _ => Choice::Multifrontal,
+        };
         self.active().analyse(pattern, kind)
     }
 
@@ -50,14 +75,18 @@ impl LinearSolver for AutoSolver {
     }
 
     fn memory_bytes(&self) -> usize {
-        self.dense.memory_bytes() + self.sparse.memory_bytes()
+        self.dense.memory_bytes() + self.sparse.memory_bytes() + self.multifrontal.memory_bytes()
     }
 
     fn name(&self) -> &str {
-        if self.use_dense { self.dense.name() } else { self.sparse.name() }
+        match self.choice {
+            Choice::Dense => self.dense.name(),
+            Choice::Sparse => self.sparse.name(),
+            Choice::Multifrontal => self.multifrontal.name(),
+        }
     }
 
     fn statistics(&self) -> SolverStatistics {
-        self.dense.statistics() + self.sparse.statistics()
+        self.dense.statistics() + self.sparse.statistics() + self.multifrontal.statistics()
     }
 }

@@ -4,7 +4,9 @@
 use crate::refinement::Refinement;
 use crate::scaling::Equilibration;
 use crate::vector::norm_inf;
-use crate::{LinalgError, LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics, SparsityPattern};
+use crate::{
+    LinalgError, LinearSolver, MatrixKind, Place, SolveReport, SolverOptions, SolverStatistics, SparsityPattern,
+};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -32,6 +34,25 @@ pub trait Factorisation: Send + Debug {
     /// Heap memory in bytes.
     fn memory_bytes(&self) -> usize;
 
+    /// Factorises again by a slower and safer method, because what the last one gave is not good enough; false if there is no such
+    /// method or it is the one in use.
+    ///
+    /// # Errors
+    /// [`LinalgError::Singular`], [`LinalgError::Backend`].
+    fn fall_back(&mut self, _: &SparsityPattern, _: &[f64]) -> Result<bool, LinalgError> {
+        Ok(false)
+    }
+
+    /// Whether the equilibration has to keep the values' symmetry.
+    fn symmetric_scaling(&self) -> bool {
+        false
+    }
+
+    /// How often the safer method was needed.
+    fn pivoting_fallbacks(&self) -> u64 {
+        0
+    }
+
     /// How often a matrix announced as positive definite was not.
     fn indefinite_fallbacks(&self) -> u64 {
         0
@@ -41,6 +62,9 @@ pub trait Factorisation: Send + Debug {
 /// Above this a solution is looked at twice. A matrix that is singular up to round-off shows at least this growth unless the
 /// right-hand side is orthogonal to the undetermined motion to eight digits.
 const SUSPICIOUS_GROWTH: f64 = 1e7;
+
+/// A solution with a larger row-wise backward error is worth a second factorisation with safer pivoting.
+const GOOD_BACKWARD_ERROR: f64 = 1e-13;
 
 /// A [`LinearSolver`] made of a [`Factorisation`].
 #[derive(Debug, Default)]
@@ -69,10 +93,55 @@ impl<F: Factorisation + Default> DirectSolver<F> {
     }
 }
 
+/// Added to the diagonal of an equilibrated matrix that has no factors, to find out which motion is undetermined: far above round-off, far
+/// below everything that is determined.
+const SHIFT: f64 = 1e-10;
+
 impl<F: Factorisation> DirectSolver<F> {
-    /// Solves the equilibrated system for one right-hand side of entries in [-1, 1), and takes a huge or undefined answer as the
-    /// sign of a singular matrix.
-    fn probe(&mut self) -> Result<(), LinalgError> {
+    /// The equation in which the undetermined motion of an exactly singular matrix is largest: two steps of inverse iteration with a slightly
+    /// shifted diagonal. `None` if that does not help. Leaves no usable factors.
+    fn locate(&mut self) -> Option<usize> {
+        let pattern = self.pattern.clone()?;
+        for i in 0..pattern.n() as u32 {
+            if let Some(k) = pattern.position(i, i) {
+                self.scaled[k] += SHIFT;
+            }
+        }
+        self.factorisation.factorise(&pattern, &self.scaled).ok()?;
+        self.start_probe();
+        for _ in 0..2 {
+            self.factorisation.solve_in_place(&mut self.probe);
+            let largest = norm_inf(&self.probe);
+            if !largest.is_finite() {
+                return None;
+            }
+            self.probe.iter_mut().for_each(|v| *v /= largest);
+        }
+        self.probe.iter().position(|v| v.abs() == 1.0)
+    }
+
+    /// The probe, once more with safer pivoting if it fails: a large growth may be that of a bad pivot.
+    fn probe_or_fall_back(&mut self, pattern: &SparsityPattern) -> Result<(), LinalgError> {
+        match self.probe() {
+            Err(LinalgError::Singular { .. }) if self.factorisation.fall_back(pattern, &self.scaled)? => self.probe(),
+            result => result,
+        }
+    }
+
+    /// Solution and refinement with the present factors.
+    fn refine(&mut self, rhs: &[f64], solution: &mut [f64]) -> Result<SolveReport, LinalgError> {
+        let (factorisation, equilibration) = (&mut self.factorisation, &self.equilibration);
+        self.refinement.solve(&self.options, equilibration, rhs, solution, |v| {
+            equilibration.scale_rhs(v);
+            if !v.is_empty() {
+                factorisation.solve_in_place(v);
+            }
+            equilibration.scale_solution(v);
+        })
+    }
+
+    /// A right-hand side of entries in [-1, 1).
+    fn start_probe(&mut self) {
         for (i, v) in self.probe.iter_mut().enumerate() {
             // A hash of the index, not equal sizes: those may cancel exactly against a rigid motion.
             let mut h = (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -80,6 +149,12 @@ impl<F: Factorisation> DirectSolver<F> {
             h = (h ^ (h >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             *v = (h >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
         }
+    }
+
+    /// Solves the equilibrated system for one right-hand side of entries in [-1, 1), and takes a huge or undefined answer as the
+    /// sign of a singular matrix.
+    fn probe(&mut self) -> Result<(), LinalgError> {
+        self.start_probe();
         self.factorisation.solve_in_place(&mut self.probe);
         let mut growth = norm_inf(&self.probe);
         if growth.is_finite() && growth > SUSPICIOUS_GROWTH {
@@ -121,20 +196,28 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
     fn factorise(&mut self, values: &[f64]) -> Result<(), LinalgError> {
         self.factorised = false;
         self.refinement.set_values(values)?;
-        let pattern =
-            self.pattern.as_ref().ok_or(LinalgError::CallOrder { called: "factorise", missing: "analyse" })?;
+        let pattern = self.pattern.clone().ok_or(LinalgError::CallOrder { called: "factorise", missing: "analyse" })?;
         self.statistics.factorisations += 1;
         if pattern.n() == 0 {
             self.factorised = true;
             return Ok(());
         }
-        self.equilibration
-            .compute(pattern, values, self.kind, &mut self.scaled)
-            .map_err(|row| LinalgError::Singular { row: Some(row) })?;
-        let result = self.factorisation.factorise(pattern, &self.scaled);
+        let scaled = &mut self.scaled;
+        if self.factorisation.symmetric_scaling() {
+            self.equilibration.compute_symmetric(&pattern, values, scaled)
+        } else {
+            self.equilibration.compute(&pattern, values, self.kind, scaled)
+        }
+        .map_err(|row| LinalgError::Singular { row: Some(row) })?;
+        let result = self.factorisation.factorise(&pattern, &self.scaled);
+        let result = result.and_then(|()| self.probe_or_fall_back(&pattern));
         self.statistics.indefinite_fallbacks = self.factorisation.indefinite_fallbacks();
-        result?;
-        self.probe()?;
+        self.statistics.pivoting_fallbacks = self.factorisation.pivoting_fallbacks();
+        match result {
+            Ok(()) => {}
+            Err(LinalgError::Singular { row: None }) => return Err(LinalgError::Singular { row: self.locate() }),
+            Err(error) => return Err(error),
+        }
         self.factorised = true;
         Ok(())
     }
@@ -143,14 +226,18 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
         if !self.factorised {
             return Err(LinalgError::CallOrder { called: "solve", missing: "factorise" });
         }
-        let (factorisation, equilibration) = (&mut self.factorisation, &self.equilibration);
-        let report = self.refinement.solve(&self.options, equilibration, rhs, solution, |v| {
-            equilibration.scale_rhs(v);
-            if !v.is_empty() {
-                factorisation.solve_in_place(v);
-            }
-            equilibration.scale_solution(v);
-        })?;
+        let first = self.refine(rhs, solution);
+        let poor = match &first {
+            Ok(report) => report.backward_error > GOOD_BACKWARD_ERROR,
+            Err(LinalgError::NotConverged { .. } | LinalgError::NonFinite { place: Place::Solution, .. }) => true,
+            Err(_) => false,
+        };
+        let fallen_back = match &self.pattern {
+            Some(pattern) if poor => matches!(self.factorisation.fall_back(pattern, &self.scaled), Ok(true)),
+            _ => false,
+        };
+        self.statistics.pivoting_fallbacks = self.factorisation.pivoting_fallbacks();
+        let report = if fallen_back { self.refine(rhs, solution) } else { first }?;
         self.statistics.solves += 1;
         self.statistics.refinement_steps += u64::from(report.refinement_steps);
         Ok(report)

@@ -1,4 +1,4 @@
-//! Fixed sparsity patterns, deterministic scatter, the trait of a linear solver, faer backends, refinement.
+//! Fixed sparsity patterns, deterministic scatter, the trait of a linear solver, multifrontal solver, faer backends, refinement.
 //!
 //! The stages are types: stencils -> [`SparsityPattern`] and [`ScatterMap`] (once per pattern) -> [`SparseMatrix`] (values
 //! added per iteration) -> [`LinearSolver`] (analyse once, factorise, solve). Every solution's residual is measured row by
@@ -7,10 +7,11 @@
 //! It is *not* a linear-algebra library (small dense matrices are nalgebra's, in the crates that need them) and knows
 //! nothing of what the equations mean. faer is used in [`faer_backend`] only.
 //!
-//! **Invariant: the bits depend on the data only.** Sums run in a fixed order and the factorisations run sequentially
-//! ("sequential fixed"): faer's last bits change with its degree of parallelism, and that must not be a property of the machine.
+//! **Invariant: the bits depend on the data only.** Sums run in a fixed order. faer runs sequentially, because its last bits change with its
+//! degree of parallelism; the multifrontal solver has tasks of its own, whose shapes and sums do not depend on the number of threads.
 
 pub mod faer_backend;
+pub mod multifrontal;
 pub mod vector;
 
 mod auto;
@@ -28,6 +29,7 @@ pub use direct::{DirectSolver, Factorisation};
 pub use error::{LinalgError, Place};
 pub use faer_backend::{DenseSolver, FaerSolver};
 pub use matrix::SparseMatrix;
+pub use multifrontal::MultifrontalSolver;
 pub use pattern::{NONE, SparsityPattern};
 pub use scatter::ScatterMap;
 pub use solver::{LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics};

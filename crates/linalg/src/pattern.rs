@@ -12,6 +12,7 @@ pub struct SparsityPattern {
     n: usize,
     column_pointers: Vec<usize>,
     row_indices: Vec<usize>,
+    groups: Option<Vec<u32>>,
 }
 
 impl SparsityPattern {
@@ -73,7 +74,27 @@ impl SparsityPattern {
             return Err(LinalgError::TooLarge { what: "number of entries", count: row_indices.len() });
         }
         row_indices.shrink_to_fit();
-        Ok(Self { n, column_pointers, row_indices })
+        Ok(Self { n, column_pointers, row_indices, groups: None })
+    }
+
+    /// Adds which equations belong together: a label for each, equal for the displacements of a node and for the multipliers of
+    /// which it is the slave; [`NONE`] for an equation of which it is not known. The labels' values mean nothing. Within a group
+    /// multipliers must be numbered after displacements. A solver that orders the equations itself keeps a group together
+    /// and eliminates it in the order of the numbers; all others ignore it.
+    ///
+    /// # Errors
+    /// [`LinalgError::Length`] unless there is one label an equation.
+    pub fn with_groups(mut self, groups: Vec<u32>) -> Result<Self, LinalgError> {
+        if groups.len() != self.n {
+            return Err(LinalgError::Length { what: "list of groups", expected: self.n, found: groups.len() });
+        }
+        self.groups = Some(groups);
+        Ok(self)
+    }
+
+    /// The labels of [`SparsityPattern::with_groups`].
+    pub fn groups(&self) -> Option<&[u32]> {
+        self.groups.as_deref()
     }
 
     /// Number of equations.
@@ -119,5 +140,6 @@ impl SparsityPattern {
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of::<usize>() * (self.column_pointers.capacity() + self.row_indices.capacity())
+            + size_of::<u32>() * self.groups.as_ref().map_or(0, Vec::capacity)
     }
 }

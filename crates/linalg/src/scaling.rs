@@ -2,6 +2,9 @@
 
 use crate::{MatrixKind, SparsityPattern};
 
+/// Rounds of the symmetric equilibration; the distance to 1 is about its square root after each.
+const ROUNDS: usize = 5;
+
 /// `A_s = R A C` with diagonal `R`, `C` whose entries are powers of two.
 ///
 /// In general first the largest entry of each row is brought to about 1, then the largest of each column: a saddle point with
@@ -63,6 +66,54 @@ impl Equilibration {
             scaled[start..].iter_mut().for_each(|s| *s *= c);
             self.columns.push(c);
         }
+        Ok(())
+    }
+
+    /// `R = C`, so that symmetric values stay symmetric: the largest entry of each row is brought to about 1 by repeated division by its
+    /// root, after Ruiz (Rutherford Appleton Laboratory, RAL-TR-2001-034).
+    ///
+    /// # Errors
+    /// The index of a row or column of zeros.
+    pub fn compute_symmetric(
+        &mut self,
+        pattern: &SparsityPattern,
+        values: &[f64],
+        scaled: &mut Vec<f64>,
+    ) -> Result<(), usize> {
+        let n = pattern.n();
+        self.rows.clear();
+        self.rows.resize(n, 1.0);
+        self.columns.resize(n, 0.0);
+        scaled.clear();
+        scaled.extend_from_slice(values);
+        // Values that are not symmetric after all may have a column of zeros without a row of zeros.
+        if let Some(j) = (0..n).find(|&j| values[pattern.column_range(j)].iter().all(|&v| v == 0.0)) {
+            return Err(j);
+        }
+        for _ in 0..ROUNDS {
+            let factors = &mut self.columns;
+            crate::matrix::row_max(pattern, scaled, factors);
+            if let Some(row) = factors.iter().position(|&m| m == 0.0) {
+                return Err(row);
+            }
+            let mut changed = false;
+            for (f, r) in factors.iter_mut().zip(&mut self.rows) {
+                *f = power_of_two((-exponent(*f)).div_euclid(2));
+                *r *= *f;
+                changed |= *f != 1.0;
+            }
+            if !changed {
+                break;
+            }
+            for j in 0..n {
+                let range = pattern.column_range(j);
+                let rows = &pattern.row_indices()[range.clone()];
+                for (&i, s) in rows.iter().zip(&mut scaled[range]) {
+                    *s *= factors[i] * factors[j];
+                }
+            }
+        }
+        self.columns.copy_from_slice(&self.rows);
         Ok(())
     }
 

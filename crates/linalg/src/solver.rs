@@ -51,6 +51,9 @@ pub struct SolverStatistics {
     pub refinement_steps: u64,
     /// Matrices announced as positive definite that were not, and were factorised by LU instead.
     pub indefinite_fallbacks: u64,
+    /// Matrices for which the pivots inside the fronts were not good enough, so that they were factorised again with full
+    /// pivoting.
+    pub pivoting_fallbacks: u64,
 }
 
 impl std::ops::Add for SolverStatistics {
@@ -63,6 +66,7 @@ impl std::ops::Add for SolverStatistics {
             solves: self.solves + other.solves,
             refinement_steps: self.refinement_steps + other.refinement_steps,
             indefinite_fallbacks: self.indefinite_fallbacks + other.indefinite_fallbacks,
+            pivoting_fallbacks: self.pivoting_fallbacks + other.pivoting_fallbacks,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Sets, contact, prescribed displacements, loads, and functions of time.
 
+use crate::Friction;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -99,7 +100,7 @@ pub struct PlaneRegion {
     pub tolerance: Option<f64>,
 }
 
-/// `[[contact]]`: unilateral, frictionless contact of a slave surface with a master surface.
+/// `[[contact]]`: unilateral contact, with or without friction, of a slave surface with a master surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -116,6 +117,9 @@ pub struct Contact {
     /// Standard or modified constraint.
     #[serde(default = "Contact::default_constraint")]
     pub constraint: Constraint,
+    /// Friction; none if left out. With the standard constraint only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Friction>,
 }
 
 impl Contact {

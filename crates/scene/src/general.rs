@@ -25,9 +25,13 @@ named! {
     /// How linear systems are solved.
     #[derive(Default)]
     LinearSolver {
-        /// The direct solver that suits the system.
+        /// The direct solver that suits the system: dense LU of tiny ones, multifrontal above 1000 equations.
         #[default]
         Auto = "auto",
+        /// Multifrontal LU or LDL' of any size.
+        Multifrontal = "multifrontal",
+        /// Sparse LU or Cholesky of the library faer, of any size: slower, with pivots from whole columns.
+        Faer = "faer",
     }
 }
 

@@ -13,6 +13,7 @@
 
 mod body;
 mod conditions;
+mod friction;
 mod general;
 mod material;
 mod mesh;
@@ -30,6 +31,9 @@ pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
     BoxRegion, Component, Constraint, Contact, ContactMethod, Load, LoadKind, PlaneRegion, Prescribe, Series,
     SetDefinition, Table, split_set,
+};
+pub use friction::{
+    CoulombFriction, Friction, MidpointFriction, RegularisedFriction, StaticDynamicFriction, Stick, Sticking,
 };
 pub use general::{Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};

@@ -7,7 +7,7 @@ use crate::{LoadKind, Model, StepError};
 use std::sync::Arc;
 use stoss_fe_solid::{MassMatrix, TangentTarget, Workspace};
 use stoss_integrators::Buffers;
-use stoss_linalg::{LinearSolver, NONE, ScatterMap, SparsityPattern};
+use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
 
 /// Everything of fixed size that a step needs, allocated once (contact parts: once a change of the contact pattern).
 #[derive(Debug)]
@@ -21,13 +21,18 @@ pub(crate) struct System {
     pub first_stencil: Vec<usize>,
     pub mass_values: Vec<f64>,
     pub solid_values: Vec<f64>,
-    /// Pattern with the active constraints, where each entry of the solids' pattern goes, and the constraints' scatter map. Without
-    /// contact: the solids' pattern, and nothing.
+    /// Pattern with the constraints that are or may become active, where each entry of the solids' pattern goes, and the scatter map of the
+    /// active constraints. Without contact: the solids' pattern, and nothing.
     pub pattern: Arc<SparsityPattern>,
     pub solid_to_global: Vec<u32>,
     pub contact_map: ScatterMap,
-    /// Equation of each slot of each contact pair, `NONE` if inactive.
+    /// Equation of each slot of each contact pair, `NONE` if the pattern has none. That of an inactive slot says that its pressure
+    /// stays, so that the pattern need not change with the active set.
     pub slot_equation: Vec<Vec<u32>>,
+    /// Positions of the diagonal entries of inactive slots.
+    pub inactive_diagonal: Vec<u32>,
+    /// What the pattern was made from.
+    contributions: Contributions,
     /// With the active constraints; empty without contact: then the matrix is `solid_values`.
     pub values: Vec<f64>,
     pub solver: Box<dyn LinearSolver>,
@@ -79,6 +84,60 @@ impl StencilList {
     }
 }
 
+/// Nodes and slots of contact contributions.
+#[derive(Debug, Default, PartialEq)]
+struct Contributions {
+    /// Pair, number of nodes and number of slots.
+    heads: Vec<[u32; 3]>,
+    /// Nodes, then slots, of one after the other.
+    entries: Vec<u32>,
+}
+
+impl Contributions {
+    /// In the order in which the methods visit them.
+    fn active(model: &Model, active: &[Vec<bool>]) -> Self {
+        let mut list = Self::default();
+        for (c, pair) in model.contacts.iter().enumerate() {
+            pair.method.stencils(&active[c], &mut |nodes, slots| list.push(c, nodes, slots));
+        }
+        list
+    }
+
+    fn push(&mut self, pair: usize, nodes: &[u32], slots: &[u32]) {
+        self.heads.push([pair as u32, nodes.len() as u32, slots.len() as u32]);
+        self.entries.extend_from_slice(nodes);
+        self.entries.extend_from_slice(slots);
+    }
+
+    /// Pair, nodes, slots.
+    fn iter(&self) -> impl Iterator<Item = (usize, &[u32], &[u32])> + Clone {
+        let mut start = 0;
+        self.heads.iter().map(move |&[pair, nodes, slots]| {
+            let (middle, end) = (start + nodes as usize, start + (nodes + slots) as usize);
+            let item = (pair as usize, &self.entries[start..middle], &self.entries[middle..end]);
+            start = end;
+            item
+        })
+    }
+
+    fn append(&mut self, other: &Self) {
+        self.heads.extend_from_slice(&other.heads);
+        self.entries.extend_from_slice(&other.entries);
+    }
+
+    /// Equations of each: those of the displacements, then those of the pressures.
+    fn stencils(&self, numbering: &Numbering, slot_equation: &[Vec<u32>]) -> StencilList {
+        let mut list = StencilList::default();
+        for (pair, nodes, slots) in self.iter() {
+            list.push(|out| {
+                numbering.node_equations(nodes, out);
+                out.extend(slots.iter().map(|&slot| slot_equation[pair][slot as usize]));
+            });
+        }
+        list
+    }
+}
+
 /// Iterate of a step.
 #[derive(Debug, Clone)]
 pub(crate) struct Iterate {
@@ -124,7 +183,7 @@ impl System {
         }
         let has_dead_loads = model.loads.iter().any(|load| !matches!(load.kind, LoadKind::FollowerPressure { .. }));
         let n = numbering.free.len();
-        let solid_pattern = Arc::new(SparsityPattern::from_stencils(n, solids.iter())?);
+        let solid_pattern = Arc::new(SparsityPattern::from_stencils(n, solids.iter())?.with_groups(numbering.nodes())?);
         let solid_map = ScatterMap::new(&solid_pattern, solids.iter())?;
         let nnz = solid_pattern.nnz();
         let mut masses = Vec::new();
@@ -181,6 +240,8 @@ impl System {
             first_stencil,
             mass_values,
             slot_equation,
+            inactive_diagonal: Vec::new(),
+            contributions: Contributions::default(),
             solver,
             has_followers,
             has_dead_loads,
@@ -222,32 +283,61 @@ impl System {
         !self.mass_values.is_empty()
     }
 
-    /// Renews pattern and maps for the present active set and pairings.
+    /// Pattern and maps for a step that begins with this active set: with room for all candidates. What earlier steps left in the pattern is
+    /// dropped, because it would show in the last bits, and a run that is resumed knows nothing of it.
+    pub fn begin_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
+        let present = Contributions::active(model, active);
+        let mut all = Contributions::default();
+        all.append(&present);
+        for (c, pair) in model.contacts.iter().enumerate() {
+            pair.method.candidates(&active[c], &mut |nodes, slots| all.push(c, nodes, slots));
+        }
+        if all != self.contributions || self.solid_to_global.is_empty() {
+            self.set_pattern(all)?;
+        }
+        self.set_contact_map(&present, active)
+    }
+
+    /// Maps for the present active set and pairings. The pattern grows if it has no room for them, else it stays as it is.
     pub fn renew_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
+        let present = Contributions::active(model, active);
+        match self.set_contact_map(&present, active) {
+            Err(StepError::Linear(LinalgError::EntryNotInPattern { .. })) => {}
+            result => return result,
+        }
+        let mut all = std::mem::take(&mut self.contributions);
+        all.append(&present);
+        self.set_pattern(all)?;
+        self.set_contact_map(&present, active)
+    }
+
+    /// The pattern of solids and contributions, with an equation for each slot.
+    fn set_pattern(&mut self, contributions: Contributions) -> Result<(), StepError> {
+        self.slot_equation.iter_mut().for_each(|equations| equations.fill(NONE));
+        for (pair, _, slots) in contributions.iter() {
+            slots.iter().for_each(|&slot| self.slot_equation[pair][slot as usize] = 0);
+        }
         let free = self.numbering.free.len();
         let mut next = free as u32;
-        for (equations, active) in self.slot_equation.iter_mut().zip(active) {
-            for (equation, &active) in equations.iter_mut().zip(active) {
-                *equation = if active {
-                    next += 1;
-                    next - 1
-                } else {
-                    NONE
-                };
-            }
+        for equation in self.slot_equation.iter_mut().flatten().filter(|equation| **equation != NONE) {
+            *equation = next;
+            next += 1;
         }
         let n = next as usize;
-        let mut contact = StencilList::default();
-        for (pair, (equations, active)) in model.contacts.iter().zip(self.slot_equation.iter().zip(active)) {
-            pair.method.stencils(active, &mut |nodes, slots| {
-                contact.push(|out| {
-                    self.numbering.node_equations(nodes, out);
-                    out.extend(slots.iter().map(|&slot| equations[slot as usize]));
-                });
-            });
+        // A pressure belongs to the node of its slot, the first one of its contribution.
+        let mut groups = self.numbering.nodes();
+        groups.resize(n, NONE);
+        for (pair, nodes, slots) in contributions.iter() {
+            for &slot in slots {
+                let group = &mut groups[self.slot_equation[pair][slot as usize] as usize];
+                if *group == NONE {
+                    *group = nodes.first().copied().unwrap_or(NONE);
+                }
+            }
         }
-        let pattern = Arc::new(SparsityPattern::from_stencils(n, self.stencils.iter().chain(contact.iter()))?);
-        self.contact_map = ScatterMap::new(&pattern, contact.iter())?;
+        let contact = contributions.stencils(&self.numbering, &self.slot_equation);
+        let pattern = SparsityPattern::from_stencils(n, self.stencils.iter().chain(contact.iter()))?;
+        let pattern = Arc::new(pattern.with_groups(groups)?);
         self.solid_to_global.clear();
         for column in 0..free {
             // Both row lists are sorted and the solids' rows are all in the larger pattern.
@@ -264,6 +354,27 @@ impl System {
         self.rhs.resize(n, 0.0);
         self.increment.resize(n, 0.0);
         self.pattern = pattern;
+        self.contributions = contributions;
+        Ok(())
+    }
+
+    /// Where the entries of the active contributions go; [`LinalgError::EntryNotInPattern`] if the pattern has no room for them.
+    fn set_contact_map(&mut self, present: &Contributions, active: &[Vec<bool>]) -> Result<(), StepError> {
+        for (stencil, (pair, _, slots)) in present.iter().enumerate() {
+            if slots.iter().any(|&slot| self.slot_equation[pair][slot as usize] == NONE) {
+                return Err(LinalgError::EntryNotInPattern { stencil, row: NONE, column: NONE }.into());
+            }
+        }
+        let stencils = present.stencils(&self.numbering, &self.slot_equation);
+        self.contact_map = ScatterMap::new(&self.pattern, stencils.iter())?;
+        self.inactive_diagonal.clear();
+        for (&equation, _) in (self.slot_equation.iter().flatten().zip(active.iter().flatten()))
+            .filter(|&(&equation, &active)| equation != NONE && !active)
+        {
+            // The diagonal is always in the pattern.
+            let position = self.pattern.position(equation, equation).unwrap_or_default();
+            self.inactive_diagonal.push(position as u32);
+        }
         Ok(())
     }
 }

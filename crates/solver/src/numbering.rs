@@ -25,6 +25,11 @@ impl Numbering {
         Self { equation, free }
     }
 
+    /// Node of each equation: the groups that the linear solver keeps together.
+    pub fn nodes(&self) -> Vec<u32> {
+        self.free.iter().map(|&component| component / 3).collect()
+    }
+
     /// Appends the equations of the three components of each node.
     pub fn node_equations(&self, nodes: &[u32], out: &mut Vec<u32>) {
         for &node in nodes {

@@ -122,6 +122,15 @@ impl ActiveSets {
     }
 }
 
+/// Updates multipliers that are no unknowns, at an accurate solution; returns how many have not settled.
+fn augment(model: &mut Model, iterate: &Iterate) -> Result<usize, StepError> {
+    let mut unsettled = 0;
+    for (c, pair) in model.contacts.iter_mut().enumerate() {
+        unsettled += pair.method.augment(&iterate.q, &iterate.pressures[c], &iterate.active[c])?;
+    }
+    Ok(unsettled)
+}
+
 /// Tries the step. The pairings of `model.contacts` and the pattern of `system` are left in the state of the last iteration. `solves` counts
 /// linear solutions, also those of an attempt that fails.
 pub(crate) fn attempt(
@@ -137,7 +146,7 @@ pub(crate) fn attempt(
     let mut look = Look::default();
     let has_contact = !model.contacts.is_empty();
     if has_contact {
-        system.renew_pattern(model, &iterate.active)?;
+        timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
     }
     if !input.predict.is_empty() {
         let (iterate, assembled) = (&mut iterate, None);
@@ -198,7 +207,7 @@ pub(crate) fn attempt(
             // The next iteration starts from what was assembled last.
             loose = false;
             assembled = last;
-        } else if !look.doubtful {
+        } else if !look.doubtful && timings.measure(Phase::Search, || augment(model, &iterate))? == 0 {
             return Ok(Attempt { iterate, newton: rows, repaired: sets.repairs });
         }
     }

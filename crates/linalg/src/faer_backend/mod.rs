@@ -1,11 +1,13 @@
 //! The factorisations of the library faer, the only place where it appears. Sparse LU (column ordering COLAMD, full partial
-//! pivoting) and sparse Cholesky (AMD), dense LU for tiny systems, all sequential. Not the policy around a factorisation:
+//! pivoting) and sparse Cholesky (AMD), dense LU for tiny systems, the dense kernels of [`crate::multifrontal`], all sequential. Not the policy around a factorisation:
 //! that is [`crate::DirectSolver`].
 
 mod dense;
+mod front;
 mod sparse;
 
 pub use dense::DenseLu;
+pub(crate) use front::{FrontWork, factorise_ldl_front, factorise_lu_front};
 pub use sparse::FaerSparse;
 
 use crate::{DirectSolver, LinalgError};

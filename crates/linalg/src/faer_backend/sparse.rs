@@ -18,7 +18,7 @@ use faer::{Conj, MatMut, Par, Side};
 /// algorithm below about 300 equations was measured to be several times slower.
 const SUPERNODAL: SupernodalThreshold = SupernodalThreshold::FORCE_SUPERNODAL;
 
-/// LU for [`MatrixKind::General`] and, for now, [`MatrixKind::Symmetric`] (faer's LDL' stops at a zero diagonal block and its
+/// LU for [`MatrixKind::General`] and [`MatrixKind::Symmetric`] (faer's LDL' stops at a zero diagonal block and its
 /// LBL' returns NaN there); Cholesky for [`MatrixKind::SymmetricPositiveDefinite`], with LU instead of it for values that are
 /// not.
 #[derive(Debug, Default)]

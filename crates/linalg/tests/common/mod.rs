@@ -1,6 +1,8 @@
 //! Systems for tests and benches.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
+pub mod tangents;
+
 use std::sync::Arc;
 use stoss_linalg::{NONE, ScatterMap, SparseMatrix, SparsityPattern};
 

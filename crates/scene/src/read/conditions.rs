@@ -1,6 +1,7 @@
 //! Reads `[[set]]`, `[[contact]]`, `[[prescribe]]`, `[[load]]` and functions of time.
 
 use super::World;
+use super::friction::friction;
 use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
@@ -92,6 +93,13 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         }
         Some(constraint)
     });
+    let friction = table.optional("friction", |n| {
+        let friction = friction(n)?;
+        if constraint == Some(Constraint::Modified) {
+            return n.fail("needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
+        }
+        Some(friction)
+    });
     table.finish();
     let (slave, master) = (slave?, master?);
     if let (Some((s, _)), Some((m, _))) = (split_set(&slave), split_set(&master))
@@ -103,7 +111,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
             "choose the surface of another body; contact of a body with itself is not available",
         );
     }
-    Some(Contact { name: name?, method: method?, slave, master, constraint: constraint? })
+    Some(Contact { name: name?, method: method?, slave, master, constraint: constraint?, friction: friction? })
 }
 
 /// A constant or a table with `columns` values.

@@ -5,6 +5,7 @@
 
 mod body;
 mod conditions;
+mod friction;
 mod general;
 mod material;
 mod mesh;

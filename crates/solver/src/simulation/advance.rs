@@ -4,8 +4,8 @@ use super::{InsideOutRule, Simulation};
 use crate::assembly::Iterate;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
-use crate::{ContactSummary, DecisionKind, Phase, SimulationError, StepError, StepRecord};
-use stoss_contact::StepConfiguration as ContactStep;
+use crate::{Balance, ContactSummary, DecisionKind, Phase, SimulationError, StepError, StepRecord};
+use stoss_contact::{ContactWork, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
 use stoss_linalg::vector;
@@ -32,6 +32,7 @@ struct Completed {
     rule: StepRule,
     strain: f64,
     contact: Option<ContactSummary>,
+    work: ContactWork,
     /// For each body.
     inside_out: Vec<Option<InsideOut>>,
     /// Linear solutions of the attempt.
@@ -85,7 +86,7 @@ impl Simulation {
     }
 
     /// Search and projection at the last positions.
-    fn begin_contact(&mut self, dt: f64) -> Result<(), StepError> {
+    fn begin_contact(&mut self, dt: f64, rule: StepRule) -> Result<(), StepError> {
         if self.model.contacts.is_empty() {
             return Ok(());
         }
@@ -95,6 +96,7 @@ impl Simulation {
         let (model, state) = (&mut self.model, &self.state);
         self.timings.measure(Phase::Search, || -> Result<(), StepError> {
             for pair in &mut model.contacts {
+                pair.method.set_rule(contact_rule(rule.constraint.rule), dt);
                 pair.method.begin_step(&state.q, reach + 0.5 * pair.method.length_scale())?;
             }
             Ok(())
@@ -125,7 +127,7 @@ impl Simulation {
 
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
-        self.begin_contact(dt)?;
+        self.begin_contact(dt, rule)?;
         let mut q = self.state.q.clone();
         if from == Start::Extrapolation {
             match &self.scheme {
@@ -159,8 +161,9 @@ impl Simulation {
             return Err(error);
         }
         let contact = self.contact_summary(&attempt, rule)?;
+        let work = self.contact_work(&attempt.iterate)?;
         let next = self.next_state(&attempt.iterate, dt, rule)?;
-        Ok(Completed { attempt, next, rule, strain, contact, inside_out, solves })
+        Ok(Completed { attempt, next, rule, strain, contact, work, inside_out, solves })
     }
 
     fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
@@ -212,7 +215,7 @@ impl Simulation {
 
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed);
-        let Completed { attempt, next, rule, strain, contact, inside_out, solves } = completed;
+        let Completed { attempt, next, rule, strain, contact, work: contact_work, inside_out, solves } = completed;
         let Attempt { iterate, newton, .. } = attempt;
         let dt = self.clock.dt();
         let (time_n, time) = (self.state.time, next.time);
@@ -262,7 +265,9 @@ impl Simulation {
         }
         self.pressures = iterate.pressures;
         self.active = iterate.active;
-        self.balance = self.measure_balance(strain, self.balance.external_work + work);
+        let dissipation = self.balance.dissipation + contact_work.dissipated;
+        let balance = self.measure_balance(strain, self.balance.external_work + work);
+        self.balance = Balance { contact: contact_work.stored, dissipation, ..balance };
         self.step += 1;
         if self.clock.accept() {
             let reason = format!("{} steps succeeded in a row", self.control.grow_after);
@@ -280,6 +285,17 @@ impl Simulation {
             inside_out: inside_out.iter().flatten().map(|found| found.count).sum(),
             contact,
         }
+    }
+
+    /// Energy that the contacts store and dissipate in the step.
+    fn contact_work(&self, iterate: &Iterate) -> Result<ContactWork, StepError> {
+        let mut total = ContactWork::default();
+        for (c, pair) in self.model.contacts.iter().enumerate() {
+            let work = pair.method.work(&iterate.q, &iterate.pressures[c], &iterate.active[c])?;
+            total.stored += work.stored;
+            total.dissipated += work.dissipated;
+        }
+        Ok(total)
     }
 
     /// Adds `factor` times the dead loads that vary in time.

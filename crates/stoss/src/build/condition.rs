@@ -177,6 +177,11 @@ fn load_kind(
     }
 }
 
+/// Tangential stiffness of friction in multiples of Young's modulus over an edge, if the scene gives none: a sticking node moves by a tenth of
+/// what the elements beside it yield, and Newton's method still gets over the kink between stick and slip.
+#[cfg(feature = "nts")]
+const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
+
 #[cfg(feature = "nts")]
 pub(super) fn contacts(
     scene: &Scene,
@@ -249,6 +254,18 @@ pub(super) fn contacts(
             .into_iter()
             .fold(f64::INFINITY, f64::min);
         let complementarity = young / method.length_scale();
+        if let Some(friction) = &item.friction {
+            let stiffness = DEFAULT_TANGENTIAL_STIFFNESS * complementarity;
+            let friction = super::friction::friction(scene, &key, friction, stiffness, problems);
+            let Some(friction) = friction else { continue };
+            method = match method.with_friction(friction) {
+                Ok(method) => method,
+                Err(error) => {
+                    problems.add(format!("{key}.friction"), "", error.to_string(), "use the standard constraint");
+                    continue;
+                }
+            };
+        }
         model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
     }
 }

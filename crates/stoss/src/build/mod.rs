@@ -3,6 +3,8 @@
 
 mod body;
 mod condition;
+#[cfg(feature = "nts")]
+mod friction;
 mod law;
 #[cfg(feature = "nts")]
 mod overlap;
@@ -11,11 +13,11 @@ mod probe;
 pub use law::{LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use probe::{Probe, ProbeTarget};
 
-use crate::scene::{InsideOut, Kind, Problem, Scene, SceneErrors};
+use crate::scene::{InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
 use crate::solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
 use std::path::Path;
 use stoss_integrators::{SCHEMES, Scheme};
-use stoss_linalg::AutoSolver;
+use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver};
 use stoss_mesh::Mesh;
 use stoss_newton::{LineSearch, NewtonOptions};
 
@@ -155,7 +157,15 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             InsideOut::Refuse => InsideOutRule::Refuse,
             InsideOut::Warn => InsideOutRule::Warn,
         },
-        solver: Box::new(AutoSolver::new()),
+        solver: linear_solver(solver.linear),
+    }
+}
+
+fn linear_solver(choice: LinearChoice) -> Box<dyn LinearSolver> {
+    match choice {
+        LinearChoice::Auto => Box::new(AutoSolver::new()),
+        LinearChoice::Multifrontal => Box::new(MultifrontalSolver::new()),
+        LinearChoice::Faer => Box::new(FaerSolver::new()),
     }
 }
 

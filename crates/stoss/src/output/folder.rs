@@ -322,6 +322,7 @@ impl ResultFolder {
                 ("solves", counts.solves),
                 ("refinement_steps", counts.refinement_steps),
                 ("indefinite_fallbacks", counts.indefinite_fallbacks),
+                ("pivoting_fallbacks", counts.pivoting_fallbacks),
             ]),
             steps,
             cuts: simulation.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count() as u64,

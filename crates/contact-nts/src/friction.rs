@@ -1,0 +1,367 @@
+//! Friction of one slot: slip, frames, force, tangent (formulation §4.3-4.6, §10).
+//!
+//! The force is `-A tau_a D^a` with the *full* variation `D^a` of the convective coordinates, at `q_np1` (rule `EndPoint`) or `q_mid`
+//! with its own projection (`Midpoint`, `EnergyMomentum`). It has no resultant and no moment about that configuration, whatever
+//! gap and traction are.
+//!
+//! The law works with two components in an orthonormal frame `e_1 ~ a_1`, `e_2 = n x e_1` at the foot:
+//!
+//! * the *slip* is `x(xi_np1) - x(xi_n)`, both material points of the master in the configuration of the force, the second one on the facet of
+//!   `n` (formulation §10.3). One formula on a facet and over edges, thus no jump at an edge; on a flat facet it is `a_a dxi^a`, otherwise
+//!   that to second order. Under `EnergyMomentum` it is `a_a D^a . (q_np1 - q_n)` instead: exactly what the force works on, zero in
+//!   every rigid motion of the whole, equal to the other to third order;
+//! * the *history* is carried as components in the frame of the old foot on the old facet, which moves with the material, and from there turned
+//!   into the new tangent plane by the smallest rotation (§10.3 projects instead). Lengths do not change, so no stored energy
+//!   is lost over an edge.
+
+use crate::crossing::MAX_NODES;
+use crate::dual::{Dual, Scalar};
+use crate::kinematics::{Gap, LOCAL, LocalMatrix};
+use nalgebra::Vector3;
+use stoss_contact::ContactRule;
+use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
+use stoss_geometry::BilinearPatch;
+use stoss_reference_element::quad4;
+
+/// Two tangent planes with `1 + n . m` below this are folded upon each other: no rotation from one to the other is the smallest. The
+/// traction is dropped then.
+const FOLDED: f64 = 1.0e-3;
+
+type V3<T> = [T; 3];
+
+/// Friction of a whole surface.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfaceFriction {
+    pub friction: Friction,
+    /// Of the step that began last.
+    pub rule: ContactRule,
+    pub step_size: f64,
+    pub points: Vec<PointHistory>,
+    /// Rounds of augmentation in this step.
+    pub rounds: u32,
+}
+
+impl SurfaceFriction {
+    pub fn new(friction: Friction, slots: usize) -> Self {
+        let points = vec![PointHistory::default(); slots];
+        Self { friction, rule: ContactRule::EndPoint, step_size: 0.0, points, rounds: 0 }
+    }
+}
+
+/// History of one slot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct PointHistory {
+    /// Traction at the end of the last accepted step, in the frame of the facet that it ended on.
+    pub committed: [f64; 2],
+    /// Path slid in this contact.
+    pub slid: f64,
+    /// Foot at `n` on the facet that the slot starts from.
+    pub foot: [f64; 2],
+    /// Traction (or multiplier) in the frame there.
+    pub start: [f64; 2],
+}
+
+fn dot<T: Scalar>(a: V3<T>, b: V3<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross<T: Scalar>(a: V3<T>, b: V3<T>) -> V3<T> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit<T: Scalar>(a: V3<T>) -> V3<T> {
+    let inverse = T::constant(1.0) / dot(a, a).sqrt();
+    a.map(|x| x * inverse)
+}
+
+/// `e_1`, `e_2`, `n` of two tangents.
+fn frame<T: Scalar>(tangents: [V3<T>; 2]) -> [V3<T>; 3] {
+    let e_1 = unit(tangents[0]);
+    let n = unit(cross(tangents[0], tangents[1]));
+    [e_1, cross(n, e_1), n]
+}
+
+/// Components in `to` of a tangent vector with components in `from`, after the smallest rotation of one normal into the other.
+fn transport<T: Scalar>(components: [T; 2], from: &[V3<T>; 3], to: &[V3<T>; 3]) -> Option<[T; 2]> {
+    let one_plus = T::constant(1.0) + dot(from[2], to[2]);
+    if !(one_plus.value() > FOLDED) {
+        return None;
+    }
+    let v: V3<T> = std::array::from_fn(|i| components[0] * from[0][i] + components[1] * from[1][i]);
+    let tilt = dot(to[2], v) / one_plus;
+    // e . to_n = 0 drops the part along the new normal.
+    Some([to[0], to[1]].map(|e| dot(e, v) - tilt * dot(e, from[2])))
+}
+
+/// Coordinates where the frame of a foot is taken: far out on its extension a facet can be degenerate.
+fn inside(foot: [f64; 2]) -> [f64; 2] {
+    foot.map(|x| x.clamp(-1.0, 1.0))
+}
+
+/// Frame of a facet at a foot.
+fn frame_of(patch: &BilinearPatch, foot: [f64; 2]) -> [V3<f64>; 3] {
+    frame(patch.tangents(inside(foot)).map(Into::into))
+}
+
+/// Carries components from a foot on a facet to one on another facet, in one configuration; zero if they are folded.
+pub(crate) fn carry(
+    components: [f64; 2],
+    from: (&BilinearPatch, [f64; 2]),
+    to: (&BilinearPatch, [f64; 2]),
+) -> [f64; 2] {
+    transport(components, &frame_of(from.0, from.1), &frame_of(to.0, to.1)).unwrap_or([0.0; 2])
+}
+
+/// How the slip of the step is measured.
+pub(crate) enum Slip<'a> {
+    /// Between material points: kinematics at `q_np1` and local node numbers of the end facet.
+    Feet(&'a Gap, &'a [usize; 4]),
+    /// Conjugate to the force: `q_np1 - q_n` of the element.
+    Work(&'a [f64]),
+}
+
+/// Friction of one element. Positions are those of the element's nodes, the slave first.
+pub(crate) struct FrictionElement<'a> {
+    pub friction: &'a Friction,
+    /// The force is that of the end point, not of the midpoint.
+    pub at_end: bool,
+    /// Positions in the configuration of the force.
+    pub q: &'a [f64],
+    /// Kinematics there, and the local node numbers of the facet.
+    pub at: (&'a Gap, &'a [usize; 4]),
+    /// Local node numbers of the facet at `n`.
+    pub start: &'a [usize; 4],
+    pub history: &'a PointHistory,
+    pub slip: Slip<'a>,
+    pub pressure: f64,
+    pub step_size: f64,
+}
+
+/// What became of a point.
+pub(crate) struct FrictionState {
+    pub step: FrictionStep,
+    /// Slip in the frame of the foot.
+    pub slip: [f64; 2],
+    /// History in the frame of the foot.
+    pub history: [f64; 2],
+    /// End traction in the frame of the old foot.
+    pub carried: [f64; 2],
+    /// Covariant components of the traction in the equations.
+    pub tau: [f64; 2],
+}
+
+/// Vectors that the traction is a function of: tangents at the foot, tangents at the old foot, slip.
+struct Arguments<T>([V3<T>; 2], [V3<T>; 2], V3<T>);
+
+/// Frames at the foot and the old foot, history and slip in the first.
+struct Resolved<T> {
+    foot: [V3<T>; 3],
+    old: [V3<T>; 3],
+    history: [T; 2],
+    slip: [T; 2],
+}
+
+impl<T: Scalar> Arguments<T> {
+    fn resolve(&self, start: [f64; 2]) -> Resolved<T> {
+        let (foot, old) = (frame(self.0), frame(self.1));
+        let zero = [T::constant(0.0); 2];
+        let history = if start == [0.0; 2] { None } else { transport(start.map(T::constant), &old, &foot) };
+        let slip = [foot[0], foot[1]].map(|e| dot(e, self.2));
+        Resolved { foot, old, history: history.unwrap_or(zero), slip }
+    }
+
+    /// Covariant components of a traction.
+    fn covariant(&self, foot: &[V3<T>; 3], traction: [T; 2]) -> [T; 2] {
+        self.0.map(|a| traction[0] * dot(foot[0], a) + traction[1] * dot(foot[1], a))
+    }
+}
+
+impl FrictionElement<'_> {
+    fn factor(&self) -> f64 {
+        if self.at_end { 1.0 } else { 0.5 }
+    }
+
+    fn patch(&self, facet: &[usize; 4]) -> BilinearPatch {
+        BilinearPatch::new(facet.map(|k| Vector3::new(self.q[3 * k], self.q[3 * k + 1], self.q[3 * k + 2])))
+    }
+
+    /// `D^a . dq` for an increment of the element's positions.
+    fn contract(&self, increment: &[f64]) -> [f64; 2] {
+        let gap = self.at.0;
+        let blocks = spread(self.at.1);
+        std::array::from_fn(|al| (0..LOCAL).map(|k| gap.xi_gradient[al][k] * increment[at(&blocks, k)]).sum())
+    }
+
+    fn arguments(&self) -> Arguments<f64> {
+        let tangents = self.at.0.tangents.map(Into::into);
+        let start = self.patch(self.start);
+        let old = start.tangents(inside(self.history.foot)).map(Into::into);
+        let slip = match self.slip {
+            Slip::Feet(end, facet) => self.patch(facet).point(end.xi) - start.point(self.history.foot),
+            Slip::Work(increment) => {
+                let [s_1, s_2] = self.contract(increment);
+                self.at.0.tangents[0] * s_1 + self.at.0.tangents[1] * s_2
+            }
+        };
+        Arguments(tangents, old, slip.into())
+    }
+
+    fn point(&self, history: [f64; 2], slip: [f64; 2]) -> FrictionPoint {
+        FrictionPoint { history, slip, pressure: self.pressure, step_size: self.step_size, slid: self.history.slid }
+    }
+
+    /// Traction, slip, energies.
+    pub fn state(&self) -> FrictionState {
+        let arguments = self.arguments();
+        let Resolved { foot, old, history, slip } = arguments.resolve(self.history.start);
+        let step = self.friction.step(self.at_end, &self.point(history, slip));
+        let carried = transport(step.end, &foot, &old).unwrap_or([0.0; 2]);
+        FrictionState { tau: arguments.covariant(&foot, step.force), step, slip, history, carried }
+    }
+
+    /// Adds `weight * tau_a D^a` to `residual`.
+    pub fn add_residual(&self, weight: f64, tau: [f64; 2], residual: &mut [f64]) {
+        let blocks = spread(self.at.1);
+        let d = &self.at.0.xi_gradient;
+        for k in 0..LOCAL {
+            residual[at(&blocks, k)] += weight * (tau[0] * d[0][k] + tau[1] * d[1][k]);
+        }
+    }
+
+    /// Adds `weight` times the derivative of `tau_a D^a` with respect to the positions at `n+1` (the first `n` columns) and the pressure
+    /// (the column after them) to the first rows of a row-major matrix with `n + 1` columns.
+    pub fn add_tangent(&self, weight: f64, state: &FrictionState, matrix: &mut [f64]) {
+        let n = self.q.len();
+        let columns = n + 1;
+        let gap = self.at.0;
+        let blocks = spread(self.at.1);
+        let second = gap.xi_hessian();
+        // The law at the level of its 15 arguments.
+        let (tau, foot) = self.dual_tau(state);
+        let slope = self.argument_slopes(&second);
+        let mut d_tau = [[0.0; 3 * MAX_NODES]; 2];
+        for (d_tau, tau) in d_tau.iter_mut().zip(&tau) {
+            for (partial, row) in tau.partial.iter().zip(&slope) {
+                for (d, s) in d_tau[..n].iter_mut().zip(row) {
+                    *d += partial * s;
+                }
+            }
+        }
+        let d_pressure: [f64; 2] = gap.tangents.map(|a| {
+            let a: V3<f64> = a.into();
+            state.step.d_pressure[0] * dot(foot[0], a) + state.step.d_pressure[1] * dot(foot[1], a)
+        });
+        let factor = self.factor();
+        for i in 0..LOCAL {
+            let row = &mut matrix[at(&blocks, i) * columns..][..columns];
+            for al in 0..2 {
+                let d = weight * gap.xi_gradient[al][i];
+                for (entry, d_tau) in row[..n].iter_mut().zip(&d_tau[al]) {
+                    *entry += d * d_tau;
+                }
+                row[n] += d * d_pressure[al];
+                for j in 0..LOCAL {
+                    row[at(&blocks, j)] += weight * factor * state.tau[al] * second[al][i][j];
+                }
+            }
+        }
+    }
+
+    /// Covariant traction with its derivatives with respect to the arguments, and the frame at the foot.
+    fn dual_tau(&self, state: &FrictionState) -> ([Dual; 2], [V3<f64>; 3]) {
+        let values = self.arguments();
+        let variable =
+            |first: usize, v: V3<f64>| -> V3<Dual> { std::array::from_fn(|i| Dual::variable(v[i], first + i)) };
+        let arguments = Arguments(
+            [variable(0, values.0[0]), variable(3, values.0[1])],
+            [variable(6, values.1[0]), variable(9, values.1[1])],
+            variable(12, values.2),
+        );
+        let resolved = arguments.resolve(self.history.start);
+        let step = &state.step;
+        let traction: [Dual; 2] = std::array::from_fn(|i| {
+            let mut sum = Dual::constant(0.0);
+            for j in 0..2 {
+                sum = sum + resolved.history[j].scale(step.d_history[i][j]) + resolved.slip[j].scale(step.d_slip[i][j]);
+            }
+            Dual { value: step.force[i], partial: sum.partial }
+        });
+        let foot = resolved.foot.map(|e| e.map(|x| x.value));
+        (arguments.covariant(&resolved.foot, traction), foot)
+    }
+
+    /// Derivatives of the 15 arguments with respect to the element's positions at `n+1`.
+    fn argument_slopes(&self, second: &[LocalMatrix; 2]) -> [[f64; 3 * MAX_NODES]; 15] {
+        let mut out = [[0.0; 3 * MAX_NODES]; 15];
+        let factor = self.factor();
+        let gap = self.at.0;
+        let blocks = spread(self.at.1);
+        for al in 0..2 {
+            for i in 0..3 {
+                let row = &mut out[3 * al + i];
+                for (node, shape) in self.at.1.iter().zip(&gap.shape_gradient) {
+                    row[3 * node + i] += factor * shape[al];
+                }
+                // The foot moves: a_a,b dxi^b, and only a_12 is not zero.
+                for k in 0..LOCAL {
+                    row[at(&blocks, k)] += factor * gap.a_12[i] * gap.xi_gradient[1 - al][k];
+                }
+            }
+        }
+        let old = quad4::shape_gradient(inside(self.history.foot));
+        for al in 0..2 {
+            for i in 0..3 {
+                for (node, shape) in self.start.iter().zip(&old) {
+                    out[6 + 3 * al + i][3 * node + i] += factor * shape[al];
+                }
+            }
+        }
+        match self.slip {
+            Slip::Feet(end, facet) => {
+                let tangents = self.patch(facet).tangents(end.xi);
+                let end_blocks = spread(facet);
+                let old = quad4::shape(self.history.foot);
+                for i in 0..3 {
+                    let row = &mut out[12 + i];
+                    for (node, shape) in facet.iter().zip(&end.shape) {
+                        row[3 * node + i] += factor * shape;
+                    }
+                    for (node, shape) in self.start.iter().zip(&old) {
+                        row[3 * node + i] -= factor * shape;
+                    }
+                    for k in 0..LOCAL {
+                        row[at(&end_blocks, k)] +=
+                            tangents[0][i] * end.xi_gradient[0][k] + tangents[1][i] * end.xi_gradient[1][k];
+                    }
+                }
+            }
+            Slip::Work(increment) => {
+                let s = self.contract(increment);
+                for i in 0..3 {
+                    let mut row = [0.0; 3 * MAX_NODES];
+                    for al in 0..2 {
+                        for (r, da) in row.iter_mut().zip(&out[3 * al + i]) {
+                            *r += s[al] * da;
+                        }
+                        for k in 0..LOCAL {
+                            let turn: f64 = (0..LOCAL).map(|l| second[al][k][l] * increment[at(&blocks, l)]).sum();
+                            row[at(&blocks, k)] += gap.tangents[al][i] * (gap.xi_gradient[al][k] + factor * turn);
+                        }
+                    }
+                    out[12 + i] = row;
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Local nodes of the five nodes of a facet's [`Gap`].
+fn spread(facet: &[usize; 4]) -> [usize; 5] {
+    [0, facet[0], facet[1], facet[2], facet[3]]
+}
+
+/// Component of the element for a component of a [`Gap`].
+fn at(blocks: &[usize; 5], k: usize) -> usize {
+    3 * blocks[k / 3] + k % 3
+}

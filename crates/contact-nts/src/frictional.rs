@@ -1,0 +1,289 @@
+//! Friction as a part of the contact method: which rule takes what, history, augmentation, energies.
+
+use crate::crossing::MAX_NODES;
+use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, SurfaceFriction, carry};
+use crate::kinematics::{Gap, LOCAL, Local, points};
+use crate::method::{ConstraintForm, NodeToSurface, position};
+use crate::slot::{ElementNodes, Pairing};
+use stoss_contact::friction::{Friction, Stick};
+use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
+
+/// Bytes of history of a slot: two components of the traction, path slid.
+const HISTORY: usize = 24;
+
+/// A sticking node moves by less than this times a master edge once its multiplier has settled, or by what round-off of the positions is.
+const STUCK: f64 = 1.0e-13;
+/// Relative change of the multiplier of a sliding node (its direction, that is) that counts as settled.
+const SETTLED: f64 = 1.0e-8;
+/// Rounds of augmentation in one step. What has not settled then is taken as it is: its stick is as accurate as the last round left it.
+const MAX_ROUNDS: u32 = 12;
+
+/// Positions of an element, its configuration of the force and the projection there.
+struct Placed {
+    /// `q_np1 - q_n`.
+    increment: [f64; 3 * MAX_NODES],
+    /// Of the force.
+    q: [f64; 3 * MAX_NODES],
+    /// `None`: the kinematics are those at the end.
+    mid: Option<Gap>,
+}
+
+impl NodeToSurface {
+    /// The same surfaces with friction.
+    ///
+    /// Under the rule `EndPoint` backward Euler (statics), under `Midpoint` and `EnergyMomentum` the stepping of `friction`; under the last
+    /// one the work of the friction is exact: kinetic, strain and spring energy fall by exactly what is dissipated, which is not negative.
+    ///
+    /// # Errors
+    /// [`ContactError::FrictionUnavailable`] with the modified constraint: its nodes bounce at every step, so that nothing sticks.
+    pub fn with_friction(mut self, friction: Friction) -> Result<Self, ContactError> {
+        if self.constraint == ConstraintForm::Modified {
+            return Err(ContactError::FrictionUnavailable { what: "the modified constraint".into() });
+        }
+        self.friction = Some(SurfaceFriction::new(friction, self.slots.len()));
+        Ok(self)
+    }
+
+    fn place(
+        &self,
+        slot: usize,
+        element: &ElementNodes,
+        pairing: Pairing,
+        end: &Gap,
+        step: StepConfiguration<'_>,
+    ) -> Result<Placed, ContactError> {
+        let mut placed = Placed { increment: [0.0; 3 * MAX_NODES], q: [0.0; 3 * MAX_NODES], mid: None };
+        let at_end = match step.rule {
+            ContactRule::EndPoint => true,
+            ContactRule::Midpoint | ContactRule::EnergyMomentum => false,
+            rule => return Err(ContactError::FrictionUnavailable { what: format!("the rule {rule:?}") }),
+        };
+        for (k, &node) in element.list().iter().enumerate() {
+            for i in 0..3 {
+                let (a, b) = (step.q_n[3 * node as usize + i], step.q_np1[3 * node as usize + i]);
+                placed.increment[3 * k + i] = b - a;
+                placed.q[3 * k + i] = if at_end { b } else { 0.5 * (a + b) };
+            }
+        }
+        if !at_end {
+            let mut local: Local = [0.0; LOCAL];
+            for (block, node) in local.chunks_exact_mut(3).zip(std::iter::once(0).chain(element.mid)) {
+                block.copy_from_slice(&placed.q[3 * node..3 * node + 3]);
+            }
+            let (x, patch) = points(&local);
+            let from = if pairing.start == pairing.end { end.xi } else { [0.0; 2] };
+            let failed = ContactError::Projection { node: self.node(slot), facet: pairing.mid };
+            placed.mid = Some(Gap::project(&x, &patch, from).ok_or(failed)?);
+        }
+        Ok(placed)
+    }
+
+    /// Hands the friction element of a paired slot over; `None` without friction.
+    fn with_element<R>(
+        &self,
+        slot: usize,
+        element: &ElementNodes,
+        pairing: Pairing,
+        end: &Gap,
+        step: StepConfiguration<'_>,
+        pressure: f64,
+        evaluate: impl FnOnce(&FrictionElement<'_>) -> R,
+    ) -> Result<Option<R>, ContactError> {
+        let Some(surface) = &self.friction else { return Ok(None) };
+        let placed = self.place(slot, element, pairing, end, step)?;
+        let n = 3 * element.count;
+        let at = match &placed.mid {
+            Some(mid) => (mid, &element.mid),
+            None => (end, &element.end),
+        };
+        let slip = match step.rule {
+            ContactRule::EnergyMomentum => Slip::Work(&placed.increment[..n]),
+            _ => Slip::Feet(end, &element.end),
+        };
+        Ok(Some(evaluate(&FrictionElement {
+            friction: &surface.friction,
+            at_end: placed.mid.is_none(),
+            q: &placed.q[..n],
+            at,
+            start: &element.start,
+            history: &surface.points[slot],
+            slip,
+            pressure,
+            step_size: surface.step_size,
+        })))
+    }
+
+    /// Adds a slot's friction to its contribution.
+    pub(crate) fn add_friction(
+        &self,
+        slot: usize,
+        element: &ElementNodes,
+        pairing: Pairing,
+        end: &Gap,
+        step: StepConfiguration<'_>,
+        pressure: f64,
+        want_tangent: bool,
+        contribution: &mut LocalContribution,
+    ) -> Result<(), ContactError> {
+        let weight = self.slave.nodal_areas()[slot];
+        self.with_element(slot, element, pairing, end, step, pressure, |friction| {
+            let state = friction.state();
+            friction.add_residual(weight, state.tau, &mut contribution.residual);
+            if want_tangent {
+                friction.add_tangent(weight, &state, &mut contribution.tangent);
+            }
+        })?;
+        Ok(())
+    }
+
+    /// State of an active, paired slot at the end of the present step.
+    fn friction_state(&self, slot: usize, q_np1: &[f64], pressure: f64) -> Result<Option<FrictionState>, ContactError> {
+        let (Some(surface), Some(pairing)) = (&self.friction, self.slots[slot].pairing) else { return Ok(None) };
+        let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
+        let end = self.gap(slot, pairing.end, q_np1)?;
+        let step = StepConfiguration { q_n: &self.q_n, q_np1, rule: surface.rule };
+        self.with_element(slot, &element, pairing, &end, step, pressure, |friction| friction.state())
+    }
+
+    /// The traction with which a slot begins its step: that of the last one, on the facet that it starts from now.
+    pub(crate) fn begin_friction(&mut self, slot: usize, committed: Option<u32>) {
+        let pairing = self.slots[slot].pairing;
+        let Some(surface) = &mut self.friction else { return };
+        surface.rounds = 0;
+        let point = &mut surface.points[slot];
+        let (Some(facet), Some(pairing)) = (committed, pairing) else {
+            *point = PointHistory::default();
+            return;
+        };
+        point.start = point.committed;
+        self.place_foot(slot);
+        if facet != pairing.start {
+            let from = (&self.patch(facet, &self.q_n), self.foot(slot, facet));
+            let to = (&self.patch(pairing.start, &self.q_n), self.foot(slot, pairing.start));
+            if let Some(surface) = &mut self.friction {
+                let point = &mut surface.points[slot];
+                point.start = carry(point.committed, from, to);
+            }
+        }
+    }
+
+    /// Foot at `n` on an extended facet, or the closest point of the facet where there is no foot.
+    fn foot(&self, slot: usize, facet: u32) -> [f64; 2] {
+        let patch = self.patch(facet, &self.q_n);
+        let x = position(&self.q_n, self.node(slot));
+        Gap::project(&x, &patch, [0.0, 0.0]).map_or_else(|| patch.closest_point(&x).xi, |gap| gap.xi)
+    }
+
+    /// Stores the foot at `n` on the facet that the slot starts from.
+    pub(crate) fn place_foot(&mut self, slot: usize) {
+        if self.friction.is_none() {
+            return;
+        }
+        let foot = self.slots[slot].pairing.map(|pairing| self.foot(slot, pairing.start));
+        if let (Some(surface), Some(foot)) = (&mut self.friction, foot) {
+            surface.points[slot].foot = foot;
+        }
+    }
+
+    /// Makes the present tractions the multipliers of the step; returns how many were not settled.
+    pub(crate) fn augment_friction(
+        &mut self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        active: &[bool],
+    ) -> Result<usize, ContactError> {
+        match &mut self.friction {
+            Some(surface) if surface.friction.stick() == Stick::Augmented && surface.rounds < MAX_ROUNDS => {
+                surface.rounds += 1;
+            }
+            _ => return Ok(0),
+        }
+        let mut unsettled = 0;
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
+            let norm = |v: [f64; 2]| v[0].hypot(v[1]);
+            let change = norm([state.step.end[0] - state.history[0], state.step.end[1] - state.history[1]]);
+            let far = position(q_np1, self.node(slot)).norm();
+            // A multiplier against the slip comes from before a reversal: begin anew.
+            let against = !state.step.sticks && state.step.work < 0.0;
+            let settled = if state.step.sticks {
+                norm(state.slip) <= STUCK * self.length + 4.0 * f64::EPSILON * far
+            } else {
+                !against && change <= SETTLED * norm(state.step.end)
+            };
+            if !settled && let Some(surface) = &mut self.friction {
+                surface.points[slot].start = if against { [0.0; 2] } else { state.carried };
+                unsettled += 1;
+            }
+        }
+        Ok(unsettled)
+    }
+
+    pub(crate) fn friction_work(
+        &self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        active: &[bool],
+    ) -> Result<ContactWork, ContactError> {
+        let mut total = ContactWork::default();
+        let Some(surface) = &self.friction else { return Ok(total) };
+        for (slot, point) in surface.points.iter().enumerate() {
+            let weight = self.slave.nodal_areas()[slot];
+            let before = surface.friction.stored(point.committed);
+            let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot])? } else { None };
+            // What a released spring held is lost.
+            let (work, stored) = state.map_or((0.0, 0.0), |s| (s.step.work, s.step.stored));
+            total.stored += weight * stored;
+            total.dissipated += weight * (work + before - stored);
+        }
+        Ok(total)
+    }
+
+    /// Traction and path at the end of an accepted step, in the frame of the facet reached, at `q_np1`.
+    fn committed_point(&self, slot: usize, q_np1: &[f64], pressure: f64) -> Option<PointHistory> {
+        let (surface, pairing) = (self.friction.as_ref()?, self.slots[slot].pairing?);
+        // The same projections have just succeeded in the last evaluation.
+        let state = self.friction_state(slot, q_np1, pressure).ok()??;
+        let end = self.gap(slot, pairing.end, q_np1).ok()?;
+        let point = &surface.points[slot];
+        let from = (&self.patch(pairing.start, q_np1), point.foot);
+        let committed = carry(state.carried, from, (&self.patch(pairing.end, q_np1), end.xi));
+        let slid = point.slid + if state.step.sticks { 0.0 } else { state.slip[0].hypot(state.slip[1]) };
+        Some(PointHistory { committed, slid, ..PointHistory::default() })
+    }
+
+    /// Must come before the facets are committed.
+    pub(crate) fn commit_friction(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        if self.friction.is_none() {
+            return;
+        }
+        for slot in 0..self.slots.len() {
+            let point = if active[slot] { self.committed_point(slot, q_np1, pressures[slot]) } else { None };
+            if let Some(surface) = &mut self.friction {
+                surface.points[slot] = point.unwrap_or_default();
+            }
+        }
+    }
+
+    /// Bytes of a slot's history of friction.
+    pub(crate) fn friction_bytes(&self) -> usize {
+        if self.friction.is_some() { HISTORY } else { 0 }
+    }
+
+    pub(crate) fn save_friction(&self, out: &mut Vec<u8>) {
+        for point in self.friction.iter().flat_map(|surface| &surface.points) {
+            for value in [point.committed[0], point.committed[1], point.slid] {
+                out.extend_from_slice(&value.to_le_bytes());
+            }
+        }
+    }
+
+    /// From as many bytes as [`Self::save_friction`] writes.
+    pub(crate) fn load_friction(&mut self, bytes: &[u8]) {
+        let points = self.friction.iter_mut().flat_map(|surface| &mut surface.points);
+        for (point, chunk) in points.zip(bytes.chunks_exact(HISTORY)) {
+            let value = |k: usize| f64::from_le_bytes(std::array::from_fn(|i| chunk[8 * k + i]));
+            *point = PointHistory { committed: [value(0), value(1)], slid: value(2), ..PointHistory::default() };
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! The gradient of the gap that a rule takes, and its derivative.
+//!
+//! The gradient of the gap that the rules take, of a node paired with a *start* facet at `n` and an *end* facet at
+//! `n+1`, which may be the same (each measured on the facet's bilinear extension, so that a foot beyond an edge is
+//! allowed):
+//!
+//! | rule | gradient | derivative | no moment about |
+//! |---|---|---|---|
+//! | `StartPoint` | start facet, `q_n` | zero | `q_n` |
+//! | `EndPoint` | end facet, `q_np1` | second variation | `q_np1` |
+//! | `EndPointMean` | half of each of the two above | half the second variation | -- |
+//! | `Midpoint` | facet of the midpoint, `q_mid` | half the second variation | `q_mid` |
+//! | `EnergyMomentum` | [`crate::invariants`]; over edges [`crate::crossing`] | dual numbers; closed form | `q_mid` |
+//!
+//! A node that was in contact at `n` starts on the facet that its last step ended with; one that closes in this step
+//! starts on the facet that its gap at `n` is measured to. The constraint row is the gap to the end facet at `q_np1`
+//! under every rule. Linear momentum is exact under every rule. `EndPointMean` has a moment about `q_mid` that the
+//! angular momentum of the trapezoidal rule sees: zero in a rigid motion, of second order in the motion on one facet,
+//! the kink times the motion over an edge.
+
+use crate::crossing::{Crossing, MAX_NODES};
+use crate::invariants;
+use crate::kinematics::{Gap, LOCAL, Local, LocalMatrix, points};
+use crate::method::NodeToSurface;
+use crate::slot::{ElementNodes, Pairing};
+use stoss_contact::{ContactError, ContactRule, StepConfiguration};
+
+fn local(q: &[f64], nodes: &[u32]) -> Local {
+    let mut out = [0.0; LOCAL];
+    for (block, &node) in out.chunks_exact_mut(3).zip(nodes) {
+        block.copy_from_slice(&q[3 * node as usize..3 * node as usize + 3]);
+    }
+    out
+}
+
+impl NodeToSurface {
+    /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.
+    pub(crate) fn gradient(
+        &self,
+        slot: usize,
+        element: &ElementNodes,
+        pairing: Pairing,
+        end: &Gap,
+        step: StepConfiguration<'_>,
+        want_tangent: bool,
+        work: &mut Work,
+    ) -> Result<(), ContactError> {
+        let n = 3 * element.count;
+        let failed = |facet| ContactError::Projection { node: self.node(slot), facet };
+        work.reset(n, want_tangent);
+        match step.rule {
+            ContactRule::StartPoint => {
+                let start = self.gap(slot, pairing.start, step.q_n)?;
+                work.add_gradient(&start.gradient, &element.start, 1.0);
+                return Ok(());
+            }
+            ContactRule::EndPoint => {
+                work.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), n, 1.0);
+                return Ok(());
+            }
+            ContactRule::EndPointMean => {
+                let start = self.gap(slot, pairing.start, step.q_n)?;
+                let half = end.gradient.map(|g| 0.5 * g);
+                work.set(&half, want_tangent.then(|| end.hessian()).as_ref(), n, 0.5);
+                work.add_gradient(&start.gradient, &element.start, 0.5);
+                return Ok(());
+            }
+            // Rules that need the midpoint.
+            _ => {}
+        }
+        if pairing.start == pairing.end && !self.slots[slot].relaxing {
+            let (q_n, q_1) = (local(step.q_n, &element.nodes[..5]), local(step.q_np1, &element.nodes[..5]));
+            if step.rule == ContactRule::EnergyMomentum {
+                let (x, patch) = points(&q_n);
+                // The same start as for `gap_n`, hence the same foot.
+                let at_n = Gap::project(&x, &patch, [0.0, 0.0]).ok_or_else(|| failed(pairing.end))?;
+                if want_tangent {
+                    let (g, k) = invariants::discrete_gradient_and_tangent(&q_n, &q_1, &at_n, end, self.length)
+                        .ok_or_else(|| failed(pairing.end))?;
+                    work.set(&g, Some(&k), n, 1.0);
+                } else {
+                    let g = invariants::discrete_gradient(&q_n, &q_1, &at_n, end, self.length)
+                        .ok_or_else(|| failed(pairing.end))?;
+                    work.set(&g, None, n, 1.0);
+                }
+            } else {
+                let q_mid: Local = std::array::from_fn(|k| 0.5 * (q_n[k] + q_1[k]));
+                let (x, patch) = points(&q_mid);
+                let mid = Gap::project(&x, &patch, end.xi).ok_or_else(|| failed(pairing.end))?;
+                work.set(&mid.gradient, want_tangent.then(|| mid.hessian()).as_ref(), n, 0.5);
+            }
+            return Ok(());
+        }
+        let (mut q_n, mut q_1) = ([0.0; 3 * MAX_NODES], [0.0; 3 * MAX_NODES]);
+        for (k, &node) in element.list().iter().enumerate() {
+            let at = 3 * node as usize;
+            q_n[3 * k..3 * k + 3].copy_from_slice(&step.q_n[at..at + 3]);
+            q_1[3 * k..3 * k + 3].copy_from_slice(&step.q_np1[at..at + 3]);
+        }
+        let mut q_mid = [0.0; LOCAL];
+        for (block, node) in std::iter::once(0).chain(element.mid).enumerate() {
+            for i in 0..3 {
+                q_mid[3 * block + i] = 0.5 * (q_n[3 * node + i] + q_1[3 * node + i]);
+            }
+        }
+        let (x, patch) = points(&q_mid);
+        let mid = Gap::project(&x, &patch, [0.0, 0.0]).ok_or_else(|| failed(pairing.mid))?;
+        Crossing {
+            q_n: &q_n[..n],
+            q_np1: &q_1[..n],
+            gap_n: self.slots[slot].gap_n,
+            end: (end, &element.end),
+            mid: (&mid, &element.mid),
+            length: self.length,
+            exact_work: step.rule == ContactRule::EnergyMomentum,
+        }
+        .evaluate(&mut work.gradient[..n], &mut work.tangent);
+        Ok(())
+    }
+}
+
+/// Gap gradient and tangent of one slot; the tangent is empty if not asked for.
+pub(crate) struct Work {
+    pub gradient: [f64; 3 * MAX_NODES],
+    pub tangent: Vec<f64>,
+}
+
+impl Work {
+    pub fn new() -> Self {
+        Self { gradient: [0.0; 3 * MAX_NODES], tangent: Vec::new() }
+    }
+
+    fn reset(&mut self, n: usize, want_tangent: bool) {
+        self.gradient[..n].fill(0.0);
+        self.tangent.clear();
+        if want_tangent {
+            self.tangent.resize(n * n, 0.0);
+        }
+    }
+
+    /// Adds `factor * gradient` at the slave node and a facet's nodes.
+    fn add_gradient(&mut self, gradient: &Local, facet: &[usize; 4], factor: f64) {
+        for (node, part) in std::iter::once(&0).chain(facet).zip(gradient.chunks_exact(3)) {
+            for i in 0..3 {
+                self.gradient[3 * node + i] += factor * part[i];
+            }
+        }
+    }
+
+    /// A gradient, and `factor` times a tangent, at the slave node and the end facet's nodes.
+    fn set(&mut self, gradient: &Local, tangent: Option<&LocalMatrix>, n: usize, factor: f64) {
+        self.gradient[..LOCAL].copy_from_slice(gradient);
+        for (i, row) in tangent.into_iter().flatten().enumerate() {
+            for (j, k) in row.iter().enumerate() {
+                self.tangent[i * n + j] = factor * k;
+            }
+        }
+    }
+}

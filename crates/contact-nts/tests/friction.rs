@@ -1,0 +1,462 @@
+//! Friction in the direct form and with the energy-momentum element: tangents, momenta, objectivity, energies, edges, history.
+
+mod common;
+use common::*;
+use nalgebra::{Rotation3, Vector3};
+use proptest::prelude::*;
+use std::sync::Arc;
+use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
+use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork};
+use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
+use stoss_contact_nts::{ConstraintForm, NodeToSurface};
+use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
+
+const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
+const STEPPINGS: [MidpointFriction; 3] = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C];
+const FACETS: u32 = 6;
+const SLAVE: usize = 2 * (FACETS as usize + 1);
+const PENALTY: f64 = 40.0;
+const PRESSURE: f64 = 3.0;
+const STEP: f64 = 0.1;
+
+fn with_law(law: Arc<dyn FrictionLaw>, stick: Stick, stepping: MidpointFriction) -> NodeToSurface {
+    standard(FACETS).with_friction(Friction::new(law, PENALTY, stick, stepping).unwrap()).unwrap()
+}
+
+fn with_coulomb(mu: f64, stepping: MidpointFriction) -> NodeToSurface {
+    with_law(Arc::new(Coulomb::new(mu).unwrap()), Stick::Penalty, stepping)
+}
+
+/// Three configurations of warped, moving facets with a gap: the node closes in the first step, and slides in it and in the second one.
+#[derive(Clone, Debug)]
+struct Path {
+    q: [Vec<f64>; 3],
+    rule: ContactRule,
+    stepping: MidpointFriction,
+    /// Pressure of the first step.
+    before: f64,
+}
+
+/// The second step ends on the same facet, the next or the fifth.
+fn path() -> impl Strategy<Value = Path> {
+    let noise = |size: f64| proptest::collection::vec(-size..size, 3 * SLAVE);
+    (
+        (noise(0.06), noise(0.05), noise(0.05)),
+        (0.4..0.6_f64, 0.2..0.4_f64, 0.1..0.2_f64),
+        (-0.15..0.15_f64, -0.15..0.15_f64),
+        (prop_oneof![0.05..0.15_f64, 0.9..1.1_f64, 3.9..4.1_f64], 0.05..0.15_f64, -0.25..-0.15_f64),
+        (prop::sample::select(&RULES[..]), prop::sample::select(&STEPPINGS[..]), prop_oneof![Just(1.4), Just(7.0)]),
+    )
+        .prop_map(
+            |((shape, moved, again), (x, y, z), (dx, dy), (slide, side, depth), (rule, stepping, before))| {
+                let flat = [0.0; FACETS as usize + 1];
+                let mut q = [
+                    positions(&flat, [x, y, z]),
+                    positions(&flat, [x + dx, y + dy, -z]),
+                    positions(&flat, [x + dx + slide, y + dy + side, depth]),
+                ];
+                for k in 0..3 * SLAVE {
+                    q[0][k] += shape[k];
+                    q[1][k] += shape[k] + moved[k];
+                    q[2][k] += shape[k] + moved[k] + again[k];
+                }
+                Path { q, rule, stepping, before }
+            },
+        )
+}
+
+impl Path {
+    /// Does the first step and pairs the second one.
+    fn run(&self, mut m: NodeToSurface) -> NodeToSurface {
+        m.set_rule(self.rule, STEP);
+        m.begin_step(&self.q[0], 20.0).unwrap();
+        m.repair(&self.q[1], &ACTIVE).unwrap();
+        m.commit(&self.q[1], &[self.before, 0.0, 0.0, 0.0], &ACTIVE);
+        m.set_rule(self.rule, STEP);
+        m.begin_step(&self.q[1], 20.0).unwrap();
+        m.repair(&self.q[2], &ACTIVE).unwrap();
+        m
+    }
+
+    fn residual(&self, m: &NodeToSurface) -> Vec<f64> {
+        assembled(m, &self.q[1], &self.q[2], PRESSURE, self.rule, false).0
+    }
+
+    /// Nodal forces of the friction alone, on the nodes.
+    fn friction(&self, m: &NodeToSurface) -> Vec<f64> {
+        let mut frictionless = standard(FACETS);
+        frictionless = self.run(frictionless);
+        let without = self.residual(&frictionless);
+        let n = without.len() - 1;
+        self.residual(m)[..n].iter().zip(&without).map(|(a, b)| b - a).collect()
+    }
+
+    fn increment(&self) -> Vec<f64> {
+        self.q[2].iter().zip(&self.q[1]).map(|(a, b)| a - b).collect()
+    }
+}
+
+fn work(m: &NodeToSurface, q: &[f64], pressure: f64, active: &[bool]) -> ContactWork {
+    m.work(q, &[pressure, 0.0, 0.0, 0.0], active).unwrap()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Stick and slip for certain: coefficients far beyond what the trial tractions are, and far below.
+fn coefficient(stick: bool) -> f64 {
+    if stick { 1.0e3 } else { 0.02 }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    #[test]
+    fn tangents_are_the_derivatives(path in path(), law in 0..4_usize) {
+        let law: Arc<dyn FrictionLaw> = match law {
+            0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
+            1 => Arc::new(Regularised::new(0.3, 1.0).unwrap()),
+            k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
+        };
+        let m = path.run(with_law(law, Stick::Penalty, path.stepping));
+        let (residual, tangent) = assembled(&m, &path.q[1], &path.q[2], PRESSURE, path.rule, true);
+        let n = residual.len();
+        let mut at = path.q[2].clone();
+        at.push(PRESSURE);
+        let numeric = central_difference_jacobian(
+            |x, out| out.copy_from_slice(&assembled(&m, &path.q[1], &x[..n - 1], x[n - 1], path.rule, false).0),
+            &at, 2e-4, n,
+        );
+        assert_jacobian_close(&tangent, &numeric, n, 1e-7, "tangent with friction");
+    }
+
+    #[test]
+    fn friction_has_no_resultant_and_no_moment(path in path(), stick: bool) {
+        let m = path.run(with_coulomb(coefficient(stick), path.stepping));
+        let forces = path.friction(&m);
+        let size = forces.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
+        prop_assert!(size > 1e-4, "there is friction");
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for (k, f) in forces.chunks_exact(3).enumerate() {
+            let x = Vector3::from_fn(|i, _| {
+                let (a, b) = (path.q[1][3 * k + i], path.q[2][3 * k + i]);
+                if path.rule == ContactRule::EndPoint { b } else { 0.5 * (a + b) }
+            });
+            force += Vector3::from_column_slice(f);
+            moment += x.cross(&Vector3::from_column_slice(f));
+        }
+        prop_assert!(force.norm() < 1e-13 * (1.0 + size) && moment.norm() < 1e-12 * (1.0 + size), "{force} {moment}");
+    }
+
+    #[test]
+    fn a_rotated_step_has_rotated_forces(
+        path in path(),
+        stick: bool,
+        turn in proptest::array::uniform3(-1.0..1.0_f64),
+        shift in proptest::array::uniform3(-2.0..2.0_f64),
+    ) {
+        let rotation = Rotation3::new(Vector3::from(turn));
+        let rotate = |v: &[f64], shift: Vector3<f64>| -> Vec<f64> {
+            v.chunks_exact(3).flat_map(|x| <[f64; 3]>::from(rotation * Vector3::from_column_slice(x) + shift)).collect()
+        };
+        let mut other = path.clone();
+        for (rotated, q) in other.q.iter_mut().zip(&path.q) {
+            *rotated = rotate(q, Vector3::from(shift));
+        }
+        let mu = coefficient(stick);
+        let (a, b) = (path.run(with_coulomb(mu, path.stepping)), other.run(with_coulomb(mu, path.stepping)));
+        let expected = rotate(&path.friction(&a), Vector3::zeros());
+        let found = other.friction(&b);
+        let size = expected.iter().fold(1.0_f64, |a, f| a.max(f.abs()));
+        for (a, b) in expected.iter().zip(&found) {
+            prop_assert!((a - b).abs() < 1e-11 * size);
+        }
+        let (a, b) = (work(&a, &path.q[2], PRESSURE, &ACTIVE), work(&b, &other.q[2], PRESSURE, &ACTIVE));
+        prop_assert!((a.stored - b.stored).abs() + (a.dissipated - b.dissipated).abs() < 1e-11 * (1.0 + a.stored));
+    }
+
+    #[test]
+    fn a_rigid_step_only_turns_the_traction(
+        path in path(),
+        turn in proptest::array::uniform3(-0.6..0.6_f64),
+        shift in proptest::array::uniform3(-2.0..2.0_f64),
+    ) {
+        // The whole turns by a finite angle in the second step: no slip, nothing dissipated, the traction keeps its size.
+        let rotation = Rotation3::new(Vector3::from(turn));
+        let mut rigid = path;
+        rigid.q[2] = rigid.q[1]
+            .chunks_exact(3)
+            .flat_map(|x| <[f64; 3]>::from(rotation * Vector3::from_column_slice(x) + Vector3::from(shift)))
+            .collect();
+        let m = rigid.run(with_coulomb(1e3, rigid.stepping));
+        let before = {
+            let mut at_rest = rigid.clone();
+            at_rest.q[2] = at_rest.q[1].clone();
+            let m = at_rest.run(with_coulomb(1e3, rigid.stepping));
+            work(&m, &at_rest.q[2], PRESSURE, &ACTIVE)
+        };
+        let after = work(&m, &rigid.q[2], PRESSURE, &ACTIVE);
+        prop_assert!(before.stored > 1e-6 && before.dissipated.abs() < 1e-12 * (1.0 + before.stored));
+        prop_assert!((after.stored - before.stored).abs() < 1e-11 * before.stored.max(1.0));
+        prop_assert!(after.dissipated.abs() < 1e-11 * before.stored.max(1.0), "{}", after.dissipated);
+        // And the energy-momentum force does no work on the motion.
+        if rigid.rule == ContactRule::EnergyMomentum {
+            let forces = rigid.friction(&m);
+            prop_assert!(dot(&forces, &rigid.increment()).abs() < 1e-11 * (1.0 + before.stored));
+        }
+    }
+
+    #[test]
+    fn dissipation_is_not_negative_and_the_energy_momentum_balance_is_exact(path in path(), mu in 0.0..2.0_f64) {
+        let start = path.run(with_coulomb(mu, path.stepping));
+        let w = work(&start, &path.q[2], PRESSURE, &ACTIVE);
+        prop_assert!(w.dissipated >= -1e-12 && w.stored >= 0.0, "{w:?}");
+        // What the released spring held is lost.
+        let open = work(&start, &path.q[2], PRESSURE, &OPEN);
+        prop_assert_eq!(open.stored, 0.0);
+        prop_assert!(open.dissipated >= 0.0);
+        if path.rule == ContactRule::EnergyMomentum {
+            let before = open.dissipated;
+            let done = dot(&path.friction(&start), &path.increment());
+            let balance = done + w.stored - before + w.dissipated;
+            prop_assert!(balance.abs() < 1e-12 * (1.0 + done.abs() + w.stored), "balance {balance:e}");
+        }
+    }
+}
+
+/// A flat surface with edges of length one: slip and traction are plain vectors.
+fn flat(at: [f64; 2]) -> Vec<f64> {
+    positions(&[0.0; FACETS as usize + 1], [at[0], at[1], 0.0])
+}
+
+#[test]
+fn on_a_flat_surface_edges_do_not_matter() {
+    for rule in RULES {
+        let mut m = with_coulomb(0.5, MidpointFriction::B);
+        let q_0 = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
+        m.set_rule(rule, STEP);
+        m.begin_step(&q_0, 10.0).unwrap();
+        let area = m.slot_weight(0);
+        let mut from = q_0;
+        // Closed form: return mapping of plain vectors (formulation §10.1), over no edge, one edge, several.
+        let mut tau = [0.0; 2];
+        let mut here = [0.4, 0.3];
+        for to in [[0.41, 0.31], [0.43, 0.32], [1.2, 0.5], [1.19, 0.45], [4.5, 0.4], [4.6, 0.45]] {
+            let q = flat(to);
+            m.repair(&q, &ACTIVE).unwrap();
+            let trial = [tau[0] + PENALTY * (to[0] - here[0]), tau[1] + PENALTY * (to[1] - here[1])];
+            let norm = f64::hypot(trial[0], trial[1]);
+            let cut = (0.5 * PRESSURE / norm).min(1.0);
+            let before = (tau[0] * tau[0] + tau[1] * tau[1]) / (2.0 * PENALTY);
+            let slip_work = |t: [f64; 2]| t[0] * (to[0] - here[0]) + t[1] * (to[1] - here[1]);
+            tau = trial.map(|t| cut * t);
+            let (residual, _) = assembled(&m, &from, &q, PRESSURE, rule, false);
+            for i in 0..2 {
+                assert!((residual[3 * SLAVE + i] - area * tau[i]).abs() < 1e-12, "{rule:?} {to:?}");
+            }
+            let w = work(&m, &q, PRESSURE, &ACTIVE);
+            let stored = (tau[0] * tau[0] + tau[1] * tau[1]) / (2.0 * PENALTY);
+            assert!((w.stored - area * stored).abs() < 1e-12);
+            assert!((w.dissipated - area * (slip_work(tau) + before - stored)).abs() < 1e-12);
+            m.commit(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+            m.begin_step(&q, 10.0).unwrap();
+            (from, here) = (q, to);
+        }
+    }
+}
+
+/// A sticking node that is carried over a ridge and a valley keeps the size of its traction up to what the small step adds.
+#[test]
+fn traction_turns_with_the_surface_over_edges() {
+    for heights in [[0.0, 0.0, -0.5, -1.0, -1.5, -2.0, -2.5], [0.0, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5]] {
+        for rule in RULES {
+            let mut m = with_coulomb(1e3, MidpointFriction::C);
+            let on = |x: f64| {
+                let z = if x < 1.0 { 0.0 } else { (x - 1.0) * heights[2] };
+                positions(&heights, [x, 0.3, z])
+            };
+            m.set_rule(rule, STEP);
+            m.begin_step(&positions(&heights, [0.94, 0.3, 0.1]), 1.0).unwrap();
+            m.repair(&on(0.98), &ACTIVE).unwrap();
+            m.commit(&on(0.98), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+            m.begin_step(&on(0.98), 1.0).unwrap();
+            let area = m.slot_weight(0);
+            let traction = |w: ContactWork| (2.0 * PENALTY * w.stored / area).sqrt();
+            let before = traction(work(&m, &on(0.98), PRESSURE, &ACTIVE));
+            assert!((before - PENALTY * 0.04).abs() < 0.05, "{before}");
+            let q = on(1.01);
+            assert_eq!(m.repair(&q, &ACTIVE).unwrap(), 1, "over the edge");
+            let length = 0.02 + 0.01 * 1.25_f64.sqrt();
+            let after = traction(work(&m, &q, PRESSURE, &ACTIVE));
+            assert!((after - before - PENALTY * length).abs() < 0.1 * PENALTY * length, "{rule:?} {before} {after}");
+            // Beyond the edge the next step begins with the traction that this one ended with.
+            m.commit(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+            m.begin_step(&q, 1.0).unwrap();
+            assert!((traction(work(&m, &q, PRESSURE, &ACTIVE)) - after).abs() < 1e-12 * after);
+        }
+    }
+}
+
+#[test]
+fn a_node_that_comes_back_begins_anew() {
+    let mut m = with_coulomb(0.5, MidpointFriction::C);
+    m.set_rule(ContactRule::EndPoint, STEP);
+    let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
+    let pressures = [PRESSURE, 0.0, 0.0, 0.0];
+    m.begin_step(&above, 1.0).unwrap();
+    m.repair(&flat([0.42, 0.3]), &ACTIVE).unwrap();
+    m.commit(&flat([0.42, 0.3]), &pressures, &ACTIVE);
+    m.begin_step(&flat([0.42, 0.3]), 1.0).unwrap();
+    assert!(work(&m, &flat([0.42, 0.3]), PRESSURE, &ACTIVE).stored > 0.0);
+    // Open in the next step: what was stored is lost; closed again in the one after: only the new slip counts.
+    m.repair(&above, &OPEN).unwrap();
+    assert!(work(&m, &above, 0.0, &OPEN).dissipated > 0.0);
+    m.commit(&above, &[0.0; 4], &OPEN);
+    m.begin_step(&above, 1.0).unwrap();
+    assert_eq!(work(&m, &above, 0.0, &OPEN), ContactWork::default());
+    let q = flat([0.41, 0.3]);
+    m.repair(&q, &ACTIVE).unwrap();
+    let (residual, _) = assembled(&m, &above, &q, PRESSURE, ContactRule::EndPoint, false);
+    assert!((residual[3 * SLAVE] - m.slot_weight(0) * PENALTY * 0.01).abs() < 1e-13);
+}
+
+#[test]
+fn history_goes_through_bytes() {
+    let mut m = with_coulomb(0.5, MidpointFriction::C);
+    m.set_rule(ContactRule::Midpoint, STEP);
+    m.begin_step(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), 1.0).unwrap();
+    let on = flat([0.5, 0.33]);
+    m.repair(&on, &ACTIVE).unwrap();
+    m.commit(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+    let bytes = m.save_history();
+    let mut other = with_coulomb(0.5, MidpointFriction::C);
+    other.load_history(&bytes).unwrap();
+    assert_eq!(other.save_history(), bytes);
+    let next = flat([0.52, 0.33]);
+    let both = [&mut m, &mut other].map(|m| {
+        m.set_rule(ContactRule::Midpoint, STEP);
+        m.begin_step(&on, 1.0).unwrap();
+        assembled(m, &on, &next, PRESSURE, ContactRule::Midpoint, true)
+    });
+    assert_eq!(both[0], both[1]);
+    assert!(both[0].0[3 * SLAVE] > 0.1, "there is friction");
+    // Without friction the history is shorter.
+    assert!(standard(FACETS).load_history(&bytes).is_err());
+    assert!(other.load_history(&standard(FACETS).save_history()).is_err());
+}
+
+#[test]
+fn what_has_no_friction_says_so() {
+    let friction =
+        || Friction::new(Arc::new(Coulomb::new(0.1).unwrap()), 1.0, Stick::Penalty, MidpointFriction::C).unwrap();
+    let modified = method(FACETS, ConstraintForm::Modified, stoss_contact::SearchOptions::default());
+    assert!(matches!(modified.with_friction(friction()), Err(ContactError::FrictionUnavailable { .. })));
+    let mut m = standard(FACETS).with_friction(friction()).unwrap();
+    let q = flat([0.4, 0.3]);
+    m.begin_step(&q, 1.0).unwrap();
+    m.repair(&q, &ACTIVE).unwrap();
+    let step = stoss_contact::StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPointMean };
+    let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| ()).unwrap_err();
+    assert_eq!(error.to_string(), "contact with friction is not available with the rule EndPointMean");
+}
+
+/// A node on a flat surface is pulled by a spring; solved exactly between the rounds of the augmentation. Closed form: it sticks where it was if the
+/// spring's force is below the bound, otherwise it slides until the spring has the force of the bound.
+#[test]
+fn augmented_multipliers_stick_exactly() {
+    const SPRING: f64 = PENALTY / 9.0;
+    for rule in RULES {
+        for (bound, expected) in [(10.0, 0.4), (1.5, 0.9 - 1.5 / SPRING)] {
+            let law = Arc::new(Coulomb::new(bound / PRESSURE).unwrap());
+            let mut m = with_law(law, Stick::Augmented, MidpointFriction::C);
+            let (start, target) = (flat([0.4, 0.3]), 0.9);
+            m.set_rule(rule, STEP);
+            m.begin_step(&start, 1.0).unwrap();
+            m.repair(&start, &ACTIVE).unwrap();
+            let area = m.slot_weight(0);
+            let mut x = 0.45;
+            for round in 0.. {
+                // Force of the spring less friction; piecewise linear, so that a few secant steps end at a root.
+                let force = |m: &NodeToSurface, x: f64| {
+                    SPRING * (target - x)
+                        - assembled(m, &start, &flat([x, 0.3]), PRESSURE, rule, false).0[3 * SLAVE] / area
+                };
+                let (mut low, mut high) = (0.3, 1.0);
+                for _ in 0..100 {
+                    x = 0.5 * (low + high);
+                    if force(&m, x) > 0.0 { low = x } else { high = x }
+                }
+                if m.augment(&flat([x, 0.3]), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE).unwrap() == 0 {
+                    break;
+                }
+                assert!(round < 12, "the rounds are limited");
+            }
+            assert!((x - expected).abs() < 1e-11, "{rule:?} {bound}: {x} against {expected}");
+            let w = work(&m, &flat([x, 0.3]), PRESSURE, &ACTIVE);
+            assert!((w.dissipated - area * bound * (x - 0.4)).abs() < 1e-10 && w.stored == 0.0, "{w:?}");
+        }
+    }
+}
+
+#[test]
+fn the_paths_reach_every_kind_of_pairing() {
+    use proptest::{strategy::ValueTree, test_runner::TestRunner};
+    let mut runner = TestRunner::deterministic();
+    let mut nodes = Vec::new();
+    for _ in 0..200 {
+        let m = path().new_tree(&mut runner).unwrap().current().run(with_coulomb(1.0, MidpointFriction::C));
+        m.stencils(&ACTIVE, &mut |stencil, _| nodes.push(stencil.len()));
+    }
+    for kind in [5, 7, 13] {
+        let count = nodes.iter().filter(|&&n| n == kind).count();
+        assert!(count > 20, "{count} elements with {kind} nodes");
+    }
+}
+
+/// On one warped facet the slip between material points is `m_ab dxi^b` of formulation §4.5 up to the square of the slip.
+#[test]
+fn the_slip_is_that_of_the_formulation_to_second_order() {
+    let mut q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.0]);
+    for (k, x) in q[..3 * SLAVE].iter_mut().enumerate() {
+        *x += 0.1 * (1.7 * k as f64).sin();
+    }
+    let facet = [0, 2, 3, 1];
+    let local = |q: &[f64]| -> Local {
+        let mut out = [0.0; LOCAL];
+        for (block, node) in out.chunks_exact_mut(3).zip(std::iter::once(SLAVE).chain(facet)) {
+            block.copy_from_slice(&q[3 * node..3 * node + 3]);
+        }
+        out
+    };
+    let difference = |size: f64| {
+        let mut end = q.clone();
+        for (i, d) in [0.8, 0.5, -0.2].iter().enumerate() {
+            end[3 * SLAVE + i] += size * d;
+        }
+        let mut m = with_coulomb(1e3, MidpointFriction::C);
+        m.set_rule(ContactRule::EndPoint, STEP);
+        m.begin_step(&q, 1.0).unwrap();
+        m.repair(&end, &ACTIVE).unwrap();
+        let (residual, _) = assembled(&m, &q, &end, 0.0, ContactRule::EndPoint, false);
+        assert!(residual[3 * SLAVE..3 * SLAVE + 3].iter().all(|r| *r == 0.0), "no pressure, no friction");
+        let with = assembled(&m, &q, &end, PRESSURE, ContactRule::EndPoint, false).0;
+        let ((x_n, patch_n), (x, patch)) = (points(&local(&q)), points(&local(&end)));
+        let at_n = Gap::project(&x_n, &patch_n, [0.0; 2]).unwrap();
+        let gap = Gap::project(&x, &patch, [0.0; 2]).unwrap();
+        let tangents = patch.tangents(gap.xi);
+        let tau: [f64; 2] = std::array::from_fn(|al| {
+            (0..2).map(|be| PENALTY * tangents[al].dot(&tangents[be]) * (gap.xi[be] - at_n.xi[be])).sum()
+        });
+        (0..3)
+            .map(|i| {
+                let friction = tau[0] * gap.xi_gradient[0][i] + tau[1] * gap.xi_gradient[1][i];
+                let expected = m.slot_weight(0) * (friction - PRESSURE * gap.gradient[i]);
+                (with[3 * SLAVE + i] - expected).abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    let (large, small) = (difference(2e-2), difference(1e-2));
+    assert!(small > 1e-8 && small < 1e-2 * PENALTY * 1e-2, "{small:e}");
+    assert!((large / small - 4.0).abs() < 0.3, "of second order: {}", large / small);
+}

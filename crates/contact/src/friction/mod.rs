@@ -1,0 +1,30 @@
+//! Friction of one contact point: laws and their time stepping (formulation §1.4, §10).
+//!
+//! * [`FrictionLaw`]: tangential traction from pressure, trial traction, slip and step size. The catalogue: [`Coulomb`],
+//!   [`StaticDynamic`], [`Regularised`]. A law of one's own implements the trait and needs nothing else;
+//! * [`Friction`]: a law with its tangential stiffness, the way stick is enforced and the time stepping; [`Friction::step`] does the
+//!   step of one point and says what was stored and what was dissipated.
+//!
+//! Vectors have two components in an orthonormal frame of the tangent plane. Tractions point *along the slip of the slave relative
+//! to the master*; the traction on the slave is the opposite. Not here: slip and its frame (a contact method's).
+//!
+//! To add a law: a file beside `coulomb.rs`, a `pub use` here, a line in the tests of `tests/friction.rs`, a scene variant.
+
+mod coulomb;
+mod law;
+mod regularised;
+mod static_dynamic;
+mod step;
+
+pub use coulomb::Coulomb;
+pub use law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
+pub use regularised::Regularised;
+pub use static_dynamic::StaticDynamic;
+pub use step::{Friction, FrictionPoint, FrictionStep, MidpointFriction, Stick};
+
+use crate::ContactError;
+
+/// A parameter in a half-open or open range.
+fn check(parameter: &'static str, value: f64, allowed: bool, range: &'static str) -> Result<f64, ContactError> {
+    if allowed && value.is_finite() { Ok(value) } else { Err(ContactError::Friction { parameter, value, range }) }
+}

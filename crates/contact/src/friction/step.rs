@@ -1,0 +1,199 @@
+//! The step of one contact point by return mapping (formulation §10).
+
+use super::check;
+use super::law::{FrictionInput, FrictionLaw, Plane};
+use crate::ContactError;
+use std::sync::Arc;
+
+/// Which traction of the step is in the equations of a midpoint scheme (formulation §10.2). Backward Euler and statics take the one at the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MidpointFriction {
+    /// Return at the midpoint; the end traction is extrapolated (Armero and Petoecz). It leaves the cone and alternates.
+    A,
+    /// Return over the whole step; that traction is force and history. Dissipates in stick too; first order.
+    B,
+    /// Return at the end, the force is the mean of both ends. The traction at the start is brought into the cone of the step's pressure first,
+    /// our addition: without it the mean could leave the cone, and dissipation be negative, when the pressure falls. Second order.
+    #[default]
+    C,
+}
+
+/// How stick is enforced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stick {
+    /// By a spring of the tangential stiffness between slave and master, which stores energy and lets a sticking point move by traction over
+    /// stiffness, no farther: no creep.
+    #[default]
+    Penalty,
+    /// Augmented Lagrangian: the traction becomes the history of the same step until a sticking point does not move. Chosen before two further
+    /// unknowns for each point, because the loop around the iterations that it needs is that of the active set, and because the
+    /// matrix keeps its size when points begin to slip. The tangential stiffness decides on the number of rounds, not on the result.
+    Augmented,
+}
+
+/// A law with all that its time stepping needs.
+#[derive(Clone, Debug)]
+pub struct Friction {
+    law: Arc<dyn FrictionLaw>,
+    penalty: f64,
+    stick: Stick,
+    midpoint: MidpointFriction,
+}
+
+/// One point at the start of its step, and what the iteration says of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionPoint {
+    /// Traction at the start, in the frame of the step. With [`Stick::Augmented`] the multiplier.
+    pub history: Plane,
+    /// Slip in the step, a length.
+    pub slip: Plane,
+    /// Pressure of the step.
+    pub pressure: f64,
+    /// Size of the step.
+    pub step_size: f64,
+    /// Path slid before the step.
+    pub slid: f64,
+}
+
+/// A step of one point. Energies are per reference area.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrictionStep {
+    /// Traction in the equations, along the slip.
+    pub force: Plane,
+    /// Traction at the end, the history of the next step.
+    pub end: Plane,
+    /// True if nothing slides.
+    pub sticks: bool,
+    /// `d force_i / d history_j`.
+    pub d_history: [Plane; 2],
+    /// `d force_i / d slip_j`.
+    pub d_slip: [Plane; 2],
+    /// `d force / d pressure`.
+    pub d_pressure: Plane,
+    /// Energy in the tangential spring at the end.
+    pub stored: f64,
+    /// Work of the slip against the friction, `force . slip`.
+    pub work: f64,
+}
+
+fn dot(a: Plane, b: Plane) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn times(a: [Plane; 2], b: [Plane; 2]) -> [Plane; 2] {
+    a.map(|row| [row[0] * b[0][0] + row[1] * b[1][0], row[0] * b[0][1] + row[1] * b[1][1]])
+}
+
+fn apply(a: [Plane; 2], v: Plane) -> Plane {
+    a.map(|row| dot(row, v))
+}
+
+/// `f a + g b`.
+fn combine(f: f64, a: [Plane; 2], g: f64, b: [Plane; 2]) -> [Plane; 2] {
+    std::array::from_fn(|i| std::array::from_fn(|j| f * a[i][j] + g * b[i][j]))
+}
+
+impl Friction {
+    /// A law with a tangential stiffness (traction per length).
+    ///
+    /// # Errors
+    /// [`ContactError::Friction`] if the stiffness is not positive.
+    pub fn new(
+        law: Arc<dyn FrictionLaw>,
+        penalty: f64,
+        stick: Stick,
+        midpoint: MidpointFriction,
+    ) -> Result<Self, ContactError> {
+        Ok(Self { law, penalty: check("penalty", penalty, penalty > 0.0, "positive")?, stick, midpoint })
+    }
+
+    /// The law.
+    pub fn law(&self) -> &dyn FrictionLaw {
+        &*self.law
+    }
+    /// Tangential stiffness, traction per length.
+    pub fn penalty(&self) -> f64 {
+        self.penalty
+    }
+    /// How stick is enforced; a law without stick has nothing to enforce.
+    pub fn stick(&self) -> Stick {
+        if self.law.is_elastic() { self.stick } else { Stick::Penalty }
+    }
+    /// Stepping under the midpoint rules.
+    pub fn midpoint(&self) -> MidpointFriction {
+        self.midpoint
+    }
+
+    /// Energy in the tangential spring at a traction, per area; zero without one.
+    pub fn stored(&self, traction: [f64; 2]) -> f64 {
+        match (self.stick, self.law.is_elastic()) {
+            (Stick::Penalty, true) => 0.5 * dot(traction, traction) / self.penalty,
+            _ => 0.0,
+        }
+    }
+
+    /// Does a step. `at_end`: the equations are those of the end point (statics, backward Euler), otherwise of the midpoint.
+    ///
+    /// With `w = work`, `s` the stored energies: `w = s_np1 - s_n + dissipated`, and `dissipated >= 0` under every stepping for every law that keeps
+    /// what [`FrictionLaw`] asks for, from any traction at the start. An augmented multiplier has `dissipated = w`, which is not negative once it has
+    /// converged.
+    pub fn step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
+        let law = |trial| {
+            self.law.traction(&FrictionInput {
+                pressure: point.pressure,
+                trial,
+                slip: point.slip,
+                step_size: point.step_size,
+                slid: point.slid,
+            })
+        };
+        let elastic = self.law.is_elastic();
+        let stepping =
+            if at_end || !elastic || self.stick == Stick::Augmented { MidpointFriction::B } else { self.midpoint };
+        let trial = |from: Plane, stiffness: f64| std::array::from_fn(|i| from[i] + stiffness * point.slip[i]);
+        let h = point.history;
+        let out = match stepping {
+            MidpointFriction::B => {
+                let end = law(trial(h, self.penalty));
+                FrictionStep {
+                    force: end.traction,
+                    end: end.traction,
+                    sticks: end.sticks,
+                    d_history: end.d_trial,
+                    d_slip: combine(self.penalty, end.d_trial, 1.0, end.d_slip),
+                    d_pressure: end.d_pressure,
+                    ..FrictionStep::default()
+                }
+            }
+            MidpointFriction::A => {
+                let mid = law(trial(h, 0.5 * self.penalty));
+                FrictionStep {
+                    force: mid.traction,
+                    end: std::array::from_fn(|i| 2.0 * mid.traction[i] - h[i]),
+                    sticks: mid.sticks,
+                    d_history: mid.d_trial,
+                    d_slip: combine(0.5 * self.penalty, mid.d_trial, 1.0, mid.d_slip),
+                    d_pressure: mid.d_pressure,
+                    ..FrictionStep::default()
+                }
+            }
+            MidpointFriction::C => {
+                let start = law(h);
+                let end = law(trial(start.traction, self.penalty));
+                // Of the end with respect to the start, then of the start.
+                let d_end_slip = combine(1.0, times(end.d_trial, start.d_slip), 1.0, end.d_slip);
+                let through = apply(end.d_trial, start.d_pressure);
+                FrictionStep {
+                    force: std::array::from_fn(|i| 0.5 * (start.traction[i] + end.traction[i])),
+                    end: end.traction,
+                    sticks: end.sticks,
+                    d_history: combine(0.5, start.d_trial, 0.5, times(end.d_trial, start.d_trial)),
+                    d_slip: combine(0.5, combine(1.0, start.d_slip, 1.0, d_end_slip), 0.5 * self.penalty, end.d_trial),
+                    d_pressure: std::array::from_fn(|i| 0.5 * (start.d_pressure[i] + end.d_pressure[i] + through[i])),
+                    ..FrictionStep::default()
+                }
+            }
+        };
+        FrictionStep { stored: self.stored(out.end), work: dot(out.force, point.slip), ..out }
+    }
+}

@@ -1,0 +1,177 @@
+//! Friction laws and their stepping: derivatives, the cone, dissipation, closed forms.
+
+use proptest::prelude::*;
+use std::sync::Arc;
+use stoss_contact::friction::{
+    Coulomb, Friction, FrictionInput, FrictionLaw, FrictionPoint, MidpointFriction, Regularised, StaticDynamic, Stick,
+};
+
+const PENALTY: f64 = 40.0;
+const STEPPINGS: [MidpointFriction; 3] = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C];
+
+fn laws() -> [Arc<dyn FrictionLaw>; 3] {
+    [
+        Arc::new(Coulomb::new(0.4).unwrap()),
+        Arc::new(StaticDynamic::new(0.6, 0.3, 0.5).unwrap()),
+        Arc::new(Regularised::new(0.4, 0.2).unwrap()),
+    ]
+}
+
+fn vector(size: f64) -> impl Strategy<Value = [f64; 2]> {
+    proptest::array::uniform2(-size..size)
+}
+
+fn point() -> impl Strategy<Value = FrictionPoint> {
+    (vector(2.0), vector(0.1), -0.5..5.0_f64, 0.01..0.2_f64).prop_map(|(history, slip, pressure, step_size)| {
+        FrictionPoint { history, slip, pressure, step_size, slid: 0.3 }
+    })
+}
+
+fn norm(v: [f64; 2]) -> f64 {
+    v[0].hypot(v[1])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn derivatives_of_the_step(point in point(), law in 0..3_usize, stepping in 0..4_usize) {
+        let law = Arc::clone(&laws()[law]);
+        let friction =
+            Friction::new(law, PENALTY, Stick::Penalty, *STEPPINGS.get(stepping).unwrap_or(&MidpointFriction::C)).unwrap();
+        let at_end = stepping == 3;
+        let step = friction.step(at_end, &point);
+        const H: f64 = 1e-6;
+        let kink = std::cell::Cell::new(false);
+        let difference = |change: &dyn Fn(&mut FrictionPoint, f64)| -> [f64; 2] {
+            let at = |h: f64| {
+                let mut moved = point;
+                change(&mut moved, h);
+                friction.step(at_end, &moved)
+            };
+            let (ahead, behind) = (at(H), at(-H));
+            // Neither the end nor the start of variant C may change its branch between the three points.
+            let start = |p: &FrictionPoint| {
+                let trial = p.history;
+                friction.law().traction(&FrictionInput {
+                    pressure: p.pressure, trial, slip: p.slip, step_size: p.step_size, slid: p.slid,
+                }).sticks
+            };
+            let starts = [-4.0 * H, 4.0 * H].map(|h| { let mut p = point; change(&mut p, h); start(&p) });
+            let here = at(4.0 * H).sticks != at(-4.0 * H).sticks || starts[0] != starts[1] || point.pressure.abs() < 1e-5;
+            kink.set(kink.get() || here);
+            std::array::from_fn(|i| (ahead.force[i] - behind.force[i]) / (2.0 * H))
+        };
+        for j in 0..2 {
+            let by_history = difference(&|p, h| p.history[j] += h);
+            let by_slip = difference(&|p, h| p.slip[j] += h);
+            if !kink.get() {
+                for i in 0..2 {
+                    prop_assert!((by_history[i] - step.d_history[i][j]).abs() < 1e-7);
+                    prop_assert!((by_slip[i] - step.d_slip[i][j]).abs() < 1e-6 * PENALTY, "{by_slip:?} {:?}", step.d_slip);
+                }
+            }
+        }
+        let by_pressure = difference(&|p, h| p.pressure += h);
+        if !kink.get() {
+            for i in 0..2 {
+                prop_assert!((by_pressure[i] - step.d_pressure[i]).abs() < 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn a_path_never_gains_energy(
+        path in proptest::collection::vec((vector(0.1), -0.5..5.0_f64), 1..30),
+        law in 0..3_usize,
+        stepping in 0..4_usize,
+    ) {
+        let law = Arc::clone(&laws()[law]);
+        let friction =
+            Friction::new(law, PENALTY, Stick::Penalty, *STEPPINGS.get(stepping).unwrap_or(&MidpointFriction::C)).unwrap();
+        let at_end = stepping == 3;
+        let mut history = [0.0; 2];
+        for (slip, pressure) in path {
+            let before = friction.stored(history);
+            let step = friction.step(at_end, &FrictionPoint { history, slip, pressure, step_size: 0.05, slid: 0.0 });
+            let dissipated = step.work + before - step.stored;
+            prop_assert!(dissipated >= -1e-13, "dissipated {dissipated:e}");
+            // The force of every reading is in the cone, the history of A is not. (0.6: the largest coefficient.)
+            prop_assert!(norm(step.force) <= 0.6 * pressure.max(0.0) + 1e-13);
+            history = step.end;
+        }
+    }
+
+    #[test]
+    fn an_augmented_multiplier_settles_at_coulombs_law(slip in vector(0.1), history in vector(2.0), pressure in 0.1..5.0_f64) {
+        let friction =
+            Friction::new(Arc::new(Coulomb::new(0.4).unwrap()), PENALTY, Stick::Augmented, MidpointFriction::C).unwrap();
+        prop_assume!(norm(slip) > 1e-2);
+        let mut multiplier = history;
+        for _ in 0..400 {
+            multiplier = friction.step(false, &FrictionPoint { history: multiplier, slip, pressure, step_size: 1.0, slid: 0.0 }).force;
+        }
+        for i in 0..2 {
+            prop_assert!((multiplier[i] - 0.4 * pressure * slip[i] / norm(slip)).abs() < 1e-9);
+        }
+        prop_assert_eq!(friction.stored(multiplier), 0.0);
+    }
+}
+
+/// A point slides there and back on a line: closed forms of the return mapping (formulation §10.1).
+#[test]
+fn there_and_back() {
+    let friction =
+        |stepping| Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, Stick::Penalty, stepping).unwrap();
+    let step = |f: &Friction, at_end, history: f64, slip: f64, pressure| {
+        f.step(
+            at_end,
+            &FrictionPoint { history: [history, 0.0], slip: [slip, 0.0], pressure, step_size: 1.0, slid: 0.0 },
+        )
+    };
+    let c = friction(MidpointFriction::C);
+    // Stick: 100 * 0.01 = 1 < 0.5 * 4; the mean of 0 and 1 is the force, all work is stored.
+    let s = step(&c, false, 0.0, 0.01, 4.0);
+    assert!(s.sticks && s.force == [0.5, 0.0] && s.end == [1.0, 0.0]);
+    assert!((s.work - s.stored).abs() < 1e-17 && (s.stored - 0.005).abs() < 1e-17);
+    // On to slip at 2: trial 6.
+    let s = step(&c, false, 1.0, 0.05, 4.0);
+    assert!(!s.sticks && s.force == [1.5, 0.0] && s.end == [2.0, 0.0]);
+    // Unloading while the pressure falls to 2: the start is cut to 1, the trial is -1, just admissible.
+    let s = step(&c, false, 2.0, -0.02, 2.0);
+    assert!(s.force == [0.0, 0.0] && s.end == [-1.0, 0.0]);
+    // At the end point the mean is not taken.
+    assert_eq!(step(&c, true, 1.0, 0.05, 4.0).force, [2.0, 0.0]);
+    // A: trial at the midpoint 1 + 2.5, force 2, the end leaves the cone.
+    let s = step(&friction(MidpointFriction::A), false, 1.0, 0.05, 4.0);
+    assert!(s.force == [2.0, 0.0] && s.end == [3.0, 0.0]);
+    let s = step(&friction(MidpointFriction::B), false, 1.0, 0.05, 4.0);
+    assert!(s.force == [2.0, 0.0] && s.end == [2.0, 0.0]);
+    // No pressure, no friction.
+    assert_eq!(step(&c, true, 1.0, 0.05, -1.0).force, [0.0, 0.0]);
+}
+
+#[test]
+fn laws_at_known_speeds() {
+    let input =
+        |slip: f64| FrictionInput { pressure: 2.0, trial: [100.0, 0.0], slip: [slip, 0.0], step_size: 0.1, slid: 0.0 };
+    let law = StaticDynamic::new(0.6, 0.2, 0.5).unwrap();
+    assert!((law.traction(&input(0.0)).traction[0] - 1.2).abs() < 1e-15);
+    // Speed 0.5: mu = 0.2 + 0.4 / e.
+    assert!((law.traction(&input(0.05)).traction[0] - 2.0 * (0.2 + 0.4 / 1f64.exp())).abs() < 1e-15);
+    assert!((law.traction(&input(5.0)).traction[0] - 0.4).abs() < 1e-15);
+    let law = Regularised::new(0.5, 0.3).unwrap();
+    // Speed 0.4: 0.4 / sqrt(0.4^2 + 0.3^2) = 0.8.
+    assert!((law.traction(&input(0.04)).traction[0] - 0.8).abs() < 1e-15);
+    assert!(!law.is_elastic());
+}
+
+#[test]
+fn parameters_out_of_range_are_errors() {
+    assert!(Coulomb::new(-0.1).is_err() && Coulomb::new(f64::NAN).is_err() && Coulomb::new(0.0).is_ok());
+    assert!(StaticDynamic::new(0.2, 0.3, 1.0).is_err() && StaticDynamic::new(0.3, 0.2, 0.0).is_err());
+    assert!(Regularised::new(0.3, 0.0).is_err());
+    let coulomb = Arc::new(Coulomb::new(0.1).unwrap());
+    let error = Friction::new(coulomb, 0.0, Stick::Penalty, MidpointFriction::C).unwrap_err();
+    assert_eq!(error.to_string(), "friction parameter `penalty` must be positive, but is 0");
+}

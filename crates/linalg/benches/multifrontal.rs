@@ -1,0 +1,126 @@
+//! The multifrontal solver against faer's LU on tangents of contact problems: CPU seconds (medians of three), memory, backward error, and ratios
+//! in one run. Each solver runs in a process of its own, so that the growth of the peak memory is its own.
+//!
+//!     cargo bench -p stoss-linalg --bench multifrontal [-- NAME]
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use common::tangents::{Setting, block_pair, tori};
+use cpu_time::ProcessTime;
+use std::process::Command;
+use std::time::Instant;
+use stoss_linalg::{FaerSolver, LinearSolver, MatrixKind, MultifrontalSolver, SparseMatrix};
+
+const SYSTEMS: [&str; 8] = [
+    "pair-4k-symmetric",
+    "pair-4k",
+    "tori-26k-symmetric",
+    "tori-26k",
+    "pair-30k-symmetric",
+    "pair-30k",
+    "pair-30k-scaled-symmetric",
+    "pair-30k-scaled",
+];
+const SOLVERS: [(&str, &str); 4] =
+    [("faer LU", "1"), ("multifrontal LU", "1"), ("multifrontal LU", "2"), ("multifrontal LDL'", "1")];
+
+fn system(name: &str) -> (SparseMatrix, Vec<f64>) {
+    let mut setting = Setting::new(!name.ends_with("symmetric"));
+    if name.contains("scaled") {
+        setting = Setting { contrast: 1e6, penalty: 1e7, inertia: 1.0, ..setting };
+    }
+    match name.split('-').take(2).collect::<Vec<_>>()[..] {
+        ["tori", _] => tori([52, 20, 3], 330, setting),
+        ["pair", "4k"] => block_pair(10, setting),
+        _ => block_pair(20, setting),
+    }
+}
+
+/// Peak resident memory in MB; 0 where the system does not tell.
+fn peak() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:")).unwrap_or("");
+    line.split_whitespace().next().and_then(|kb| kb.parse::<f64>().ok()).unwrap_or(0.0) / 1024.0
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// Prints analyse, factorise (CPU and wall), solve, memory, backward error, refinement steps, fallbacks.
+fn measure(name: &str, solver: &str, threads: usize) {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().unwrap();
+    let (matrix, rhs) = system(name);
+    let (mut solver, kind): (Box<dyn LinearSolver>, MatrixKind) = match solver {
+        "faer LU" => (Box::new(FaerSolver::new()), MatrixKind::General),
+        "multifrontal LU" => (Box::new(MultifrontalSolver::new()), MatrixKind::General),
+        _ => (Box::new(MultifrontalSolver::new()), MatrixKind::Symmetric),
+    };
+    let mut x = vec![0.0; rhs.len()];
+    let before = peak();
+    let start = ProcessTime::now();
+    solver.analyse(&matrix.pattern, kind).unwrap();
+    let analyse = start.elapsed().as_secs_f64();
+    solver.factorise(&matrix.values).unwrap();
+    let (mut factorise, mut wall, mut solve) = (Vec::new(), Vec::new(), Vec::new());
+    let mut report = None;
+    for _ in 0..3 {
+        let (start, clock) = (ProcessTime::now(), Instant::now());
+        solver.factorise(&matrix.values).unwrap();
+        factorise.push(start.elapsed().as_secs_f64());
+        wall.push(clock.elapsed().as_secs_f64());
+        let start = ProcessTime::now();
+        report = Some(solver.solve(&rhs, &mut x).unwrap());
+        solve.push(start.elapsed().as_secs_f64());
+    }
+    let report = report.unwrap();
+    println!(
+        "{analyse} {} {} {} {} {} {} {}",
+        median(factorise),
+        median(wall),
+        median(solve),
+        peak() - before,
+        report.backward_error,
+        report.refinement_steps,
+        solver.statistics().pivoting_fallbacks
+    );
+}
+
+fn main() {
+    let args: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    if let [key, name, solver, threads] = &args[..]
+        && key == "measure"
+    {
+        return measure(name, solver, threads.parse().unwrap());
+    }
+    println!(
+        "| system | solver | threads | analyse | factorise | ratio | wall | solve | MB | ratio | backward error | steps | fallbacks |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    for name in SYSTEMS.iter().filter(|name| args.is_empty() || args.iter().any(|a| a == *name)) {
+        let mut reference: Option<Vec<f64>> = None;
+        for (solver, threads) in SOLVERS {
+            if solver.ends_with("LDL'") && !name.ends_with("symmetric") {
+                continue;
+            }
+            let output = Command::new(std::env::current_exe().unwrap())
+                .args(["measure", name, solver, threads])
+                .output()
+                .unwrap();
+            let text = String::from_utf8_lossy(&output.stdout);
+            let values: Vec<f64> = text.split_whitespace().filter_map(|v| v.parse().ok()).collect();
+            let [analyse, factorise, wall, solve, memory, error, steps, fallbacks] = values[..] else {
+                println!("| {name} | {solver} | {threads} | failed: {} |", String::from_utf8_lossy(&output.stderr));
+                continue;
+            };
+            let base = reference.get_or_insert_with(|| values.clone());
+            println!(
+                "| {name} | {solver} | {threads} | {analyse:.3} s | {factorise:.3} s | {:.2} | {wall:.3} s | {solve:.3} s | {memory:.0} | {:.2} | {error:.1e} | {steps} | {fallbacks} |",
+                factorise / base[1],
+                memory / base[4]
+            );
+        }
+    }
+}

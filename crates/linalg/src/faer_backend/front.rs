@@ -1,0 +1,261 @@
+//! Dense kernels of a multifrontal factorisation: the elimination of the first `w` of `w + r` equations of a front. Not the tree.
+//!
+//! Large products are cut into blocks of columns of a fixed size, so that they may run in parallel without an influence on the bits;
+//! faer itself runs sequentially.
+
+use super::Scratch;
+use crate::LinalgError;
+use faer::diag::DiagMut;
+use faer::dyn_stack::StackReq;
+use faer::linalg::cholesky::lblt::factor as ldl;
+use faer::linalg::lu::partial_pivoting::factor as lu;
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve as triangular;
+use faer::reborrow::{Reborrow, ReborrowMut};
+use faer::{Accum, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+/// A pivot below this is none: the equilibrated matrix has entries of about 1, and what is left of them after
+/// cancellation is round-off.
+const SMALLEST_PIVOT: f64 = 1e-15;
+
+/// Products of fewer floating-point operations are not worth several tasks.
+const SMALLEST_PRODUCT: usize = 4_000_000;
+
+/// Columns of a block of the update.
+const BLOCK: usize = 96;
+
+/// Columns of a block on the diagonal of a symmetric update.
+const DIAGONAL_BLOCK: usize = 32;
+
+/// Scratch memory of one task.
+#[derive(Debug, Default)]
+pub struct FrontWork {
+    scratch: Scratch,
+    column: Vec<f64>,
+    inverse: Vec<u32>,
+    symmetric: bool,
+}
+
+impl FrontWork {
+    /// For fronts that eliminate at most `w` equations.
+    ///
+    /// # Errors
+    /// [`LinalgError::Backend`] for want of memory.
+    pub fn new(w: usize, symmetric: bool) -> Result<Self, LinalgError> {
+        let mut work = Self::default();
+        work.reserve(w, symmetric)?;
+        Ok(work)
+    }
+
+    fn reserve(&mut self, w: usize, symmetric: bool) -> Result<(), LinalgError> {
+        if self.column.len() >= w && self.symmetric == symmetric {
+            return Ok(());
+        }
+        let request: StackReq = if symmetric {
+            ldl::cholesky_in_place_scratch::<u32, f64>(w, Par::Seq, Default::default())
+        } else {
+            lu::lu_in_place_scratch::<u32, f64>(w, w, Par::Seq, Default::default())
+        };
+        self.scratch = Scratch::new(request)?;
+        self.column = vec![0.0; w];
+        self.inverse = vec![0; w];
+        self.symmetric = symmetric;
+        Ok(())
+    }
+
+    /// Heap memory in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        self.scratch.bytes + self.column.capacity() * size_of::<f64>() + self.inverse.capacity() * size_of::<u32>()
+    }
+}
+
+/// LU of a front. `block` holds the lower panel (`w + r` rows, `w` columns) and the upper one (`w` rows, `r` columns), `update` the
+/// `r x r` rest, all by columns. Pivots are chosen among the first `w` rows: afterwards the first `w` rows of the panels are `P A = L U`,
+/// the others of the lower panel `A U^-1`, and `update` is the Schur complement.
+///
+/// False if an equation has no acceptable pivot (or for want of memory); the factors are then worthless.
+pub fn factorise_lu_front(
+    w: usize,
+    r: usize,
+    block: &mut [f64],
+    update: &mut [f64],
+    pivots: &mut [u32],
+    work: &mut FrontWork,
+    parallel: bool,
+) -> bool {
+    if work.reserve(w, false).is_err() {
+        return false;
+    }
+    let (lower, upper) = block.split_at_mut((w + r) * w);
+    let (mut square, mut below) = MatMut::from_column_major_slice_mut(lower, w + r, w).split_at_row_mut(w);
+    lu::lu_in_place(
+        square.rb_mut(),
+        pivots,
+        &mut work.inverse[..w],
+        Par::Seq,
+        work.scratch.stack(),
+        Default::default(),
+    );
+    if !(0..w).all(|k| acceptable(square[(k, k)].abs())) {
+        return false;
+    }
+    if r == 0 {
+        return true;
+    }
+    let square = square.as_ref();
+    let exchanged = pivots.iter().enumerate().any(|(k, &p)| p as usize != k);
+    if exchanged {
+        for column in upper.chunks_exact_mut(w) {
+            work.column[..w].copy_from_slice(column);
+            column.iter_mut().zip(&*pivots).for_each(|(x, &p)| *x = work.column[p as usize]);
+        }
+    }
+    let parallel_solve = parallel && w * w * r >= SMALLEST_PRODUCT;
+    for_columns(upper, w, parallel_solve, |_, columns| {
+        triangular::solve_unit_lower_triangular_in_place(square, columns, Par::Seq);
+    });
+    for_rows(below.rb_mut(), parallel_solve, &|rows| {
+        triangular::solve_lower_triangular_in_place(square.transpose(), rows.transpose_mut(), Par::Seq);
+    });
+    let (below, upper) = (below.as_ref(), MatRef::from_column_major_slice(upper, w, r));
+    for_columns(update, r, parallel && 2 * w * r * r >= SMALLEST_PRODUCT, |first, columns| {
+        let upper = upper.subcols(first, columns.ncols());
+        matmul(columns, Accum::Add, below, upper, -1.0, Par::Seq);
+    });
+    true
+}
+
+/// `L D L^T` of a symmetric front, of which only the lower triangles are read and written; `block` is the lower panel alone. Pivots are 1 x 1 or
+/// 2 x 2 (Bunch and Kaufman), chosen among the first `w` equations. Afterwards the panel is `P^T L` and has the diagonal of `D`, `subdiagonal` the rest
+/// of `D`. `product` (`w r` entries) is scratch.
+///
+/// The upper triangle of `update` is spoilt.
+///
+/// False if an equation has no acceptable pivot (or for want of memory); the factors are then worthless.
+pub fn factorise_ldl_front(
+    w: usize,
+    r: usize,
+    block: &mut [f64],
+    update: &mut [f64],
+    pivots: &mut [u32],
+    subdiagonal: &mut [f64],
+    product: &mut [f64],
+    work: &mut FrontWork,
+    parallel: bool,
+) -> bool {
+    if work.reserve(w, true).is_err() {
+        return false;
+    }
+    let (mut square, mut below) = MatMut::from_column_major_slice_mut(block, w + r, w).split_at_row_mut(w);
+    ldl::cholesky_in_place(
+        square.rb_mut(),
+        DiagMut::from_slice_mut(subdiagonal),
+        pivots,
+        &mut work.inverse[..w],
+        Par::Seq,
+        work.scratch.stack(),
+        Default::default(),
+    );
+    let square = square.as_ref();
+    let mut k = 0;
+    while k < w {
+        let pair = subdiagonal[k] != 0.0;
+        let size = if pair {
+            // The smaller pivot of the two is about the determinant over the largest entry.
+            let (a, b, c) = (square[(k, k)], subdiagonal[k], square[(k + 1, k + 1)]);
+            (a * c - b * b).abs() / a.abs().max(b.abs()).max(c.abs())
+        } else {
+            square[(k, k)].abs()
+        };
+        if !acceptable(size) {
+            return false;
+        }
+        k += if pair { 2 } else { 1 };
+    }
+    if r == 0 {
+        return true;
+    }
+    for (k, &p) in pivots.iter().enumerate() {
+        let from = below.rb().col(p as usize);
+        product[k * r..(k + 1) * r].iter_mut().zip(from.iter()).for_each(|(x, y)| *x = *y);
+    }
+    let mut scaled = MatMut::from_column_major_slice_mut(product, r, w);
+    for_rows(scaled.rb_mut(), parallel && w * w * r >= SMALLEST_PRODUCT, &|rows| {
+        triangular::solve_unit_lower_triangular_in_place(square, rows.transpose_mut(), Par::Seq);
+    });
+    // Now `scaled` is `L D`.
+    let mut k = 0;
+    while k < w {
+        if subdiagonal[k] == 0.0 {
+            let inverse = 1.0 / square[(k, k)];
+            let from = scaled.rb().col(k);
+            below.rb_mut().col_mut(k).iter_mut().zip(from.iter()).for_each(|(x, y)| *x = y * inverse);
+            k += 1;
+        } else {
+            let (a, b, c) = (square[(k, k)], subdiagonal[k], square[(k + 1, k + 1)]);
+            let determinant = a * c - b * b;
+            let (first, second) = (scaled.rb().col(k), scaled.rb().col(k + 1));
+            for i in 0..r {
+                let (x, y) = (first[i], second[i]);
+                below[(i, k)] = (c * x - b * y) / determinant;
+                below[(i, k + 1)] = (a * y - b * x) / determinant;
+            }
+            k += 2;
+        }
+    }
+    let (below, scaled) = (below.as_ref(), scaled.as_ref());
+    for_columns(update, r, parallel && w * r * r >= SMALLEST_PRODUCT, |first, columns| {
+        let width = columns.ncols();
+        let right = scaled.subrows(first, width);
+        let (diagonal, rest) = columns.subrows_mut(first, r - first).split_at_row_mut(width);
+        subtract_lower(diagonal, below.subrows(first, width), right);
+        let below = below.subrows(first + width, r - first - width);
+        matmul(rest, Accum::Add, below, right.transpose(), -1.0, Par::Seq);
+    });
+    true
+}
+
+/// `target -= left right^T` for the lower triangle and parts of the upper one, which nobody reads.
+fn subtract_lower(mut target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
+    let n = target.ncols();
+    for first in (0..n).step_by(DIAGONAL_BLOCK) {
+        let width = DIAGONAL_BLOCK.min(n - first);
+        let block = target.rb_mut().submatrix_mut(first, first, n - first, width);
+        let right = right.subrows(first, width).transpose();
+        matmul(block, Accum::Add, left.subrows(first, n - first), right, -1.0, Par::Seq);
+    }
+}
+
+/// `task(first, block)` for all blocks of columns of a matrix of `rows` rows.
+fn for_columns(matrix: &mut [f64], rows: usize, parallel: bool, task: impl Fn(usize, MatMut<'_, f64>) + Send + Sync) {
+    let each = |(k, block): (usize, &mut [f64])| {
+        let columns = block.len() / rows;
+        task(k * BLOCK, MatMut::from_column_major_slice_mut(block, rows, columns));
+    };
+    if parallel {
+        matrix.par_chunks_mut(rows * BLOCK).enumerate().for_each(each);
+    } else {
+        matrix.chunks_mut(rows * BLOCK).enumerate().for_each(each);
+    }
+}
+
+/// `task(block)` for all blocks of rows.
+fn for_rows(matrix: MatMut<'_, f64>, parallel: bool, task: &(impl Fn(MatMut<'_, f64>) + Sync)) {
+    let rows = matrix.nrows();
+    if rows <= BLOCK {
+        return task(matrix);
+    }
+    let half = rows.div_ceil(2 * BLOCK) * BLOCK;
+    let (upper, lower) = matrix.split_at_row_mut(half);
+    if parallel {
+        rayon::join(|| for_rows(upper, parallel, task), || for_rows(lower, parallel, task));
+    } else {
+        for_rows(upper, parallel, task);
+        for_rows(lower, parallel, task);
+    }
+}
+
+fn acceptable(size: f64) -> bool {
+    size >= SMALLEST_PIVOT && size.is_finite()
+}

@@ -1,0 +1,151 @@
+//! Multifrontal factorisation of matrices with a symmetric pattern: LU of unsymmetric values, `L D L^T` of symmetric ones.
+//!
+//! The equations are ordered by nested dissection of the graph of *groups* (the components of a node and the multipliers of which it is the
+//! slave, see [`crate::SparsityPattern::with_groups`]); a zero block on the diagonal is harmless as long as a multiplier comes after the displacements that
+//! it constrains. Pivots are chosen inside a front only, so that storage and order are fixed beforehand. If that does not give a
+//! usable factorisation (no pivot in a front, refinement that does not converge) the matrix is factorised again by faer's LU with partial
+//! pivoting over whole columns, which is slow and safe.
+//!
+//! | file | what |
+//! |---|---|
+//! | `groups` | groups of equations, their graph |
+//! | `ordering` | nested dissection; the only place of the ordering library |
+//! | `tree` | elimination tree, merging, rows of the fronts |
+//! | `symbolic` | places of everything in storage |
+//! | `numeric` | assembly and elimination of the fronts, tasks |
+//! | `solve` | substitution |
+//!
+//! The dense kernels are in [`crate::faer_backend`]. Duff and Reid, *The multifrontal solution of indefinite sparse symmetric linear equations*,
+//! ACM Trans. Math. Softw. 9 (1983); Liu, *The multifrontal method for sparse matrix solution*, SIAM Review 34 (1992).
+
+mod groups;
+mod numeric;
+mod ordering;
+mod solve;
+mod symbolic;
+mod tree;
+
+use crate::direct::Factorisation;
+use crate::faer_backend::FaerSparse;
+use crate::{DirectSolver, LinalgError, MatrixKind, SparsityPattern};
+use groups::KnownGroups;
+use numeric::{NoPivot, Numeric};
+use symbolic::Symbolic;
+
+/// Multifrontal direct solver with fallback to full pivoting.
+pub type MultifrontalSolver = DirectSolver<Multifrontal>;
+
+/// The factorisation.
+#[derive(Debug, Default)]
+pub struct Multifrontal {
+    kind: MatrixKind,
+    known: KnownGroups,
+    analysis: Option<(Symbolic, Numeric)>,
+    /// The last ordering and the graph that it belongs to: multipliers that come and go inside their groups leave it as it is.
+    ordered: Option<(ordering::Graph, Vec<u32>)>,
+    vectors: solve::Vectors,
+    /// In use instead of the multifrontal factors if `fallen_back`.
+    fallback: Option<FaerSparse>,
+    fallen_back: bool,
+    fallbacks: u64,
+}
+
+impl Multifrontal {
+    /// Order and storage.
+    fn analyse_groups(&mut self, pattern: &SparsityPattern) -> Result<(), LinalgError> {
+        self.analysis = None;
+        let groups = self.known.groups();
+        let graph = groups.graph(pattern);
+        let order = match self.ordered.take() {
+            Some((known, order)) if known == graph => order,
+            _ => ordering::nested_dissection(&graph)?,
+        };
+        let weights: Vec<usize> = (0..groups.len()).map(|g| groups.members(g).len()).collect();
+        let nodes = tree::fronts(&graph, &weights, &order);
+        let symbolic = Symbolic::new(pattern, &groups, &nodes, self.kind != MatrixKind::General)?;
+        let numeric = Numeric::new(&symbolic);
+        self.analysis = Some((symbolic, numeric));
+        self.ordered = Some((graph, order));
+        Ok(())
+    }
+
+    /// Floating-point operations of a factorisation with the present analysis, and entries of its factors.
+    pub fn effort(&self) -> (f64, usize) {
+        self.analysis.as_ref().map_or((0.0, 0), |(symbolic, _)| (symbolic.operations, symbolic.factor_len()))
+    }
+}
+
+impl Factorisation for Multifrontal {
+    fn name(&self) -> &'static str {
+        "multifrontal"
+    }
+
+    fn analyse(&mut self, pattern: &SparsityPattern, kind: MatrixKind) -> Result<(), LinalgError> {
+        self.kind = kind;
+        self.analysis = None;
+        (self.fallback, self.fallen_back) = (None, false);
+        self.known = KnownGroups::new(pattern);
+        // Otherwise the values decide.
+        if self.known.complete() { self.analyse_groups(pattern) } else { Ok(()) }
+    }
+
+    fn factorise(&mut self, pattern: &SparsityPattern, values: &[f64]) -> Result<(), LinalgError> {
+        self.fallen_back = false;
+        if self.known.attach(pattern, values) || self.analysis.is_none() {
+            self.analyse_groups(pattern)?;
+        }
+        let Some((symbolic, numeric)) = &mut self.analysis else {
+            return Err(LinalgError::CallOrder { called: "factorise", missing: "analyse" });
+        };
+        match numeric.factorise(symbolic, values)? {
+            Ok(()) => {
+                // It is seldom needed twice, and large.
+                self.fallback = None;
+                Ok(())
+            }
+            Err(NoPivot) => self.fall_back(pattern, values).map(|_| ()),
+        }
+    }
+
+    fn fall_back(&mut self, pattern: &SparsityPattern, values: &[f64]) -> Result<bool, LinalgError> {
+        if self.fallen_back {
+            return Ok(false);
+        }
+        self.fallbacks += 1;
+        if self.fallback.is_none() {
+            let mut safe = FaerSparse::default();
+            safe.analyse(pattern, MatrixKind::General)?;
+            self.fallback = Some(safe);
+        }
+        if let Some(safe) = &mut self.fallback {
+            safe.factorise(pattern, values)?;
+        }
+        self.fallen_back = true;
+        Ok(true)
+    }
+
+    fn solve_in_place(&mut self, v: &mut [f64]) {
+        match (&mut self.fallback, &self.analysis) {
+            (Some(safe), _) if self.fallen_back => safe.solve_in_place(v),
+            (_, Some((symbolic, numeric))) => solve::solve(symbolic, numeric, &mut self.vectors, v),
+            _ => debug_assert!(false, "solve before factorise"),
+        }
+    }
+
+    fn symmetric_scaling(&self) -> bool {
+        self.kind != MatrixKind::General
+    }
+
+    fn memory_bytes(&self) -> usize {
+        let analysis =
+            self.analysis.as_ref().map_or(0, |(symbolic, numeric)| symbolic.memory_bytes() + numeric.memory_bytes());
+        analysis
+            + self.known.memory_bytes()
+            + self.vectors.memory_bytes()
+            + self.fallback.as_ref().map_or(0, FaerSparse::memory_bytes)
+    }
+
+    fn pivoting_fallbacks(&self) -> u64 {
+        self.fallbacks
+    }
+}

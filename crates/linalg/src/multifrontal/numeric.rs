@@ -1,0 +1,283 @@
+//! The numeric phase: fronts are assembled and factorised, children before parents.
+//!
+//! A front's fully summed columns are assembled where its factors are stored; only the square update matrix for the parent
+//! lives in the arena, a stack. Subtrees own contiguous parts of factors and pivots, so that tasks share nothing. The children's updates
+//! are added in the order of the children whoever computed them: the bits do not depend on the number of threads.
+
+use super::symbolic::{Front, Symbolic};
+use crate::LinalgError;
+use crate::faer_backend::{FrontWork, factorise_ldl_front, factorise_lu_front};
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// The factors, and the memory to compute them in.
+#[derive(Debug, Default)]
+pub(super) struct Numeric {
+    pub factors: Vec<f64>,
+    /// Row exchanges inside the fronts: row `pivots[k]` of the front came to place `k`.
+    pub pivots: Vec<u32>,
+    /// Symmetric values: off-diagonals of the 2 x 2 pivots, 0 for 1 x 1 pivots.
+    pub subdiagonal: Vec<f64>,
+    arena: Vec<f64>,
+    work: Mutex<Vec<FrontWork>>,
+}
+
+/// What belongs to one subtree.
+struct Part<'a> {
+    factors: &'a mut [f64],
+    pivots: &'a mut [u32],
+    subdiagonal: &'a mut [f64],
+    arena: &'a mut [f64],
+}
+
+/// A front has no acceptable pivot.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NoPivot;
+
+impl Numeric {
+    pub fn new(symbolic: &Symbolic) -> Self {
+        let n = symbolic.order.len();
+        Self {
+            factors: vec![0.0; symbolic.factor_len()],
+            pivots: vec![0; n],
+            subdiagonal: vec![0.0; if symbolic.symmetric { n } else { 0 }],
+            ..Self::default()
+        }
+    }
+
+    /// Heap memory in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        let pool = self.work.lock().unwrap_or_else(PoisonError::into_inner);
+        size_of::<f64>() * (self.factors.capacity() + self.subdiagonal.capacity() + self.arena.capacity())
+            + size_of::<u32>() * self.pivots.capacity()
+            + pool.iter().map(FrontWork::memory_bytes).sum::<usize>()
+    }
+
+    /// Factorises; with more than one thread by tasks.
+    ///
+    /// # Errors
+    /// `Ok(Err(_))` if a pivot is missing; [`LinalgError::Backend`] for want of memory.
+    pub fn factorise(&mut self, symbolic: &Symbolic, values: &[f64]) -> Result<Result<(), NoPivot>, LinalgError> {
+        let threads = rayon::current_num_threads();
+        let root = symbolic.fronts[symbolic.len()];
+        let parallel = threads > 1 && root.shared;
+        let need = if parallel { root.need_shared } else { root.need };
+        if self.arena.len() < need {
+            self.arena.resize(need, 0.0);
+        }
+        {
+            let pool = self.work.get_mut().unwrap_or_else(PoisonError::into_inner);
+            while pool.len() < if parallel { threads } else { 1 } {
+                pool.push(FrontWork::new(symbolic.largest.0, symbolic.symmetric)?);
+            }
+        }
+        let part = Part {
+            factors: &mut self.factors,
+            pivots: &mut self.pivots,
+            subdiagonal: &mut self.subdiagonal,
+            arena: &mut self.arena,
+        };
+        let run = Run { symbolic, values, parallel, work: &self.work };
+        Ok(if parallel { run.children(symbolic.len(), part).map(|_| ()) } else { run.stack(0, symbolic.len(), part) })
+    }
+}
+
+struct Run<'a> {
+    symbolic: &'a Symbolic,
+    values: &'a [f64],
+    parallel: bool,
+    work: &'a Mutex<Vec<FrontWork>>,
+}
+
+impl Run<'_> {
+    /// Fronts `first..end`, which are whole subtrees, one after the other. The arena is a stack of updates.
+    fn stack(&self, first: usize, end: usize, part: Part<'_>) -> Result<(), NoPivot> {
+        let mut work = self.take_work();
+        let (mut factors, mut pivots, mut subdiagonal) = (part.factors, part.pivots, part.subdiagonal);
+        let mut top = 0;
+        let mut result = Ok(());
+        for f in first..end {
+            let front = self.symbolic.fronts[f];
+            let (own, rest) = factors.split_at_mut(self.symbolic.fronts[f + 1].offset - front.offset);
+            factors = rest;
+            let (own_pivots, rest) = pivots.split_at_mut(front.w);
+            pivots = rest;
+            let (own_subdiagonal, rest) = subdiagonal.split_at_mut(if self.symmetric() { front.w } else { 0 });
+            subdiagonal = rest;
+            let (held, free) = part.arena.split_at_mut(top);
+            // The children's updates are the uppermost ones of the stack.
+            let mut bottom = top;
+            for &c in self.symbolic.children(f) {
+                bottom -= self.symbolic.fronts[c as usize].r.pow(2);
+            }
+            let (update, free) = free.split_at_mut(front.r * front.r);
+            let mut at = bottom;
+            let updates = self.symbolic.children(f).iter().map(|&c| {
+                let child = self.symbolic.fronts[c as usize];
+                let size = child.r * child.r;
+                at += size;
+                (child, &held[at - size..at])
+            });
+            self.assemble(f, own, update, updates);
+            result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
+            if result.is_err() {
+                break;
+            }
+            self.move_update(part.arena, front.r, top, bottom);
+            top = bottom + front.r * front.r;
+        }
+        self.return_work(work);
+        result
+    }
+
+    /// A subtree; its update comes to the start of the arena.
+    fn subtree(&self, f: usize, part: Part<'_>) -> Result<(), NoPivot> {
+        let front = self.symbolic.fronts[f];
+        if !front.shared {
+            return self.stack(front.first, f + 1, part);
+        }
+        let base = self.symbolic.fronts[front.first];
+        let (below, own) = part.factors.split_at_mut(front.offset - base.offset);
+        let (pivots_below, own_pivots) = part.pivots.split_at_mut(front.begin - base.begin);
+        let split = if self.symmetric() { front.begin - base.begin } else { 0 };
+        let (subdiagonal_below, own_subdiagonal) = part.subdiagonal.split_at_mut(split);
+        let arena = &mut *part.arena;
+        let below = Part { factors: below, pivots: pivots_below, subdiagonal: subdiagonal_below, arena };
+        let top = self.children(f, below)?;
+        let (held, free) = part.arena.split_at_mut(top);
+        let (update, free) = free.split_at_mut(front.r * front.r);
+        let mut at = 0;
+        let updates = self.symbolic.children(f).iter().map(|&c| {
+            let child = self.symbolic.fronts[c as usize];
+            at += child.need_shared;
+            (child, &held[at - child.need_shared..][..child.r * child.r])
+        });
+        self.assemble(f, own, update, updates);
+        let mut work = self.take_work();
+        let result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
+        self.return_work(work);
+        self.move_update(part.arena, front.r, top, 0);
+        result
+    }
+
+    /// Moves an update matrix of `r` rows down in the arena; of a symmetric one the lower triangle.
+    fn move_update(&self, arena: &mut [f64], r: usize, from: usize, to: usize) {
+        if from == to {
+            return;
+        }
+        if self.symmetric() {
+            for j in 0..r {
+                arena.copy_within(from + j * r + j..from + (j + 1) * r, to + j * r + j);
+            }
+        } else {
+            arena.copy_within(from..from + r * r, to);
+        }
+    }
+
+    fn symmetric(&self) -> bool {
+        self.symbolic.symmetric
+    }
+
+    /// The children of front `f` as parallel tasks. Returns the storage that they took.
+    fn children(&self, f: usize, part: Part<'_>) -> Result<usize, NoPivot> {
+        let (mut factors, mut pivots, mut subdiagonal, mut arena) =
+            (part.factors, part.pivots, part.subdiagonal, part.arena);
+        let mut taken = 0;
+        let mut tasks = Vec::with_capacity(self.symbolic.children(f).len());
+        for &c in self.symbolic.children(f) {
+            let child = self.symbolic.fronts[c as usize];
+            let base = self.symbolic.fronts[child.first];
+            let (own_factors, rest) = factors.split_at_mut(self.symbolic.fronts[c as usize + 1].offset - base.offset);
+            factors = rest;
+            let equations = child.begin + child.w - base.begin;
+            let (own_pivots, rest) = pivots.split_at_mut(equations);
+            pivots = rest;
+            let (own_subdiagonal, rest) = subdiagonal.split_at_mut(if self.symmetric() { equations } else { 0 });
+            subdiagonal = rest;
+            let (own_arena, rest) = arena.split_at_mut(child.need_shared);
+            arena = rest;
+            taken += child.need_shared;
+            let part =
+                Part { factors: own_factors, pivots: own_pivots, subdiagonal: own_subdiagonal, arena: own_arena };
+            tasks.push((c as usize, part));
+        }
+        let results: Vec<Result<(), NoPivot>> = tasks.into_par_iter().map(|(c, part)| self.subtree(c, part)).collect();
+        results.into_iter().collect::<Result<Vec<()>, NoPivot>>().map(|_| taken)
+    }
+
+    /// The matrix' entries and the children's updates.
+    fn assemble<'u>(
+        &self,
+        f: usize,
+        block: &mut [f64],
+        update: &mut [f64],
+        updates: impl Iterator<Item = (Front, &'u [f64])>,
+    ) {
+        let Front { w, r, .. } = self.symbolic.fronts[f];
+        block.fill(0.0);
+        if self.symmetric() {
+            (0..r).for_each(|j| update[j * r + j..(j + 1) * r].fill(0.0));
+        } else {
+            update.fill(0.0);
+        }
+        let entries = self.symbolic.entry_starts[f]..self.symbolic.entry_starts[f + 1];
+        for &(place, k) in &self.symbolic.entries[entries] {
+            block[place as usize] += self.values[k as usize];
+        }
+        let (lower, upper) = block.split_at_mut((w + r) * w);
+        for (child, values) in updates {
+            let places = &self.symbolic.places[child.rows()];
+            let inner = places.partition_point(|&p| (p as usize) < w);
+            for (j, (column, &place)) in values.chunks_exact(child.r.max(1)).zip(places).enumerate() {
+                let begin = if self.symmetric() { j } else { 0 };
+                let place = place as usize;
+                if j < inner {
+                    add(&mut lower[place * (w + r)..][..w + r], &places[begin..], 0, &column[begin..]);
+                } else {
+                    if !self.symmetric() {
+                        add(&mut upper[(place - w) * w..][..w], &places[..inner], 0, &column[..inner]);
+                    }
+                    let begin = begin.max(inner);
+                    add(&mut update[(place - w) * r..][..r], &places[begin..], w, &column[begin..]);
+                }
+            }
+        }
+    }
+
+    fn eliminate(
+        &self,
+        front: Front,
+        block: &mut [f64],
+        pivots: &mut [u32],
+        subdiagonal: &mut [f64],
+        update: &mut [f64],
+        free: &mut [f64],
+        work: &mut FrontWork,
+    ) -> Result<(), NoPivot> {
+        let Front { w, r, .. } = front;
+        let result = if self.symmetric() {
+            factorise_ldl_front(w, r, block, update, pivots, subdiagonal, &mut free[..w * r], work, self.parallel)
+        } else {
+            factorise_lu_front(w, r, block, update, pivots, work, self.parallel)
+        };
+        if result { Ok(()) } else { Err(NoPivot) }
+    }
+
+    fn take_work(&self) -> FrontWork {
+        let mut pool = self.work.lock().unwrap_or_else(PoisonError::into_inner);
+        // The pool holds one for each thread; a thread that waits for its tasks may run others meanwhile, hence the default.
+        pool.pop().unwrap_or_default()
+    }
+
+    fn return_work(&self, work: FrontWork) {
+        self.work.lock().unwrap_or_else(PoisonError::into_inner).push(work);
+    }
+}
+
+/// `target[places[i] - shift] += values[i]`.
+#[inline]
+fn add(target: &mut [f64], places: &[u32], shift: usize, values: &[f64]) {
+    for (&place, value) in places.iter().zip(values) {
+        target[place as usize - shift] += value;
+    }
+}

@@ -1,0 +1,140 @@
+//! Friction of a contact (formulation §1.4, §10).
+
+use crate::names::named;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+named! {
+    /// How stick is enforced.
+    Stick {
+        /// By a tangential spring between slave and master: a sticking node moves by traction over `penalty`, and no farther.
+        Penalty = "penalty",
+        /// Exactly, by an augmented Lagrangian: a few more solutions a step, the result does not depend on `penalty`.
+        Augmented = "augmented",
+    }
+}
+
+named! {
+    /// Traction in the equations of the midpoint schemes (formulation §10.2). Other schemes take the one at the end of the step.
+    MidpointFriction {
+        /// Return at the midpoint, the end traction extrapolated: it leaves the cone and alternates.
+        A = "a",
+        /// Return over the step, its result in the equations: robust, damps stick.
+        B = "b",
+        /// Mean of the tractions at both ends.
+        C = "c",
+    }
+}
+
+/// A law of friction with its parameters.
+///
+/// # How to add one
+/// A variant with a struct of parameters here, its reading in `read/friction.rs`, its arm in the facade.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Friction {
+    /// Coulomb's law: the tangential traction does not exceed `mu` times the pressure.
+    Coulomb(CoulombFriction),
+    /// Coulomb's law with a coefficient that falls with the speed `v` of the slip,
+    /// `mu_dynamic + (mu_static - mu_dynamic) exp(-(v / speed)^2)`.
+    StaticDynamic(StaticDynamicFriction),
+    /// Coulomb's law without stick: traction `mu p v / sqrt(v^2 + speed^2)`.
+    Regularised(RegularisedFriction),
+}
+
+impl Friction {
+    /// Names of the laws.
+    pub const NAMES: &'static [&'static str] = &["coulomb", "static-dynamic", "regularised"];
+}
+
+/// Tangential stiffness, stick and stepping of the laws that can stick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sticking {
+    /// Tangential stiffness (traction per length), positive; `None`: ten times Young's modulus over an edge.
+    pub penalty: Option<f64>,
+    /// How stick is enforced.
+    pub stick: Stick,
+    /// Which traction the midpoint schemes take.
+    pub midpoint: MidpointFriction,
+}
+
+impl Sticking {
+    /// Stick if left out.
+    pub const DEFAULT_STICK: Stick = Stick::Penalty;
+    /// Stepping if left out.
+    pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::C;
+}
+
+fn default_stick() -> Stick {
+    Sticking::DEFAULT_STICK
+}
+
+fn default_midpoint() -> MidpointFriction {
+    Sticking::DEFAULT_MIDPOINT
+}
+
+/// Parameters of `coulomb`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct CoulombFriction {
+    /// Coefficient, not negative.
+    pub mu: f64,
+    /// Tangential stiffness (traction per length), positive; ten times Young's modulus of the softer body over an edge if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub penalty: Option<f64>,
+    /// How stick is enforced.
+    #[serde(default = "default_stick")]
+    pub stick: Stick,
+    /// Which traction the midpoint schemes take.
+    #[serde(default = "default_midpoint")]
+    pub midpoint: MidpointFriction,
+}
+
+/// Parameters of `static-dynamic`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct StaticDynamicFriction {
+    /// Coefficient at rest, not below `mu_dynamic`.
+    pub mu_static: f64,
+    /// Coefficient of fast slip, not negative.
+    pub mu_dynamic: f64,
+    /// Speed of the transition (length per time), positive.
+    pub speed: f64,
+    /// Tangential stiffness (traction per length), positive; ten times Young's modulus of the softer body over an edge if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub penalty: Option<f64>,
+    /// How stick is enforced.
+    #[serde(default = "default_stick")]
+    pub stick: Stick,
+    /// Which traction the midpoint schemes take.
+    #[serde(default = "default_midpoint")]
+    pub midpoint: MidpointFriction,
+}
+
+/// Parameters of `regularised`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct RegularisedFriction {
+    /// Coefficient, not negative.
+    pub mu: f64,
+    /// Speed below which it is viscous (length per time), positive.
+    pub speed: f64,
+}
+
+impl Friction {
+    /// Stick and its stiffness; `None` for a law that cannot stick.
+    pub fn sticking(&self) -> Option<Sticking> {
+        match *self {
+            Self::Coulomb(CoulombFriction { penalty, stick, midpoint, .. })
+            | Self::StaticDynamic(StaticDynamicFriction { penalty, stick, midpoint, .. }) => {
+                Some(Sticking { penalty, stick, midpoint })
+            }
+            Self::Regularised(_) => None,
+        }
+    }
+}

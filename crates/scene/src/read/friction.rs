@@ -1,0 +1,61 @@
+//! Reads the friction of a contact.
+
+use super::node::Node;
+use super::table::Table;
+use crate::friction::Sticking;
+use crate::{CoulombFriction, Friction, MidpointFriction, RegularisedFriction, StaticDynamicFriction, Stick};
+
+pub(super) fn friction(node: &Node<'_>) -> Option<Friction> {
+    let table = node.table()?;
+    let reader = table.required("law", "law = \"coulomb\"", |n| {
+        n.choice(Friction::NAMES, |name| match name {
+            "coulomb" => Some(coulomb as fn(&Table<'_>) -> _),
+            "static-dynamic" => Some(static_dynamic),
+            "regularised" => Some(regularised),
+            _ => None,
+        })
+    });
+    // Without a law it is not known which other keys are right.
+    let friction = reader?(&table);
+    table.finish();
+    friction
+}
+
+fn sticking(table: &Table<'_>) -> Option<Sticking> {
+    let penalty = table.optional("penalty", Node::positive);
+    let stick = table.default("stick", Sticking::DEFAULT_STICK, |n| n.choice(Stick::NAMES, Stick::from_name));
+    let midpoint = table.default("midpoint", Sticking::DEFAULT_MIDPOINT, |n| {
+        n.choice(MidpointFriction::NAMES, MidpointFriction::from_name)
+    });
+    Some(Sticking { penalty: penalty?, stick: stick?, midpoint: midpoint? })
+}
+
+fn coulomb(table: &Table<'_>) -> Option<Friction> {
+    let mu = table.required("mu", "mu = 0.3", Node::not_negative);
+    let sticking = sticking(table);
+    let (mu, Sticking { penalty, stick, midpoint }) = (mu?, sticking?);
+    Some(Friction::Coulomb(CoulombFriction { mu, penalty, stick, midpoint }))
+}
+
+fn static_dynamic(table: &Table<'_>) -> Option<Friction> {
+    let mu_static = table.required("mu_static", "mu_static = 0.5", Node::not_negative);
+    let mu_dynamic = table.required("mu_dynamic", "mu_dynamic = 0.3", Node::not_negative);
+    let speed = table.required("speed", "speed = 0.01", Node::positive);
+    let sticking = sticking(table);
+    let (mu_static, mu_dynamic) = (mu_static?, mu_dynamic?);
+    if mu_static < mu_dynamic {
+        return table.fail(
+            "mu_static",
+            format!("is below `mu_dynamic` = {mu_dynamic}"),
+            "let the coefficient at rest be the larger one",
+        );
+    }
+    let (speed, Sticking { penalty, stick, midpoint }) = (speed?, sticking?);
+    Some(Friction::StaticDynamic(StaticDynamicFriction { mu_static, mu_dynamic, speed, penalty, stick, midpoint }))
+}
+
+fn regularised(table: &Table<'_>) -> Option<Friction> {
+    let mu = table.required("mu", "mu = 0.3", Node::not_negative);
+    let speed = table.required("speed", "speed = 0.01", Node::positive);
+    Some(Friction::Regularised(RegularisedFriction { mu: mu?, speed: speed? }))
+}

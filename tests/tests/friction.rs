@@ -1,0 +1,295 @@
+//! Friction of whole models: a block on an incline, a block that stops, two blocks that hit each other (formulation §13.2).
+
+mod support;
+
+use stoss::solver::{Balance, DecisionKind, Simulation};
+use support::{drift, simulation};
+
+/// Side of the block, its height, density, gravity.
+const HEIGHT: f64 = 0.5;
+const DENSITY: f64 = 2.0;
+const GRAVITY: f64 = 10.0;
+
+/// A block of 2 x 2 x 1 elements on a rigid plate, under a body force along (sin, 0, -cos) of an angle with the given tangent.
+fn block(time: &str, tangent: f64, speed: f64, friction: &str) -> Simulation {
+    let weight = DENSITY * GRAVITY / (1.0 + tangent * tangent).sqrt();
+    simulation(&format!(
+        r#"
+[scene]
+title = "block on a plate"
+kind = "dynamic"
+[time]
+{time}
+[[body]]
+name = "plate"
+mesh = {{ generator = "block", min = [-1, -1, -1], max = [5, 2, 0], divisions = [5, 2, 1] }}
+material = {{ law = "neo-hooke", young = 1e5, poisson = 0.3 }}
+density = 1.0
+[[body]]
+name = "block"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [1, 1, {HEIGHT}], divisions = [2, 2, 1] }}
+material = {{ law = "neo-hooke", young = 1e5, poisson = 0.3 }}
+density = {DENSITY}
+velocity = [{speed:?}, 0, 0]
+[[prescribe]]
+set = "plate.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "plate.top"
+components = ["x", "y", "z"]
+fixed = true
+[[contact]]
+method = "nts"
+slave = "block.bottom"
+master = "plate.top"
+friction = {friction}
+[[load]]
+body = "block"
+body_force = [{}, 0, {}]
+"#,
+        weight * tangent,
+        -weight
+    ))
+}
+
+/// Mean x of the block's nodes, and its mean velocity by the linear momentum.
+fn place(s: &Simulation) -> (f64, f64) {
+    let nodes = &s.model().bodies[1].nodes;
+    let x = nodes.clone().map(|n| s.state().q[3 * n as usize]).sum::<f64>() / nodes.len() as f64;
+    (x, s.balance().linear_momentum[0] / (DENSITY * HEIGHT))
+}
+
+fn cuts(s: &Simulation) -> usize {
+    s.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count()
+}
+
+const MU: f64 = 0.3;
+
+/// tan = 0.99 mu: after the first steps nothing moves, for a thousand steps.
+#[test]
+fn a_block_sticks_below_the_friction_angle() {
+    for (stick, bound) in [("penalty", 1e-10), ("augmented", 1e-12)] {
+        let friction = format!(r#"{{ law = "coulomb", mu = {MU}, penalty = 1e6, stick = "{stick}" }}"#);
+        let mut s =
+            block("end = 51.0\nstep = 0.05\nintegrator = { scheme = \"backward-euler\" }", 0.99 * MU, 0.0, &friction);
+        for _ in 0..20 {
+            s.advance().unwrap();
+        }
+        let settled = s.state().q.clone();
+        assert!(place(&s).0 - 0.5 < 1e-3, "it did not slide away: {}", place(&s).0);
+        for _ in 0..1000 {
+            s.advance().unwrap();
+        }
+        let moved = s.state().q.iter().zip(&settled).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(moved < bound, "{stick}: moved by {moved:e}");
+        assert_eq!(cuts(&s), 0);
+    }
+}
+
+/// tan = 1.01 mu: it slides with the acceleration g (sin - mu cos).
+#[test]
+fn a_block_slides_above_the_friction_angle() {
+    for scheme in ["backward-euler", "energy-momentum"] {
+        let tangent = 1.01 * MU;
+        let friction = format!(r#"{{ law = "coulomb", mu = {MU}, penalty = 1e6 }}"#);
+        let time = format!("end = 8.0\nstep = 0.02\nintegrator = {{ scheme = \"{scheme}\" }}");
+        let mut s = block(&time, tangent, 0.0, &friction);
+        let mut at = Vec::new();
+        while !s.finished() {
+            s.advance().unwrap();
+            at.push((s.state().time, place(&s).1));
+        }
+        let expected = GRAVITY * (tangent - MU) / (1.0 + tangent * tangent).sqrt();
+        let (early, late) = (at[at.len() / 4], at[at.len() - 1]);
+        let found = (late.1 - early.1) / (late.0 - early.0);
+        assert!((found / expected - 1.0).abs() < 1e-3, "{scheme}: acceleration {found} against {expected}");
+    }
+}
+
+/// A block with the speed 1 stops after v^2 / (2 mu g) and stays.
+#[test]
+fn a_block_stops_at_the_analytic_distance() {
+    for (scheme, stick) in
+        [("backward-euler", "penalty"), ("backward-euler", "augmented"), ("energy-momentum", "penalty")]
+    {
+        let friction = format!(r#"{{ law = "coulomb", mu = {MU}, penalty = 1e6, stick = "{stick}" }}"#);
+        let time = format!("end = 0.5\nstep = 0.001\nintegrator = {{ scheme = \"{scheme}\" }}");
+        let mut s = block(&time, 0.0, 1.0, &friction);
+        let kinetic = s.balance().kinetic;
+        let mut dissipation = 0.0;
+        let mut at_04 = 0.0;
+        while !s.finished() {
+            let record = s.advance().unwrap();
+            assert!(record.balance.dissipation >= dissipation - 1e-12, "dissipation falls");
+            dissipation = record.balance.dissipation;
+            if s.state().time < 0.4 {
+                at_04 = place(&s).0;
+            }
+        }
+        let expected = 1.0 / (2.0 * MU * GRAVITY);
+        let distance = place(&s).0 - 0.5;
+        assert!((distance / expected - 1.0).abs() < 5e-3, "{scheme} {stick}: {distance} against {expected}");
+        assert!((place(&s).0 - at_04).abs() < 1e-3 * expected, "{scheme} {stick}: it stays");
+        // All of the kinetic energy has gone into friction.
+        assert!((dissipation / kinetic - 1.0).abs() < 5e-3, "{scheme} {stick}: {dissipation} of {kinetic}");
+    }
+}
+
+/// Formulation §13.2 (thesis, table 6.2) with mu = 1/2.
+fn impact(scheme: &str, step: f64, end: f64, friction: &str) -> Simulation {
+    simulation(&format!(
+        r#"
+[scene]
+title = "two blocks"
+kind = "dynamic"
+[time]
+end = {end:?}
+step = {step:?}
+integrator = {{ scheme = "{scheme}" }}
+[[body]]
+name = "upper"
+mesh = {{ generator = "block", min = [-0.5, -1.0, 1.1], max = [0.5, 0.0, 2.1], divisions = [1, 1, 1] }}
+material = {{ law = "neo-hooke", lambda = 1298.1, mu = 865.3846 }}
+density = 1000.0
+velocity = [0.0, 0.1, -0.04]
+[[body]]
+name = "lower"
+material = {{ law = "neo-hooke", lambda = 1298.1, mu = 865.3846 }}
+density = 1000.0
+[body.mesh]
+generator = "hexahedron"
+divisions = [1, 1, 1]
+corners = [
+    [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.2, 1.0, 0.0], [-1.5, 1.5, 0.0],
+    [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.2, 1.0, 1.0], [-1.5, 1.5, 1.0],
+]
+[[contact]]
+method = "nts"
+slave = "upper.bottom"
+master = "lower.top"
+friction = {friction}
+"#
+    ))
+}
+
+fn run(s: &mut Simulation) -> Vec<(Balance, usize, usize)> {
+    let mut rows = vec![(*s.balance(), 0, 0)];
+    while !s.finished() {
+        let record = s.advance().unwrap();
+        let contact = record.contact.unwrap();
+        rows.push((record.balance, contact.active, contact.closed));
+    }
+    rows
+}
+
+fn mechanical(b: &Balance) -> f64 {
+    b.kinetic + b.strain + b.contact
+}
+
+/// Energy-momentum: momenta to round-off; the energy is constant before and after, never rises, and what is lost is in the column `dissipation`, but
+/// for the steps in which nodes close.
+#[test]
+fn two_blocks_energy_momentum() {
+    for midpoint in ["a", "b", "c"] {
+        let friction = format!(r#"{{ law = "coulomb", mu = 0.5, penalty = 1e4, midpoint = "{midpoint}" }}"#);
+        let mut s = impact("energy-momentum", 0.1, 20.0, &friction);
+        let rows = run(&mut s);
+        let linear: Vec<_> = rows.iter().map(|r| r.0.linear_momentum).collect();
+        let angular: Vec<_> = rows.iter().map(|r| r.0.angular_momentum).collect();
+        assert!(drift(&linear) < 1e-11 && drift(&angular) < 1e-11, "{:e} {:e}", drift(&linear), drift(&angular));
+        let scale = mechanical(&rows[0].0);
+        let mut frictional = 0;
+        for pair in rows.windows(2) {
+            let ((a, ..), (b, active, closed)) = (&pair[0], &pair[1]);
+            let change = mechanical(b) - mechanical(a);
+            let dissipated = b.dissipation - a.dissipation;
+            assert!(dissipated >= -1e-13 * scale, "dissipated {dissipated:e}");
+            assert!(change <= 1e-11 * scale, "gain {change:e}");
+            if *active == 0 {
+                assert!((change + dissipated).abs() < 1e-11 * scale);
+            }
+            if *closed == 0 {
+                assert!((b.total() - a.total()).abs() < 1e-11 * scale, "{}", b.total() - a.total());
+            }
+            frictional += usize::from(dissipated > 1e-6 * scale);
+        }
+        assert!(frictional > 3, "steps with friction: {frictional}");
+        assert_eq!(cuts(&s), 0);
+    }
+}
+
+/// The midpoint rule keeps the momenta; its energy does not rise in the impact; the upper block loses momentum along its slip.
+#[test]
+fn two_blocks_midpoint() {
+    let friction = r#"{ law = "coulomb", mu = 0.5, penalty = 1e4 }"#;
+    for step in [0.05, 0.2] {
+        let mut s = impact("midpoint", step, 20.0, friction);
+        let rows = run(&mut s);
+        let linear: Vec<_> = rows.iter().map(|r| r.0.linear_momentum).collect();
+        let angular: Vec<_> = rows.iter().map(|r| r.0.angular_momentum).collect();
+        assert!(drift(&linear) < 1e-11 && drift(&angular) < 1e-11, "{:e} {:e}", drift(&linear), drift(&angular));
+        let first = &rows[0].0;
+        let last = &rows[rows.len() - 1].0;
+        assert!(mechanical(last) < mechanical(first) && last.dissipation > 0.0);
+        for pair in rows.windows(2) {
+            assert!(pair[1].0.dissipation >= pair[0].0.dissipation - 1e-12, "dissipation falls");
+        }
+    }
+}
+
+/// Backward Euler, the schemes with friction at the midpoint, and stick by multipliers approach the same solution.
+#[test]
+fn schemes_agree_on_the_impact() {
+    let upper = |scheme: &str, step: f64, rest: &str| {
+        let friction = format!(r#"{{ law = "coulomb", mu = 0.5, penalty = 1e4{rest} }}"#);
+        let mut s = impact(scheme, step, 6.0, &friction);
+        run(&mut s);
+        s.body_balance(0).linear_momentum.map(|p| p / 1000.0)
+    };
+    let fine = upper("energy-momentum", 0.005, "");
+    // Friction has turned part of the velocity along y, 0.1, into a motion of the lower block.
+    assert!(fine[1] < 0.095, "{fine:?}");
+    for (scheme, step, rest, tolerance) in [
+        ("midpoint", 0.02, "", 2e-3),
+        ("energy-momentum", 0.02, ", stick = \"augmented\"", 2e-3),
+        ("backward-euler", 0.005, "", 4e-3),
+    ] {
+        let found = upper(scheme, step, rest);
+        for i in 0..3 {
+            assert!((found[i] - fine[i]).abs() < tolerance, "{scheme}{rest}: {found:?} against {fine:?}");
+        }
+    }
+}
+
+#[test]
+fn a_scheme_without_friction_is_refused() {
+    let text = r#"
+[scene]
+title = "no friction"
+kind = "dynamic"
+[time]
+end = 1.0
+step = 0.1
+integrator = { scheme = "trapezoidal" }
+[[body]]
+name = "a"
+mesh = { generator = "block", size = [1, 1, 1], divisions = [1, 1, 1] }
+material = { law = "neo-hooke", young = 1e3, poisson = 0.3 }
+density = 1.0
+[[body]]
+name = "b"
+mesh = { generator = "block", size = [1, 1, 1], divisions = [1, 1, 1] }
+position = [0, 0, 2]
+material = { law = "neo-hooke", young = 1e3, poisson = 0.3 }
+density = 1.0
+[[contact]]
+method = "nts"
+slave = "b.bottom"
+master = "a.top"
+friction = { law = "coulomb", mu = 0.3 }
+"#;
+    let scene = stoss::scene::parse(text, "test.toml").unwrap();
+    let errors = stoss::build::build(&scene, std::path::Path::new(".")).unwrap_err().to_string();
+    assert!(errors.contains("contact[0].friction") && errors.contains("`trapezoidal`"), "{errors}");
+}
