@@ -17,6 +17,12 @@ const STUCK: f64 = 1.0e-13;
 const SETTLED: f64 = 1.0e-8;
 /// Rounds of augmentation in one step. What has not settled then is taken as it is: its stick is as accurate as the last round left it.
 const MAX_ROUNDS: u32 = 12;
+/// A sticking node whose slip does not fall below this fraction in a round gets a stiffness that is larger by [`STIFFER`]. A node that hits hard
+/// may need a traction that is far beyond stiffness times slip of a small step.
+const SLOWLY: f64 = 0.1;
+const STIFFER: f64 = 100.0;
+/// Largest factor on the stiffness.
+const STIFFEST: f64 = 1.0e6;
 
 /// Positions of an element, its configuration of the force and the projection there.
 struct Placed {
@@ -155,7 +161,12 @@ impl NodeToSurface {
             *point = PointHistory::default();
             return;
         };
-        point.start = point.committed;
+        *point = PointHistory {
+            committed: point.committed,
+            slid: point.slid,
+            start: point.committed,
+            ..PointHistory::default()
+        };
         self.place_foot(slot);
         if facet != pairing.start {
             let from = (&self.patch(facet, &self.q_n), self.foot(slot, facet));
@@ -212,7 +223,15 @@ impl NodeToSurface {
                 !against && change <= SETTLED * norm(state.step.end)
             };
             if !settled && let Some(surface) = &mut self.friction {
-                surface.points[slot].start = if against { [0.0; 2] } else { state.carried };
+                let point = &mut surface.points[slot];
+                point.start = if against { [0.0; 2] } else { state.carried };
+                if state.step.sticks {
+                    let slip = norm(state.slip);
+                    if slip > SLOWLY * point.last_slip {
+                        point.stiffening = (STIFFER * point.stiffening).min(STIFFEST);
+                    }
+                    point.last_slip = slip;
+                }
                 unsettled += 1;
             }
         }
