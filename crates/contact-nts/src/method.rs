@@ -4,13 +4,13 @@
 
 use crate::friction::SurfaceFriction;
 use crate::gradient::Work;
-use crate::normal::Normal;
 use crate::kinematics::{Gap, LOCAL};
+use crate::normal::Normal;
 use crate::slot::{ElementNodes, Pairing, Slot};
 use nalgebra::Vector3;
 use stoss_contact::{
-    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, LocalContribution, MasterSearch,
-    SearchOptions, SlotReport, StepConfiguration,
+    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, LocalContribution,
+    MasterSearch, SearchOptions, SlotReport, StepConfiguration,
 };
 use stoss_geometry::BilinearPatch;
 

@@ -126,7 +126,14 @@ fn there_and_back() {
     let step = |f: &Friction, at_end, history: f64, slip: f64, pressure| {
         f.step(
             at_end,
-            &FrictionPoint { history: [history, 0.0], slip: [slip, 0.0], pressure, step_size: 1.0, slid: 0.0, stiffening: 1.0 },
+            &FrictionPoint {
+                history: [history, 0.0],
+                slip: [slip, 0.0],
+                pressure,
+                step_size: 1.0,
+                slid: 0.0,
+                stiffening: 1.0,
+            },
         )
     };
     let c = friction(MidpointFriction::C);

@@ -6,8 +6,8 @@ use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Kind, Load, LoadKind, PlaneRegion, Prescribe, Series,
-    SetDefinition, split_set,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Kind, Load, LoadKind, PlaneRegion,
+    Prescribe, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -139,9 +139,7 @@ fn enforcement(node: &Node<'_>) -> Option<Enforcement> {
         DeValue::String(_) => match node.text()?.as_str() {
             "multiplier" => Some(Enforcement::Multiplier),
             "penalty" | "augmented" => node.fail("needs a stiffness, a traction per length", example),
-            other => {
-                node.fail("is not known", known(other, Enforcement::NAMES.iter().copied()))
-            }
+            other => node.fail("is not known", known(other, Enforcement::NAMES.iter().copied())),
         },
         _ => node.fail(format!("must be a word or a table, found a {}", node.value.type_str()), example),
     }
