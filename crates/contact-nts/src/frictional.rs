@@ -21,8 +21,8 @@ const MAX_ROUNDS: u32 = 12;
 /// may need a traction that is far beyond stiffness times slip of a small step.
 const SLOWLY: f64 = 0.1;
 const STIFFER: f64 = 100.0;
-/// Largest factor on the stiffness.
-const STIFFEST: f64 = 1.0e6;
+/// The stiffness makes no more than this fraction of the pressure out of the round-off of positions, which Newton's method would not get below.
+const ROUND_OFF: f64 = 1.0e-10;
 
 /// Positions of an element, its configuration of the force and the projection there.
 struct Placed {
@@ -209,16 +209,19 @@ impl NodeToSurface {
             }
             _ => return Ok(0),
         }
+        let penalty = self.friction.as_ref().map_or(1.0, |surface| surface.friction.penalty());
         let mut unsettled = 0;
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
             let norm = |v: [f64; 2]| v[0].hypot(v[1]);
             let change = norm([state.step.end[0] - state.history[0], state.step.end[1] - state.history[1]]);
             let far = position(q_np1, self.node(slot)).norm();
+            let round_off = 4.0 * f64::EPSILON * far.max(self.length);
+            let stiffest = ROUND_OFF * pressures[slot] / (round_off * penalty);
             // A multiplier against the slip comes from before a reversal: begin anew.
             let against = !state.step.sticks && state.step.work < 0.0;
             let settled = if state.step.sticks {
-                norm(state.slip) <= STUCK * self.length + 4.0 * f64::EPSILON * far
+                norm(state.slip) <= STUCK * self.length + round_off
             } else {
                 !against && change <= SETTLED * norm(state.step.end)
             };
@@ -228,7 +231,7 @@ impl NodeToSurface {
                 if state.step.sticks {
                     let slip = norm(state.slip);
                     if slip > SLOWLY * point.last_slip {
-                        point.stiffening = (STIFFER * point.stiffening).min(STIFFEST);
+                        point.stiffening = (STIFFER * point.stiffening).min(stiffest).max(1.0);
                     }
                     point.last_slip = slip;
                 }

@@ -135,8 +135,6 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
 fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
     let default = NewtonOptions::default();
     let solver = &scene.solver;
-    let rough = scene.contacts.iter().any(|contact| contact.friction.is_some());
-    let stagnation_iterations = if rough { PATIENCE } else { default.stagnation_iterations };
     Settings {
         control: StepControl {
             step: scene.time.step,
@@ -153,16 +151,11 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
             max_iterations: solver.max_iterations.unwrap_or(default.max_iterations),
             line_search: LineSearch::backtracking(),
-            stagnation_iterations,
             ..default
         },
         solver: Box::new(AutoSolver::new()),
     }
 }
-
-/// Iterations without a new smallest residual, with friction: a node that closes far from where it will stick gets there by halving its way, until
-/// it is within the slip that its tangential spring bears.
-const PATIENCE: u32 = 20;
 
 /// Relative residual at which Newton stops. One more iteration follows if it still pays (`NewtonOptions::polish`), which
 /// brings the residual to round-off: balances are exact only as far as the residual is.
