@@ -71,7 +71,7 @@ proptest! {
     fn the_work_of_the_spring_is_exact(
         noise in proptest::collection::vec(-0.05..0.05_f64, 3 * SLAVE),
         moved in proptest::collection::vec(-0.03..0.03_f64, 3 * SLAVE),
-        heights in (0.02..0.2_f64, -0.3..-0.1_f64, -0.3..0.3_f64),
+        heights in (0.15..0.3_f64, -0.3..-0.1_f64, -0.3..0.3_f64),
         slide in prop_oneof![-0.1..0.1_f64, 0.9..1.1_f64],
     ) {
         let mut path = [at(0.5, heights.0), at(0.45, heights.1), at(0.45 + slide, heights.2)];
