@@ -101,7 +101,7 @@ fn frame<T: Scalar>(tangents: [V3<T>; 2]) -> [V3<T>; 3] {
 /// Components in `to` of a tangent vector with components in `from`, after the smallest rotation of one normal into the other.
 fn transport<T: Scalar>(components: [T; 2], from: &[V3<T>; 3], to: &[V3<T>; 3]) -> Option<[T; 2]> {
     let one_plus = T::constant(1.0) + dot(from[2], to[2]);
-    if !(one_plus.value() > FOLDED) {
+    if one_plus.value() <= FOLDED || one_plus.value().is_nan() {
         return None;
     }
     let v: V3<T> = std::array::from_fn(|i| components[0] * from[0][i] + components[1] * from[1][i]);

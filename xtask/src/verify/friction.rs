@@ -29,6 +29,8 @@ const DISTANCE: f64 = 5e-3;
 const MOMENTUM: f64 = 1e-11;
 const ENERGY: f64 = 1e-11;
 const QUADRATIC: f64 = 1.7;
+/// Least number of triples of residuals for a median.
+const MANY: usize = 20;
 
 impl Suite for Friction {
     fn name(&self) -> &'static str {
@@ -150,8 +152,9 @@ fn incline(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
 fn newton_rows(run: &Run, findings: &mut Findings) -> Outcome<()> {
     let steps = run.newton()?;
     let triples = newton::triples(&steps);
-    let order =
-        Check::new(&run.name, "order of the last residuals", newton::median_order(&triples), Bound::AtLeast(QUADRATIC));
+    // A few are no median: shortened runs, and blocks that do not deform.
+    let bound = if triples.len() < MANY { Bound::Told } else { Bound::AtLeast(QUADRATIC) };
+    let order = Check::new(&run.name, "order of the last residuals", newton::median_order(&triples), bound);
     findings.checks.push(order.noted(format!("median of {}", triples.len())));
     let mean = newton::mean_iterations(&steps);
     findings.checks.push(Check::new(&run.name, "iterations a step", mean, Bound::Told));
@@ -160,8 +163,9 @@ fn newton_rows(run: &Run, findings: &mut Findings) -> Outcome<()> {
 
 /// The block of the incline on a level plate, with a speed: `v^2 / (2 mu g)`, then rest.
 fn stopping(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
-    let step = if bench.quick { 0.002 } else { 0.001 };
-    for scheme in ["backward-euler", "energy-momentum"] {
+    // Backward Euler is of first order.
+    for (scheme, quick) in [("backward-euler", 0.001), ("energy-momentum", 0.002)] {
+        let step = if bench.quick { quick } else { 0.001 };
         let mut scene = bench.scene("incline")?;
         scene.remove("expect");
         scene.insert(
@@ -289,8 +293,8 @@ fn fast(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let expected = (MU * GRAVITY * time[last]).min(speed);
         let lost = speed - velocity[last];
         let row =
-            Check::new(&run.name, "lost speed, relative error", (lost / expected - 1.0).abs(), Bound::AtMost(0.1));
-        findings.checks.push(row.noted("the landing of the block disturbs the first steps"));
+            Check::new(&run.name, "lost speed, relative error", (lost / expected - 1.0).abs(), Bound::AtMost(1e-2));
+        findings.checks.push(row);
         findings.checks.push(Check::new(&run.name, "step cuts", run.summary_number("cuts")?, Bound::Told));
     }
     Ok(())
