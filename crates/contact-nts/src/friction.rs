@@ -49,7 +49,7 @@ impl SurfaceFriction {
 }
 
 /// History of one slot.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointHistory {
     /// Traction at the end of the last accepted step, in the frame of the facet that it ended on.
     pub committed: [f64; 2],
@@ -59,6 +59,23 @@ pub(crate) struct PointHistory {
     pub foot: [f64; 2],
     /// Traction (or multiplier) in the frame there.
     pub start: [f64; 2],
+    /// Factor on the stiffness with which the multiplier of this step is augmented.
+    pub stiffening: f64,
+    /// Slip that the last round of augmentation left.
+    pub last_slip: f64,
+}
+
+impl Default for PointHistory {
+    fn default() -> Self {
+        Self {
+            committed: [0.0; 2],
+            slid: 0.0,
+            foot: [0.0; 2],
+            start: [0.0; 2],
+            stiffening: 1.0,
+            last_slip: f64::INFINITY,
+        }
+    }
 }
 
 fn dot<T: Scalar>(a: V3<T>, b: V3<T>) -> T {
@@ -84,7 +101,7 @@ fn frame<T: Scalar>(tangents: [V3<T>; 2]) -> [V3<T>; 3] {
 /// Components in `to` of a tangent vector with components in `from`, after the smallest rotation of one normal into the other.
 fn transport<T: Scalar>(components: [T; 2], from: &[V3<T>; 3], to: &[V3<T>; 3]) -> Option<[T; 2]> {
     let one_plus = T::constant(1.0) + dot(from[2], to[2]);
-    if !(one_plus.value() > FOLDED) {
+    if one_plus.value() <= FOLDED || one_plus.value().is_nan() {
         return None;
     }
     let v: V3<T> = std::array::from_fn(|i| components[0] * from[0][i] + components[1] * from[1][i]);
@@ -207,7 +224,8 @@ impl FrictionElement<'_> {
     }
 
     fn point(&self, history: [f64; 2], slip: [f64; 2]) -> FrictionPoint {
-        FrictionPoint { history, slip, pressure: self.pressure, step_size: self.step_size, slid: self.history.slid }
+        let PointHistory { slid, stiffening, .. } = *self.history;
+        FrictionPoint { history, slip, pressure: self.pressure, step_size: self.step_size, slid, stiffening }
     }
 
     /// Traction, slip, energies.

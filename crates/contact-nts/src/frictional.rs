@@ -17,6 +17,12 @@ const STUCK: f64 = 1.0e-13;
 const SETTLED: f64 = 1.0e-8;
 /// Rounds of augmentation in one step. What has not settled then is taken as it is: its stick is as accurate as the last round left it.
 const MAX_ROUNDS: u32 = 12;
+/// A sticking node whose slip does not fall below this fraction in a round gets a stiffness that is larger by [`STIFFER`]. A node that hits hard
+/// may need a traction that is far beyond stiffness times slip of a small step.
+const SLOWLY: f64 = 0.1;
+const STIFFER: f64 = 100.0;
+/// The stiffness makes no more than this fraction of the pressure out of the round-off of positions, which Newton's method would not get below.
+const ROUND_OFF: f64 = 1.0e-10;
 
 /// Positions of an element, its configuration of the force and the projection there.
 struct Placed {
@@ -155,7 +161,12 @@ impl NodeToSurface {
             *point = PointHistory::default();
             return;
         };
-        point.start = point.committed;
+        *point = PointHistory {
+            committed: point.committed,
+            slid: point.slid,
+            start: point.committed,
+            ..PointHistory::default()
+        };
         self.place_foot(slot);
         if facet != pairing.start {
             let from = (&self.patch(facet, &self.q_n), self.foot(slot, facet));
@@ -198,21 +209,32 @@ impl NodeToSurface {
             }
             _ => return Ok(0),
         }
+        let penalty = self.friction.as_ref().map_or(1.0, |surface| surface.friction.penalty());
         let mut unsettled = 0;
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
             let norm = |v: [f64; 2]| v[0].hypot(v[1]);
             let change = norm([state.step.end[0] - state.history[0], state.step.end[1] - state.history[1]]);
             let far = position(q_np1, self.node(slot)).norm();
+            let round_off = 4.0 * f64::EPSILON * far.max(self.length);
+            let stiffest = ROUND_OFF * pressures[slot] / (round_off * penalty);
             // A multiplier against the slip comes from before a reversal: begin anew.
             let against = !state.step.sticks && state.step.work < 0.0;
             let settled = if state.step.sticks {
-                norm(state.slip) <= STUCK * self.length + 4.0 * f64::EPSILON * far
+                norm(state.slip) <= STUCK * self.length + round_off
             } else {
                 !against && change <= SETTLED * norm(state.step.end)
             };
             if !settled && let Some(surface) = &mut self.friction {
-                surface.points[slot].start = if against { [0.0; 2] } else { state.carried };
+                let point = &mut surface.points[slot];
+                point.start = if against { [0.0; 2] } else { state.carried };
+                if state.step.sticks {
+                    let slip = norm(state.slip);
+                    if slip > SLOWLY * point.last_slip {
+                        point.stiffening = (STIFFER * point.stiffening).min(stiffest).max(1.0);
+                    }
+                    point.last_slip = slip;
+                }
                 unsettled += 1;
             }
         }

@@ -3,6 +3,7 @@
 //! * [`kinematics`]: gap of a node to an extended facet, first and second variation;
 //! * [`invariants`]: the frictionless energy-momentum element with 17 invariants, its local unknowns eliminated;
 //! * [`crossing`]: the element for a step from one facet to another;
+//! * the normal part by multiplier, penalty or augmented Lagrangian ([`stoss_contact::Enforcement`]);
 //! * friction in the direct form, also with the energy-momentum element ([`NodeToSurface::with_friction`]);
 //! * [`NodeToSurface`]: all of them as a [`stoss_contact::ContactMethod`].
 //!
@@ -16,6 +17,7 @@ mod gradient;
 pub mod invariants;
 pub mod kinematics;
 mod method;
+mod normal;
 mod pairing;
 mod slot;
 

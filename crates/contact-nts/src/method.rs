@@ -5,11 +5,12 @@
 use crate::friction::SurfaceFriction;
 use crate::gradient::Work;
 use crate::kinematics::{Gap, LOCAL};
+use crate::normal::Normal;
 use crate::slot::{ElementNodes, Pairing, Slot};
 use nalgebra::Vector3;
 use stoss_contact::{
-    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, MasterSearch,
-    SearchOptions, SlotReport, StepConfiguration,
+    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, LocalContribution,
+    MasterSearch, SearchOptions, SlotReport, StepConfiguration,
 };
 use stoss_geometry::BilinearPatch;
 
@@ -28,6 +29,8 @@ pub enum ConstraintForm {
 pub struct NodeToSurfaceOptions {
     /// Constraint while closed.
     pub constraint: ConstraintForm,
+    /// How it is enforced; a penalty needs the standard form.
+    pub enforcement: Enforcement,
     /// Tolerances of the search.
     pub search: SearchOptions,
 }
@@ -39,6 +42,7 @@ pub struct NodeToSurface {
     pub(crate) slave: ContactSurface,
     pub(crate) search: MasterSearch,
     pub(crate) constraint: ConstraintForm,
+    pub(crate) normal: Normal,
     pub(crate) slots: Vec<Slot>,
     /// Positions at `n`, for pairing.
     pub(crate) q_n: Vec<f64>,
@@ -59,7 +63,7 @@ impl NodeToSurface {
     /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`).
     ///
     /// # Errors
-    /// Empty or degenerate surfaces, shared nodes, options out of range.
+    /// Empty or degenerate surfaces, shared nodes, options out of range, a penalty with the modified constraint.
     pub fn new(
         name: &str,
         slave_facets: &[[u32; 4]],
@@ -76,6 +80,7 @@ impl NodeToSurface {
             name: name.to_owned(),
             search: MasterSearch::new(master, reference, options.search)?,
             constraint: options.constraint,
+            normal: Normal::new(options, slots.len())?,
             slots,
             q_n: Vec::new(),
             length,
@@ -103,7 +108,12 @@ impl NodeToSurface {
     /// must not be caught by that.
     fn allowance(&self, slot: usize) -> f64 {
         let slot = &self.slots[slot];
-        if slot.committed.is_some() { slot.origin_gap.min(0.0) } else { 0.0 }
+        if slot.committed.is_none() {
+            return 0.0;
+        }
+        // The penetration of a spring is no gap that is kept.
+        let is_spring = matches!(self.normal.enforcement, Enforcement::Penalty(_));
+        if is_spring { slot.kept.min(0.0) } else { slot.origin_gap.min(0.0) }
     }
 
     /// True if a node behind the surface came there from the side or from behind: without a partner at `n` it was not in front of this
@@ -144,6 +154,7 @@ impl ContactMethod for NodeToSurface {
     }
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
+        self.normal.rule = rule;
         if let Some(friction) = &mut self.friction {
             friction.rule = rule;
             friction.step_size = step_size;
@@ -153,6 +164,7 @@ impl ContactMethod for NodeToSurface {
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
         self.q_n.clear();
         self.q_n.extend_from_slice(q_n);
+        self.normal.begin_step();
         self.search.update(q_n, reach);
         let view = self.search.at(q_n);
         // Facets that the last step ended on, for friction only.
@@ -245,7 +257,8 @@ impl ContactMethod for NodeToSurface {
             for (r, g) in contribution.residual.iter_mut().zip(&work.gradient[..n]) {
                 *r = -weight * pressure * g;
             }
-            contribution.residual[n] = -weight * (end.gap - self.slots[slot].reference);
+            let row = self.normal_row(slot, step.rule, end.gap, pressure);
+            contribution.residual[n] = -weight * row.value;
             if want_tangent {
                 let dim = n + 1;
                 for i in 0..n {
@@ -256,8 +269,9 @@ impl ContactMethod for NodeToSurface {
                 }
                 for j in 0..LOCAL {
                     // The end facet's nodes are the first five of the element.
-                    contribution.tangent[n * dim + j] = -weight * end.gradient[j];
+                    contribution.tangent[n * dim + j] = -weight * row.d_gap * end.gradient[j];
                 }
+                contribution.tangent[n * dim + n] = -weight * row.d_pressure;
             }
             if self.friction.is_some() {
                 self.add_friction(slot, &element, pairing, &end, step, pressure, want_tangent, &mut contribution)?;
@@ -277,7 +291,7 @@ impl ContactMethod for NodeToSurface {
                     let gap = self.gap(slot, end, q_np1)?;
                     let slid_off = gap.outside() > self.search.options().overhang
                         && self.pair(&view, slot, q_np1, end).pairing.is_none();
-                    if slid_off { f64::INFINITY } else { gap.gap - self.slots[slot].reference }
+                    if slid_off { f64::INFINITY } else { self.normal_complementarity(slot, gap.gap) }
                 }
                 None => {
                     let point = self.closest(&view, slot, q_np1);
@@ -317,11 +331,13 @@ impl ContactMethod for NodeToSurface {
     }
 
     fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        self.augment_friction(q_np1, pressures, active)
+        Ok(self.augment_normal(q_np1, pressures, active)? + self.augment_friction(q_np1, pressures, active)?)
     }
 
     fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
-        self.friction_work(q_np1, pressures, active)
+        let mut total = self.friction_work(q_np1, pressures, active)?;
+        total.stored += self.normal_stored(q_np1, active)?;
+        Ok(total)
     }
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
@@ -342,6 +358,7 @@ impl ContactMethod for NodeToSurface {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
+        self.normal.commit(pressures, active);
         let view = self.search.at(q_np1);
         let strayed: Vec<bool> = (0..self.slots.len())
             .map(|slot| {
@@ -368,18 +385,20 @@ impl ContactMethod for NodeToSurface {
             out.extend_from_slice(&slot.kept.to_le_bytes());
             out.push(u8::from(slot.strayed));
         }
+        self.normal.save(&mut out);
         self.save_friction(&mut out);
         out
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        let size = HISTORY + self.friction_bytes();
+        let size = HISTORY + self.normal.bytes() + self.friction_bytes();
         if bytes.len() != size * self.slots.len() {
             return Err(ContactError::History {
                 reason: format!("{} bytes for {} slave nodes of {size} bytes", bytes.len(), self.slots.len()),
             });
         }
-        let (bytes, friction) = bytes.split_at(HISTORY * self.slots.len());
+        let (bytes, rest) = bytes.split_at(HISTORY * self.slots.len());
+        let (normal, friction) = rest.split_at(self.normal.bytes() * self.slots.len());
         let facets = self.search.surface().facets().len() as u32;
         for (slot, chunk) in self.slots.iter_mut().zip(bytes.chunks_exact(HISTORY)) {
             let facet = u32::from_le_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
@@ -391,6 +410,7 @@ impl ContactMethod for NodeToSurface {
             slot.kept = f64::from_le_bytes(kept);
             slot.strayed = chunk[12] != 0;
         }
+        self.normal.load(normal);
         self.load_friction(friction);
         Ok(())
     }

@@ -68,6 +68,15 @@ pub enum ContactError {
         /// Allowed values.
         range: &'static str,
     },
+    /// The stiffness of a penalty or of an augmented Lagrangian is out of its range.
+    #[error("the normal stiffness must be positive, but is {value}")]
+    Stiffness {
+        /// Value given.
+        value: f64,
+    },
+    /// A penalty has nothing to keep.
+    #[error("normal contact by a penalty is not available with the modified constraint")]
+    PenaltyUnavailable,
     /// There is no friction under a rule or constraint.
     #[error("contact with friction is not available with {what}")]
     FrictionUnavailable {

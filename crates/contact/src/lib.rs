@@ -2,12 +2,13 @@
 //!
 //! The stages are types that can be looked at: [`ContactSurface`] (facets, nodes, adjacency, nodal areas) ->
 //! [`MasterSearch`] (tree over the master facets) -> [`MasterPoint`] (closest point, signed gap, which geometric case, pairing
-//! facet) -> [`ActiveSetControl`] (which constraints are closed) and [`friction`] (tangential tractions). A contact discretisation implements
-//! [`ContactMethod`] on top of them, in a crate of its own.
+//! facet) -> [`ActiveSetControl`] (which constraints are closed), [`Enforcement`] (their pressures) and [`friction`] (tangential tractions). A contact
+//! discretisation implements [`ContactMethod`] on top of them, in a crate of its own.
 //!
 //! Not here: forces and tangents (they are a method's), the global system (the solver's), meshes' files.
 
 pub mod active_set;
+mod enforcement;
 mod error;
 pub mod friction;
 mod method;
@@ -15,6 +16,7 @@ pub mod search;
 pub mod surface;
 
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
+pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use method::{ContactMethod, ContactRule, ContactWork, LocalContribution, SlotReport, StepConfiguration};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};

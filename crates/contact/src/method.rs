@@ -4,7 +4,8 @@ use crate::ContactError;
 
 /// Where the gradient of the gap is taken that makes the contact force `A p G` of a step (formulation §11).
 ///
-/// The constraint row is `-A` times the gap at `q_np1` (less the gap that it refers to) under every rule. The forces
+/// The constraint row is `-A` times the gap at `q_np1` (less the gap that it refers to) under every rule, for pressures that are multipliers;
+/// otherwise see [`crate::Enforcement`]. The forces
 /// of every rule have no resultant; about which configuration they have no moment is said for each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -86,7 +87,7 @@ pub struct SlotReport {
 /// Energy of the contact in a step, as far as it is not that of the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactWork {
-    /// Energy stored at the end of the step (tangential springs).
+    /// Energy stored at the end of the step (normal and tangential springs).
     pub stored: f64,
     /// Energy dissipated in the step.
     pub dissipated: f64,

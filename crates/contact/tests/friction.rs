@@ -23,7 +23,7 @@ fn vector(size: f64) -> impl Strategy<Value = [f64; 2]> {
 
 fn point() -> impl Strategy<Value = FrictionPoint> {
     (vector(2.0), vector(0.1), -0.5..5.0_f64, 0.01..0.2_f64).prop_map(|(history, slip, pressure, step_size)| {
-        FrictionPoint { history, slip, pressure, step_size, slid: 0.3 }
+        FrictionPoint { history, slip, pressure, step_size, slid: 0.3, stiffening: 1.0 }
     })
 }
 
@@ -93,7 +93,7 @@ proptest! {
         let mut history = [0.0; 2];
         for (slip, pressure) in path {
             let before = friction.stored(history);
-            let step = friction.step(at_end, &FrictionPoint { history, slip, pressure, step_size: 0.05, slid: 0.0 });
+            let step = friction.step(at_end, &FrictionPoint { history, slip, pressure, step_size: 0.05, slid: 0.0, stiffening: 1.0 });
             let dissipated = step.work + before - step.stored;
             prop_assert!(dissipated >= -1e-13, "dissipated {dissipated:e}");
             // The force of every reading is in the cone, the history of A is not. (0.6: the largest coefficient.)
@@ -109,7 +109,7 @@ proptest! {
         prop_assume!(norm(slip) > 1e-2);
         let mut multiplier = history;
         for _ in 0..400 {
-            multiplier = friction.step(false, &FrictionPoint { history: multiplier, slip, pressure, step_size: 1.0, slid: 0.0 }).force;
+            multiplier = friction.step(false, &FrictionPoint { history: multiplier, slip, pressure, step_size: 1.0, slid: 0.0, stiffening: 1.0 }).force;
         }
         for i in 0..2 {
             prop_assert!((multiplier[i] - 0.4 * pressure * slip[i] / norm(slip)).abs() < 1e-9);
@@ -126,7 +126,14 @@ fn there_and_back() {
     let step = |f: &Friction, at_end, history: f64, slip: f64, pressure| {
         f.step(
             at_end,
-            &FrictionPoint { history: [history, 0.0], slip: [slip, 0.0], pressure, step_size: 1.0, slid: 0.0 },
+            &FrictionPoint {
+                history: [history, 0.0],
+                slip: [slip, 0.0],
+                pressure,
+                step_size: 1.0,
+                slid: 0.0,
+                stiffening: 1.0,
+            },
         )
     };
     let c = friction(MidpointFriction::C);

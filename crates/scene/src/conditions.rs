@@ -26,6 +26,34 @@ named! {
     }
 }
 
+/// How the normal part of a contact is enforced. Stiffnesses are tractions per length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Enforcement {
+    /// Exactly, the pressures being unknowns.
+    #[default]
+    Multiplier,
+    /// By springs of this stiffness against penetration.
+    Penalty(
+        /// Stiffness, positive.
+        f64,
+    ),
+    /// Exactly, by an augmented Lagrangian: further solutions a step, fewer for a larger stiffness.
+    Augmented(
+        /// Stiffness, positive. It decides on the number of solutions, not on the result.
+        f64,
+    ),
+}
+
+impl Enforcement {
+    /// Names of the variants.
+    pub const NAMES: &'static [&'static str] = &["multiplier", "penalty", "augmented"];
+
+    fn is_multiplier(&self) -> bool {
+        *self == Self::Multiplier
+    }
+}
+
 named! {
     /// Cartesian component.
     Component {
@@ -117,6 +145,9 @@ pub struct Contact {
     /// Standard or modified constraint.
     #[serde(default = "Contact::default_constraint")]
     pub constraint: Constraint,
+    /// `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`.
+    #[serde(default, skip_serializing_if = "Enforcement::is_multiplier")]
+    pub enforcement: Enforcement,
     /// Friction; none if left out. With the standard constraint only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,

@@ -20,9 +20,9 @@ named! {
     MidpointFriction {
         /// Return at the midpoint, the end traction extrapolated: it leaves the cone and alternates.
         A = "a",
-        /// Return over the step, its result in the equations: robust, damps stick.
+        /// Return over the step, its result in the equations: robust, damps stick. The default.
         B = "b",
-        /// Mean of the tractions at both ends.
+        /// Mean of the tractions at both ends: too small where the pressure alternates from step to step.
         C = "c",
     }
 }
@@ -64,7 +64,7 @@ impl Sticking {
     /// Stick if left out.
     pub const DEFAULT_STICK: Stick = Stick::Penalty;
     /// Stepping if left out.
-    pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::C;
+    pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::B;
 }
 
 fn default_stick() -> Stick {

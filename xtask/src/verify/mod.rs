@@ -9,6 +9,7 @@ mod conservation;
 mod convergence;
 mod derivatives;
 mod figures;
+mod friction;
 mod laws;
 mod lean;
 mod materials;
@@ -53,6 +54,7 @@ const SUITES: &[&dyn Suite] = &[
     &materials::Materials,
     &tangents::Tangents,
     &conservation::Conservation,
+    &friction::Friction,
     &convergence::Convergence,
     &work_precision::WorkPrecision,
     &stability::Stability,

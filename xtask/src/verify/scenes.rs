@@ -33,6 +33,9 @@ impl Suite for Scenes {
             let text = bench.workspace.read(file)?;
             let scene: Table = text.parse().map_err(|error| format!("{}: {error}", file.display()))?;
             let Some(Value::Table(expect)) = scene.get("expect") else { continue };
+            if bench.quick && is_large(file) {
+                continue;
+            }
             let run = bench.run_shipped(file)?;
             let gives_up = expect.get("outcome").and_then(Value::as_str) == Some("failed");
             let ending = run.completed(if gives_up { GAVE_UP } else { 0 });
@@ -65,6 +68,11 @@ impl Suite for Scenes {
         }
         Ok(findings)
     }
+}
+
+/// Scenes of minutes or hours, which quick mode leaves out: the tori.
+fn is_large(scene: &Path) -> bool {
+    scene.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("tori"))
 }
 
 /// One expectation; the list of probes is several.

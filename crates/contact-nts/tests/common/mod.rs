@@ -1,7 +1,7 @@
 //! A row of facets with one slave facet above, and dense assembly, for the tests of whole steps.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use stoss_contact::{ContactMethod, ContactRule, SearchOptions, StepConfiguration};
+use stoss_contact::{ContactMethod, ContactRule, Enforcement, SearchOptions, StepConfiguration};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
 pub const ACTIVE: [bool; 4] = [true, false, false, false];
@@ -22,10 +22,17 @@ pub fn positions(heights: &[f64], at: [f64; 3]) -> Vec<f64> {
 }
 
 pub fn method(facets: u32, constraint: ConstraintForm, search: SearchOptions) -> NodeToSurface {
+    with_options(facets, NodeToSurfaceOptions { constraint, search, ..NodeToSurfaceOptions::default() })
+}
+
+pub fn enforced(facets: u32, enforcement: Enforcement) -> NodeToSurface {
+    with_options(facets, NodeToSurfaceOptions { enforcement, ..NodeToSurfaceOptions::default() })
+}
+
+fn with_options(facets: u32, options: NodeToSurfaceOptions) -> NodeToSurface {
     let master: Vec<[u32; 4]> = (0..facets).map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).collect();
     let reference = positions(&vec![0.0; facets as usize + 1], [0.3, 0.2, 0.5]);
     let k = 2 * (facets + 1);
-    let options = NodeToSurfaceOptions { constraint, search };
     NodeToSurface::new("test", &[[k, k + 1, k + 2, k + 3]], &master, &reference, options).unwrap()
 }
 

@@ -10,11 +10,14 @@ use std::sync::Arc;
 pub enum MidpointFriction {
     /// Return at the midpoint; the end traction is extrapolated (Armero and Petoecz). It leaves the cone and alternates.
     A,
-    /// Return over the whole step; that traction is force and history. Dissipates in stick too; first order.
+    /// Return over the whole step; that traction is force and history. Dissipates in stick too, where it is of first order; in slip the force is
+    /// exactly that of the law with the pressure of the step. The default: pressures of conserving schemes alternate from step to step,
+    /// and the other two then make less of the friction than the law says.
+    #[default]
     B,
     /// Return at the end, the force is the mean of both ends. The traction at the start is brought into the cone of the step's pressure first,
-    /// our addition: without it the mean could leave the cone, and dissipation be negative, when the pressure falls. Second order.
-    #[default]
+    /// our addition: without it the mean could leave the cone, and dissipation be negative, when the pressure falls. Second order where
+    /// the pressure is smooth.
     C,
 }
 
@@ -53,6 +56,8 @@ pub struct FrictionPoint {
     pub step_size: f64,
     /// Path slid before the step.
     pub slid: f64,
+    /// Factor on the tangential stiffness, 1 but for augmented multipliers that approach their value slowly.
+    pub stiffening: f64,
 }
 
 /// A step of one point. Energies are per reference area.
@@ -148,38 +153,39 @@ impl Friction {
             })
         };
         let elastic = self.law.is_elastic();
+        let penalty = point.stiffening * self.penalty;
         let stepping =
             if at_end || !elastic || self.stick == Stick::Augmented { MidpointFriction::B } else { self.midpoint };
         let trial = |from: Plane, stiffness: f64| std::array::from_fn(|i| from[i] + stiffness * point.slip[i]);
         let h = point.history;
         let out = match stepping {
             MidpointFriction::B => {
-                let end = law(trial(h, self.penalty));
+                let end = law(trial(h, penalty));
                 FrictionStep {
                     force: end.traction,
                     end: end.traction,
                     sticks: end.sticks,
                     d_history: end.d_trial,
-                    d_slip: combine(self.penalty, end.d_trial, 1.0, end.d_slip),
+                    d_slip: combine(penalty, end.d_trial, 1.0, end.d_slip),
                     d_pressure: end.d_pressure,
                     ..FrictionStep::default()
                 }
             }
             MidpointFriction::A => {
-                let mid = law(trial(h, 0.5 * self.penalty));
+                let mid = law(trial(h, 0.5 * penalty));
                 FrictionStep {
                     force: mid.traction,
                     end: std::array::from_fn(|i| 2.0 * mid.traction[i] - h[i]),
                     sticks: mid.sticks,
                     d_history: mid.d_trial,
-                    d_slip: combine(0.5 * self.penalty, mid.d_trial, 1.0, mid.d_slip),
+                    d_slip: combine(0.5 * penalty, mid.d_trial, 1.0, mid.d_slip),
                     d_pressure: mid.d_pressure,
                     ..FrictionStep::default()
                 }
             }
             MidpointFriction::C => {
                 let start = law(h);
-                let end = law(trial(start.traction, self.penalty));
+                let end = law(trial(start.traction, penalty));
                 // Of the end with respect to the start, then of the start.
                 let d_end_slip = combine(1.0, times(end.d_trial, start.d_slip), 1.0, end.d_slip);
                 let through = apply(end.d_trial, start.d_pressure);
@@ -188,7 +194,7 @@ impl Friction {
                     end: end.traction,
                     sticks: end.sticks,
                     d_history: combine(0.5, start.d_trial, 0.5, times(end.d_trial, start.d_trial)),
-                    d_slip: combine(0.5, combine(1.0, start.d_slip, 1.0, d_end_slip), 0.5 * self.penalty, end.d_trial),
+                    d_slip: combine(0.5, combine(1.0, start.d_slip, 1.0, d_end_slip), 0.5 * penalty, end.d_trial),
                     d_pressure: std::array::from_fn(|i| 0.5 * (start.d_pressure[i] + end.d_pressure[i] + through[i])),
                     ..FrictionStep::default()
                 }

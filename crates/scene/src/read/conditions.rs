@@ -6,8 +6,8 @@ use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Kind, Load, LoadKind, PlaneRegion, Prescribe, Series,
-    SetDefinition, split_set,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Kind, Load, LoadKind, PlaneRegion,
+    Prescribe, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -93,6 +93,13 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         }
         Some(constraint)
     });
+    let enforcement = table.default("enforcement", Enforcement::Multiplier, |n| {
+        let enforcement = enforcement(n)?;
+        if matches!(enforcement, Enforcement::Penalty(_)) && constraint == Some(Constraint::Modified) {
+            return n.fail("a penalty needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
+        }
+        Some(enforcement)
+    });
     let friction = table.optional("friction", |n| {
         let friction = friction(n)?;
         if constraint == Some(Constraint::Modified) {
@@ -111,7 +118,31 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
             "choose the surface of another body; contact of a body with itself is not available",
         );
     }
-    Some(Contact { name: name?, method: method?, slave, master, constraint: constraint?, friction: friction? })
+    let (constraint, enforcement) = (constraint?, enforcement?);
+    Some(Contact { name: name?, method: method?, slave, master, constraint, enforcement, friction: friction? })
+}
+
+fn enforcement(node: &Node<'_>) -> Option<Enforcement> {
+    let example = "write \"multiplier\", { penalty = 1e5 } or { augmented = 1e5 }";
+    match node.value {
+        DeValue::Table(_) => {
+            let table = node.table()?;
+            let penalty = table.optional("penalty", Node::positive);
+            let augmented = table.optional("augmented", Node::positive);
+            table.finish();
+            match (penalty?, augmented?) {
+                (Some(stiffness), None) => Some(Enforcement::Penalty(stiffness)),
+                (None, Some(stiffness)) => Some(Enforcement::Augmented(stiffness)),
+                _ => node.fail("needs exactly one of `penalty` and `augmented`", example),
+            }
+        }
+        DeValue::String(_) => match node.text()?.as_str() {
+            "multiplier" => Some(Enforcement::Multiplier),
+            "penalty" | "augmented" => node.fail("needs a stiffness, a traction per length", example),
+            other => node.fail("is not known", known(other, Enforcement::NAMES.iter().copied())),
+        },
+        _ => node.fail(format!("must be a word or a table, found a {}", node.value.type_str()), example),
+    }
 }
 
 /// A constant or a table with `columns` values.

@@ -190,9 +190,9 @@ pub(super) fn contacts(
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) {
-    use crate::scene::Constraint;
+    use crate::scene::{Constraint, Enforcement as Enforced};
     use crate::solver::ContactPair;
-    use stoss_contact::ContactMethod;
+    use stoss_contact::{ContactMethod, Enforcement};
     use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
     let mut seen: Vec<(Vec<[u32; 4]>, Vec<[u32; 4]>, String)> = Vec::new();
     for (c, item) in scene.contacts.iter().enumerate() {
@@ -216,7 +216,12 @@ pub(super) fn contacts(
             Constraint::Standard => ConstraintForm::Standard,
             Constraint::Modified => ConstraintForm::Modified,
         };
-        let options = NodeToSurfaceOptions { constraint, ..NodeToSurfaceOptions::default() };
+        let enforcement = match item.enforcement {
+            Enforced::Multiplier => Enforcement::Multiplier,
+            Enforced::Penalty(stiffness) => Enforcement::Penalty(stiffness),
+            Enforced::Augmented(stiffness) => Enforcement::Augmented(stiffness),
+        };
+        let options = NodeToSurfaceOptions { constraint, enforcement, ..NodeToSurfaceOptions::default() };
         let mut method = match NodeToSurface::new(&item.label(), &slave, &master, &model.reference, options) {
             Ok(method) => method,
             Err(error) => {

@@ -1,0 +1,129 @@
+//! The normal part behind [`Enforcement`]: row of a slot, multipliers of the augmented Lagrangian, energy of the springs.
+
+use crate::method::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions, position};
+use stoss_contact::{ContactError, ContactRule, Enforcement, NormalRow};
+
+/// A closed node has this gap at most, in multiples of a master edge, once its multiplier has settled, or what round-off of the positions is.
+const CLOSED: f64 = 1.0e-13;
+/// Rounds of augmentation in one step. What has not settled then is taken as it is.
+const MAX_ROUNDS: u32 = 12;
+
+/// Enforcement of a whole surface.
+#[derive(Clone, Debug)]
+pub(crate) struct Normal {
+    pub enforcement: Enforcement,
+    /// Of the step that began last.
+    pub rule: ContactRule,
+    /// Multipliers of the augmented Lagrangian, one a slot; empty with another enforcement.
+    multipliers: Vec<f64>,
+    /// Those at the start of the step.
+    committed: Vec<f64>,
+    rounds: u32,
+}
+
+fn at_end(rule: ContactRule) -> bool {
+    !matches!(rule, ContactRule::Midpoint | ContactRule::EnergyMomentum)
+}
+
+impl Normal {
+    pub fn new(options: NodeToSurfaceOptions, slots: usize) -> Result<Self, ContactError> {
+        let enforcement = options.enforcement.checked()?;
+        if matches!(enforcement, Enforcement::Penalty(_)) && options.constraint == ConstraintForm::Modified {
+            return Err(ContactError::PenaltyUnavailable);
+        }
+        let slots = if matches!(enforcement, Enforcement::Augmented(_)) { slots } else { 0 };
+        let multipliers = vec![0.0; slots];
+        Ok(Self { enforcement, rule: ContactRule::EndPoint, committed: multipliers.clone(), multipliers, rounds: 0 })
+    }
+
+    pub fn begin_step(&mut self) {
+        self.multipliers.copy_from_slice(&self.committed);
+        self.rounds = 0;
+    }
+
+    fn multiplier(&self, slot: usize) -> f64 {
+        self.multipliers.get(slot).copied().unwrap_or(0.0)
+    }
+
+    /// The pressures of an accepted step are the multipliers that the next one starts from.
+    pub fn commit(&mut self, pressures: &[f64], active: &[bool]) {
+        for ((multiplier, &p), &active) in self.committed.iter_mut().zip(pressures).zip(active) {
+            *multiplier = if active { p.max(0.0) } else { 0.0 };
+        }
+    }
+
+    /// Bytes of a slot's history.
+    pub fn bytes(&self) -> usize {
+        if self.committed.is_empty() { 0 } else { 8 }
+    }
+
+    pub fn save(&self, out: &mut Vec<u8>) {
+        out.extend(self.committed.iter().flat_map(|value| value.to_le_bytes()));
+    }
+
+    /// From as many bytes as [`Self::save`] writes.
+    pub fn load(&mut self, bytes: &[u8]) {
+        for (value, chunk) in self.committed.iter_mut().zip(bytes.chunks_exact(8)) {
+            *value = f64::from_le_bytes(std::array::from_fn(|k| chunk[k]));
+        }
+    }
+}
+
+impl NodeToSurface {
+    /// Gaps at both ends of the step, less the gap that the constraint refers to.
+    fn ends(&self, slot: usize, gap: f64) -> [f64; 2] {
+        let slot = &self.slots[slot];
+        [slot.gap_n - slot.reference, gap - slot.reference]
+    }
+
+    /// Equation of an active, paired slot with a gap at `n+1`.
+    pub(crate) fn normal_row(&self, slot: usize, rule: ContactRule, gap: f64, pressure: f64) -> NormalRow {
+        let ends = self.ends(slot, gap);
+        self.normal.enforcement.row(at_end(rule), ends, pressure, self.normal.multiplier(slot))
+    }
+
+    pub(crate) fn normal_complementarity(&self, slot: usize, gap: f64) -> f64 {
+        self.normal.enforcement.complementarity(at_end(self.normal.rule), self.ends(slot, gap))
+    }
+
+    /// Energy of the springs of the active slots.
+    pub(crate) fn normal_stored(&self, q_np1: &[f64], active: &[bool]) -> Result<f64, ContactError> {
+        let mut total = 0.0;
+        if !matches!(self.normal.enforcement, Enforcement::Penalty(_)) {
+            return Ok(total);
+        }
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            let Some(pairing) = self.slots[slot].pairing else { continue };
+            let [_, end] = self.ends(slot, self.gap(slot, pairing.end, q_np1)?.gap);
+            total += self.slave.nodal_areas()[slot] * self.normal.enforcement.stored(end);
+        }
+        Ok(total)
+    }
+
+    /// Makes the pressures the multipliers of the augmented Lagrangian; returns how many were not settled.
+    pub(crate) fn augment_normal(
+        &mut self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        active: &[bool],
+    ) -> Result<usize, ContactError> {
+        if self.normal.multipliers.is_empty() || self.normal.rounds >= MAX_ROUNDS {
+            return Ok(0);
+        }
+        self.normal.rounds += 1;
+        let mut unsettled = 0;
+        for slot in 0..self.slots.len() {
+            let Some(pairing) = self.slots[slot].pairing.filter(|_| active[slot]) else {
+                self.normal.multipliers[slot] = 0.0;
+                continue;
+            };
+            let [_, end] = self.ends(slot, self.gap(slot, pairing.end, q_np1)?.gap);
+            let far = position(q_np1, self.node(slot)).norm();
+            if end.abs() > CLOSED * self.length + 4.0 * f64::EPSILON * far {
+                self.normal.multipliers[slot] = pressures[slot].max(0.0);
+                unsettled += 1;
+            }
+        }
+        Ok(unsettled)
+    }
+}

@@ -1,0 +1,157 @@
+//! The normal part by penalty and by augmented Lagrangian: pressure, work, release, history.
+
+mod common;
+use common::*;
+use proptest::prelude::*;
+use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, SearchOptions};
+use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+
+const FACETS: u32 = 4;
+const FLAT: [f64; FACETS as usize + 1] = [0.0; FACETS as usize + 1];
+const SLAVE: usize = 2 * (FACETS as usize + 1);
+const STIFFNESS: f64 = 30.0;
+const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
+
+fn at(x: f64, z: f64) -> Vec<f64> {
+    positions(&FLAT, [x, 0.3, z])
+}
+
+fn spring() -> NodeToSurface {
+    enforced(FACETS, Enforcement::Penalty(STIFFNESS))
+}
+
+/// Row of the pressure divided by minus the area.
+fn row(m: &NodeToSurface, q_n: &[f64], q: &[f64], p: f64, rule: ContactRule) -> f64 {
+    let residual = assembled(m, q_n, q, p, rule, false).0;
+    -residual[residual.len() - 1] / m.slot_weight(0)
+}
+
+/// Pressure that solves the row, which is linear in it with the slope `1 / STIFFNESS`.
+fn pressure(m: &NodeToSurface, q_n: &[f64], q: &[f64], rule: ContactRule) -> f64 {
+    -STIFFNESS * row(m, q_n, q, 0.0, rule)
+}
+
+fn stored(m: &NodeToSurface, q: &[f64], active: &[bool]) -> f64 {
+    m.work(q, &[0.0; 4], active).unwrap().stored
+}
+
+#[test]
+fn a_spring_has_the_pressure_of_its_depth() {
+    let mut m = spring();
+    m.set_rule(ContactRule::EndPoint, 0.1);
+    m.begin_step(&at(0.4, 0.05), 1.0).unwrap();
+    m.repair(&at(0.4, -0.02), &ACTIVE).unwrap();
+    assert!((pressure(&m, &at(0.4, 0.05), &at(0.4, -0.02), ContactRule::EndPoint) - 0.6).abs() < 1e-13);
+    // Closing in a midpoint scheme: energy STIFFNESS 0.02^2 / 2 over the way 0.07.
+    for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
+        let mean = STIFFNESS * 0.5 * 0.02 * 0.02 / 0.07;
+        assert!((pressure(&m, &at(0.4, 0.05), &at(0.4, -0.02), rule) - mean).abs() < 1e-13);
+    }
+    let energy = m.slot_weight(0) * 0.5 * STIFFNESS * 0.02 * 0.02;
+    assert!((stored(&m, &at(0.4, -0.02), &ACTIVE) - energy).abs() < 1e-15 && stored(&m, &at(0.4, -0.02), &OPEN) == 0.0);
+    // It goes on with its depth in the next step.
+    m.commit(&at(0.4, -0.02), &[0.6, 0.0, 0.0, 0.0], &ACTIVE);
+    m.set_rule(ContactRule::EnergyMomentum, 0.1);
+    m.begin_step(&at(0.4, -0.02), 1.0).unwrap();
+    assert!((pressure(&m, &at(0.4, -0.02), &at(0.4, -0.04), ContactRule::EnergyMomentum) - 0.9).abs() < 1e-13);
+    // Out again: it stays closed for this step, which has the rest of the spring's force, and opens in the next one.
+    assert_eq!(gap(&m, &at(0.4, 0.01), &ACTIVE), 0.0);
+    m.commit(&at(0.4, 0.01), &[0.1, 0.0, 0.0, 0.0], &ACTIVE);
+    m.begin_step(&at(0.4, 0.01), 1.0).unwrap();
+    assert!((gap(&m, &at(0.4, 0.02), &ACTIVE) - 0.02).abs() < 1e-13);
+    assert!((gap(&m, &at(0.4, -0.02), &OPEN) + 0.02).abs() < 1e-13, "closes at zero, not at the old depth");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// With the energy-momentum element the contact forces do exactly the work of the spring, on warped facets, over edges, in closing and
+    /// in opening steps.
+    #[test]
+    fn the_work_of_the_spring_is_exact(
+        noise in proptest::collection::vec(-0.05..0.05_f64, 3 * SLAVE),
+        moved in proptest::collection::vec(-0.03..0.03_f64, 3 * SLAVE),
+        heights in (0.15..0.3_f64, -0.3..-0.1_f64, -0.3..0.3_f64),
+        slide in prop_oneof![-0.1..0.1_f64, 0.9..1.1_f64],
+    ) {
+        let mut path = [at(0.5, heights.0), at(0.45, heights.1), at(0.45 + slide, heights.2)];
+        for k in 0..3 * SLAVE {
+            for (step, q) in path.iter_mut().enumerate() {
+                q[k] += noise[k] + step as f64 * moved[k];
+            }
+        }
+        let mut m = spring();
+        let mut before = 0.0;
+        for pair in path.windows(2) {
+            m.set_rule(ContactRule::EnergyMomentum, 0.1);
+            m.begin_step(&pair[0], 2.0).unwrap();
+            m.repair(&pair[1], &ACTIVE).unwrap();
+            let p = pressure(&m, &pair[0], &pair[1], ContactRule::EnergyMomentum);
+            let residual = assembled(&m, &pair[0], &pair[1], p, ContactRule::EnergyMomentum, false).0;
+            let work: f64 = residual.iter().zip(pair[1].iter().zip(&pair[0])).map(|(r, (b, a))| r * (b - a)).sum();
+            let after = stored(&m, &pair[1], &ACTIVE);
+            prop_assert!((work - (after - before)).abs() < 1e-13, "{work:e} {:e}", after - before);
+            prop_assert!(p >= -1e-13);
+            before = after;
+            m.commit(&pair[1], &[p, 0.0, 0.0, 0.0], &ACTIVE);
+        }
+    }
+}
+
+/// A spring pushes the node with a given force; solved exactly between the rounds: the gap ends at zero, the multiplier at the force.
+#[test]
+fn augmented_multipliers_close_exactly() {
+    for rule in RULES {
+        let mut m = enforced(FACETS, Enforcement::Augmented(STIFFNESS));
+        m.set_rule(rule, 0.1);
+        let start = at(0.4, 0.05);
+        m.begin_step(&start, 1.0).unwrap();
+        let (push, spring) = (2.0, 5.0);
+        let mut z = -0.1;
+        m.repair(&at(0.4, z), &ACTIVE).unwrap();
+        let mut p = 0.0;
+        for round in 0.. {
+            // p = push - spring z, with the row in p and z: z + (p - lambda) / STIFFNESS = 0.
+            let lambda = -STIFFNESS * row(&m, &start, &at(0.4, 0.0), 0.0, rule);
+            z = (lambda - push) / (STIFFNESS - spring);
+            p = push - spring * z;
+            assert!(row(&m, &start, &at(0.4, z), p, rule).abs() < 1e-13);
+            if m.augment(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE).unwrap() == 0 {
+                break;
+            }
+            assert!(round < 14, "the rounds are limited");
+        }
+        assert!(z.abs() < 1e-8 && (p - push).abs() < 1e-7, "{z:e} {p}");
+        assert_eq!(m.work(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE).unwrap(), ContactWork::default());
+        // The next step starts from there, also after a checkpoint.
+        m.commit(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE);
+        let mut other = enforced(FACETS, Enforcement::Augmented(STIFFNESS));
+        other.load_history(&m.save_history()).unwrap();
+        assert!(spring_history_differs(&m));
+        for m in [&mut m, &mut other] {
+            m.set_rule(rule, 0.1);
+            m.begin_step(&at(0.4, z), 1.0).unwrap();
+            let lambda = -STIFFNESS * row(m, &at(0.4, z), &at(0.4, 0.0), 0.0, rule);
+            assert!((lambda - p).abs() < 1e-12);
+        }
+    }
+}
+
+/// The history of a method without multipliers is shorter.
+fn spring_history_differs(m: &NodeToSurface) -> bool {
+    spring().load_history(&m.save_history()).is_err()
+}
+
+#[test]
+fn what_is_not_available_says_so() {
+    let options = NodeToSurfaceOptions {
+        constraint: ConstraintForm::Modified,
+        enforcement: Enforcement::Penalty(1.0),
+        search: SearchOptions::default(),
+    };
+    let reference = at(0.4, 0.5);
+    let new = |options| NodeToSurface::new("test", &[[10, 11, 12, 13]], &[[0, 2, 3, 1]], &reference, options);
+    assert_eq!(new(options).unwrap_err(), ContactError::PenaltyUnavailable);
+    let options = NodeToSurfaceOptions { enforcement: Enforcement::Penalty(-1.0), ..NodeToSurfaceOptions::default() };
+    assert_eq!(new(options).unwrap_err().to_string(), "the normal stiffness must be positive, but is -1");
+}
