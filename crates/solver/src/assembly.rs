@@ -5,6 +5,7 @@ use crate::mass_solve::MassSolver;
 use crate::numbering::Numbering;
 use crate::{LoadKind, Model, StepError};
 use std::sync::Arc;
+use stoss_contact::Auxiliary;
 use stoss_fe_solid::{MassMatrix, TangentTarget, Workspace};
 use stoss_integrators::Buffers;
 use stoss_linalg::{LinearSolver, NONE, ScatterMap, SparsityPattern};
@@ -25,7 +26,7 @@ pub(crate) struct System {
     pub pattern: Arc<SparsityPattern>,
     pub solid_to_global: Vec<u32>,
     pub contact_map: ScatterMap,
-    /// Equation of each slot of each contact pair, `NONE` if inactive.
+    /// Equation of each slot of each contact pair, `NONE` if inactive. Those of its auxiliaries follow it.
     pub slot_equation: Vec<Vec<u32>>,
     pub values: Vec<f64>,
     pub solver: Box<dyn LinearSolver>,
@@ -44,6 +45,8 @@ pub(crate) struct System {
     pub force_scale: f64,
     /// Largest constraint violation of the last evaluation, relative to an edge length.
     pub gap_measure: f64,
+    /// Sum of the squares of the auxiliaries' force rows in the last evaluation.
+    pub auxiliary_square: f64,
     /// Scratch for weighted local tangents.
     pub weighted: Vec<f64>,
     // Vectors of equations.
@@ -51,6 +54,11 @@ pub(crate) struct System {
     pub increment: Vec<f64>,
     pub base_q: Vec<f64>,
     pub base_pressures: Vec<Vec<f64>>,
+    /// Auxiliaries of the iterate and their increments (of condensed ones only).
+    pub base_auxiliaries: Vec<Vec<f64>>,
+    pub auxiliary_increment: Vec<Vec<f64>>,
+    /// Increment of all components, for pairs with condensed auxiliaries; else empty.
+    pub full_increment: Vec<f64>,
     /// Sum of nodal masses times an edge length, and of shear modulus times squared edge length, as force scales.
     pub mass_length: f64,
     pub stiffness_force: f64,
@@ -81,7 +89,18 @@ impl StencilList {
 pub(crate) struct Iterate {
     pub q: Vec<f64>,
     pub pressures: Vec<Vec<f64>>,
+    /// Further unknowns of the slots; empty for pairs without.
+    pub auxiliaries: Vec<Vec<f64>>,
     pub active: Vec<Vec<bool>>,
+}
+
+/// Zero for every auxiliary of every slot of every contact pair.
+pub(crate) fn no_auxiliaries(model: &Model) -> Vec<Vec<f64>> {
+    model.contacts.iter().map(|c| vec![0.0; c.method.slot_count() * c.method.auxiliaries().len()]).collect()
+}
+
+fn has_condensed(model: &Model) -> bool {
+    model.contacts.iter().any(|c| c.method.auxiliaries().contains(&Auxiliary::Condensed))
 }
 
 impl System {
@@ -164,12 +183,16 @@ impl System {
             follower: vec![0.0; if has_followers { components } else { 0 }],
             force_scale: 0.0,
             gap_measure: 0.0,
+            auxiliary_square: 0.0,
             weighted: Vec::new(),
             mass_solver: None,
             rhs: vec![0.0; n],
             increment: vec![0.0; n],
             base_q: zeros(),
             base_pressures: slot_equation.iter().map(|s| vec![0.0; s.len()]).collect(),
+            base_auxiliaries: no_auxiliaries(model),
+            auxiliary_increment: no_auxiliaries(model),
+            full_increment: vec![0.0; if has_condensed(model) { components } else { 0 }],
             numbering,
             masses,
             solid_pattern,
@@ -184,7 +207,7 @@ impl System {
         })
     }
 
-    /// Number of equations at present: free components and active pressures.
+    /// Number of equations at present: free components, active pressures with their auxiliaries.
     pub fn equations(&self) -> usize {
         self.pattern.n()
     }
@@ -221,11 +244,12 @@ impl System {
     pub fn renew_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
         let free = self.numbering.free.len();
         let mut next = free as u32;
-        for (equations, active) in self.slot_equation.iter_mut().zip(active) {
+        for (pair, (equations, active)) in model.contacts.iter().zip(self.slot_equation.iter_mut().zip(active)) {
+            let unknowns = 1 + Auxiliary::equations(pair.method.auxiliaries()) as u32;
             for (equation, &active) in equations.iter_mut().zip(active) {
                 *equation = if active {
-                    next += 1;
-                    next - 1
+                    next += unknowns;
+                    next - unknowns
                 } else {
                     NONE
                 };
@@ -233,19 +257,24 @@ impl System {
         }
         let n = next as usize;
         let mut contact = StencilList::default();
-        // A pressure belongs to the node of its slot, the first one of its contribution.
+        // A pressure and its auxiliaries belong to the node of the slot, the first one of its contribution.
         let mut groups = self.numbering.nodes();
         groups.resize(n, NONE);
         for (pair, (equations, active)) in model.contacts.iter().zip(self.slot_equation.iter().zip(active)) {
+            let further = Auxiliary::equations(pair.method.auxiliaries()) as u32;
             pair.method.stencils(active, &mut |nodes, slots| {
                 contact.push(|out| {
                     self.numbering.node_equations(nodes, out);
                     out.extend(slots.iter().map(|&slot| equations[slot as usize]));
+                    for &slot in slots {
+                        let first = equations[slot as usize];
+                        out.extend((1..=further).map(|k| if first == NONE { NONE } else { first + k }));
+                    }
                 });
                 for &slot in slots {
-                    if let Some(group) = groups.get_mut(equations[slot as usize] as usize)
-                        && *group == NONE
-                    {
+                    let first = equations[slot as usize];
+                    let range = first as usize..(first as usize).saturating_add(1 + further as usize);
+                    for group in groups.get_mut(range).into_iter().flatten().filter(|group| **group == NONE) {
                         *group = nodes.first().copied().unwrap_or(NONE);
                     }
                 }

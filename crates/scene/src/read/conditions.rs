@@ -6,8 +6,8 @@ use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Kind, Load, LoadKind, PlaneRegion, Prescribe, Series,
-    SetDefinition, split_set,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Kind, Load, LoadKind, PlaneRegion, Prescribe, Reduction,
+    Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -100,6 +100,23 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         }
         Some(friction)
     });
+    let of_cat = |n: &Node<'_>| {
+        if method == Some(ContactMethod::Nts) {
+            return n.fail("is an option of the method `cat`", "remove it, or write method = \"cat\"");
+        }
+        Some(())
+    };
+    let reduction = table.optional("reduction", |n| {
+        of_cat(n)?;
+        n.choice(Reduction::NAMES, Reduction::from_name)
+    });
+    let flag = |key| {
+        table.default(key, false, |n| {
+            of_cat(n)?;
+            n.flag()
+        })
+    };
+    let (drop_gap_term, drop_gap_slope) = (flag("drop_gap_term"), flag("drop_gap_slope"));
     table.finish();
     let (slave, master) = (slave?, master?);
     if let (Some((s, _)), Some((m, _))) = (split_set(&slave), split_set(&master))
@@ -111,7 +128,17 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
             "choose the surface of another body; contact of a body with itself is not available",
         );
     }
-    Some(Contact { name: name?, method: method?, slave, master, constraint: constraint?, friction: friction? })
+    Some(Contact {
+        name: name?,
+        method: method?,
+        slave,
+        master,
+        constraint: constraint?,
+        reduction: reduction?,
+        drop_gap_term: drop_gap_term?,
+        drop_gap_slope: drop_gap_slope?,
+        friction: friction?,
+    })
 }
 
 /// A constant or a table with `columns` values.
