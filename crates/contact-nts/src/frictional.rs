@@ -1,7 +1,7 @@
 //! Friction as a part of the contact method: which rule takes what, history, augmentation, energies.
 
-use crate::crossing::MAX_NODES;
 use crate::augmented::mean;
+use crate::crossing::MAX_NODES;
 use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, SurfaceFriction, carry};
 use crate::kinematics::{Gap, LOCAL, Local, points};
 use crate::method::{ConstraintForm, NodeToSurface, position};

@@ -118,7 +118,13 @@ impl NodeToSurface {
 
     /// An active slot that found no facet (the union of sets of the active-set control can ask for one): the row `-A p = 0`, which keeps
     /// the system regular until the slot opens, its gap being infinite.
-    pub(crate) fn without_partner(&self, slot: usize, pressure: f64, want_tangent: bool, contribution: &mut LocalContribution) {
+    pub(crate) fn without_partner(
+        &self,
+        slot: usize,
+        pressure: f64,
+        want_tangent: bool,
+        contribution: &mut LocalContribution,
+    ) {
         contribution.nodes.push(self.node(slot));
         contribution.reset(want_tangent);
         let weight = self.slot_weight(slot);

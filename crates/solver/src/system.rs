@@ -161,9 +161,7 @@ impl SecondOrderSystem for FeSystem<'_> {
             let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule: contact_rule(rule) };
             let method = &pair.method;
             let length = method.length_scale();
-            let System {
-                rhs, values, slot_equation, contact_map, weighted, gap_measure, auxiliary_square, ..
-            } = s;
+            let System { rhs, values, slot_equation, contact_map, weighted, gap_measure, auxiliary_square, .. } = s;
             let equations = &slot_equation[c];
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
             method.assemble_with(configuration, pressures, auxiliaries, active, tangent, &mut |local| {

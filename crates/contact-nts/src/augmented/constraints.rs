@@ -82,19 +82,7 @@ impl Constraints {
             gap_gradient[u] = jets.r[u].dot(&n) + r.dot(&turn);
         }
         let foot = a.map(|a| r.dot(&a));
-        Some(Self {
-            foot,
-            gap: r.dot(&n),
-            foot_gradient,
-            gap_gradient,
-            shape_gradient,
-            r,
-            a,
-            a_12,
-            n,
-            area,
-            jets,
-        })
+        Some(Self { foot, gap: r.dot(&n), foot_gradient, gap_gradient, shape_gradient, r, a, a_12, n, area, jets })
     }
 
     /// `A_f`, symmetric.

@@ -64,9 +64,8 @@ impl Traction {
                 }
             }
             let a = at.tangents[row];
-            out.by_pressure[row] = (0..2)
-                .map(|k| state.step.d_pressure[k] * (0..3).map(|i| foot[k][i] * a[i]).sum::<f64>())
-                .sum();
+            out.by_pressure[row] =
+                (0..2).map(|k| state.step.d_pressure[k] * (0..3).map(|i| foot[k][i] * a[i]).sum::<f64>()).sum();
         }
         out
     }
@@ -131,7 +130,8 @@ impl Equations<'_> {
         out.tangent.clear();
         out.tangent.resize(dim * dim, 0.0);
         let factor = if self.at_end { 1.0 } else { 0.5 };
-        let mut add = |i: usize, j: usize, value: f64| out.tangent[i * dim + j] += weight * value / (scale(i) * scale(j));
+        let mut add =
+            |i: usize, j: usize, value: f64| out.tangent[i * dim + j] += weight * value / (scale(i) * scale(j));
         let hessian = force.hessian(lambda, pressure);
         let of_f = if self.options.drop_gap_term { &force.hessian(lambda, 0.0) } else { &hessian };
         for u in 0..UNKNOWNS {

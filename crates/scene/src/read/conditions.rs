@@ -113,7 +113,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
     let flag = |key| {
         table.default(key, false, |n| {
             of_cat(n)?;
-            n.flag()
+            n.boolean()
         })
     };
     let (drop_gap_term, drop_gap_slope) = (flag("drop_gap_term"), flag("drop_gap_slope"));

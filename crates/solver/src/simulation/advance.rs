@@ -233,7 +233,11 @@ impl Simulation {
                 let Self { model, system, state, pressures, active, .. } = &mut *self;
                 let at_n = StepConfiguration { time: time_n, dt: 0.0, q_n: &state.q, q_np1: &state.q };
                 let auxiliaries = &iterate.auxiliaries;
-                FeSystem { model, system, pressures, auxiliaries, active }.evaluate_follower(at_n, ForceRule::END_POINT, None);
+                FeSystem { model, system, pressures, auxiliaries, active }.evaluate_follower(
+                    at_n,
+                    ForceRule::END_POINT,
+                    None,
+                );
                 vector::axpy(0.5, &self.system.follower, &mut varying);
             }
         }

@@ -271,7 +271,12 @@ pub(super) fn contacts(
             crate::scene::ContactMethod::Cat => {
                 if let Some(scheme) = scheme_without_augmentation(scene) {
                     let message = format!("is not available with the scheme `{scheme}`");
-                    problems.add(format!("{key}.method"), "cat", message, "use `midpoint` or `backward-euler`, or `nts`");
+                    problems.add(
+                        format!("{key}.method"),
+                        "cat",
+                        message,
+                        "use `midpoint` or `backward-euler`, or `nts`",
+                    );
                     continue;
                 }
                 Box::new(CoordinateAugmented::new(method, augmentation(item)))
