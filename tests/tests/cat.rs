@@ -126,7 +126,7 @@ fn assert_quadratic(name: &str, run: &Run) {
     for record in &run.records {
         for pair in record.newton.windows(2).skip(1).filter(|pair| pair.iter().all(|row| row.changes == 0)) {
             let (before, after) = (pair[0].residual, pair[1].residual);
-            if (1e-7..2e-4).contains(&before) {
+            if (1e-9..1e-3).contains(&before) {
                 checked += 1;
                 assert!(after < 10.0 * before * before + 2e-12, "{name}, t = {}: {before:e} {after:e}", record.time);
             }
@@ -234,10 +234,9 @@ fn it_slides_over_edges() {
 }
 
 /// Kinetic, strain and spring energy are constant before and after the impact and never rise in it; the solids have their conserving stress.
-/// Large steps follow the fine solution.
 #[test]
 fn energies_of_the_impact() {
-    let far = |step: f64| {
+    for step in [0.02, 0.2] {
         let found = run(impact("energy-momentum", step, 20.0, &cat("", FRICTION)));
         let energy: Vec<f64> =
             found.records.iter().map(|r| r.balance.kinetic + r.balance.strain + r.balance.contact).collect();
@@ -246,21 +245,32 @@ fn energies_of_the_impact() {
         let first = active.iter().position(|&a| a > 0).unwrap();
         let last = active.iter().rposition(|&a| a > 0).unwrap();
         assert!(last + 10 < energy.len(), "it leaves again");
+        let mut gain = f64::NEG_INFINITY;
         for k in 1..energy.len() {
             let change = (energy[k] - energy[k - 1]) / energy[0];
             if k < first || k > last + 1 {
                 assert!(change.abs() < 1e-10, "step {k}: {change:e}");
             }
-            println!("{step} {k} {change:e}");
+            gain = gain.max(change);
         }
+        // Where the foot moves on a warped facet the work of the midpoint rule is not exact.
+        assert!(gain < 1e-9, "{step}: {gain:e}");
         assert!(energy[last] < energy[0]);
-        found.q[found.q.len() - 1].clone()
-    };
-    let fine = far(0.01);
-    let coarse = far(0.2);
-    let error = fine.iter().zip(&coarse).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    println!("{error:e}");
-    assert!(error < 0.1, "of 2: {error}");
+    }
+}
+
+/// At the large step of the thesis both forms are off the fine solution, as nodes close and open at other times, but hardly off each other.
+#[test]
+fn at_large_steps_it_follows_the_direct_form() {
+    let direct = format!("method = \"nts\"\n{FRICTION}");
+    let end = |step: f64, contact: &str| run(impact("midpoint", step, 6.0, contact)).q.pop().unwrap();
+    let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let (fine, coarse) = (end(0.005, &cat("", FRICTION)), end(0.2, &cat("", FRICTION)));
+    let (off_coarse, off_fine) = (far(&coarse, &end(0.2, &direct)), far(&fine, &end(0.005, &direct)));
+    let error = far(&coarse, &fine);
+    // Travelled by then: 0.6. Small steps resolve the rattling of the nodes, which amplifies differences.
+    assert!(error < 0.15 && off_coarse < 1e-6, "{error:e} {off_coarse:e}");
+    assert!(off_fine < 6e-4, "{off_fine:e}");
 }
 
 /// In statics as at the end point.

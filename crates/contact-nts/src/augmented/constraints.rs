@@ -52,7 +52,7 @@ impl Constraints {
         let (shape, shape_gradient) = (quad4::shape(f), quad4::shape_gradient(f));
         let (r, a, a_12, n) = (x - frame.point, frame.tangents, frame.a_12, frame.normal);
         let area = a[0].cross(&a[1]).norm();
-        if !(area > 0.0) {
+        if area.is_nan() || area <= 0.0 {
             return None;
         }
         let zero = [V::zeros(); UNKNOWNS];
