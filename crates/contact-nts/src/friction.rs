@@ -27,7 +27,7 @@ use stoss_reference_element::quad4;
 /// traction is dropped then.
 const FOLDED: f64 = 1.0e-3;
 
-type V3<T> = [T; 3];
+pub(crate) type V3<T> = [T; 3];
 
 /// Friction of a whole surface.
 #[derive(Clone, Debug)]
@@ -111,7 +111,7 @@ fn transport<T: Scalar>(components: [T; 2], from: &[V3<T>; 3], to: &[V3<T>; 3]) 
 }
 
 /// Coordinates where the frame of a foot is taken: far out on its extension a facet can be degenerate.
-fn inside(foot: [f64; 2]) -> [f64; 2] {
+pub(crate) fn inside(foot: [f64; 2]) -> [f64; 2] {
     foot.map(|x| x.clamp(-1.0, 1.0))
 }
 
@@ -198,7 +198,7 @@ impl FrictionElement<'_> {
         if self.at_end { 1.0 } else { 0.5 }
     }
 
-    fn patch(&self, facet: &[usize; 4]) -> BilinearPatch {
+    pub fn patch(&self, facet: &[usize; 4]) -> BilinearPatch {
         BilinearPatch::new(facet.map(|k| Vector3::new(self.q[3 * k], self.q[3 * k + 1], self.q[3 * k + 2])))
     }
 
@@ -286,7 +286,7 @@ impl FrictionElement<'_> {
     }
 
     /// Covariant traction with its derivatives with respect to the arguments, and the frame at the foot.
-    fn dual_tau(&self, state: &FrictionState) -> ([Dual; 2], [V3<f64>; 3]) {
+    pub fn dual_tau(&self, state: &FrictionState) -> ([Dual; 2], [V3<f64>; 3]) {
         let values = self.arguments();
         let variable =
             |first: usize, v: V3<f64>| -> V3<Dual> { std::array::from_fn(|i| Dual::variable(v[i], first + i)) };

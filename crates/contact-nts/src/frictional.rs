@@ -1,5 +1,6 @@
 //! Friction as a part of the contact method: which rule takes what, history, augmentation, energies.
 
+use crate::augmented::mean;
 use crate::crossing::MAX_NODES;
 use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, SurfaceFriction, carry};
 use crate::kinematics::{Gap, LOCAL, Local, points};
@@ -79,7 +80,12 @@ impl NodeToSurface {
             let (x, patch) = points(&local);
             let from = if pairing.start == pairing.end { end.xi } else { [0.0; 2] };
             let failed = ContactError::Projection { node: self.node(slot), facet: pairing.mid };
-            placed.mid = Some(Gap::project(&x, &patch, from).ok_or(failed)?);
+            let mid = if self.augmented {
+                Gap::at(&x, &patch, mean(self.start_coordinates(slot, pairing.end), end.xi))
+            } else {
+                Gap::project(&x, &patch, from)
+            };
+            placed.mid = Some(mid.ok_or(failed)?);
         }
         Ok(placed)
     }

@@ -56,6 +56,13 @@ impl Gap {
         Self::at_foot(patch, foot.xi, foot.gap)
     }
 
+    /// Kinematics at given coordinates instead of a foot: gap, normal, tangents and shape functions there. The variations are those of a
+    /// projection only where the coordinates are its foot. `None` where the facet is degenerate.
+    pub(crate) fn at(x: &Vector3<f64>, patch: &BilinearPatch, xi: [f64; 2]) -> Option<Self> {
+        let gap = (x - patch.point(xi)).dot(&patch.normal(xi));
+        Self::at_foot(patch, xi, gap)
+    }
+
     fn at_foot(patch: &BilinearPatch, xi: [f64; 2], gap: f64) -> Option<Self> {
         let frame = patch.frame(xi);
         let (shape, shape_gradient) = (quad4::shape(xi), quad4::shape_gradient(xi));
@@ -184,7 +191,7 @@ impl Gap {
 }
 
 /// `N_I,12` of the four shape functions.
-const SHAPE_12: [f64; 4] = [0.25, -0.25, 0.25, -0.25];
+pub(crate) const SHAPE_12: [f64; 4] = [0.25, -0.25, 0.25, -0.25];
 
 /// Adds `factor * v` to the block of a local node.
 fn put(local: &mut Local, node: usize, v: &Vector3<f64>, factor: f64) {

@@ -5,10 +5,12 @@
 //! * [`crossing`]: the element for a step from one facet to another;
 //! * the normal part by multiplier, penalty or augmented Lagrangian ([`stoss_contact::Enforcement`]);
 //! * friction in the direct form, also with the energy-momentum element ([`NodeToSurface::with_friction`]);
-//! * [`NodeToSurface`]: all of them as a [`stoss_contact::ContactMethod`].
+//! * [`NodeToSurface`]: all of them as a [`stoss_contact::ContactMethod`];
+//! * [`augmented`]: the coordinate augmentation technique (§5) on the same pairings, laws and histories.
 //!
-//! The crate knows neither solids nor the global system. Coordinate augmentation is not here yet.
+//! The crate knows neither solids nor the global system.
 
+pub mod augmented;
 pub mod crossing;
 mod dual;
 mod friction;
@@ -21,4 +23,5 @@ mod normal;
 mod pairing;
 mod slot;
 
+pub use augmented::{AugmentedOptions, CoordinateAugmented, Reduction};
 pub use method::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};

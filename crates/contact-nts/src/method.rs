@@ -49,6 +49,8 @@ pub struct NodeToSurface {
     /// A typical edge of the master.
     pub(crate) length: f64,
     pub(crate) friction: Option<SurfaceFriction>,
+    /// Serves coordinate augmentation ([`crate::augmented`]): the coordinates at the midpoint are the mean of those at the ends.
+    pub(crate) augmented: bool,
 }
 
 /// Bytes of history of a slot: facet, gap kept, strayed or not.
@@ -85,6 +87,7 @@ impl NodeToSurface {
             q_n: Vec::new(),
             length,
             friction: None,
+            augmented: false,
             slave,
         })
     }
@@ -125,7 +128,13 @@ impl NodeToSurface {
 
     /// An active slot that found no facet (the union of sets of the active-set control can ask for one): the row `-A p = 0`, which keeps
     /// the system regular until the slot opens, its gap being infinite.
-    fn without_partner(&self, slot: usize, pressure: f64, want_tangent: bool, contribution: &mut LocalContribution) {
+    pub(crate) fn without_partner(
+        &self,
+        slot: usize,
+        pressure: f64,
+        want_tangent: bool,
+        contribution: &mut LocalContribution,
+    ) {
         contribution.nodes.push(self.node(slot));
         contribution.reset(want_tangent);
         let weight = self.slot_weight(slot);

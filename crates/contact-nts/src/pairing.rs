@@ -206,6 +206,9 @@ impl NodeToSurface {
     ///
     /// It is chosen here and not while assembling, so that the force is a smooth function of the iterate. Every choice conserves exactly.
     fn facet_at_midpoint(&self, slot: usize, start: u32, end: u32, q_np1: &[f64]) -> u32 {
+        if self.augmented {
+            return end;
+        }
         let middle = |node: u32| (position(&self.q_n, node) + position(q_np1, node)) * 0.5;
         let x = middle(self.node(slot));
         let outside = |facet: u32| {

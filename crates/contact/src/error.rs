@@ -83,6 +83,14 @@ pub enum ContactError {
         /// Which rule or form of the constraint.
         what: String,
     },
+    /// A method does not have a rule.
+    #[error("contact method {method} is not available with the rule {rule}")]
+    Rule {
+        /// The method.
+        method: &'static str,
+        /// The rule.
+        rule: String,
+    },
     /// History bytes do not fit.
     #[error("contact history does not fit this model: {reason}")]
     History {

@@ -18,6 +18,8 @@ pub mod surface;
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
-pub use method::{ContactMethod, ContactRule, ContactWork, LocalContribution, SlotReport, StepConfiguration};
+pub use method::{
+    Auxiliary, ContactMethod, ContactRule, ContactWork, LocalContribution, SlotReport, StepConfiguration,
+};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use surface::{ContactSurface, IrregularEdge};

@@ -36,9 +36,31 @@ pub struct StepConfiguration<'a> {
     pub rule: ContactRule,
 }
 
-/// One dense contribution: unknowns are the three components of each of `nodes`, then one pressure for each of `slots`.
+/// A further unknown of a slot, beside its pressure. Each active slot of a method has the same list of them, see
+/// [`ContactMethod::auxiliaries`]. What is measured in coordinates and multipliers is the method's; scaled to the units below
+/// the rows can be judged together with the others, and the matrix keeps its balance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Auxiliary {
+    /// A global unknown, a length or a traction. Its row is a force, and counts as one of the forces that have to balance.
+    Balance,
+    /// A global unknown, a length or a traction. Its row is a weight (area) times a length, and counts as a constraint.
+    Constraint,
+    /// Eliminated in the linear equations of each iteration, but a part of the iterate: the contribution has neither row nor column of it, and
+    /// [`ContactMethod::recover`] gives its increment.
+    Condensed,
+}
+
+impl Auxiliary {
+    /// Number of those that have an equation.
+    pub fn equations(list: &[Self]) -> usize {
+        list.iter().filter(|&&kind| kind != Self::Condensed).count()
+    }
+}
+
+/// One dense contribution: unknowns are the three components of each of `nodes`, then one pressure for each of `slots`, then
+/// `auxiliaries` further ones for each of `slots`, slot by slot.
 ///
-/// `residual` has `dim() = 3 * nodes.len() + slots.len()` entries, `tangent` is row-major `dim() x dim()`:
+/// `residual` has [`Self::dim`] entries, `tangent` is row-major `dim() x dim()`:
 /// `d residual / d (q_np1 of nodes, p of slots)`.
 #[derive(Clone, Debug, Default)]
 pub struct LocalContribution {
@@ -50,16 +72,21 @@ pub struct LocalContribution {
     pub residual: Vec<f64>,
     /// Row-major tangent; empty or stale if the tangent was not asked for.
     pub tangent: Vec<f64>,
+    /// Further unknowns of each slot that have an equation, zero for most methods.
+    pub auxiliaries: usize,
+    /// Largest violation of equations that were condensed, relative (a length to a length); zero without such.
+    pub violation: f64,
 }
 
 impl LocalContribution {
     /// Number of local unknowns.
     pub fn dim(&self) -> usize {
-        3 * self.nodes.len() + self.slots.len()
+        3 * self.nodes.len() + self.slots.len() * (1 + self.auxiliaries)
     }
     /// Sizes and clears the arrays for the present `nodes` and `slots`.
     pub fn reset(&mut self, want_tangent: bool) {
         let n = self.dim();
+        self.violation = 0.0;
         self.residual.clear();
         self.residual.resize(n, 0.0);
         if want_tangent {
@@ -128,6 +155,47 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
         want_tangent: bool,
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError>;
+    /// Further unknowns of each slot (coordinates, multipliers), the same for all slots; none by default. Their values are a part of
+    /// the solver's iterate as long as a step lasts, slot by slot; nothing of them is history.
+    fn auxiliaries(&self) -> &[Auxiliary] {
+        &[]
+    }
+    /// Values from which the iteration starts, for every active slot: at the start of an attempt and after every change of the active set or
+    /// the pairings. `out` has `slot_count() * auxiliaries().len()` entries.
+    fn start_auxiliaries(
+        &self,
+        _step: StepConfiguration<'_>,
+        _pressures: &[f64],
+        _active: &[bool],
+        _out: &mut [f64],
+    ) -> Result<(), ContactError> {
+        Ok(())
+    }
+    /// [`Self::assemble`] at given values of the auxiliaries; what a method with auxiliaries assembles without them is the state that
+    /// [`Self::start_auxiliaries`] gives.
+    fn assemble_with(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        _auxiliaries: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        self.assemble(step, pressures, active, want_tangent, visit)
+    }
+    /// Increments of the condensed auxiliaries that belong to an increment of `q_np1` (`3 * nodes`, zero where prescribed), at the
+    /// iterate of which the linear equations were solved. `out` is as in [`Self::start_auxiliaries`].
+    fn recover(
+        &self,
+        _step: StepConfiguration<'_>,
+        _auxiliaries: &[f64],
+        _active: &[bool],
+        _increment: &[f64],
+        _out: &mut [f64],
+    ) -> Result<(), ContactError> {
+        Ok(())
+    }
     /// `gamma` of formulation §9 for every slot at `q_np1`: for an active slot the value of its constraint function, for an inactive one the
     /// true gap (`f64::INFINITY` if out of reach). `out` has one entry a slot.
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError>;

@@ -12,6 +12,21 @@ named! {
         /// Node-to-surface: every slave node against the master's facets. The form follows the scheme: with `energy-momentum`
         /// the energy-momentum element (formulation §6), otherwise the direct one (§4).
         Nts = "nts",
+        /// Node-to-surface by coordinate augmentation (formulation §5): the foot's coordinates are unknowns of each contact. Statics, backward Euler,
+        /// generalised-alpha, midpoint; with `energy-momentum` the solids conserve energy, the contact is that of the midpoint rule.
+        Cat = "cat",
+    }
+}
+
+named! {
+    /// How much of the system of coordinate augmentation is eliminated (formulation §5.1-5.3). The result is the same.
+    Reduction {
+        /// Nothing: pressure, two coordinates and two multipliers for each slave node.
+        None = "none",
+        /// The multipliers.
+        First = "first",
+        /// Multipliers and coordinates: the size of the direct form.
+        Second = "second",
     }
 }
 
@@ -27,7 +42,8 @@ named! {
 }
 
 /// How the normal part of a contact is enforced. Stiffnesses are tractions per length.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Enforcement {
     /// Exactly, the pressures being unknowns.
@@ -148,6 +164,17 @@ pub struct Contact {
     /// `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`.
     #[serde(default, skip_serializing_if = "Enforcement::is_multiplier")]
     pub enforcement: Enforcement,
+    /// Size of the system, for `cat` only; `second` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<Reduction>,
+    /// `true`, for `cat` only: leaves the derivative of the gap by the coordinates out of their balance, literally (5.117). At the midpoint a
+    /// slightly different scheme; momenta are exact all the same.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub drop_gap_term: bool,
+    /// `true`, for the second reduction of `cat` only: leaves the same derivative out of the linear equations, literally (4.70). The result is the
+    /// same.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub drop_gap_slope: bool,
     /// Friction; none if left out. With the standard constraint only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,

@@ -30,7 +30,7 @@ mod source;
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
     BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Load, LoadKind, PlaneRegion, Prescribe,
-    Series, SetDefinition, Table, split_set,
+    Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, RegularisedFriction, StaticDynamicFriction, Stick, Sticking,

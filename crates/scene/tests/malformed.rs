@@ -145,6 +145,9 @@ const CASES: &[Case] = &[
     dynamic("plane = {", "box = { min = [0, 0, 0], max = [1, 1, 1] }\nplane = {", "plane = {", "set[1].plane"),
     // [[contact]]
     dynamic("method = \"nts\"", "method = \"penalty\"", "penalty", "contact[0].method"),
+    dynamic("method = \"nts\"", "method = \"cat\"\nreduction = \"third\"", "third", "contact[0].reduction"),
+    dynamic("method = \"nts\"", "method = \"nts\"\nreduction = \"first\"", "reduction", "contact[0].reduction"),
+    dynamic("method = \"nts\"", "method = \"cat\"\ndrop_gap_term = 1", "drop_gap_term", "contact[0].drop_gap_term"),
     dynamic("master = \"plate.top\"", "master = \"ball.inner\"", "ball.inner", "contact[0].master"),
     dynamic("master = \"plate.top\"", "master = \"plte.top\"", "plte.top", "contact[0].master"),
     dynamic("slave = \"ball.outer\"", "slave = \"outer\"", "slave = \"outer\"", "contact[0].slave"),

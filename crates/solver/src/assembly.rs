@@ -5,6 +5,7 @@ use crate::mass_solve::MassSolver;
 use crate::numbering::Numbering;
 use crate::{LoadKind, Model, StepError};
 use std::sync::Arc;
+use stoss_contact::Auxiliary;
 use stoss_fe_solid::{MassMatrix, TangentTarget, Workspace};
 use stoss_integrators::Buffers;
 use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
@@ -27,8 +28,11 @@ pub(crate) struct System {
     pub solid_to_global: Vec<u32>,
     pub contact_map: ScatterMap,
     /// Equation of each slot of each contact pair, `NONE` if the pattern has none. That of an inactive slot says that its pressure
-    /// stays, so that the pattern need not change with the active set.
+    /// stays, so that the pattern need not change with the active set. The equations of its
+    /// auxiliaries follow.
     pub slot_equation: Vec<Vec<u32>>,
+    /// Equations of a slot of each contact pair: one and those of its auxiliaries.
+    pub slot_width: Vec<u32>,
     /// Positions of the diagonal entries of inactive slots.
     pub inactive_diagonal: Vec<u32>,
     /// What the pattern was made from.
@@ -52,6 +56,8 @@ pub(crate) struct System {
     pub force_scale: f64,
     /// Largest constraint violation of the last evaluation, relative to an edge length.
     pub gap_measure: f64,
+    /// Sum of the squares of the auxiliaries' force rows in the last evaluation.
+    pub auxiliary_square: f64,
     /// Scratch for weighted local tangents.
     pub weighted: Vec<f64>,
     // Vectors of equations.
@@ -59,6 +65,11 @@ pub(crate) struct System {
     pub increment: Vec<f64>,
     pub base_q: Vec<f64>,
     pub base_pressures: Vec<Vec<f64>>,
+    /// Auxiliaries of the iterate and their increments (of condensed ones only).
+    pub base_auxiliaries: Vec<Vec<f64>>,
+    pub auxiliary_increment: Vec<Vec<f64>>,
+    /// Increment of all components, for pairs with condensed auxiliaries; else empty.
+    pub full_increment: Vec<f64>,
     /// Sum of nodal masses times an edge length, and of shear modulus times squared edge length, as force scales.
     pub mass_length: f64,
     pub stiffness_force: f64,
@@ -125,13 +136,18 @@ impl Contributions {
         self.entries.extend_from_slice(&other.entries);
     }
 
-    /// Equations of each: those of the displacements, then those of the pressures.
-    fn stencils(&self, numbering: &Numbering, slot_equation: &[Vec<u32>]) -> StencilList {
+    /// Equations of each: those of the displacements, then those of the pressures, then those of the auxiliaries, slot by slot.
+    fn stencils(&self, system: &System) -> StencilList {
         let mut list = StencilList::default();
         for (pair, nodes, slots) in self.iter() {
+            let (equations, width) = (&system.slot_equation[pair], system.slot_width[pair]);
             list.push(|out| {
-                numbering.node_equations(nodes, out);
-                out.extend(slots.iter().map(|&slot| slot_equation[pair][slot as usize]));
+                system.numbering.node_equations(nodes, out);
+                out.extend(slots.iter().map(|&slot| equations[slot as usize]));
+                for &slot in slots {
+                    let first = equations[slot as usize];
+                    out.extend((1..width).map(|k| if first == NONE { NONE } else { first + k }));
+                }
             });
         }
         list
@@ -143,7 +159,18 @@ impl Contributions {
 pub(crate) struct Iterate {
     pub q: Vec<f64>,
     pub pressures: Vec<Vec<f64>>,
+    /// Further unknowns of the slots; empty for pairs without.
+    pub auxiliaries: Vec<Vec<f64>>,
     pub active: Vec<Vec<bool>>,
+}
+
+/// Zero for every auxiliary of every slot of every contact pair.
+pub(crate) fn no_auxiliaries(model: &Model) -> Vec<Vec<f64>> {
+    model.contacts.iter().map(|c| vec![0.0; c.method.slot_count() * c.method.auxiliaries().len()]).collect()
+}
+
+fn has_condensed(model: &Model) -> bool {
+    model.contacts.iter().any(|c| c.method.auxiliaries().contains(&Auxiliary::Condensed))
 }
 
 impl System {
@@ -227,18 +254,25 @@ impl System {
             follower: vec![0.0; if has_followers { components } else { 0 }],
             force_scale: 0.0,
             gap_measure: 0.0,
+            auxiliary_square: 0.0,
             weighted: Vec::new(),
             mass_solver: None,
             rhs: vec![0.0; n],
             increment: vec![0.0; n],
             base_q: zeros(),
             base_pressures: slot_equation.iter().map(|s| vec![0.0; s.len()]).collect(),
+            base_auxiliaries: no_auxiliaries(model),
+            auxiliary_increment: no_auxiliaries(model),
+            full_increment: vec![0.0; if has_condensed(model) { components } else { 0 }],
             numbering,
             masses,
             solid_pattern,
             solid_map,
             first_stencil,
             mass_values,
+            slot_width: (model.contacts.iter())
+                .map(|pair| 1 + Auxiliary::equations(pair.method.auxiliaries()) as u32)
+                .collect(),
             slot_equation,
             inactive_diagonal: Vec::new(),
             contributions: Contributions::default(),
@@ -250,7 +284,7 @@ impl System {
         })
     }
 
-    /// Number of equations at present: free components and active pressures.
+    /// Number of equations at present: free components, active pressures with their auxiliaries.
     pub fn equations(&self) -> usize {
         self.pattern.n()
     }
@@ -319,23 +353,27 @@ impl System {
         }
         let free = self.numbering.free.len();
         let mut next = free as u32;
-        for equation in self.slot_equation.iter_mut().flatten().filter(|equation| **equation != NONE) {
-            *equation = next;
-            next += 1;
+        for (pair, equations) in self.slot_equation.iter_mut().enumerate() {
+            for equation in equations.iter_mut().filter(|equation| **equation != NONE) {
+                *equation = next;
+                next += self.slot_width[pair];
+            }
         }
         let n = next as usize;
-        // A pressure belongs to the node of its slot, the first one of its contribution.
+        // A pressure and its auxiliaries belong to the node of the slot, the first one of its contribution.
         let mut groups = self.numbering.nodes();
         groups.resize(n, NONE);
         for (pair, nodes, slots) in contributions.iter() {
             for &slot in slots {
-                let group = &mut groups[self.slot_equation[pair][slot as usize] as usize];
-                if *group == NONE {
-                    *group = nodes.first().copied().unwrap_or(NONE);
+                let first = self.slot_equation[pair][slot as usize] as usize;
+                for group in &mut groups[first..first + self.slot_width[pair] as usize] {
+                    if *group == NONE {
+                        *group = nodes.first().copied().unwrap_or(NONE);
+                    }
                 }
             }
         }
-        let contact = contributions.stencils(&self.numbering, &self.slot_equation);
+        let contact = contributions.stencils(self);
         let pattern = SparsityPattern::from_stencils(n, self.stencils.iter().chain(contact.iter()))?;
         let pattern = Arc::new(pattern.with_groups(groups)?);
         self.solid_to_global.clear();
@@ -365,15 +403,17 @@ impl System {
                 return Err(LinalgError::EntryNotInPattern { stencil, row: NONE, column: NONE }.into());
             }
         }
-        let stencils = present.stencils(&self.numbering, &self.slot_equation);
+        let stencils = present.stencils(self);
         self.contact_map = ScatterMap::new(&self.pattern, stencils.iter())?;
         self.inactive_diagonal.clear();
-        for (&equation, _) in (self.slot_equation.iter().flatten().zip(active.iter().flatten()))
-            .filter(|&(&equation, &active)| equation != NONE && !active)
-        {
-            // The diagonal is always in the pattern.
-            let position = self.pattern.position(equation, equation).unwrap_or_default();
-            self.inactive_diagonal.push(position as u32);
+        for ((equations, active), &width) in self.slot_equation.iter().zip(active).zip(&self.slot_width) {
+            for (&first, _) in equations.iter().zip(active).filter(|&(&first, &active)| first != NONE && !active) {
+                for equation in first..first + width {
+                    // The diagonal is always in the pattern.
+                    let position = self.pattern.position(equation, equation).unwrap_or_default();
+                    self.inactive_diagonal.push(position as u32);
+                }
+            }
         }
         Ok(())
     }

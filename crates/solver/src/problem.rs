@@ -2,8 +2,9 @@
 
 use crate::assembly::{Iterate, System};
 use crate::diagnosis::linear_error;
-use crate::system::FeSystem;
+use crate::system::{FeSystem, contact_rule};
 use crate::{Model, Phase, StepError, Timings};
+use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
 use stoss_integrators::{ForceRule, Step, evaluate};
 use stoss_linalg::{MatrixKind, NONE, vector};
 use stoss_newton::{NewtonProblem, ResidualNorms};
@@ -35,7 +36,8 @@ impl StepProblem<'_> {
     fn evaluate(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
         let Self { model, system, step, iterate, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
-        let mut fe = FeSystem { model, system, pressures: &iterate.pressures, active: &iterate.active };
+        let Iterate { pressures, auxiliaries, active, .. } = &**iterate;
+        let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
         let result = evaluate(&mut fe, step, &iterate.q, want_tangent, &mut buffers);
         let s = &mut **system;
         s.buffers = buffers;
@@ -52,7 +54,7 @@ impl StepProblem<'_> {
         if let Some(history) = rule.history {
             scale = scale.max(history.weight * vector::norm2(&step.state_n.history));
         }
-        let mut sum = 0.0;
+        let mut sum = s.auxiliary_square;
         for (rhs, &component) in s.rhs.iter_mut().zip(&s.numbering.free) {
             let r = s.buffers.residual[component as usize];
             *rhs = -r;
@@ -104,6 +106,40 @@ impl StepProblem<'_> {
     }
 }
 
+impl StepProblem<'_> {
+    /// Increments of condensed auxiliaries after a linear solution.
+    fn recover(&mut self) -> Result<(), StepError> {
+        let Self { model, system, step, iterate, .. } = self;
+        let System { full_increment, increment, numbering, auxiliary_increment, .. } = &mut **system;
+        if full_increment.is_empty() {
+            return Ok(());
+        }
+        for (&component, du) in numbering.free.iter().zip(increment.iter()) {
+            full_increment[component as usize] = *du;
+        }
+        let configuration = contact_step(step, &iterate.q);
+        for (c, pair) in model.contacts.iter().enumerate() {
+            let (values, active) = (&iterate.auxiliaries[c], &iterate.active[c]);
+            pair.method.recover(configuration, values, active, full_increment, &mut auxiliary_increment[c])?;
+        }
+        Ok(())
+    }
+}
+
+/// Values from which the auxiliaries of the active slots start at the present iterate.
+pub(crate) fn start_auxiliaries(model: &Model, step: &Step<'_>, iterate: &mut Iterate) -> Result<(), StepError> {
+    let configuration = contact_step(step, &iterate.q);
+    for (c, pair) in model.contacts.iter().enumerate().filter(|(_, pair)| !pair.method.auxiliaries().is_empty()) {
+        let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
+        pair.method.start_auxiliaries(configuration, pressures, active, &mut iterate.auxiliaries[c])?;
+    }
+    Ok(())
+}
+
+fn contact_step<'a>(step: &Step<'a>, q_np1: &'a [f64]) -> ContactStep<'a> {
+    ContactStep { q_n: &step.state_n.q, q_np1, rule: contact_rule(step.rule.constraint.rule) }
+}
+
 impl NewtonProblem for StepProblem<'_> {
     type Error = StepError;
 
@@ -143,6 +179,11 @@ impl NewtonProblem for StepProblem<'_> {
         for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
             base.copy_from_slice(pressures);
         }
+        for (base, auxiliaries) in s.base_auxiliaries.iter_mut().zip(&self.iterate.auxiliaries) {
+            base.copy_from_slice(auxiliaries);
+        }
+        self.recover()?;
+        let s = &*self.system;
         Ok(vector::norm2(&s.increment[..s.numbering.free.len()]))
     }
 
@@ -158,6 +199,30 @@ impl NewtonProblem for StepProblem<'_> {
             for ((p, p0), &equation) in pressures.iter_mut().zip(base).zip(equations) {
                 if equation != NONE {
                     *p = p0 + factor * s.increment[equation as usize];
+                }
+            }
+        }
+        for (c, pair) in self.model.contacts.iter().enumerate() {
+            let kinds = pair.method.auxiliaries();
+            if kinds.is_empty() {
+                continue;
+            }
+            let (values, base) = (&mut self.iterate.auxiliaries[c], &s.base_auxiliaries[c]);
+            for (slot, &first) in s.slot_equation[c].iter().enumerate() {
+                if first == NONE || !self.iterate.active[c][slot] {
+                    continue;
+                }
+                let mut row = first as usize;
+                for (k, kind) in kinds.iter().enumerate() {
+                    let at = slot * kinds.len() + k;
+                    let increment = match kind {
+                        Auxiliary::Condensed => s.auxiliary_increment[c][at],
+                        _ => {
+                            row += 1;
+                            s.increment[row]
+                        }
+                    };
+                    values[at] = base[at] + factor * increment;
                 }
             }
         }

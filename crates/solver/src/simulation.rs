@@ -2,7 +2,7 @@
 
 mod advance;
 
-use crate::assembly::System;
+use crate::assembly::{System, no_auxiliaries};
 use crate::control::Clock;
 use crate::system::FeSystem;
 use crate::{
@@ -219,8 +219,9 @@ impl Simulation {
     fn complete_initial_state(&mut self) -> Result<(), StepError> {
         let rule = self.step_rule(self.clock.dt());
         self.set_dead_loads(self.state.time);
+        let auxiliaries = &no_auxiliaries(&self.model);
         let Self { model, system, state, pressures, active, .. } = self;
-        start(&mut FeSystem { model, system, pressures, active }, &rule, state)
+        start(&mut FeSystem { model, system, pressures, auxiliaries, active }, &rule, state)
     }
 
     fn step_rule(&self, dt: f64) -> StepRule {

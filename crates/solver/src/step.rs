@@ -2,7 +2,7 @@
 
 use crate::assembly::{Iterate, System};
 use crate::diagnosis::slot_name;
-use crate::problem::StepProblem;
+use crate::problem::{StepProblem, start_auxiliaries};
 use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
@@ -147,10 +147,12 @@ pub(crate) fn attempt(
     let has_contact = !model.contacts.is_empty();
     if has_contact {
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
+        start_auxiliaries(model, &input.step, &mut iterate)?;
     }
     if !input.predict.is_empty() {
         let (iterate, assembled) = (&mut iterate, None);
         StepProblem { model, system, step: input.step, iterate, timings, solves, assembled }.predict(&input.predict)?;
+        start_auxiliaries(model, &input.step, iterate)?;
     }
     // After a set came back, only accurate solutions are judged.
     let (mut loose, mut accurate) = (has_contact, false);
@@ -202,6 +204,7 @@ pub(crate) fn attempt(
         assembled = None;
         if look.changes > 0 {
             timings.measure(Phase::Assembly, || system.renew_pattern(model, &iterate.active))?;
+            start_auxiliaries(model, &input.step, &mut iterate)?;
             loose = !accurate;
         } else if loose {
             // The next iteration starts from what was assembled last.

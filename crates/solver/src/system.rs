@@ -3,7 +3,7 @@
 use crate::assembly::System;
 use crate::mass_solve::MassSolver;
 use crate::{LoadKind, Model, StepError};
-use stoss_contact::{ContactRule, StepConfiguration as ContactStep};
+use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
 use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
@@ -33,6 +33,8 @@ pub(crate) struct FeSystem<'a> {
     pub model: &'a Model,
     pub system: &'a mut System,
     pub pressures: &'a [Vec<f64>],
+    /// Further unknowns of the slots.
+    pub auxiliaries: &'a [Vec<f64>],
     pub active: &'a [Vec<bool>],
 }
 
@@ -163,14 +165,16 @@ impl SecondOrderSystem for FeSystem<'_> {
         let free = s.numbering.free.len();
         s.rhs[free..].fill(0.0);
         s.gap_measure = 0.0;
+        s.auxiliary_square = 0.0;
         let mut k = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
             let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule: contact_rule(rule) };
             let method = &pair.method;
             let length = method.length_scale();
-            let System { rhs, values, slot_equation, contact_map, weighted, gap_measure, .. } = s;
+            let System { rhs, values, slot_equation, contact_map, weighted, gap_measure, auxiliary_square, .. } = s;
             let equations = &slot_equation[c];
-            method.assemble(configuration, &self.pressures[c], &self.active[c], tangent, &mut |local| {
+            let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
+            method.assemble_with(configuration, pressures, auxiliaries, active, tangent, &mut |local| {
                 let coordinates = 3 * local.nodes.len();
                 for (i, &node) in local.nodes.iter().enumerate() {
                     for d in 0..3 {
@@ -180,6 +184,21 @@ impl SecondOrderSystem for FeSystem<'_> {
                 for (&slot, row) in local.slots.iter().zip(&local.residual[coordinates..]) {
                     rhs[equations[slot as usize] as usize] -= row;
                     *gap_measure = gap_measure.max(row.abs() / (method.slot_weight(slot as usize) * length));
+                }
+                *gap_measure = gap_measure.max(local.violation);
+                if local.auxiliaries > 0 {
+                    let kinds = || method.auxiliaries().iter().filter(|&&kind| kind != Auxiliary::Condensed);
+                    let rows = local.residual[coordinates + local.slots.len()..].chunks_exact(local.auxiliaries);
+                    for (&slot, rows) in local.slots.iter().zip(rows) {
+                        let (first, size) = (equations[slot as usize] as usize, method.slot_weight(slot as usize));
+                        for (k, (row, kind)) in rows.iter().zip(kinds()).enumerate() {
+                            rhs[first + 1 + k] -= row;
+                            match kind {
+                                Auxiliary::Balance => *auxiliary_square += row * row,
+                                _ => *gap_measure = gap_measure.max(row.abs() / (size * length)),
+                            }
+                        }
+                    }
                 }
                 if tangent {
                     if weight == 1.0 {

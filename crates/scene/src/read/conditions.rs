@@ -7,7 +7,7 @@ use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
     BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Kind, Load, LoadKind, PlaneRegion,
-    Prescribe, Series, SetDefinition, split_set,
+    Prescribe, Reduction, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -107,6 +107,23 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         }
         Some(friction)
     });
+    let of_cat = |n: &Node<'_>| {
+        if method == Some(ContactMethod::Nts) {
+            return n.fail("is an option of the method `cat`", "remove it, or write method = \"cat\"");
+        }
+        Some(())
+    };
+    let reduction = table.optional("reduction", |n| {
+        of_cat(n)?;
+        n.choice(Reduction::NAMES, Reduction::from_name)
+    });
+    let flag = |key| {
+        table.default(key, false, |n| {
+            of_cat(n)?;
+            n.boolean()
+        })
+    };
+    let (drop_gap_term, drop_gap_slope) = (flag("drop_gap_term"), flag("drop_gap_slope"));
     table.finish();
     let (slave, master) = (slave?, master?);
     if let (Some((s, _)), Some((m, _))) = (split_set(&slave), split_set(&master))
@@ -119,7 +136,18 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         );
     }
     let (constraint, enforcement) = (constraint?, enforcement?);
-    Some(Contact { name: name?, method: method?, slave, master, constraint, enforcement, friction: friction? })
+    Some(Contact {
+        name: name?,
+        method: method?,
+        slave,
+        master,
+        constraint,
+        enforcement,
+        reduction: reduction?,
+        drop_gap_term: drop_gap_term?,
+        drop_gap_slope: drop_gap_slope?,
+        friction: friction?,
+    })
 }
 
 fn enforcement(node: &Node<'_>) -> Option<Enforcement> {

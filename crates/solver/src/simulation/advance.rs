@@ -1,7 +1,7 @@
 //! One step of a simulation: attempts, acceptance, work.
 
 use super::{InsideOutRule, Simulation};
-use crate::assembly::Iterate;
+use crate::assembly::{Iterate, no_auxiliaries};
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{Balance, ContactSummary, DecisionKind, Phase, SimulationError, StepError, StepRecord};
@@ -145,7 +145,8 @@ impl Simulation {
                 q[component] = position;
             }
         }
-        let start = Iterate { q, pressures: self.pressures.clone(), active: self.active.clone() };
+        let auxiliaries = no_auxiliaries(&self.model);
+        let start = Iterate { q, pressures: self.pressures.clone(), auxiliaries, active: self.active.clone() };
         let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, predict, newton: self.newton };
         let mut solves = 0;
         let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, &mut solves);
@@ -200,7 +201,8 @@ impl Simulation {
         self.set_prescribed_velocities(end, &mut next.v);
         let Self { model, system, state, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
-        let mut fe = FeSystem { model, system, pressures: &iterate.pressures, active: &iterate.active };
+        let Iterate { pressures, auxiliaries, active, .. } = iterate;
+        let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
         let step = Step { state_n: state, dt, rule };
         let result = finish(&mut fe, &step, &mut buffers, &mut next);
         if let Ok(true) = result {
@@ -234,7 +236,12 @@ impl Simulation {
             if quasi_static {
                 let Self { model, system, state, pressures, active, .. } = &mut *self;
                 let at_n = StepConfiguration { time: time_n, dt: 0.0, q_n: &state.q, q_np1: &state.q };
-                FeSystem { model, system, pressures, active }.evaluate_follower(at_n, ForceRule::END_POINT, None);
+                let auxiliaries = &iterate.auxiliaries;
+                FeSystem { model, system, pressures, auxiliaries, active }.evaluate_follower(
+                    at_n,
+                    ForceRule::END_POINT,
+                    None,
+                );
                 vector::axpy(0.5, &self.system.follower, &mut varying);
             }
         }

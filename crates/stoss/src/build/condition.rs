@@ -193,7 +193,7 @@ pub(super) fn contacts(
     use crate::scene::{Constraint, Enforcement as Enforced};
     use crate::solver::ContactPair;
     use stoss_contact::{ContactMethod, Enforcement};
-    use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+    use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
     let mut seen: Vec<(Vec<[u32; 4]>, Vec<[u32; 4]>, String)> = Vec::new();
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
@@ -271,8 +271,50 @@ pub(super) fn contacts(
                 }
             };
         }
-        model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
+        let method: Box<dyn ContactMethod> = match item.method {
+            crate::scene::ContactMethod::Nts => Box::new(method),
+            crate::scene::ContactMethod::Cat => {
+                if let Some(scheme) = scheme_without_augmentation(scene) {
+                    let message = format!("is not available with the scheme `{scheme}`");
+                    problems.add(
+                        format!("{key}.method"),
+                        "cat",
+                        message,
+                        "use `midpoint` or `backward-euler`, or `nts`",
+                    );
+                    continue;
+                }
+                Box::new(CoordinateAugmented::new(method, augmentation(item)))
+            }
+        };
+        model.contacts.push(ContactPair { name: item.label(), method, complementarity });
     }
+}
+
+#[cfg(feature = "nts")]
+fn augmentation(item: &crate::scene::Contact) -> stoss_contact_nts::AugmentedOptions {
+    use stoss_contact_nts::Reduction;
+    let reduction = match item.reduction {
+        Some(crate::scene::Reduction::None) => Reduction::None,
+        Some(crate::scene::Reduction::First) => Reduction::First,
+        Some(crate::scene::Reduction::Second) | None => Reduction::Second,
+    };
+    stoss_contact_nts::AugmentedOptions {
+        reduction,
+        drop_gap_term: item.drop_gap_term,
+        drop_gap_slope: item.drop_gap_slope,
+    }
+}
+
+/// Name of the scene's scheme if it evaluates contact where there is no coordinate augmentation (formulation §5: end point, midpoint).
+#[cfg(feature = "nts")]
+fn scheme_without_augmentation(scene: &Scene) -> Option<&str> {
+    use stoss_integrators::GradientRule;
+    let integrator = scene.time.integrator.as_ref()?;
+    // A scheme that cannot be made is reported where it is named.
+    let rule = integrator.make().ok()?.rule(scene.time.step).constraint.rule;
+    let fits = matches!(rule, GradientRule::EndPoint | GradientRule::Midpoint | GradientRule::DiscreteGradient);
+    (!fits).then_some(integrator.scheme.as_str())
 }
 
 /// A warning if two bodies lie in each other: what is deeper behind a surface than the search looks has no partner there.

@@ -1,0 +1,227 @@
+//! One slot's element: residual and tangent of the full augmented system, and their reductions (formulation §5.1-5.4).
+
+use super::constraints::{Constraints, UNKNOWNS};
+use super::{AugmentedOptions, Reduction};
+use crate::crossing::MAX_NODES;
+use crate::friction::{FrictionElement, FrictionState, inside};
+use crate::kinematics::{Gap, LOCAL};
+use stoss_reference_element::quad4;
+
+/// Most unknowns: positions, pressure, two coordinates, two multipliers.
+pub(crate) const MOST: usize = 3 * MAX_NODES + 5;
+
+/// Solution of a 2x2 system; `None` if it is singular to working precision.
+pub(crate) fn solve_2(m: [[f64; 2]; 2], rhs: [f64; 2]) -> Option<[f64; 2]> {
+    let det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    let size = (m[0][0].abs() + m[0][1].abs()) * (m[1][1].abs() + m[1][0].abs());
+    if det.abs() <= 1.0e-14 * size || det.is_nan() {
+        return None;
+    }
+    Some([(m[1][1] * rhs[0] - m[0][1] * rhs[1]) / det, (m[0][0] * rhs[1] - m[1][0] * rhs[0]) / det])
+}
+
+/// Covariant traction `tau_a` with its derivatives.
+#[derive(Clone, Debug)]
+pub(crate) struct Traction {
+    pub tau: [f64; 2],
+    /// With respect to the element's positions at `n+1`, the coordinates at `n+1`, the pressure.
+    pub by_q: [[f64; 3 * MAX_NODES]; 2],
+    pub by_f: [[f64; 2]; 2],
+    pub by_pressure: [f64; 2],
+}
+
+impl Traction {
+    pub const NONE: Self =
+        Self { tau: [0.0; 2], by_q: [[0.0; 3 * MAX_NODES]; 2], by_f: [[0.0; 2]; 2], by_pressure: [0.0; 2] };
+
+    /// `end`: kinematics at the coordinates of `n+1`, `facet`: local numbers of that facet.
+    pub fn new(element: &FrictionElement<'_>, end: &Gap, facet: &[usize; 4], want_tangent: bool) -> Self {
+        let state: FrictionState = element.state();
+        let mut out = Self { tau: state.tau, ..Self::NONE };
+        if !want_tangent {
+            return out;
+        }
+        let (tau, foot) = element.dual_tau(&state);
+        let factor = if element.at_end { 1.0 } else { 0.5 };
+        let at = element.at.0;
+        let old = element.history.foot;
+        let (old_shape, old_gradient) = (quad4::shape(old), quad4::shape_gradient(inside(old)));
+        let tangents = element.patch(facet).tangents(end.xi);
+        for (row, tau) in tau.iter().enumerate() {
+            // Two tangents, two old tangents, slip.
+            let d = |block: usize, i: usize| tau.partial[3 * block + i];
+            for i in 0..3 {
+                for k in 0..4 {
+                    let here = &mut out.by_q[row][3 * facet[k] + i];
+                    *here += factor * (at.shape_gradient[k][0] * d(0, i) + at.shape_gradient[k][1] * d(1, i));
+                    *here += factor * end.shape[k] * d(4, i);
+                    let there = &mut out.by_q[row][3 * element.start[k] + i];
+                    *there += factor * (old_gradient[k][0] * d(2, i) + old_gradient[k][1] * d(3, i));
+                    *there -= factor * old_shape[k] * d(4, i);
+                }
+                for be in 0..2 {
+                    out.by_f[row][be] += factor * at.a_12[i] * d(1 - be, i) + tangents[be][i] * d(4, i);
+                }
+            }
+            let a = at.tangents[row];
+            out.by_pressure[row] =
+                (0..2).map(|k| state.step.d_pressure[k] * (0..3).map(|i| foot[k][i] * a[i]).sum::<f64>()).sum();
+        }
+        out
+    }
+}
+
+/// What the equations of a slot are made of.
+pub(crate) struct Equations<'a> {
+    /// At the configuration of the forces, and whether that is the end point.
+    pub force: &'a Constraints,
+    pub at_end: bool,
+    /// At `n+1`.
+    pub end: &'a Constraints,
+    pub traction: &'a Traction,
+    pub pressure: f64,
+    /// Gap that the constraint keeps.
+    pub reference: f64,
+    pub weight: f64,
+    /// Length with which coordinates and multipliers are scaled.
+    pub length: f64,
+    /// Position components of the element.
+    pub n: usize,
+    pub options: AugmentedOptions,
+}
+
+/// Residual and row-major tangent with `n + 5` unknowns: positions, pressure, coordinates, multipliers.
+pub(crate) struct Dense {
+    pub residual: [f64; MOST],
+    pub tangent: Vec<f64>,
+}
+
+impl Equations<'_> {
+    /// Multipliers `lambda_A` for which the coordinates' row vanishes, (5.2).
+    pub fn multipliers(&self) -> Option<[f64; 2]> {
+        let b = self.force.gap_by_coordinates();
+        let p = if self.options.drop_gap_term { 0.0 } else { self.pressure };
+        solve_2(self.force.foot_by_coordinates(), [0, 1].map(|k| b[k] * p - self.traction.tau[k]))
+    }
+
+    /// The full system at given multipliers; the tangent is overwritten if wanted.
+    pub fn full(&self, lambda: [f64; 2], want_tangent: bool, out: &mut Dense) {
+        let Self { force, end, traction, pressure, weight, n, .. } = *self;
+        let dim = n + 5;
+        let pressure_of_f = if self.options.drop_gap_term { 0.0 } else { pressure };
+        // Rows and columns are divided by these.
+        let scale = |k: usize| if k > n { self.length } else { 1.0 };
+        let slot = |u: usize| if u < LOCAL { u } else { n + 1 + (u - LOCAL) };
+        out.residual[..dim].fill(0.0);
+        for u in 0..UNKNOWNS {
+            let (p, tau) = if u < LOCAL { (pressure, 0.0) } else { (pressure_of_f, traction.tau[u - LOCAL]) };
+            out.residual[slot(u)] = weight
+                * (tau + lambda[0] * force.foot_gradient[0][u] + lambda[1] * force.foot_gradient[1][u]
+                    - p * force.gap_gradient[u])
+                / scale(slot(u));
+        }
+        out.residual[n] = -weight * (end.gap - self.reference);
+        for al in 0..2 {
+            out.residual[n + 3 + al] = weight * end.foot[al] / self.length;
+        }
+        if !want_tangent {
+            return;
+        }
+        out.tangent.clear();
+        out.tangent.resize(dim * dim, 0.0);
+        let factor = if self.at_end { 1.0 } else { 0.5 };
+        let mut add =
+            |i: usize, j: usize, value: f64| out.tangent[i * dim + j] += weight * value / (scale(i) * scale(j));
+        let hessian = force.hessian(lambda, pressure);
+        let of_f = if self.options.drop_gap_term { &force.hessian(lambda, 0.0) } else { &hessian };
+        for u in 0..UNKNOWNS {
+            let rows = if u < LOCAL { &hessian } else { of_f };
+            for v in 0..UNKNOWNS {
+                add(slot(u), slot(v), factor * rows[u][v]);
+            }
+            let is_f = u >= LOCAL;
+            if !(is_f && self.options.drop_gap_term) {
+                add(slot(u), n, -force.gap_gradient[u]);
+            }
+            add(n, slot(u), -end.gap_gradient[u]);
+            for al in 0..2 {
+                add(slot(u), n + 3 + al, force.foot_gradient[al][u]);
+                add(n + 3 + al, slot(u), end.foot_gradient[al][u]);
+            }
+        }
+        for al in 0..2 {
+            for j in 0..n {
+                add(n + 1 + al, j, traction.by_q[al][j]);
+            }
+            add(n + 1 + al, n, traction.by_pressure[al]);
+            for be in 0..2 {
+                add(n + 1 + al, n + 1 + be, traction.by_f[al][be]);
+            }
+        }
+    }
+
+    /// The system of a reduction: `out` is compressed to its unknowns. `None` if the elimination is singular (a focal point).
+    pub fn reduced(&self, lambda: [f64; 2], want_tangent: bool, out: &mut Dense) -> Option<()> {
+        let n = self.n;
+        match self.options.reduction {
+            Reduction::None => {
+                self.full(lambda, want_tangent, out);
+            }
+            Reduction::First => {
+                self.full(self.multipliers()?, want_tangent, out);
+                if want_tangent {
+                    out.eliminate(n, n + 1, n + 3)?;
+                }
+                // Rows of the foot constraint take the place of the rows of the coordinates.
+                out.move_rows(n, want_tangent);
+            }
+            Reduction::Second => {
+                // The tangent is a part of the residual: R_q + K_qf s.
+                self.full(self.multipliers()?, true, out);
+                if self.options.drop_gap_slope {
+                    let dim = n + 5;
+                    out.tangent[n * dim + n + 1..n * dim + n + 3].fill(0.0);
+                }
+                out.eliminate(n, n + 1, n + 3)?;
+                out.eliminate(n, n + 3, n + 1)?;
+            }
+        }
+        Some(())
+    }
+}
+
+impl Dense {
+    pub fn new() -> Self {
+        Self { residual: [0.0; MOST], tangent: Vec::new() }
+    }
+
+    /// Eliminates two unknowns (`columns` and the next) by two equations (`rows` and the next) from all others.
+    fn eliminate(&mut self, n: usize, rows: usize, columns: usize) -> Option<()> {
+        let dim = n + 5;
+        let k = |i: usize, j: usize| i * dim + j;
+        let block = [0, 1].map(|a| [0, 1].map(|b| self.tangent[k(rows + a, columns + b)]));
+        for i in (0..dim).filter(|&i| i != rows && i != rows + 1) {
+            // Factors x with x . block = (row i at the columns).
+            let transposed = [[block[0][0], block[1][0]], [block[0][1], block[1][1]]];
+            let at = [self.tangent[k(i, columns)], self.tangent[k(i, columns + 1)]];
+            if at == [0.0; 2] {
+                continue;
+            }
+            let x = solve_2(transposed, at)?;
+            for j in 0..dim {
+                self.tangent[k(i, j)] -= x[0] * self.tangent[k(rows, j)] + x[1] * self.tangent[k(rows + 1, j)];
+            }
+            self.residual[i] -= x[0] * self.residual[rows] + x[1] * self.residual[rows + 1];
+        }
+        Some(())
+    }
+
+    /// Puts the last two rows in the place of the two before them.
+    fn move_rows(&mut self, n: usize, tangent: bool) {
+        let dim = n + 5;
+        self.residual.copy_within(n + 3..n + 5, n + 1);
+        if tangent {
+            self.tangent.copy_within((n + 3) * dim..(n + 5) * dim, (n + 1) * dim);
+        }
+    }
+}

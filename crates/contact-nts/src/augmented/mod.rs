@@ -1,0 +1,415 @@
+//! The coordinate augmentation technique (formulation §5, thesis chapter 4).
+//!
+//! The convective coordinates `f` of the foot of a slave node are unknowns, and `Phi_A = (x - x(f)) . a_a(f) = 0` is a constraint with two
+//! multipliers: constraints and friction are then explicit functions, and no derivative of a projection is needed. Three sizes of one
+//! system, with the same solution:
+//!
+//! | [`Reduction`] | unknowns beside the positions | rows |
+//! |---|---|---|
+//! | `None` | `p`, `f`, `lambda_A` | gap, balance of `f`, `Phi_A`: 20 an element |
+//! | `First` | `p`, `f` | `lambda_A` follows from the balance of `f`, (5.2) |
+//! | `Second` | `p` | `f` follows from the linearised `Phi_A`, (5.3)-(5.4); it iterates with Newton's method |
+//!
+//! Forces are those of the end point (`EndPoint`) or of `q_mid`, `f_mid = (f_n + f_np1) / 2` (`Midpoint`; `EnergyMomentum` is taken
+//! as that: the solids have their conserving stress, the contact has not). The gradients of both constraints have neither resultant nor moment
+//! at any `f`: momenta are exact for every gap, slip and traction. The energy is that of the direct form.
+//!
+//! Search, pairing, history, friction laws and return mapping are those of [`NodeToSurface`]. Over an edge `f_n` is the foot of the old
+//! position on the extension of the new facet, and slip is measured from the old foot as in the direct form (§10.3).
+
+mod constraints;
+mod element;
+
+use crate::friction::{FrictionElement, Slip};
+use crate::kinematics::{Gap, LOCAL, Local, points};
+use crate::method::{NodeToSurface, position};
+use crate::slot::{ElementNodes, Pairing};
+use constraints::Constraints;
+use element::{Dense, Equations, Traction, solve_2};
+use stoss_contact::{
+    Auxiliary, ContactError, ContactMethod, ContactRule, ContactWork, LocalContribution, SlotReport, StepConfiguration,
+};
+
+/// Coordinates at `n` on the extension of the facet of `n+1` are cut off here: any value conserves momenta, but far out the extension is
+/// not the surface any more.
+const FARTHEST: f64 = 3.0;
+
+/// How much of the augmented system is eliminated. The solution is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reduction {
+    /// Nothing: 20 unknowns an element.
+    None,
+    /// The multipliers of the foot.
+    First,
+    /// Multipliers and coordinates: the size of the direct form.
+    #[default]
+    Second,
+}
+
+/// Options of the technique.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AugmentedOptions {
+    /// Size of the system.
+    pub reduction: Reduction,
+    /// Leaves `b_f p` out of the balance of the coordinates, literally (5.117): at the midpoint a slightly different scheme.
+    pub drop_gap_term: bool,
+    /// Leaves `b_f` out of the second reduction (5.4), literally (4.70): the same solution, tangents exact where the foot is.
+    pub drop_gap_slope: bool,
+}
+
+/// Node-to-surface contact by coordinate augmentation.
+#[derive(Clone, Debug)]
+pub struct CoordinateAugmented {
+    inner: NodeToSurface,
+    options: AugmentedOptions,
+}
+
+/// Mean of two pairs of coordinates.
+pub(crate) fn mean(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+}
+
+impl NodeToSurface {
+    /// Coordinates of a node at `n` on the extension of a facet.
+    pub(crate) fn start_coordinates(&self, slot: usize, facet: u32) -> [f64; 2] {
+        let patch = self.patch(facet, &self.q_n);
+        let x = position(&self.q_n, self.node(slot));
+        let foot = Gap::project(&x, &patch, [0.0, 0.0]).map_or_else(|| patch.closest_point(&x).xi, |gap| gap.xi);
+        foot.map(|f| f.clamp(-FARTHEST, FARTHEST))
+    }
+}
+
+/// Constraints and traction of one slot at an iterate.
+struct Evaluated {
+    force: Constraints,
+    end: Constraints,
+    traction: Traction,
+}
+
+impl CoordinateAugmented {
+    /// From the direct method with its surfaces, constraint and friction.
+    pub fn new(mut direct: NodeToSurface, options: AugmentedOptions) -> Self {
+        direct.augmented = true;
+        Self { inner: direct, options }
+    }
+
+    /// Options.
+    pub fn options(&self) -> AugmentedOptions {
+        self.options
+    }
+
+    fn element(&self, slot: usize, pairing: Pairing) -> ElementNodes {
+        // Without friction nothing depends on the facet at `n`.
+        let pairing = if self.inner.friction.is_some() { pairing } else { Pairing::single(pairing.end) };
+        ElementNodes::new(self.inner.node(slot), self.inner.search.surface(), pairing)
+    }
+
+    /// Auxiliary values of one slot.
+    fn values<'a>(&self, slot: usize, auxiliaries: &'a [f64]) -> &'a [f64] {
+        let count = self.auxiliaries().len();
+        &auxiliaries[slot * count..(slot + 1) * count]
+    }
+
+    fn rule(rule: ContactRule) -> Result<bool, ContactError> {
+        match rule {
+            ContactRule::EndPoint => Ok(true),
+            ContactRule::Midpoint | ContactRule::EnergyMomentum => Ok(false),
+            rule => Err(ContactError::Rule { method: "coordinate augmentation", rule: format!("{rule:?}") }),
+        }
+    }
+
+    /// Constraints and traction at coordinates `f` of `n+1`.
+    fn evaluate(
+        &self,
+        slot: usize,
+        element: &ElementNodes,
+        pairing: Pairing,
+        step: StepConfiguration<'_>,
+        f: [f64; 2],
+        pressure: f64,
+        want_tangent: bool,
+    ) -> Result<Evaluated, ContactError> {
+        let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
+        let at_end = Self::rule(step.rule)?;
+        let mut q = [0.0; 3 * crate::crossing::MAX_NODES];
+        for (block, &node) in q.chunks_exact_mut(3).zip(element.list()) {
+            let x_1 = position(step.q_np1, node);
+            let x = if at_end { x_1 } else { (position(step.q_n, node) + x_1) * 0.5 };
+            block.copy_from_slice(x.as_slice());
+        }
+        let q_end = self.local(element, step.q_np1);
+        let end = Constraints::new(&q_end, f).ok_or_else(failed)?;
+        let (force, f_force) = if at_end {
+            (end.clone(), f)
+        } else {
+            let f_force = mean(self.inner.start_coordinates(slot, pairing.end), f);
+            let q_force: Local = std::array::from_fn(|k| q[k]);
+            (Constraints::new(&q_force, f_force).ok_or_else(failed)?, f_force)
+        };
+        let mut traction = Traction::NONE;
+        if let Some(surface) = &self.inner.friction {
+            let q_force: Local = std::array::from_fn(|k| q[k]);
+            let (x, patch) = points(&q_force);
+            let at = Gap::at(&x, &patch, f_force).ok_or_else(failed)?;
+            let (x, patch) = points(&q_end);
+            let at_np1 = Gap::at(&x, &patch, f).ok_or_else(failed)?;
+            let friction = FrictionElement {
+                friction: &surface.friction,
+                at_end,
+                q: &q[..3 * element.count],
+                at: (&at, &element.end),
+                start: &element.start,
+                history: &surface.points[slot],
+                slip: Slip::Feet(&at_np1, &element.end),
+                pressure,
+                step_size: surface.step_size,
+            };
+            traction = Traction::new(&friction, &at_np1, &element.end, want_tangent);
+        }
+        Ok(Evaluated { force, end, traction })
+    }
+
+    /// Positions of the slave node and the facet of `n+1`.
+    fn local(&self, element: &ElementNodes, q: &[f64]) -> Local {
+        let mut out = [0.0; LOCAL];
+        for (block, &node) in out.chunks_exact_mut(3).zip(&element.nodes) {
+            block.copy_from_slice(position(q, node).as_slice());
+        }
+        out
+    }
+
+    fn equations<'a>(
+        &self,
+        slot: usize,
+        element: &ElementNodes,
+        at_end: bool,
+        of: &'a Evaluated,
+        pressure: f64,
+    ) -> Equations<'a> {
+        Equations {
+            force: &of.force,
+            at_end,
+            end: &of.end,
+            traction: &of.traction,
+            pressure,
+            reference: self.inner.slots[slot].reference,
+            weight: self.slot_weight(slot),
+            length: self.inner.length,
+            n: 3 * element.count,
+            options: self.options,
+        }
+    }
+
+    /// A slot without a facet: its auxiliaries are zero.
+    fn without_partner(&self, slot: usize, pressure: f64, values: &[f64], want: bool, out: &mut LocalContribution) {
+        self.inner.without_partner(slot, pressure, want, out);
+        let further = Auxiliary::equations(self.auxiliaries());
+        if further == 0 {
+            return;
+        }
+        let (row, weight) = (out.residual[3], self.slot_weight(slot));
+        out.auxiliaries = further;
+        out.reset(want);
+        out.residual[3] = row;
+        let dim = out.dim();
+        for (k, value) in values.iter().enumerate() {
+            out.residual[4 + k] = weight * value;
+        }
+        for k in (3..dim).filter(|_| want) {
+            out.tangent[k * dim + k] = if k == 3 { -weight } else { weight };
+        }
+    }
+}
+
+impl ContactMethod for CoordinateAugmented {
+    fn name(&self) -> &str {
+        self.inner.name()
+    }
+    fn slot_count(&self) -> usize {
+        self.inner.slot_count()
+    }
+    fn slot_weight(&self, slot: usize) -> f64 {
+        self.inner.slot_weight(slot)
+    }
+    fn length_scale(&self) -> f64 {
+        self.inner.length_scale()
+    }
+
+    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
+        let rule = if rule == ContactRule::EnergyMomentum { ContactRule::Midpoint } else { rule };
+        self.inner.set_rule(rule, step_size);
+    }
+
+    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
+        self.inner.begin_step(q_n, reach)
+    }
+
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for slot in (0..self.slot_count()).filter(|&s| active[s]) {
+            match self.inner.slots[slot].pairing {
+                Some(pairing) => visit(self.element(slot, pairing).list(), &[slot as u32]),
+                None => visit(&[self.inner.node(slot)], &[slot as u32]),
+            }
+        }
+    }
+
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let mut auxiliaries = vec![0.0; self.slot_count() * self.auxiliaries().len()];
+        self.start_auxiliaries(step, pressures, active, &mut auxiliaries)?;
+        self.assemble_with(step, pressures, &auxiliaries, active, want_tangent, visit)
+    }
+
+    /// Coordinates and multipliers times a master edge `L`, so that the former are lengths and the latter tractions; their rows are divided
+    /// by `L`.
+    fn auxiliaries(&self) -> &[Auxiliary] {
+        use Auxiliary::{Balance, Condensed, Constraint};
+        match self.options.reduction {
+            Reduction::None => &[Balance, Balance, Constraint, Constraint],
+            Reduction::First => &[Constraint, Constraint],
+            Reduction::Second => &[Condensed, Condensed],
+        }
+    }
+
+    fn start_auxiliaries(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        active: &[bool],
+        out: &mut [f64],
+    ) -> Result<(), ContactError> {
+        let length = self.inner.length;
+        for (slot, values) in out.chunks_exact_mut(self.auxiliaries().len()).enumerate() {
+            values.fill(0.0);
+            let Some(pairing) = self.inner.slots[slot].pairing.filter(|_| active[slot]) else { continue };
+            let f = self.inner.gap(slot, pairing.end, step.q_np1)?.xi;
+            values[..2].copy_from_slice(&f.map(|f| f * length));
+            if self.options.reduction == Reduction::None {
+                let element = self.element(slot, pairing);
+                let of = self.evaluate(slot, &element, pairing, step, f, pressures[slot], false)?;
+                let equations = self.equations(slot, &element, Self::rule(step.rule)?, &of, pressures[slot]);
+                let lambda = equations.multipliers().unwrap_or_default();
+                values[2..].copy_from_slice(&lambda.map(|l| l * length));
+            }
+        }
+        Ok(())
+    }
+
+    fn assemble_with(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        auxiliaries: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let at_end = Self::rule(step.rule)?;
+        let further = Auxiliary::equations(self.auxiliaries());
+        let length = self.inner.length;
+        let mut contribution = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
+        let mut dense = Dense::new();
+        for slot in (0..self.slot_count()).filter(|&s| active[s]) {
+            contribution.slots.clear();
+            contribution.slots.push(slot as u32);
+            contribution.nodes.clear();
+            let values = self.values(slot, auxiliaries);
+            let pressure = pressures[slot];
+            let Some(pairing) = self.inner.slots[slot].pairing else {
+                self.without_partner(slot, pressure, values, want_tangent, &mut contribution);
+                visit(&contribution);
+                continue;
+            };
+            let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
+            let element = self.element(slot, pairing);
+            let f = [values[0] / length, values[1] / length];
+            let wants = want_tangent || self.options.reduction == Reduction::Second;
+            let of = self.evaluate(slot, &element, pairing, step, f, pressure, wants)?;
+            let equations = self.equations(slot, &element, at_end, &of, pressure);
+            let lambda = match values {
+                [_, _, a, b] => [a / length, b / length],
+                _ => [0.0; 2],
+            };
+            equations.reduced(lambda, want_tangent, &mut dense).ok_or_else(failed)?;
+            contribution.nodes.extend_from_slice(element.list());
+            contribution.auxiliaries = further;
+            contribution.reset(want_tangent);
+            let (dim, all) = (contribution.dim(), equations.n + 5);
+            contribution.residual.copy_from_slice(&dense.residual[..dim]);
+            if want_tangent {
+                for (row, from) in contribution.tangent.chunks_exact_mut(dim).zip(dense.tangent.chunks_exact(all)) {
+                    row.copy_from_slice(&from[..dim]);
+                }
+            }
+            if further == 0 {
+                let [a, b] = of.end.foot;
+                contribution.violation = a.abs().max(b.abs()) / (length * length);
+            }
+            visit(&contribution);
+        }
+        Ok(())
+    }
+
+    fn recover(
+        &self,
+        step: StepConfiguration<'_>,
+        auxiliaries: &[f64],
+        active: &[bool],
+        increment: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), ContactError> {
+        if self.options.reduction != Reduction::Second {
+            return Ok(());
+        }
+        let length = self.inner.length;
+        for (slot, out) in out.chunks_exact_mut(2).enumerate() {
+            out.fill(0.0);
+            let Some(pairing) = self.inner.slots[slot].pairing.filter(|_| active[slot]) else { continue };
+            let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
+            let element = self.element(slot, pairing);
+            let values = self.values(slot, auxiliaries);
+            let f = [values[0] / length, values[1] / length];
+            let end = Constraints::new(&self.local(&element, step.q_np1), f).ok_or_else(failed)?;
+            let du = self.local(&element, increment);
+            // (5.3): df = -A_f^-1 (Phi_A + A_q dq).
+            let rhs = [0, 1].map(|al| {
+                let change: f64 = end.foot_gradient[al][..LOCAL].iter().zip(&du).map(|(a, d)| a * d).sum();
+                -(end.foot[al] + change)
+            });
+            let df = solve_2(end.foot_by_coordinates(), rhs).ok_or_else(failed)?;
+            out.copy_from_slice(&df.map(|d| d * length));
+        }
+        Ok(())
+    }
+
+    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
+        self.inner.complementarity_gaps(q_np1, active, out)
+    }
+    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        self.inner.repair(q_np1, active)
+    }
+    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        self.inner.augment(q_np1, pressures, active)
+    }
+    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+        self.inner.work(q_np1, pressures, active)
+    }
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        self.inner.report(q)
+    }
+    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        self.inner.commit(q_np1, pressures, active);
+    }
+    fn save_history(&self) -> Vec<u8> {
+        self.inner.save_history()
+    }
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+        self.inner.load_history(bytes)
+    }
+}

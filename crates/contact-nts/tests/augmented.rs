@@ -1,0 +1,275 @@
+//! Coordinate augmentation: tangents, reductions, momenta, and the direct form that it equals at the end point.
+
+mod common;
+use common::*;
+use nalgebra::{DMatrix, DVector, Vector3};
+use proptest::prelude::*;
+use std::sync::Arc;
+use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
+use stoss_contact::{Auxiliary, ContactError, ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
+use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
+
+const RULES: [ContactRule; 2] = [ContactRule::EndPoint, ContactRule::Midpoint];
+const FACETS: u32 = 6;
+const NODES: usize = 2 * (FACETS as usize + 1) + 4;
+const PRESSURE: f64 = 3.0;
+const STEP: f64 = 0.1;
+
+/// A step of warped, moving facets with a gap; the node is in contact before and after it.
+#[derive(Clone, Debug)]
+struct Path {
+    q: [Vec<f64>; 3],
+    rule: ContactRule,
+    /// Coefficient of friction: none, slip for certain, stick for certain.
+    mu: Option<f64>,
+    drop_gap_term: bool,
+    drop_gap_slope: bool,
+    /// Off the foot by so much, and multipliers beside those of the reductions.
+    off: [f64; 4],
+}
+
+fn path() -> impl Strategy<Value = Path> {
+    let noise = |size: f64| proptest::collection::vec(-size..size, 3 * NODES);
+    (
+        (noise(0.06), noise(0.05), noise(0.05)),
+        (0.4..0.6_f64, 0.2..0.4_f64, 0.1..0.2_f64),
+        (-0.15..0.15_f64, -0.15..0.15_f64),
+        (prop_oneof![0.05..0.15_f64, 0.9..1.1_f64, 3.9..4.1_f64], 0.05..0.15_f64, -0.25..-0.15_f64),
+        (prop::sample::select(&RULES[..]), prop::sample::select(vec![None, Some(0.02), Some(1e3)])),
+        (any::<bool>(), any::<bool>(), proptest::array::uniform4(-0.2..0.2_f64)),
+    )
+        .prop_map(|(noise, (x, y, z), (dx, dy), (slide, side, depth), (rule, mu), (term, slope, off))| {
+            let flat = [0.0; FACETS as usize + 1];
+            let mut q = [
+                positions(&flat, [x, y, z]),
+                positions(&flat, [x + dx, y + dy, -z]),
+                positions(&flat, [x + dx + slide, y + dy + side, depth]),
+            ];
+            for k in 0..3 * NODES {
+                q[0][k] += noise.0[k];
+                q[1][k] += noise.0[k] + noise.1[k];
+                q[2][k] += noise.0[k] + noise.1[k] + noise.2[k];
+            }
+            Path { q, rule, mu, drop_gap_term: term, drop_gap_slope: slope, off }
+        })
+}
+
+impl Path {
+    fn direct(&self) -> NodeToSurface {
+        let direct = standard(FACETS);
+        match self.mu {
+            Some(mu) => {
+                let law = Arc::new(Coulomb::new(mu).unwrap());
+                direct.with_friction(Friction::new(law, 40.0, Stick::Penalty, MidpointFriction::C).unwrap()).unwrap()
+            }
+            None => direct,
+        }
+    }
+
+    /// Does the first step and pairs the second one.
+    fn run<M: ContactMethod>(&self, mut m: M) -> M {
+        m.set_rule(self.rule, STEP);
+        m.begin_step(&self.q[0], 20.0).unwrap();
+        m.repair(&self.q[1], &ACTIVE).unwrap();
+        m.commit(&self.q[1], &[7.0, 0.0, 0.0, 0.0], &ACTIVE);
+        m.set_rule(self.rule, STEP);
+        m.begin_step(&self.q[1], 20.0).unwrap();
+        m.repair(&self.q[2], &ACTIVE).unwrap();
+        m
+    }
+
+    fn augmented(&self, reduction: Reduction) -> CoordinateAugmented {
+        let Self { drop_gap_term, drop_gap_slope, .. } = *self;
+        let options = AugmentedOptions { reduction, drop_gap_term, drop_gap_slope };
+        self.run(CoordinateAugmented::new(self.direct(), options))
+    }
+
+    /// All auxiliaries, those of the first slot off the foot.
+    fn start(&self, m: &CoordinateAugmented) -> Vec<f64> {
+        let mut values = vec![0.0; m.slot_count() * m.auxiliaries().len()];
+        let step = StepConfiguration { q_n: &self.q[1], q_np1: &self.q[2], rule: self.rule };
+        m.start_auxiliaries(step, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE, &mut values).unwrap();
+        for (value, off) in values.iter_mut().zip(self.off).take(m.auxiliaries().len()) {
+            *value += off;
+        }
+        values
+    }
+}
+
+/// Residual and tangent over positions, the pressure and the auxiliaries of the first slot.
+fn dense(m: &CoordinateAugmented, path: &Path, x: &[f64], auxiliaries: &[f64], want: bool) -> (Vec<f64>, Vec<f64>) {
+    let (m_q, global) = (3 * NODES, Auxiliary::equations(m.auxiliaries()));
+    let n = m_q + 1 + global;
+    let mut values = auxiliaries.to_vec();
+    values[..global].copy_from_slice(&x[m_q + 1..n]);
+    let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; if want { n * n } else { 0 }]);
+    let step = StepConfiguration { q_n: &path.q[1], q_np1: &x[..m_q], rule: path.rule };
+    m.assemble_with(step, &[x[m_q], 0.0, 0.0, 0.0], &values, &ACTIVE, want, &mut |local| {
+        let mut map: Vec<usize> = local.nodes.iter().flat_map(|&k| (0..3).map(move |i| 3 * k as usize + i)).collect();
+        map.extend(m_q..n);
+        assert_eq!(map.len(), local.dim());
+        for (i, &row) in map.iter().enumerate() {
+            residual[row] += local.residual[i];
+            for (j, &column) in map.iter().enumerate().filter(|_| want) {
+                tangent[row * n + column] += local.tangent[i * map.len() + j];
+            }
+        }
+    })
+    .unwrap();
+    (residual, tangent)
+}
+
+fn unknowns(path: &Path, m: &CoordinateAugmented, auxiliaries: &[f64]) -> Vec<f64> {
+    let mut x = path.q[2].clone();
+    x.push(PRESSURE);
+    x.extend(&auxiliaries[..Auxiliary::equations(m.auxiliaries())]);
+    x
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn tangents_are_the_derivatives_off_the_foot(path in path(), full: bool) {
+        let m = path.augmented(if full { Reduction::None } else { Reduction::First });
+        let auxiliaries = path.start(&m);
+        let x = unknowns(&path, &m, &auxiliaries);
+        let n = x.len();
+        let (_, tangent) = dense(&m, &path, &x, &auxiliaries, true);
+        let numeric = central_difference_jacobian(
+            |x, out| out.copy_from_slice(&dense(&m, &path, x, &auxiliaries, false).0), &x, 2e-4, n,
+        );
+        assert_jacobian_close(&tangent, &numeric, n, 1e-7, "augmented tangent");
+    }
+
+    #[test]
+    fn condensed_tangents_are_derivatives_along_the_foot(path in path()) {
+        // On the foot the condensed system is the system in which the coordinates are the projection.
+        let m = path.augmented(Reduction::Second);
+        let mut at = path.q[2].clone();
+        at.push(PRESSURE);
+        let n = at.len();
+        let step = |x: &[f64], want: bool| {
+            let on_foot = Path { off: [0.0; 4], q: [path.q[0].clone(), path.q[1].clone(), x[..n - 1].to_vec()], ..path.clone() };
+            dense(&m, &on_foot, x, &on_foot.start(&m), want)
+        };
+        let (_, tangent) = step(&at, true);
+        let numeric = central_difference_jacobian(|x, out| out.copy_from_slice(&step(x, false).0), &at, 2e-4, n);
+        assert_jacobian_close(&tangent, &numeric, n, 1e-7, "condensed tangent");
+    }
+
+    #[test]
+    fn reductions_are_schur_complements(path in path()) {
+        let path = Path { drop_gap_slope: false, ..path };
+        let (full, first, second) =
+            (path.augmented(Reduction::None), path.augmented(Reduction::First), path.augmented(Reduction::Second));
+        // Off the foot, but with the multipliers that belong to it: found by solving the linear balance of the full system.
+        let mut at = path.start(&full);
+        let n = 3 * NODES + 1;
+        for _ in 0..2 {
+            let (r, k) = dense(&full, &path, &unknowns(&path, &full, &at), &at, true);
+            let k = DMatrix::from_row_slice(n + 4, n + 4, &k);
+            let step = k.view((n, n + 2), (2, 2)).into_owned().lu().solve(&DVector::from_row_slice(&r[n..n + 2])).unwrap();
+            at[2] -= step[0];
+            at[3] -= step[1];
+        }
+        let (r, k) = dense(&full, &path, &unknowns(&path, &full, &at), &at, true);
+        let k = DMatrix::from_row_slice(n + 4, n + 4, &k);
+        let r = DVector::from_vec(r);
+        let (r_1, k_1) = dense(&first, &path, &unknowns(&path, &first, &at[..2]), &[&at[..2], &[0.0; 6]].concat(), true);
+        let (r_2, k_2) = dense(&second, &path, &unknowns(&path, &second, &[]), &[&at[..2], &[0.0; 6]].concat(), true);
+        // First: rows without the balance of the coordinates, columns without the multipliers.
+        let rows: Vec<usize> = (0..n).chain([n + 2, n + 3]).collect();
+        let columns: Vec<usize> = (0..n + 2).collect();
+        let pick = |rows: &[usize], columns: &[usize]| k.select_rows(rows).select_columns(columns);
+        let inverse = pick(&[n, n + 1], &[n + 2, n + 3]).try_inverse().unwrap();
+        let factor = pick(&rows, &[n + 2, n + 3]) * inverse;
+        let k_first = pick(&rows, &columns) - &factor * pick(&[n, n + 1], &columns);
+        let r_first = r.select_rows(&rows) - factor * r.rows(n, 2);
+        let scale = k_first.amax();
+        prop_assert!((&k_first - DMatrix::from_row_slice(n + 2, n + 2, &k_1)).amax() < 1e-11 * scale);
+        prop_assert!((&r_first - DVector::from_vec(r_1)).amax() < 1e-11 * scale);
+        // Second: the foot constraint and the coordinates are eliminated from that.
+        let inverse = k_first.view((n, n), (2, 2)).into_owned().try_inverse().unwrap();
+        let factor = k_first.view((0, n), (n, 2)) * &inverse;
+        let k_second = k_first.view((0, 0), (n, n)) - &factor * k_first.view((n, 0), (2, n));
+        let r_second = r_first.rows(0, n) - &factor * r_first.rows(n, 2);
+        prop_assert!((&k_second - DMatrix::from_row_slice(n, n, &k_2)).amax() < 1e-11 * scale);
+        prop_assert!((&r_second - DVector::from_vec(r_2)).amax() < 1e-11 * scale);
+        // What the coordinates do follows from the same two rows.
+        let increment: Vec<f64> = (0..n - 1).map(|k| (k as f64).sin()).collect();
+        let expected = -&inverse * (r_first.rows(n, 2) + k_first.view((n, 0), (2, n - 1)) * DVector::from_row_slice(&increment));
+        let mut found = vec![0.0; 8];
+        let step = StepConfiguration { q_n: &path.q[1], q_np1: &path.q[2], rule: path.rule };
+        second.recover(step, &[&at[..2], &[0.0; 6]].concat(), &ACTIVE, &increment, &mut found).unwrap();
+        prop_assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-11 * (1.0 + expected.amax())));
+    }
+
+    #[test]
+    fn forces_have_no_resultant_and_no_moment(path in path(), full: bool) {
+        let m = path.augmented(if full { Reduction::None } else { Reduction::First });
+        let auxiliaries = path.start(&m);
+        let (residual, _) = dense(&m, &path, &unknowns(&path, &m, &auxiliaries), &auxiliaries, false);
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for (k, f) in residual[..3 * NODES].chunks_exact(3).enumerate() {
+            let x = Vector3::from_fn(|i, _| {
+                let (a, b) = (path.q[1][3 * k + i], path.q[2][3 * k + i]);
+                if path.rule == ContactRule::EndPoint { b } else { 0.5 * (a + b) }
+            });
+            force += Vector3::from_column_slice(f);
+            moment += x.cross(&Vector3::from_column_slice(f));
+        }
+        let size = residual.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
+        prop_assert!(size > 1e-3);
+        prop_assert!(force.norm() < 1e-13 * (1.0 + size) && moment.norm() < 1e-12 * (1.0 + size), "{force} {moment}");
+    }
+
+    #[test]
+    fn at_the_end_point_it_is_the_direct_form(path in path()) {
+        let path = Path { rule: ContactRule::EndPoint, ..path };
+        let expected = assembled(&path.run(path.direct()), &path.q[1], &path.q[2], PRESSURE, path.rule, true);
+        let m = path.augmented(Reduction::Second);
+        let path = Path { off: [0.0; 4], ..path };
+        let found = dense(&m, &path, &unknowns(&path, &m, &[]), &path.start(&m), true);
+        for (a, b) in [(expected.0, found.0), (expected.1, found.1)] {
+            let size = a.iter().fold(1.0_f64, |s, a| s.max(a.abs()));
+            for (a, b) in a.iter().zip(&b) {
+                prop_assert!((a - b).abs() < 1e-10 * size, "{a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn other_rules_are_refused() {
+    let mut m = CoordinateAugmented::new(standard(FACETS), AugmentedOptions::default());
+    let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, -0.1]);
+    m.begin_step(&q, 1.0).unwrap();
+    m.repair(&q, &ACTIVE).unwrap();
+    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::StartPoint };
+    let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| {}).unwrap_err();
+    assert!(matches!(error, ContactError::Rule { .. }), "{error}");
+}
+
+/// An active slot without a facet leaves its pressure and its auxiliaries at zero.
+#[test]
+fn a_slot_without_a_facet_has_identity_rows() {
+    for (reduction, further) in [(Reduction::None, 4), (Reduction::First, 2), (Reduction::Second, 0)] {
+        let mut m =
+            CoordinateAugmented::new(standard(FACETS), AugmentedOptions { reduction, ..AugmentedOptions::default() });
+        let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 50.0]);
+        m.begin_step(&q, 1.0).unwrap();
+        let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::Midpoint };
+        let mut visits = 0;
+        m.assemble(step, &[2.0, 0.0, 0.0, 0.0], &ACTIVE, true, &mut |local| {
+            visits += 1;
+            assert_eq!((local.dim(), local.residual.len()), (4 + further, 4 + further));
+            let k = DMatrix::from_row_slice(local.dim(), local.dim(), &local.tangent);
+            let part = k.view((3, 3), (1 + further, 1 + further)).into_owned();
+            assert!(part.lu().is_invertible() && local.residual[3] != 0.0);
+        })
+        .unwrap();
+        assert_eq!(visits, 1);
+    }
+}
