@@ -97,7 +97,7 @@ fn last_frame(out: &Path) -> (String, String) {
         .collect();
     frames.sort();
     let collection = std::fs::read_to_string(out.join("frames.pvd")).unwrap();
-    let entry = collection.lines().filter(|line| line.contains("frames/")).next_back().unwrap_or_default();
+    let entry = collection.lines().rfind(|line| line.contains("frames/")).unwrap_or_default();
     (frames.pop().unwrap_or_default(), entry.to_owned())
 }
 
