@@ -255,10 +255,13 @@ fn figure() -> Outcome<Section> {
 /// Names of the laws that a scene can have.
 fn laws_of_the_schema(text: &str) -> Outcome<BTreeSet<String>> {
     let schema: serde_json::Value = serde_json::from_str(text)?;
-    let variants = schema["$defs"]["Material"]["oneOf"].as_array().ok_or("the schema has no materials")?;
+    let material = &schema["$defs"]["Material"];
+    // `anyOf`: the last variant is a law of the user's own, whose name is free.
+    let variants = [&material["oneOf"], &material["anyOf"]].into_iter().find_map(serde_json::Value::as_array);
+    let variants = variants.ok_or("the schema has no materials")?;
     let name = |variant: &serde_json::Value| variant["properties"]["law"]["const"].as_str().map(str::to_owned);
-    let names: Option<BTreeSet<String>> = variants.iter().map(name).collect();
-    names.filter(|names| !names.is_empty()).ok_or_else(|| "a material of the schema has no law".into())
+    let names: BTreeSet<String> = variants.iter().filter_map(name).collect();
+    if names.is_empty() { Err("no material of the schema has a law".into()) } else { Ok(names) }
 }
 
 #[cfg(test)]
