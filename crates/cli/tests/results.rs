@@ -139,8 +139,8 @@ fn a_run_that_stops_early_says_so_and_shows_its_last_step() {
 
 #[test]
 fn a_run_that_fails_shows_its_last_good_step() {
-    let load = "[output]\nevery = 4\n[[load]]\nset = \"upper.top\"\ntraction = { table = [[0.0, 0, 0, 0], [0.02, 0, 0, 0], \
-                [0.021, 0, 0, -1e12]] }\n";
+    let load = "[[load]]\nset = \"upper.top\"\ntraction = { table = [[0.0, 0, 0, 0], [0.02, 0, 0, 0], \
+                [0.021, 0, 0, -1e12]] }\n[output]\nevery = 4\n";
     let folder =
         folder_with(&changed(&[("[output]\nevery = 1\n", load), ("step = 0.002", "step = 0.002\nmax_cuts = 0")]));
     let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out"]);
