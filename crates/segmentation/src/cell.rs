@@ -100,8 +100,8 @@ impl Cell {
 
 /// The convex pieces that are seen counter-clockwise when the corners are walked in the order `order`.
 ///
-/// One quadrilateral if the image is strictly convex; otherwise the diagonal that leaves two triangles of positive area; if neither does (image
-/// crosses itself, or is degenerate), the triangles of positive area that diagonal 0-2 leaves.
+/// One quadrilateral if the image is strictly convex. Otherwise the triangles of positive area that a diagonal leaves: diagonal 1-3 if its
+/// triangles have the same sign, which makes it an inner one, else 0-2. An image that crosses itself has one triangle of each sign.
 pub(crate) fn split(images: &[[f64; 2]; 4], order: [u8; 4]) -> ([Option<Cell>; 2], bool) {
     let p = order.map(|k| images[k as usize]);
     let turn: [f64; 4] = std::array::from_fn(|k| orient(p[(k + 3) % 4], p[k], p[(k + 1) % 4]));
@@ -109,7 +109,8 @@ pub(crate) fn split(images: &[[f64; 2]; 4], order: [u8; 4]) -> ([Option<Cell>; 2
         return ([Some(Cell { count: 4, corners: order, points: p, map: FacetMap::Bilinear }), None], false);
     }
     let triangle = |a: usize, b: usize, c: usize| Cell::triangle([order[a], order[b], order[c]], images);
-    if turn[0] > 0.0 && turn[2] > 0.0 {
+    let (low, high) = (turn[0].min(turn[2]), turn[0].max(turn[2]));
+    if low >= 0.0 || high <= 0.0 {
         ([triangle(1, 2, 3), triangle(3, 0, 1)], true)
     } else {
         ([triangle(0, 1, 2), triangle(2, 3, 0)], true)

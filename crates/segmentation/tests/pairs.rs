@@ -167,7 +167,9 @@ proptest! {
 
     #[test]
     fn derivatives_are_those_of_differences(s in quad(0.25), m in quad(0.25)) {
-        check_derivatives(&s, &reversed(m))?;
+        if SlaveFrame::new(s).is_ok() {
+            check_derivatives(&s, &reversed(m))?;
+        }
     }
 }
 
