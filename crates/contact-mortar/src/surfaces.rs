@@ -91,8 +91,7 @@ pub fn segment_surfaces(
         let own = Aabb::from_points(&x);
         let far = (bounds.max - bounds.min).norm() + (bounds.max - own.min).norm() + (own.max - bounds.min).norm();
         let (low, high) = (range.min.clamp(-far, far), range.max.clamp(-far, far));
-        let ends: [Vector3<f64>; 8] =
-            std::array::from_fn(|k| x[k % 4] + normal * if k < 4 { low } else { high });
+        let ends: [Vector3<f64>; 8] = std::array::from_fn(|k| x[k % 4] + normal * if k < 4 { low } else { high });
         let size = x.iter().map(|c| c.amax()).fold(0.0, f64::max);
         let region = Aabb::from_points(&ends).inflated(1e-12 * (far + size));
         found.clear();
@@ -120,9 +119,7 @@ impl SurfaceSegmentation {
         let mut ids: Vec<u32> = Vec::new();
         let everything: Vec<MasterFacet> = match extent {
             CheckExtent::Neighbours => Vec::new(),
-            CheckExtent::Everything => {
-                (0..master.facets().len() as u32).map(|f| master_facet(master, f, q)).collect()
-            }
+            CheckExtent::Everything => (0..master.facets().len() as u32).map(|f| master_facet(master, f, q)).collect(),
         };
         let mut near: Vec<MasterFacet> = Vec::new();
         for (slave_facet, found) in self.facets.iter().enumerate() {

@@ -181,7 +181,7 @@ proptest! {
                 prop_assert!((block[a][a] - integrals.shape[a]).abs() < 1e-7 * integrals.shape[a]);
             }
         }
-        prop_assert!(basis.lumped == (integrals.covered < 0.02) || (0.0..0.1).contains(&integrals.covered), "{}", integrals.covered);
+        prop_assert!(!basis.lumped || integrals.covered < 0.05, "{}", integrals.covered);
     }
 
     #[test]
@@ -282,7 +282,8 @@ fn row_sums_of_a_covered_flat_surface_are_nodal_areas() {
 #[test]
 fn master_finer_by_20_and_coarser_by_20() {
     for (n, m, r) in [(2, 40, 1.0), (40, 2, 1.0), (3, 1, 20.0)] {
-        let p = pair(n, m, r, |side, _, x| x + Vector3::new(0.0, 0.0, 0.05 * side as f64 + 0.02 * (x.x * x.x).min(1.0)));
+        let p =
+            pair(n, m, r, |side, _, x| x + Vector3::new(0.0, 0.0, 0.05 * side as f64 + 0.02 * (x.x * x.x).min(1.0)));
         let s = segment_surfaces(&p.slave, &p.master, &p.q, GapRange { min: -1.0, max: 1.0 }).unwrap();
         let report = s.check(&p.master, &p.q, CheckExtent::Neighbours).unwrap();
         assert!(report.faults.is_empty());

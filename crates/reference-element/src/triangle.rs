@@ -101,8 +101,7 @@ mod tests {
             .map(|i| {
                 let j = degree - i;
                 let exact = factorial(i) * factorial(j) / factorial(i + j + 2);
-                let sum: f64 =
-                    rule.points().iter().map(|(e, w)| w * e[0].powi(i as i32) * e[1].powi(j as i32)).sum();
+                let sum: f64 = rule.points().iter().map(|(e, w)| w * e[0].powi(i as i32) * e[1].powi(j as i32)).sum();
                 (sum - exact).abs()
             })
             .fold(0.0, f64::max)

@@ -100,8 +100,9 @@ impl Cell {
 
 /// The convex pieces that are seen counter-clockwise when the corners are walked in the order `order`.
 ///
-/// One quadrilateral if the image is strictly convex. Otherwise the triangles of positive area that a diagonal leaves: diagonal 1-3 if its
-/// triangles have the same sign, which makes it an inner one, else 0-2. An image that crosses itself has one triangle of each sign.
+/// One quadrilateral if the image is strictly convex. Otherwise the triangles of positive area that a diagonal leaves: of both diagonals the
+/// one whose triangles reach less to the negative side. For a reflex image that is the inner one; an image that crosses itself has one triangle
+/// of each sign, and the smaller the crossing, the less is lost.
 pub(crate) fn split(images: &[[f64; 2]; 4], order: [u8; 4]) -> ([Option<Cell>; 2], bool) {
     let p = order.map(|k| images[k as usize]);
     let turn: [f64; 4] = std::array::from_fn(|k| orient(p[(k + 3) % 4], p[k], p[(k + 1) % 4]));
@@ -109,8 +110,7 @@ pub(crate) fn split(images: &[[f64; 2]; 4], order: [u8; 4]) -> ([Option<Cell>; 2
         return ([Some(Cell { count: 4, corners: order, points: p, map: FacetMap::Bilinear }), None], false);
     }
     let triangle = |a: usize, b: usize, c: usize| Cell::triangle([order[a], order[b], order[c]], images);
-    let (low, high) = (turn[0].min(turn[2]), turn[0].max(turn[2]));
-    if low >= 0.0 || high <= 0.0 {
+    if turn[0].min(turn[2]) >= turn[1].min(turn[3]) {
         ([triangle(1, 2, 3), triangle(3, 0, 1)], true)
     } else {
         ([triangle(0, 1, 2), triangle(2, 3, 0)], true)
@@ -139,8 +139,7 @@ fn inverse_bilinear(x: &[[f64; 2]; 4], p: [f64; 2]) -> [f64; 2] {
     let combine =
         |s: [f64; 4]| -> [f64; 2] { std::array::from_fn(|i| 0.25 * (0..4).map(|k| s[k] * x[k][i]).sum::<f64>()) };
     let centre = combine([1.0, 1.0, 1.0, 1.0]);
-    let (b, c, d) =
-        (combine([-1.0, 1.0, 1.0, -1.0]), combine([-1.0, -1.0, 1.0, 1.0]), combine([1.0, -1.0, 1.0, -1.0]));
+    let (b, c, d) = (combine([-1.0, 1.0, 1.0, -1.0]), combine([-1.0, -1.0, 1.0, 1.0]), combine([1.0, -1.0, 1.0, -1.0]));
     let q = sub(p, centre);
     // (q - c eta) x (b + d eta) = 0; its derivative at a solution is the Jacobian of the map there.
     let sign = cross(b, c).signum();

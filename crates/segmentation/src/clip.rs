@@ -112,11 +112,7 @@ fn ordered(cell: &Cell, side: usize) -> ([u8; 2], [[f64; 2]; 2]) {
     let next = (side + 1) % cell.count;
     let (a, b) = (cell.points[side], cell.points[next]);
     let corners = [cell.corners[side], cell.corners[next]];
-    if a[0] < b[0] || (a[0] == b[0] && a[1] <= b[1]) {
-        (corners, [a, b])
-    } else {
-        ([corners[1], corners[0]], [b, a])
-    }
+    if a[0] < b[0] || (a[0] == b[0] && a[1] <= b[1]) { (corners, [a, b]) } else { ([corners[1], corners[0]], [b, a]) }
 }
 
 fn fraction_of(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -119,7 +119,8 @@ fn square() -> [Vector3<f64>; 4] {
 #[test]
 fn a_facet_that_the_search_lost_is_reported_with_its_area() {
     let facets = surface(4, 2.0, |_, x, y| Vector3::new(x, y, 0.1));
-    let lost = facets.iter().position(|f| f.corners.iter().all(|c| c.x >= 0.0 && c.y >= 0.0 && c.x <= 1.0 && c.y <= 1.0));
+    let lost =
+        facets.iter().position(|f| f.corners.iter().all(|c| c.x >= 0.0 && c.y >= 0.0 && c.x <= 1.0 && c.y <= 1.0));
     let lost = lost.unwrap();
     let candidates: Vec<_> = facets.iter().copied().filter(|f| f.id as usize != lost).collect();
     let found = segment_facet(square(), &candidates, GapRange::ALL).unwrap();
@@ -171,6 +172,11 @@ fn master_much_finer_and_much_coarser() {
         let facets = surface(n, r, |_, x, y| Vector3::new(x + 0.013, y - 0.007, 0.1 + 0.02 * (x * y / (r * r))));
         let found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
         let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
-        assert!(report.uncovered.abs() < 1e-12 && report.is_tiling(1e-12), "{n} {} {}", report.uncovered, report.double);
+        assert!(
+            report.uncovered.abs() < 1e-12 && report.is_tiling(1e-12),
+            "{n} {} {}",
+            report.uncovered,
+            report.double
+        );
     }
 }

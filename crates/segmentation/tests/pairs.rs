@@ -17,50 +17,47 @@ fn cross(o: P, a: P, b: P) -> f64 {
     (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
 }
 
-/// Area of the intersection of two counter-clockwise triangles: corners inside the other and intersections of lines, then their
-/// convex hull. Nothing of the crate's way.
+/// Extent in y of a triangle at `x`.
+fn extent(t: &[P; 3], x: f64) -> (f64, f64) {
+    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+    for k in 0..3 {
+        let (a, b) = (t[k], t[(k + 1) % 3]);
+        if (a[0] - x) * (b[0] - x) < 0.0 {
+            let y = a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
+            range = (range.0.min(y), range.1.max(y));
+        }
+    }
+    range
+}
+
+/// Area of the intersection of two triangles by slabs: between the abscissae of all corners and of all intersections of sides the height of the
+/// intersection is linear in x. Nothing of the crate's way; an abscissa that round-off adds or moves does no harm.
 fn triangles_common(s: [P; 3], m: [P; 3]) -> f64 {
-    let mut points: Vec<P> = Vec::new();
-    let inside = |t: &[P; 3], p: P| (0..3).all(|k| cross(t[k], t[(k + 1) % 3], p) >= 0.0);
-    points.extend(s.iter().filter(|&&p| inside(&m, p)));
-    points.extend(m.iter().filter(|&&p| inside(&s, p)));
+    let mut cuts: Vec<f64> = s.iter().chain(&m).map(|p| p[0]).collect();
     for i in 0..3 {
         for j in 0..3 {
             let (a, b, c, d) = (s[i], s[(i + 1) % 3], m[j], m[(j + 1) % 3]);
-            let det = (b[0] - a[0]) * (c[1] - d[1]) - (b[1] - a[1]) * (c[0] - d[0]);
-            if det == 0.0 {
-                continue;
-            }
-            let t = ((c[0] - a[0]) * (c[1] - d[1]) - (c[1] - a[1]) * (c[0] - d[0])) / det;
-            let u = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / det;
-            if (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u) {
-                points.push([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]);
+            let (u, v) = (cross(c, d, a), cross(c, d, b));
+            if u * v < 0.0 {
+                cuts.push(a[0] + u / (u - v) * (b[0] - a[0]));
             }
         }
     }
-    points.sort_by(|p, q| p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])));
-    let chain = |list: &mut dyn Iterator<Item = P>| {
-        let mut hull: Vec<P> = Vec::new();
-        for p in list {
-            while hull.len() > 1 && cross(hull[hull.len() - 2], hull[hull.len() - 1], p) <= 0.0 {
-                hull.pop();
-            }
-            hull.push(p);
-        }
-        hull.pop();
-        hull
+    cuts.sort_by(f64::total_cmp);
+    let slab = |w: &[f64]| {
+        let x = 0.5 * (w[0] + w[1]);
+        let (p, q) = (extent(&s, x), extent(&m, x));
+        let height = p.1.min(q.1) - p.0.max(q.0);
+        if w[1] > w[0] && height > 0.0 { (w[1] - w[0]) * height } else { 0.0 }
     };
-    let mut hull = chain(&mut points.iter().copied());
-    hull.extend(chain(&mut points.iter().rev().copied()));
-    (1..hull.len().saturating_sub(1)).map(|k| 0.5 * cross(hull[0], hull[k], hull[k + 1])).sum()
+    cuts.windows(2).map(slab).sum()
 }
 
 /// Area common to two simple quadrilaterals (also reflex ones) as a sum over signed fans of triangles.
 fn quads_common(s: [P; 4], m: [P; 4]) -> f64 {
     let fan = |q: [P; 4]| {
-        [[q[0], q[1], q[2]], [q[0], q[2], q[3]]].map(|t| {
-            if cross(t[0], t[1], t[2]) >= 0.0 { (1.0, t) } else { (-1.0, [t[0], t[2], t[1]]) }
-        })
+        [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
+            .map(|t| if cross(t[0], t[1], t[2]) >= 0.0 { (1.0, t) } else { (-1.0, [t[0], t[2], t[1]]) })
     };
     let mut sum = 0.0;
     for (a, s) in fan(s) {
@@ -72,9 +69,7 @@ fn quads_common(s: [P; 4], m: [P; 4]) -> f64 {
 }
 
 fn crosses_itself(q: [P; 4]) -> bool {
-    let cut = |a: P, b: P, c: P, d: P| {
-        cross(a, b, c) * cross(a, b, d) <= 0.0 && cross(c, d, a) * cross(c, d, b) <= 0.0
-    };
+    let cut = |a: P, b: P, c: P, d: P| cross(a, b, c) * cross(a, b, d) <= 0.0 && cross(c, d, a) * cross(c, d, b) <= 0.0;
     cut(q[0], q[1], q[2], q[3]) || cut(q[1], q[2], q[3], q[0])
 }
 
@@ -123,16 +118,17 @@ fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
     prop::array::uniform3(-size..size).prop_map(Vector3::from)
 }
 
-/// A square of size `scale`, its corners moved by up to `warp` of it, turned and shifted.
-fn quad(warp: f64) -> impl Strategy<Value = Quad> {
+/// A square of size `scale`, its corners moved by up to `warp` of it, turned and shifted; with `lattice` half of
+/// them on a lattice of 1/2, where corners and edges coincide.
+fn quad(warp: f64, lattice: bool) -> impl Strategy<Value = Quad> {
     (prop::array::uniform4(vector(warp)), vector(0.5), vector(1.2), 0.05f64..20.0, any::<bool>()).prop_map(
-        |(d, tilt, shift, scale, snap)| {
+        move |(d, tilt, shift, scale, snap)| {
+            let snap = snap && lattice;
             let turn = Rotation3::from_scaled_axis(tilt);
             let scale = scale.powf(0.5);
             std::array::from_fn(|k| {
                 let x = Vector3::new(SQUARE[k][0], SQUARE[k][1], 0.0) + d[k];
                 let y = if snap { (x * scale * 2.0).map(f64::round) * 0.5 } else { turn * x * scale + shift };
-                // Far from the origin no image is exact.
                 y + Vector3::new(0.0, 0.0, if snap { 0.0 } else { shift.x })
             })
         },
@@ -143,7 +139,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(cases()))]
 
     #[test]
-    fn area_is_that_of_the_polygons(s in quad(0.8), m in quad(0.8), back in any::<bool>()) {
+    fn area_is_that_of_the_polygons(s in quad(0.8, true), m in quad(0.8, true), back in any::<bool>()) {
         let m = if back { m } else { reversed(m) };
         let Ok(frame) = SlaveFrame::new(s) else { return Ok(()) };
         let mut out = Vec::new();
@@ -165,8 +161,13 @@ proptest! {
         }
     }
 
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(cases().min(20_000)))]
+
     #[test]
-    fn derivatives_are_those_of_differences(s in quad(0.25), m in quad(0.25)) {
+    fn derivatives_are_those_of_differences(s in quad(0.25, false), m in quad(0.25, false)) {
         if SlaveFrame::new(s).is_ok() {
             check_derivatives(&s, &reversed(m))?;
         }
@@ -188,7 +189,11 @@ fn check_derivatives(s: &Quad, m: &Quad) -> Result<(), TestCaseError> {
         for k in 0..LOCAL {
             let moved = |d: f64| {
                 let (mut s, mut m) = (*s, *m);
-                if k < 12 { s[k / 3][k % 3] += d } else { m[(k - 12) / 3][k % 3] += d }
+                if k < 12 {
+                    s[k / 3][k % 3] += d
+                } else {
+                    m[(k - 12) / 3][k % 3] += d
+                }
                 (segments(&s, &m), s, m)
             };
             let (((fp, plus), _, mp), ((fm, minus), _, mm)) = (moved(h), moved(-h));
@@ -207,11 +212,16 @@ fn check_derivatives(s: &Quad, m: &Quad) -> Result<(), TestCaseError> {
                         (derivative[i].master[c][k], vp.master[c], vm.master[c]),
                     ] {
                         let difference = (x - y) / (2.0 * h);
-                        let size: f64 = derivative[i].slave[c].iter().chain(&derivative[i].master[c])
+                        let size: f64 = derivative[i].slave[c]
+                            .iter()
+                            .chain(&derivative[i].master[c])
                             .fold(1.0, |a: f64, b| a.max(b.abs()));
                         // Curvature grows with the cube of the derivative where edges are nearly parallel.
                         if size < 100.0 {
-                            prop_assert!((d - difference).abs() < 1e-6 * size * size * size, "{i} {k} {d} {difference} {size}");
+                            prop_assert!(
+                                (d - difference).abs() < 1e-6 * size * size * size,
+                                "{i} {k} {d} {difference} {size}"
+                            );
                         }
                     }
                 }
@@ -285,6 +295,15 @@ fn strongly_warped_and_folded_facets_are_split() {
     let parametric: f64 = out.iter().map(Segment::parametric_area).sum();
     assert!((parametric - 4.0).abs() < 1e-14);
     assert!((image_area(&out) - frame.image_area()).abs() < 1e-14);
+}
+
+#[test]
+fn a_facet_that_touches_itself_counts_its_visible_part_once() {
+    // A triangle of area 1/8 with a side that runs out and back; whether it crosses itself is left to round-off.
+    for bend in [-1e-15, 0.0, 1e-15] {
+        let m = flat([[0.0, -0.5], [0.0, 0.5], [0.5, 0.5], [bend, 0.0]], 0.0);
+        assert!((image_area(&segments(&flat(SQUARE, 0.0), &m).1) - 0.125).abs() < 1e-14);
+    }
 }
 
 #[test]
