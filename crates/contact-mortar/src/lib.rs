@@ -12,15 +12,17 @@
 //! MultiplierBasis::slave_block / master_block                            D_e = C int N N, M_e = C int N N^(2)
 //! MortarMatrices::assemble(&slave, &master, q, &SurfaceSegmentation, space, Quadrature) -> D and M by rows of slave nodes
 //! ```
-//! With the same points on both sides `sum_K M_AK = sum_J D_AJ` for every slave node `A` ([`MortarMatrices::imbalance`]): constants
-//! are transferred exactly and contact forces have no resultant. Linear fields are transferred exactly between flat surfaces, because the default
-//! [`PointMap::Projected`] evaluates both sides at the same place. The map of the thesis, linear in the triangle on
-//! both sides, does so for parallelograms only; it stays selectable.
+//! With the same points on both sides `sum_K M_AK = sum_J D_AJ` for every slave node `A`
+//! ([`MortarMatrices::imbalance`]): constants are transferred exactly and contact forces have no resultant. Linear
+//! fields are transferred exactly between flat surfaces, because the default [`PointMap::Projected`] evaluates both
+//! sides at the same place. The map of the thesis, linear in the triangle on both sides, does so for parallelograms
+//! only; it stays selectable.
 //!
 //! # Multiplier spaces
-//! Standard: the slave's shape functions. Dual: biorthogonal on the covered part of each facet, `int phi_A N_J = delta_AJ int N_J`, so that `D` is
-//! diagonal also where a facet is partly covered (Cichosz and Bischoff 2011). A facet covered so little that its
-//! functions cannot be told apart takes the standard functions and a lumped `D`; row sums still agree.
+//! Standard: the slave's shape functions. Dual: biorthogonal on the covered part of each facet, `int phi_A N_J =
+//! delta_AJ int N_J`, so that `D` is diagonal also where a facet is partly covered (Cichosz and Bischoff 2011). A
+//! facet covered so little that its functions cannot be told apart takes the standard functions and a lumped `D`; row
+//! sums still agree.
 //!
 //! # What it is not
 //! No contact method yet, no tying, no global system. Reference or current coordinates: whatever `q` holds.

@@ -3,7 +3,8 @@
 use crate::{MultiplierBasis, MultiplierSpace, Quadrature, SurfaceSegmentation, facet_integrals};
 use stoss_contact::ContactSurface;
 
-/// `D` (slave by slave) and `M` (slave by master) as sparse rows, entries areas. Node numbers are the surfaces' local ones, ascending.
+/// `D` (slave by slave) and `M` (slave by master) as sparse rows, entries areas. Node numbers are the surfaces' local
+/// ones, ascending.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MortarMatrices {
     /// `D_AJ = int phi_A N_J^(1) dA`.

@@ -13,8 +13,8 @@ pub enum MultiplierSpace {
     Dual,
 }
 
-/// Below this smallest eigenvalue of the scaled mass matrix (1/9 for a parallelogram that is wholly covered) dual functions would be larger
-/// than 1e7 and their integrals lose all digits.
+/// Below this smallest eigenvalue of the scaled mass matrix (1/9 for a parallelogram that is wholly covered) dual
+/// functions would be larger than 1e7 and their integrals lose all digits.
 const SMALLEST_EIGENVALUE: f64 = 1e-7;
 
 /// Multiplier functions `phi_A = sum_i C_Ai N_i` of one facet.
@@ -69,8 +69,8 @@ impl MultiplierBasis {
         self.coefficients.map(|c| (0..4).map(|i| c[i] * shape[i]).sum())
     }
 
-    /// `D_AJ = int phi_A N_J dA`. Dual and lumped: diagonal, its entries `int phi_A dA`, so that row sums agree with those of
-    /// [`MultiplierBasis::master_block`] to round-off.
+    /// `D_AJ = int phi_A N_J dA`. Dual and lumped: diagonal, its entries `int phi_A dA`, so that row sums agree with
+    /// those of [`MultiplierBasis::master_block`] to round-off.
     pub fn slave_block(&self, integrals: &FacetIntegrals) -> [[f64; 4]; 4] {
         if self.diagonal {
             let mut d = [[0.0; 4]; 4];
@@ -88,8 +88,8 @@ impl MultiplierBasis {
         rows(&(matrix(&self.coefficients) * matrix(coupling)))
     }
 
-    /// `d C` for variations of `int N_i` and `int N_i N_j` over the whole covered part: `dC = (diag(d shape) - C d mass) mass^-1`.
-    /// Zero for standard and lumped functions.
+    /// `d C` for variations of `int N_i` and `int N_i N_j` over the whole covered part: `dC = (diag(d shape) - C d
+    /// mass) mass^-1`. Zero for standard and lumped functions.
     pub fn coefficient_variation(&self, shape: &[f64; 4], mass: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
         let diagonal = Matrix4::from_diagonal(&Vector4::from(*shape));
         rows(&((diagonal - matrix(&self.coefficients) * matrix(mass)) * self.inverse_mass))

@@ -10,8 +10,8 @@ use stoss_segmentation::{Foot, LOCAL, PointDerivative, Segment, SlaveFrame};
 /// How a Gauss point finds its place on the master.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PointMap {
-    /// Its place on the slave, linear in the triangle, is projected along the normal of the segmentation plane (choice). Linear fields are exact
-    /// between flat facets of any shape.
+    /// Its place on the slave, linear in the triangle, is projected along the normal of the segmentation plane
+    /// (choice). Linear fields are exact between flat facets of any shape.
     #[default]
     Projected,
     /// Linear in the triangle on both sides (formulation §7.2, thesis).

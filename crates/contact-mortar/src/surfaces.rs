@@ -18,7 +18,8 @@ pub struct SurfaceSegmentation {
 /// Which part of the master a check of coverage looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CheckExtent {
-    /// The facets found and two rings of neighbours: finds whatever a search lost from a sheet of which it found something.
+    /// The facets found and two rings of neighbours: finds whatever a search lost from a sheet of which it found
+    /// something.
     Neighbours,
     /// The whole master surface, for every slave facet.
     Everything,

@@ -6,7 +6,8 @@ use stoss_contact::ContactSurface;
 use stoss_contact_mortar::segmentation::{GapRange, LOCAL, SlaveFrame, segment_facet, segment_pair};
 use stoss_contact_mortar::*;
 
-/// Slave grid `n x n` over `[-1, 1]^2`, outward normal up, and master grid `m x m` over `[-r, r]^2` above it, outward normal down.
+/// Slave grid `n x n` over `[-1, 1]^2`, outward normal up, and master grid `m x m` over `[-r, r]^2` above it, outward
+/// normal down.
 struct Pair {
     slave: ContactSurface,
     master: ContactSurface,
@@ -60,7 +61,8 @@ impl Pair {
         MortarMatrices::assemble(&self.slave, &self.master, &self.q, &s, space, quadrature)
     }
 
-    /// `D^-1 M` applied to the nodal values of a field; slave nodes without support are left out (their row is the identity).
+    /// `D^-1 M` applied to the nodal values of a field; slave nodes without support are left out (their row is the
+    /// identity).
     fn transfer(&self, m: &MortarMatrices, field: impl Fn(Vector3<f64>) -> f64) -> (DVector<f64>, DVector<f64>) {
         let at = |node: u32| {
             let k = 3 * node as usize;
@@ -141,7 +143,8 @@ proptest! {
         for space in SPACES {
             for rule in TriangleRule::ALL {
                 let matrices = p.matrices(space, Quadrature { rule, map: PointMap::Projected });
-                // Dual functions are only as biorthogonal as the rule integrates the mass matrix that they are made from: that is the same one.
+                // Dual functions are only as biorthogonal as the rule integrates the mass matrix that they are made
+                // from: that is the same one.
                 let (got, expected) = p.transfer(&matrices, |x| 0.3 + slope.dot(&x));
                 prop_assert!((got - expected).amax() < 1e-10, "{space:?} {rule:?}");
             }
@@ -275,6 +278,46 @@ fn row_sums_of_a_covered_flat_surface_are_nodal_areas() {
         let m = p.matrices(space, Quadrature::default());
         for (w, a) in m.weights.iter().zip(p.slave.nodal_areas()) {
             assert!((w - a).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn a_constant_pressure_loads_the_master_as_it_should() {
+    // Heart of the patch test: sum_A M_AK = int N_K dA, with the surfaces sheared and inclined.
+    let turn = Rotation3::from_euler_angles(0.4, -0.2, 1.1);
+    let p = pair(3, 4, 1.0, |_, _, x| turn * Vector3::new(60.0 * (x.x + 0.2 * x.y), 60.0 * x.y, 0.0));
+    for space in SPACES {
+        for quadrature in quadratures() {
+            let m = p.matrices(space, quadrature);
+            let mut loads = vec![0.0; p.master.nodes().len()];
+            for &(k, v) in m.master.iter().flatten() {
+                loads[k as usize] += v;
+            }
+            for (load, area) in loads.iter().zip(p.master.nodal_areas()) {
+                assert!((load - area).abs() < 1e-10 * area, "{space:?} {quadrature:?} {load} {area}");
+            }
+        }
+    }
+}
+
+#[test]
+fn integrals_do_not_change_in_rigid_motion() {
+    let p = pair(1, 1, 1.0, |side, k, x| x + Vector3::new(0.1 * k as f64, 0.07 * side as f64, 0.2 + 0.05 * x.x * x.y));
+    let (s, m) = (p.slave.patch(0, &p.q).corners, p.master.patch(0, &p.q).corners);
+    let frame = SlaveFrame::new(s).unwrap();
+    let mut segments = Vec::new();
+    segment_pair(&frame, 0, &m, &mut segments).unwrap();
+    let mut d = PairDerivatives::ZERO;
+    pair_derivatives(&segments[0], &frame, &m, Quadrature::default(), &mut d);
+    for axis in 0..3 {
+        let unit = Vector3::ith(axis, 1.0);
+        for motion in [|u: &Vector3<f64>, _: &Vector3<f64>| *u, |u: &Vector3<f64>, x: &Vector3<f64>| u.cross(x)] {
+            let v: Vec<Vector3<f64>> = s.iter().chain(&m).map(|x| motion(&unit, x)).collect();
+            for row in d.coupling.iter().chain(&d.mass).flatten().chain(&d.shape) {
+                let rate: f64 = (0..LOCAL).map(|k| row[k] * v[k / 3][k % 3]).sum();
+                assert!(rate.abs() < 1e-13, "{rate}");
+            }
         }
     }
 }

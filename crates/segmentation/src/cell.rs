@@ -86,7 +86,8 @@ impl Cell {
         })
     }
 
-    /// Facet edge `k` (corner `k` to `k + 1`) or diagonal (4: corners 0 and 2, 5: corners 1 and 3) that side `side` of the cell is.
+    /// Facet edge `k` (corner `k` to `k + 1`) or diagonal (4: corners 0 and 2, 5: corners 1 and 3) that side `side`
+    /// of the cell is.
     pub fn edge(&self, side: usize) -> u8 {
         let (a, b) = (self.corners[side], self.corners[(side + 1) % self.count]);
         match (a.min(b), a.max(b)) {
@@ -100,9 +101,10 @@ impl Cell {
 
 /// The convex pieces that are seen counter-clockwise when the corners are walked in the order `order`.
 ///
-/// One quadrilateral if the image is strictly convex. Otherwise the triangles of positive area that a diagonal leaves: of both diagonals the
-/// one whose triangles reach less to the negative side. For a reflex image that is the inner one; an image that crosses itself has one triangle
-/// of each sign, and the smaller the crossing, the less is lost.
+/// One quadrilateral if the image is strictly convex. Otherwise the triangles of positive area that a diagonal
+/// leaves: of both diagonals the one whose triangles reach less to the negative side. For a reflex image that is the
+/// inner one; an image that crosses itself has one triangle of each sign, and the smaller the crossing, the less is
+/// lost.
 pub(crate) fn split(images: &[[f64; 2]; 4], order: [u8; 4]) -> ([Option<Cell>; 2], bool) {
     let p = order.map(|k| images[k as usize]);
     let turn: [f64; 4] = std::array::from_fn(|k| orient(p[(k + 3) % 4], p[k], p[(k + 1) % 4]));
@@ -119,8 +121,8 @@ pub(crate) fn split(images: &[[f64; 2]; 4], order: [u8; 4]) -> ([Option<Cell>; 2
 
 /// `xi` of the point whose image is `p`, for the facet whose corners have the images `images` (either orientation).
 ///
-/// Bilinear: of the two solutions the one where the map keeps the orientation that it has at the centre. Beyond the line where the map folds
-/// there is none; then the closest `eta`.
+/// Bilinear: of the two solutions the one where the map keeps the orientation that it has at the centre. Beyond the
+/// line where the map folds there is none; then the closest `eta`.
 pub(crate) fn inverse(map: FacetMap, images: &[[f64; 2]; 4], p: [f64; 2]) -> [f64; 2] {
     match map {
         FacetMap::Affine(corners) => {

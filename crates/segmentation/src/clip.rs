@@ -1,7 +1,8 @@
 //! Intersection of two convex polygons in the plane with exact decisions.
 //!
-//! The master polygon is taken as shifted by the infinitesimal vector `(e, e^2)`: no corner is on a line, no edges overlap. Signs that
-//! exact arithmetic finds to be zero are those of the shifted polygon. The vertices' coordinates are those of the polygons as they are.
+//! The master polygon is taken as shifted by the infinitesimal vector `(e, e^2)`: no corner is on a line, no edges
+//! overlap. Signs that exact arithmetic finds to be zero are those of the shifted polygon. The vertices' coordinates
+//! are those of the polygons as they are.
 
 use crate::cell::{Cell, cross, orient, sub};
 
@@ -98,7 +99,8 @@ pub(crate) fn clip(s: &Cell, m: &Cell, out: &mut [ClipVertex; 8]) -> usize {
 
 /// Fractions along the slave's side and along the master's side at which they cross, from the side's first corner.
 ///
-/// Computed from the end points in lexicographic order: the neighbour over either side gets the same point to the last bit.
+/// Computed from the end points in lexicographic order: the neighbour over either side gets the same point to the
+/// last bit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     /// Corners of the slave facet, in the order in which the fraction counts.

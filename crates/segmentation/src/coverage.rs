@@ -22,7 +22,8 @@ pub struct CoverageReport {
     pub covered: f64,
     /// `4 - covered`: overhang, and what is missing.
     pub uncovered: f64,
-    /// Master facets that lie opposite within the range, but have no segment and are not hidden, with the area that they would cover.
+    /// Master facets that lie opposite within the range, but have no segment and are not hidden, with the area that
+    /// they would cover.
     pub missing: Vec<(u32, f64)>,
     /// Area covered twice (measured in the image and scaled to 4).
     pub double: f64,
@@ -36,7 +37,8 @@ impl CoverageReport {
         self.missing.iter().map(|m| m.1).sum()
     }
 
-    /// Whether the segments tile the overlap: nothing missing, no double cover, no open edge, not more than the whole facet.
+    /// Whether the segments tile the overlap: nothing missing, no double cover, no open edge, not more than the whole
+    /// facet.
     pub fn is_tiling(&self, tolerance: f64) -> bool {
         self.uncovered_opposite() <= tolerance
             && self.double <= tolerance
@@ -47,8 +49,9 @@ impl CoverageReport {
 
 /// Compares segments with the whole master surface.
 ///
-/// `surface` has to contain every facet that may lie opposite, whatever search made the candidates: all of the surface, or a
-/// generous part. The edges of the segments are matched with each other independently of how they were made.
+/// `surface` has to contain every facet that may lie opposite, whatever search made the candidates: all of the
+/// surface, or a generous part. The edges of the segments are matched with each other independently of how they were
+/// made.
 ///
 /// # Errors
 /// Those of [`segment_pair`].

@@ -1,10 +1,12 @@
 //! First derivatives of the vertices' coordinates with respect to the eight nodes.
 //!
-//! Every point satisfies `t_a . (x1(xi1) - x2(xi2)) = 0` with tangents `t_a` normal to `n0`. With `x2 - x1 = g n0` the variation is
+//! Every point satisfies `t_a . (x1(xi1) - x2(xi2)) = 0` with tangents `t_a` normal to `n0`. With `x2 - x1 = g n0`
+//! the variation is
 //!
 //! `t_a . (N1_I dx1_I - N2_K dx2_K + g dn0) + t_a . a_b dxi1_b - t_a . m_b dxi2_b = 0`,
 //!
-//! in which the tangents' own variation has dropped out. What is fixed (a corner, an edge) follows from the vertex's origin.
+//! in which the tangents' own variation has dropped out. What is fixed (a corner, an edge) follows from the vertex's
+//! origin.
 
 use crate::segment::weighted;
 use crate::{Foot, MAX_VERTICES, Provenance, Segment, SlaveFrame};
@@ -28,7 +30,8 @@ impl PointDerivative {
     pub const ZERO: Self = Self { slave: [[0.0; LOCAL]; 2], master: [[0.0; LOCAL]; 2] };
 }
 
-/// Solves `[[m0, m1]]` (rows) for the right side; zero if the matrix is singular to round-off, as for edges that lie on each other.
+/// Solves `[[m0, m1]]` (rows) for the right side; zero if the matrix is singular to round-off, as for edges that lie
+/// on each other.
 fn solve(m: [[f64; 2]; 2], r: [f64; 2]) -> [f64; 2] {
     let det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
     let scale = (m[0][0].abs() + m[1][0].abs()) * (m[0][1].abs() + m[1][1].abs());
@@ -122,7 +125,8 @@ impl Segment {
         out
     }
 
-    /// Derivative of the master coordinates of a foot (see [`Segment::project`]) whose slave coordinates vary by `slave_derivative`.
+    /// Derivative of the master coordinates of a foot (see [`Segment::project`]) whose slave coordinates vary by
+    /// `slave_derivative`.
     pub fn project_derivative(
         &self,
         frame: &SlaveFrame,

@@ -6,8 +6,9 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Plane through the centre of a slave facet, normal to it there, and the images of its corners.
 ///
-/// `n0 = d1 x d2 / |d1 x d2|` with the diagonals `d1 = x3 - x1`, `d2 = x4 - x2`, which is the facet's normal at `xi = 0`; outward of the slave
-/// if the facet is numbered so. Coordinates in the plane are lengths along `d1` and along `n0 x d1`.
+/// `n0 = d1 x d2 / |d1 x d2|` with the diagonals `d1 = x3 - x1`, `d2 = x4 - x2`, which is the facet's normal at `xi =
+/// 0`; outward of the slave if the facet is numbered so. Coordinates in the plane are lengths along `d1` and along
+/// `n0 x d1`.
 #[derive(Clone, Debug)]
 pub struct SlaveFrame {
     corners: [Vector3<f64>; 4],
@@ -24,7 +25,8 @@ impl SlaveFrame {
     /// The frame of the facet with these corners, counter-clockwise seen from outside.
     ///
     /// # Errors
-    /// [`SegmentationError::NotFinite`], [`SegmentationError::DegenerateSlave`] if the diagonals are parallel to round-off.
+    /// [`SegmentationError::NotFinite`], [`SegmentationError::DegenerateSlave`] if the diagonals are parallel to
+    /// round-off.
     pub fn new(corners: [Vector3<f64>; 4]) -> Result<Self, SegmentationError> {
         if !corners.iter().all(|x| x.iter().all(|c| c.is_finite())) {
             return Err(SegmentationError::NotFinite { side: "slave" });
@@ -67,7 +69,8 @@ impl SlaveFrame {
         self.tangents
     }
 
-    /// Whether the slave's own image is not convex (strong warp), so that it was split into triangles with affine coordinates.
+    /// Whether the slave's own image is not convex (strong warp), so that it was split into triangles with affine
+    /// coordinates.
     pub fn is_split(&self) -> bool {
         self.is_split
     }

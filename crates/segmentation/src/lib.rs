@@ -1,7 +1,8 @@
 //! Segmentation of facet pairs: which part of a slave facet lies opposite which part of a master facet.
 //!
-//! Two bilinear facets in, convex polygons and triangles out, with the convective coordinates of every vertex on both facets, its
-//! origin ([`Provenance`]), and first derivatives with respect to all eight nodes (formulation §7.1). No contact, no integrals, no mesh.
+//! Two bilinear facets in, convex polygons and triangles out, with the convective coordinates of every vertex on both
+//! facets, its origin ([`Provenance`]), and first derivatives with respect to all eight nodes (formulation §7.1). No
+//! contact, no integrals, no mesh.
 //!
 //! # API
 //! ```text
@@ -18,16 +19,18 @@
 //! Local columns of derivatives: `3 I + c` for component `c` of slave node `I`, `12 + 3 K + c` for master node `K`.
 //!
 //! # Virtual surface (choice)
-//! The plane normal to `n0`, the unit outward normal of the slave facet at its centre. Every node, of either side, has one image there that
-//! does not depend on which facet it is asked for; edges are straight there. So the images of the facets of a master surface tile the plane as the
-//! surface does, and so do the polygons cut from them. Polygons and their triangles are straight in the *slave's* convective coordinates
-//! between their vertices; their areas are signed there, so that sums over a surface are exact also where a distorted facet bends an edge.
+//! The plane normal to `n0`, the unit outward normal of the slave facet at its centre. Every node, of either side,
+//! has one image there that does not depend on which facet it is asked for; edges are straight there. So the images
+//! of the facets of a master surface tile the plane as the surface does, and so do the polygons cut from them.
+//! Polygons and their triangles are straight in the *slave's* convective coordinates between their vertices; their
+//! areas are signed there, so that sums over a surface are exact also where a distorted facet bends an edge.
 //!
 //! # Degenerate cases
-//! Which vertices a polygon has is decided by exact predicates (crate `robust`) on the images; ties are broken as if the master were
-//! shifted by an infinitesimal vector, the same for all of its facets. Identical facets and shared edges and vertices are thus no special cases. Neighbouring
-//! facets compute a shared vertex to the same bits. A facet whose image is not convex is split into two triangles; parts that are seen
-//! from behind (outward normals not opposed) give nothing.
+//! Which vertices a polygon has is decided by exact predicates (crate `robust`) on the images; ties are broken as if
+//! the master were shifted by an infinitesimal vector, the same for all of its facets. Identical facets and shared
+//! edges and vertices are thus no special cases. Neighbouring facets compute a shared vertex to the same bits. A
+//! facet whose image is not convex is split into two triangles; parts that are seen from behind (outward normals not
+//! opposed) give nothing.
 
 mod cell;
 mod clip;

@@ -11,7 +11,8 @@ pub const MAX_VERTICES: usize = 8;
 
 /// Where a vertex comes from.
 ///
-/// Edge `k < 4` of a facet runs from corner `k` to corner `(k + 1) % 4`; 4 and 5 are the diagonals 0-2 and 1-3 of a facet that had to be split.
+/// Edge `k < 4` of a facet runs from corner `k` to corner `(k + 1) % 4`; 4 and 5 are the diagonals 0-2 and 1-3 of a
+/// facet that had to be split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Provenance {
     /// A corner of the slave facet, projected on the master.
@@ -80,7 +81,8 @@ impl Segment {
 
     /// Twice the signed area of a triangle in the slave's coordinates: `det d xi / d eta`.
     ///
-    /// Negative only for slivers at edges that a distorted slave facet bends; then another segment has that much too much.
+    /// Negative only for slivers at edges that a distorted slave facet bends; then another segment has that much too
+    /// much.
     pub fn triangle_determinant(&self, triangle: [usize; 3]) -> f64 {
         let [a, b, c] = triangle.map(|v| self.vertices[v].slave);
         cross(sub(b, a), sub(c, a))
@@ -140,9 +142,10 @@ fn inside(xi: [f64; 2]) -> [f64; 2] {
     xi.map(|x| x.clamp(-1.0, 1.0))
 }
 
-/// Segments the slave facet of `frame` against one master facet (corners counter-clockwise seen from outside of the master) and
-/// appends the segments to `out`: none if the images do not overlap or the master is seen from behind, one for images that are convex, at most four.
-/// Segments whose image has no area to round-off are left out: nothing larger than `1e-15` of the slave's image.
+/// Segments the slave facet of `frame` against one master facet (corners counter-clockwise seen from outside of the
+/// master) and appends the segments to `out`: none if the images do not overlap or the master is seen from behind,
+/// one for images that are convex, at most four. Segments whose image has no area to round-off are left out: nothing
+/// larger than `1e-15` of the slave's image.
 ///
 /// # Errors
 /// [`SegmentationError::NotFinite`].

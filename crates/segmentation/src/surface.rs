@@ -15,7 +15,8 @@ pub struct MasterFacet {
     pub corners: [Vector3<f64>; 4],
 }
 
-/// Gaps along the slave's normal within which a master counts, lengths. A segment counts if its range of gaps meets this one.
+/// Gaps along the slave's normal within which a master counts, lengths. A segment counts if its range of gaps meets
+/// this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GapRange {
     /// Deepest penetration, a negative number.
@@ -64,8 +65,8 @@ impl FacetSegmentation {
 
 /// Segments a slave facet against the candidates of a master surface.
 ///
-/// Two sheets (sets of candidates connected over edges) that cover the same part of the slave are no contact of both: the one
-/// whose mean gap is smaller in size stays, the other is listed as hidden.
+/// Two sheets (sets of candidates connected over edges) that cover the same part of the slave are no contact of both:
+/// the one whose mean gap is smaller in size stays, the other is listed as hidden.
 ///
 /// # Errors
 /// Those of [`SlaveFrame::new`] and [`segment_pair`].
@@ -107,7 +108,8 @@ fn root(parent: &mut [usize], mut k: usize) -> usize {
     k
 }
 
-/// Removes sheets that are behind others. `seen`: candidates with segments; `owner`: for every segment the position in `seen`.
+/// Removes sheets that are behind others. `seen`: candidates with segments; `owner`: for every segment the position
+/// in `seen`.
 fn hide(found: &mut FacetSegmentation, candidates: &[MasterFacet], seen: &[usize], owner: &[usize]) {
     let mut parent: Vec<usize> = (0..seen.len()).collect();
     for a in 0..seen.len() {

@@ -8,7 +8,8 @@ fn cases() -> u32 {
     std::env::var("STOSS_FUZZ_SURFACES").ok().and_then(|s| s.parse().ok()).unwrap_or(128)
 }
 
-/// Grid of `n x n` facets over `[-r, r]^2`, outward normal down (towards a slave below it), nodes moved by `d` and lifted by `z`.
+/// Grid of `n x n` facets over `[-r, r]^2`, outward normal down (towards a slave below it), nodes moved by `d` and
+/// lifted by `z`.
 fn surface(n: usize, r: f64, mut place: impl FnMut(usize, f64, f64) -> Vector3<f64>) -> Vec<MasterFacet> {
     let h = 2.0 * r / n as f64;
     let mut nodes = Vec::new();
@@ -91,7 +92,8 @@ proptest! {
         });
         let found = segment_facet(slave, &facets, GapRange::ALL).unwrap();
         let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
-        // A slave that is tilted against the surface may see facets of it edge on; the surface of this test has none from behind.
+        // A slave that is tilted against the surface may see facets of it edge on; the surface of this test has none
+        // from behind.
         let normal = found.frame.normal();
         prop_assume!(facets.iter().all(|f| {
             let c = f.corners;

@@ -1,4 +1,5 @@
-//! One pair of facets against an independent clipping of polygons, degenerate pairs, and derivatives against differences.
+//! One pair of facets against an independent clipping of polygons, degenerate pairs, and derivatives against
+//! differences.
 //!
 //! `STOSS_FUZZ_PAIRS=1000000` sets the number of random pairs.
 
@@ -30,8 +31,9 @@ fn extent(t: &[P; 3], x: f64) -> (f64, f64) {
     range
 }
 
-/// Area of the intersection of two triangles by slabs: between the abscissae of all corners and of all intersections of sides the height of the
-/// intersection is linear in x. Nothing of the crate's way; an abscissa that round-off adds or moves does no harm.
+/// Area of the intersection of two triangles by slabs: between the abscissae of all corners and of all intersections
+/// of sides the height of the intersection is linear in x. Nothing of the crate's way; an abscissa that round-off
+/// adds or moves does no harm.
 fn triangles_common(s: [P; 3], m: [P; 3]) -> f64 {
     let mut cuts: Vec<f64> = s.iter().chain(&m).map(|p| p[0]).collect();
     for i in 0..3 {
@@ -73,7 +75,8 @@ fn crosses_itself(q: [P; 4]) -> bool {
     cut(q[0], q[1], q[2], q[3]) || cut(q[1], q[2], q[3], q[0])
 }
 
-/// Images by an orthonormal frame made here, from the mean of two corner normals' sum, which has the direction of the diagonals' product.
+/// Images by an orthonormal frame made here, from the mean of two corner normals' sum, which has the direction of the
+/// diagonals' product.
 fn images(s: &Quad, m: &Quad) -> ([P; 4], [P; 4]) {
     let n = (0..4).map(|k| s[k].cross(&s[(k + 1) % 4])).sum::<Vector3<f64>>().normalize();
     let helper = if n.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
