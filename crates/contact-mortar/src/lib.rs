@@ -2,15 +2,15 @@
 //!
 //! # API
 //! ```text
-//! segment_surfaces(&slave, &master, q, GapRange) -> SurfaceSegmentation      all slave facets, each with its segments
-//! SurfaceSegmentation::check(&master, q, CheckExtent) -> SurfaceCoverage     the invariant of coverage, to look at every step
-//! for_each_point(&segment, &frame, &master corners, Quadrature, |point| ..)   Gauss points: shapes on both sides, weights, gap
-//! for_each_point_with_derivatives(.., |point, variation| ..)            the same with derivatives to 24 nodal components
-//! facet_integrals(&FacetSegmentation, corners of master, Quadrature) -> FacetIntegrals      int N_i, int N_i N_j, int N_i N_k
-//! pair_derivatives(&segment, &frame, &corners, Quadrature, &mut PairDerivatives)   their derivatives, added up
+//! segment_surfaces(&slave, &master, q, GapRange) -> SurfaceSegmentation      all slave facets
+//! SurfaceSegmentation::check(&master, q, CheckExtent) -> SurfaceCoverage   the invariant of coverage
+//! for_each_point(&segment, &frame, &master corners, Quadrature, |point| ..)   shapes, weights, gap
+//! for_each_point_with_derivatives(.., |point, variation| ..)   with derivatives
+//! facet_integrals(&FacetSegmentation, corners of master, Quadrature) -> FacetIntegrals   int N_i, N_i N_j, N_i N_k
+//! pair_derivatives(&segment, &frame, &corners, Quadrature, &mut PairDerivatives)   added up
 //! MultiplierBasis::new(MultiplierSpace, &FacetIntegrals)                 coefficients phi_A = sum_i C_Ai N_i
 //! MultiplierBasis::slave_block / master_block                            D_e = C int N N, M_e = C int N N^(2)
-//! MortarMatrices::assemble(&slave, &master, q, &SurfaceSegmentation, space, Quadrature) -> D and M by rows of slave nodes
+//! MortarMatrices::assemble(&slave, &master, q, &SurfaceSegmentation, space, Quadrature) -> D, M
 //! ```
 //! With the same points on both sides `sum_K M_AK = sum_J D_AJ` for every slave node `A`
 //! ([`MortarMatrices::imbalance`]): constants are transferred exactly and contact forces have no resultant. Linear

@@ -110,7 +110,8 @@ proptest! {
         let p = pair(n, m, r, |side, k, x| {
             let h = if side == 0 { 2.0 / n as f64 } else { 2.0 * r / m as f64 };
             let d = Vector3::from(d[k + 36 * side]) * h;
-            x + d + Vector3::new(0.0, 0.0, 0.1 * x.x * x.x) + if side == 1 { Vector3::new(shift, 0.0, 0.05) } else { Vector3::zeros() }
+            let shift = if side == 1 { Vector3::new(shift, 0.0, 0.05) } else { Vector3::zeros() };
+            x + d + Vector3::new(0.0, 0.0, 0.1 * x.x * x.x) + shift
         });
         for space in SPACES {
             for quadrature in quadratures() {
@@ -127,7 +128,8 @@ proptest! {
 
     #[test]
     fn linear_fields_pass_between_flat_surfaces(
-        n in 1usize..6, m in 1usize..6, d in moves(), c in prop::array::uniform3(-1.0f64..1.0), turn in prop::array::uniform3(-2.0f64..2.0),
+        n in 1usize..6, m in 1usize..6, d in moves(), c in prop::array::uniform3(-1.0f64..1.0),
+        turn in prop::array::uniform3(-2.0f64..2.0),
     ) {
         let turn = Rotation3::from_scaled_axis(Vector3::from(turn));
         let p = pair(n, m, 1.0, |side, k, x| {
@@ -153,7 +155,8 @@ proptest! {
 
     #[test]
     fn dual_functions_are_biorthogonal_on_partly_covered_facets(
-        d in prop::collection::vec(prop::array::uniform2(-0.3f64..0.3), 4), shift in prop::array::uniform2(-1.5f64..1.5),
+        d in prop::collection::vec(prop::array::uniform2(-0.3f64..0.3), 4),
+        shift in prop::array::uniform2(-1.5f64..1.5),
     ) {
         let p = pair(1, 1, 1.0, |side, k, x| {
             if side == 0 { x + Vector3::new(d[k][0], d[k][1], 0.0) } else { x + Vector3::new(shift[0], shift[1], 0.1) }
@@ -178,7 +181,8 @@ proptest! {
         if !basis.lumped {
             for a in 0..4 {
                 for j in 0..4 {
-                    prop_assert!((direct[a][j] - block[a][j]).abs() < 1e-7 * integrals.shape[a].max(integrals.shape[j]));
+                    let size = integrals.shape[a].max(integrals.shape[j]);
+                    prop_assert!((direct[a][j] - block[a][j]).abs() < 1e-7 * size);
                     prop_assert!(a == j || block[a][j] == 0.0);
                 }
                 prop_assert!((block[a][a] - integrals.shape[a]).abs() < 1e-7 * integrals.shape[a]);
@@ -246,7 +250,8 @@ proptest! {
                 for i in 0..4 {
                     for j in 0..4 {
                         let size = dc[i][j].abs().max(basis.coefficients[i][j].abs());
-                        prop_assert!((dc[i][j] - (cp[i][j] - cm[i][j]) / (2.0 * h)).abs() < 1e-5 * (1.0 + size) * (1.0 + size));
+                        let difference = (cp[i][j] - cm[i][j]) / (2.0 * h);
+                        prop_assert!((dc[i][j] - difference).abs() < 1e-5 * (1.0 + size) * (1.0 + size));
                     }
                 }
             }

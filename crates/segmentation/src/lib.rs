@@ -8,7 +8,7 @@
 //! ```text
 //! SlaveFrame::new(slave: [Vector3; 4]) -> Result<SlaveFrame>         the segmentation plane of a slave facet
 //! segment_pair(&frame, id, &master: &[Vector3; 4], &mut Vec<Segment>)  one pair, appends 0 to 4 convex polygons
-//! segment_facet(slave, &[MasterFacet], GapRange) -> FacetSegmentation  a facet against a surface, hidden sheets removed
+//! segment_facet(slave, &[MasterFacet], GapRange) -> FacetSegmentation  against a surface, hidden sheets removed
 //! check_coverage(&FacetSegmentation, &[MasterFacet], GapRange) -> CoverageReport
 //! Segment::vertices() -> &[Vertex]             coordinates on both facets, gap along the normal, provenance
 //! Segment::triangles() -> iterator of [usize; 3], a fan, indices into vertices()

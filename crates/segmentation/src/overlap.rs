@@ -13,8 +13,13 @@ pub(crate) fn common_area(a: &Segment, b: &Segment) -> f64 {
         *p = v.image;
     }
     let sides = b.vertices();
+    let size = sides.iter().map(|v| sub(v.image, sides[0].image)).map(|d| d[0].hypot(d[1])).fold(0.0, f64::max);
     for k in 0..sides.len() {
         let (p, d) = (sides[k].image, sub(sides[(k + 1) % sides.len()].image, sides[k].image));
+        // Vertices that coincide to round-off make a side without direction.
+        if d[0].hypot(d[1]) <= 1e-10 * size {
+            continue;
+        }
         let side = |x: [f64; 2]| cross(d, sub(x, p));
         let (mut next, mut kept) = ([[0.0; 2]; ROOM], 0);
         for i in 0..count {

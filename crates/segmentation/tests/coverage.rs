@@ -101,13 +101,39 @@ proptest! {
         }));
         // Nor one that reaches over the rim in its own projection.
         let rim = facets.iter().flat_map(|f| f.corners).filter(|x| x.x.abs().max(x.y.abs()) > 2.99);
-        prop_assume!(rim.map(|x| { let p = found.frame.image(&x); p[0].hypot(p[1]) }).fold(f64::INFINITY, f64::min) > 2.1);
+        let reach = rim.map(|x| { let p = found.frame.image(&x); p[0].hypot(p[1]) });
+        prop_assume!(reach.fold(f64::INFINITY, f64::min) > 2.1);
         prop_assert!(report.uncovered.abs() < 1e-12, "{report:?}");
         prop_assert!(report.is_tiling(1e-12), "{report:?}");
         prop_assert!(found.hidden.is_empty());
         for xi in points {
             let (count, distance) = cover(&found, xi);
             prop_assert!(distance < 1e-9 || count == 1, "{count} at {xi:?}");
+        }
+    }
+
+    #[test]
+    fn crumpled_surfaces_leave_no_gap(
+        slave in slave_quad(),
+        n in 1usize..8,
+        moves in prop::collection::vec(vector(1.0), 81),
+        snap in any::<bool>(),
+    ) {
+        // Facets reflex, crossed, from behind, folded over each other: what lies opposite is found or hidden.
+        let facets = surface(n, 2.0, |k, x, y| {
+            let p = Vector3::new(x, y, 0.0) + moves[k] * (4.0 / n as f64);
+            if snap { p.map(|c| (2.0 * c).round() / 2.0) } else { p }
+        });
+        prop_assume!(stoss_segmentation::SlaveFrame::new(slave).is_ok());
+        let found = segment_facet(slave, &facets, GapRange::ALL).unwrap();
+        let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+        prop_assert!(report.covered.is_finite() && report.double.is_finite());
+        prop_assert!(report.missing.is_empty());
+        // All that is covered more than once is reported as such.
+        let (image, whole): (f64, f64) = (found.segments.iter().map(|s| s.image_area()).sum(), found.frame.image_area());
+        prop_assert!(found.frame.is_split() || image <= whole * (1.0 + 0.25 * report.double + 1e-9), "{report:?}");
+        for v in found.segments.iter().flat_map(|s| s.vertices()) {
+            prop_assert!(v.slave.iter().chain(&v.master).all(|x| (-1.0..=1.0).contains(x)));
         }
     }
 }
