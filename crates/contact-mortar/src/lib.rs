@@ -24,8 +24,11 @@
 //! facet covered so little that its functions cannot be told apart takes the standard functions and a lumped `D`; row
 //! sums still agree.
 //!
+//! # Tying
+//! [`tie::MeshTie`] joins two surfaces for good: a `ContactMethod` of `stoss-contact` with permanent constraints.
+//!
 //! # What it is not
-//! No contact method yet, no tying, no global system. Reference or current coordinates: whatever `q` holds.
+//! No contact yet, no global system. Reference or current coordinates: whatever `q` holds.
 
 mod derivatives;
 mod error;
@@ -34,6 +37,7 @@ mod matrices;
 mod multiplier;
 mod points;
 mod surfaces;
+pub mod tie;
 
 pub use derivatives::{PairDerivatives, pair_derivatives};
 pub use error::MortarError;

@@ -25,6 +25,7 @@ mod results;
 mod samples;
 mod schema;
 mod source;
+mod tie;
 
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
@@ -42,6 +43,7 @@ pub use problem::{Problem, SceneErrors};
 pub use results::{Expect, ExpectedValue, Field, Interval, Outcome, Output, Probe, Quantity};
 pub use schema::json_schema;
 pub use source::Location;
+pub use tie::{Interface, Multipliers, Tie, TieForm};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -68,6 +70,9 @@ pub struct Scene {
     /// `[[contact]]`.
     #[serde(default, rename = "contact", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<Contact>,
+    /// `[[tie]]`.
+    #[serde(default, rename = "tie", skip_serializing_if = "Vec::is_empty")]
+    pub ties: Vec<Tie>,
     /// `[[prescribe]]`.
     #[serde(default, rename = "prescribe", skip_serializing_if = "Vec::is_empty")]
     pub prescriptions: Vec<Prescribe>,
