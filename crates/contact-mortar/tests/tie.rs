@@ -297,7 +297,10 @@ fn uniform_tractions_are_in_the_space_with_supports_too() {
                             let sign = if side == 0 { 1.0 } else { -1.0 };
                             let expected = sign * t[c] * tributary(k, i, j);
                             let found = -a.residual[3 * node + c];
-                            assert!((found - expected).abs() < 1e-14, "{space:?} {form:?} {node} {c}: {found} {expected}");
+                            assert!(
+                                (found - expected).abs() < 1e-14,
+                                "{space:?} {form:?} {node} {c}: {found} {expected}"
+                            );
                         }
                     }
                 }
