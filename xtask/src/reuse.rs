@@ -16,6 +16,8 @@ const LEAVES: &[&str] = &[
     "mesh",
     "contact",
     "contact-nts",
+    "segmentation",
+    "contact-mortar",
     "integrators",
     "numerical-derivative",
     "mesh-io",

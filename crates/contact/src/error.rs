@@ -91,6 +91,12 @@ pub enum ContactError {
         /// The rule.
         rule: String,
     },
+    /// The frame of a tied slave node degenerates in the step.
+    #[error("the frame of tied slave node {node} degenerates: it turns by half a turn in the step, or its facets fold")]
+    Frame {
+        /// Global slave node.
+        node: u32,
+    },
     /// History bytes do not fit.
     #[error("contact history does not fit this model: {reason}")]
     History {

@@ -136,6 +136,11 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     fn slot_count(&self) -> usize;
     /// Weight (reference area) of a slot.
     fn slot_weight(&self, slot: usize) -> f64;
+    /// True for equality constraints (mesh tying): all slots are active from the first step to the last, whatever the sign of their multipliers,
+    /// and `complementarity_gaps`, `repair` and `augment` are never asked. A node may have several slots.
+    fn is_permanent(&self) -> bool {
+        false
+    }
     /// Rule and size of the step that begins, for methods with history.
     fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
     /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the

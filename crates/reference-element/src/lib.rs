@@ -3,6 +3,7 @@
 //! * [`hex8`]: the trilinear hexahedron: vertices, shape functions and gradients, outward facets;
 //! * [`quad4`]: the bilinear quadrilateral, which is the facet of the hexahedron;
 //! * [`quadrature`]: Gauss rules on the line, the square and the cube as constants;
+//! * [`triangle`]: Gauss rules on the triangle, for the pieces of clipped facets;
 //! * [`CellKind`]: the list of cells.
 //!
 //! # What it is not
@@ -18,5 +19,6 @@ mod cell;
 pub mod hex8;
 pub mod quad4;
 pub mod quadrature;
+pub mod triangle;
 
 pub use cell::CellKind;

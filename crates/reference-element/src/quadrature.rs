@@ -3,7 +3,7 @@
 //! A rule of `n` points per direction is exact for polynomials up to degree `2 n - 1` in each coordinate; its weights add up
 //! to 2, 4 or 8. The `2 x 2 x 2` rule integrates the mass matrix of a parallelepiped exactly (formulation §3.1).
 //!
-//! Rules for triangles and for clipped polygons are not here: they belong to the crate that makes the polygons.
+//! Rules for triangles are in [`crate::triangle`].
 
 /// `1 / sqrt(3)`, the coordinate of the two-point rule.
 pub const GAUSS_2: f64 = 0.577_350_269_189_625_8;

@@ -26,6 +26,7 @@ mod samples;
 #[cfg(feature = "schema")]
 mod schema;
 mod source;
+mod tie;
 
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
@@ -44,6 +45,7 @@ pub use results::{Expect, ExpectedValue, Field, Interval, Outcome, Output, Probe
 #[cfg(feature = "schema")]
 pub use schema::json_schema;
 pub use source::Location;
+pub use tie::{Interface, Multipliers, Tie, TieForm};
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -72,6 +74,9 @@ pub struct Scene {
     /// `[[contact]]`.
     #[serde(default, rename = "contact", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<Contact>,
+    /// `[[tie]]`.
+    #[serde(default, rename = "tie", skip_serializing_if = "Vec::is_empty")]
+    pub ties: Vec<Tie>,
     /// `[[prescribe]]`.
     #[serde(default, rename = "prescribe", skip_serializing_if = "Vec::is_empty")]
     pub prescriptions: Vec<Prescribe>,

@@ -63,6 +63,11 @@ impl Model {
         self.reference.len() / 3
     }
 
+    /// True if constraints can open and close (mesh ties alone are no contact).
+    pub fn has_unilateral_contact(&self) -> bool {
+        self.contacts.iter().any(|pair| !pair.method.is_permanent())
+    }
+
     /// Components that are prescribed: (component index `3*node + i`, prescription, column). A component may be prescribed
     /// only once.
     pub(crate) fn prescribed_components(&self) -> Result<Vec<(u32, u32, u32)>, SimulationError> {

@@ -57,7 +57,7 @@ pub struct Plan {
     pub free_components: usize,
     /// Prescribed components.
     pub prescribed_components: usize,
-    /// Potential contact constraints (one pressure each while active).
+    /// Potential contact constraints (one pressure each while active) and components of tie multipliers.
     pub slots: usize,
     /// Nonzeros of the matrix without contact.
     pub matrix_entries: usize,
@@ -149,7 +149,7 @@ impl Simulation {
         let contact_components = if model.contacts.is_empty() { 0 } else { components };
         let mut simulation = Self {
             pressures: model.contacts.iter().map(|p| vec![0.0; slots(p)]).collect(),
-            active: model.contacts.iter().map(|p| vec![false; slots(p)]).collect(),
+            active: model.contacts.iter().map(|p| vec![p.method.is_permanent(); slots(p)]).collect(),
             reactions: vec![0.0; if prescribed.is_empty() { 0 } else { components }],
             contact_force: vec![0.0; contact_components],
             prescribed,
@@ -188,6 +188,9 @@ impl Simulation {
         let equation = &self.system.numbering.equation;
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
             let method = &mut pair.method;
+            if method.is_permanent() {
+                continue;
+            }
             let near = TOUCHING * method.length_scale();
             method.begin_step(q, near)?;
             let mut gaps = vec![0.0; active.len()];
@@ -285,7 +288,7 @@ impl Simulation {
     pub fn reactions(&self) -> &[f64] {
         &self.reactions
     }
-    /// Contact force on each node in the last step (`3 * nodes`; empty without contact).
+    /// Force of contact and ties on each node in the last step (`3 * nodes`; empty without either).
     pub fn contact_force(&self) -> &[f64] {
         &self.contact_force
     }
@@ -337,7 +340,7 @@ impl Simulation {
             matrix_entries: self.system.matrix_entries(),
             steps: self.clock.nominal_steps(),
             mass_matrix: self.system.has_mass(),
-            contact_search: !self.model.contacts.is_empty(),
+            contact_search: self.model.has_unilateral_contact(),
             contact_matrix: !self.system.solid_to_global.is_empty(),
             contact_force: !self.contact_force.is_empty(),
             reactions: !self.reactions.is_empty(),

@@ -81,6 +81,9 @@ impl ActiveSets {
         let mut look = Look::default();
         for c in 0..model.contacts.len() {
             let method = &mut model.contacts[c].method;
+            if method.is_permanent() {
+                continue;
+            }
             let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
             method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
             let outcome = self.controls[c].propose(active, pressures, &self.gaps[c], &self.factors[c]);
@@ -125,7 +128,7 @@ impl ActiveSets {
 /// Updates multipliers that are no unknowns, at an accurate solution; returns how many have not settled.
 fn augment(model: &mut Model, iterate: &Iterate) -> Result<usize, StepError> {
     let mut unsettled = 0;
-    for (c, pair) in model.contacts.iter_mut().enumerate() {
+    for (c, pair) in model.contacts.iter_mut().enumerate().filter(|(_, pair)| !pair.method.is_permanent()) {
         unsettled += pair.method.augment(&iterate.q, &iterate.pressures[c], &iterate.active[c])?;
     }
     Ok(unsettled)
@@ -144,8 +147,8 @@ pub(crate) fn attempt(
     let mut sets = ActiveSets::new(model, &iterate);
     let mut rows = Vec::new();
     let mut look = Look::default();
-    let has_contact = !model.contacts.is_empty();
-    if has_contact {
+    let has_contact = model.has_unilateral_contact();
+    if !model.contacts.is_empty() {
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
         start_auxiliaries(model, &input.step, &mut iterate)?;
     }

@@ -242,6 +242,9 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
             contact.constraint.name()
         ));
     }
+    for tie in &scene.ties {
+        lines.push(format!("  tie {}: {} form, {} multipliers", tie.label(), tie.form, tie.multipliers));
+    }
     lines.push(format!(
         "  unknowns: {} free and {} prescribed displacement components, up to {} contact pressures",
         plan.free_components, plan.prescribed_components, plan.slots

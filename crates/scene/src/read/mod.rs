@@ -12,6 +12,7 @@ mod mesh;
 mod node;
 mod results;
 mod table;
+mod tie;
 
 use crate::source::Source;
 use crate::{Kind, Problem, Quantity, Scene, SceneErrors};
@@ -31,6 +32,7 @@ struct World {
     probes: Vec<(String, Option<Quantity>)>,
     probes_complete: bool,
     has_contact: bool,
+    has_tie: bool,
     has_support: bool,
 }
 
@@ -112,6 +114,7 @@ fn read(root: &Table<'_>, own_laws: &[&str]) -> Option<Scene> {
     }
 
     let contact_tables = root.tables("contact");
+    let tie_tables = root.tables("tie");
     let prescribe_tables = root.tables("prescribe");
     let mut world = World {
         kind,
@@ -121,6 +124,7 @@ fn read(root: &Table<'_>, own_laws: &[&str]) -> Option<Scene> {
         probes: Vec::new(),
         probes_complete: true,
         has_contact: !contact_tables.is_empty(),
+        has_tie: !tie_tables.is_empty(),
         has_support: !prescribe_tables.is_empty(),
     };
 
@@ -139,6 +143,15 @@ fn read(root: &Table<'_>, own_laws: &[&str]) -> Option<Scene> {
         let key = if table.as_ref().is_some_and(|table| table.has("name")) { "name" } else { "slave" };
         unique.check(table.as_ref(), key, contact.as_ref().map(|contact| contact.label()).as_deref());
         contacts.push(contact);
+    }
+
+    let mut unique = Unique::new("tie");
+    let mut ties = Vec::new();
+    for table in tie_tables {
+        let tie = table.as_ref().and_then(|table| tie::tie(table, &world));
+        let key = if table.as_ref().is_some_and(|table| table.has("name")) { "name" } else { "slave" };
+        unique.check(table.as_ref(), key, tie.as_ref().map(|tie| tie.label()).as_deref());
+        ties.push(tie);
     }
 
     let mut unique = Unique::new("prescribed component");
@@ -176,6 +189,7 @@ fn read(root: &Table<'_>, own_laws: &[&str]) -> Option<Scene> {
         bodies: all(bodies)?,
         sets: all(sets)?,
         contacts: all(contacts)?,
+        ties: all(ties)?,
         prescriptions: all(prescriptions)?,
         loads: all(loads)?,
         probes: all(probes)?,

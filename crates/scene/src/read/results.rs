@@ -14,7 +14,7 @@ pub(super) fn probe(table: &Table<'_>, world: &World) -> (Option<Probe>, Option<
         if quantity.is_dynamic() && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("needs inertia", "choose another quantity, or set [scene] kind = \"dynamic\"");
         }
-        if quantity == Quantity::ContactForce && !world.has_contact {
+        if quantity == Quantity::ContactForce && !world.has_contact && !world.has_tie {
             return n.fail("needs contact, and the scene has none", "add a [[contact]] or choose another quantity");
         }
         if quantity == Quantity::Reaction && !world.has_support {

@@ -319,7 +319,7 @@ impl Simulation {
     }
 
     fn contact_summary(&mut self, attempt: &Attempt, rule: StepRule) -> Result<Option<ContactSummary>, StepError> {
-        if self.model.contacts.is_empty() {
+        if !self.model.has_unilateral_contact() {
             return Ok(None);
         }
         let Attempt { iterate, repaired, .. } = attempt;
@@ -328,6 +328,10 @@ impl Simulation {
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let reports = self.timings.measure(Phase::Search, || pair.method.report(&iterate.q))?;
             for (slot, report) in reports.iter().enumerate() {
+                is_slave[report.node as usize] = true;
+                if pair.method.is_permanent() {
+                    continue;
+                }
                 let (now, then) = (iterate.active[c][slot], self.active[c][slot]);
                 summary.active += usize::from(now);
                 summary.closed += usize::from(now && !then);
@@ -336,7 +340,6 @@ impl Simulation {
                 if now {
                     summary.max_pressure = summary.max_pressure.max(iterate.pressures[c][slot]);
                 }
-                is_slave[report.node as usize] = true;
             }
             // This pair's own contributions: its slave nodes may belong to other pairs too.
             let mut force = [0.0; 3];

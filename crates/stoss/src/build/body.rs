@@ -71,7 +71,7 @@ pub(super) fn bodies(
                 Mass::Lumped => MassKind::Lumped,
             },
         });
-        placed.push(Placed { mesh, first_node });
+        placed.push(Placed { mesh, first_node, law });
     }
     (placed, lines)
 }

@@ -6,7 +6,7 @@ use crate::solver::{Load, LoadKind, Model, Prescription, Table};
 use stoss_mesh::{Mesh, MeshError, SetKind};
 
 /// Facets of a set in global node numbers.
-fn facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
+pub(super) fn facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
     let list = placed.mesh.facets_of(set)?;
     Ok(list.iter().map(|facet| facet.nodes.map(|n| n + placed.first_node)).collect())
 }

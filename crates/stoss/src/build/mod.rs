@@ -9,6 +9,7 @@ mod law;
 #[cfg(feature = "nts")]
 mod overlap;
 mod probe;
+mod tie;
 
 pub use law::{LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use probe::{Probe, ProbeTarget};
@@ -16,6 +17,8 @@ pub use probe::{Probe, ProbeTarget};
 use crate::scene::{InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
 use crate::solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
 use std::path::Path;
+use std::sync::Arc;
+use stoss_continuum::HyperelasticLaw;
 use stoss_integrators::{SCHEMES, Scheme};
 use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver};
 use stoss_mesh::Mesh;
@@ -40,6 +43,9 @@ pub struct Built {
 pub(crate) struct Placed {
     pub mesh: Mesh,
     pub first_node: u32,
+    /// For bodies whose nodes a tie moves.
+    #[cfg_attr(not(feature = "mortar"), expect(dead_code))]
+    pub law: Arc<dyn HyperelasticLaw>,
 }
 
 /// Problems found so far.
@@ -77,14 +83,16 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut problems = Problems { scene, list: Vec::new() };
     let mut model = Model::default();
     let mut mesh_files = Vec::new();
-    let (placed, bodies) = body::bodies(scene, folder, laws, &mut model, &mut mesh_files, &mut problems);
+    let (mut placed, bodies) = body::bodies(scene, folder, laws, &mut model, &mut mesh_files, &mut problems);
     let mut warnings = Vec::new();
     let mut probes = Vec::new();
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
     if problems.list.is_empty() {
         condition::prescriptions(scene, &placed, &mut model, &mut problems);
+        let ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         condition::loads(scene, &placed, &mut model, &mut problems);
         condition::contacts(scene, &placed, &mut model, &mut problems, &mut warnings);
+        model.contacts.extend(ties);
         probes = probe::probes(scene, &placed, &mut problems);
     }
     let scheme = scheme(scene, &mut problems);
@@ -110,7 +118,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
     let integrator = scene.time.integrator.as_ref()?;
     match integrator.make() {
         Ok(scheme) => {
-            if !scheme.claims().constraints && !scene.contacts.is_empty() {
+            if !scheme.claims().constraints && !(scene.contacts.is_empty() && scene.ties.is_empty()) {
                 let constrained: Vec<&str> = SCHEMES
                     .iter()
                     .filter(|entry| entry.with([]).is_ok_and(|s| s.claims().constraints))
@@ -119,8 +127,8 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                 problems.add(
                     "time.integrator.scheme".into(),
                     &integrator.scheme,
-                    "cannot carry constraints, but the scene has contact",
-                    format!("choose one of {}, or remove the contact", constrained.join(", ")),
+                    "cannot carry constraints, but the scene has contact or ties",
+                    format!("choose one of {}, or remove them", constrained.join(", ")),
                 );
             }
             Some(scheme)

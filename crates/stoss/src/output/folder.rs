@@ -132,7 +132,7 @@ impl ResultFolder {
     ) -> Result<Self, OutputError> {
         let heads: Vec<String> = settings.probes.iter().flat_map(Probe::columns).collect();
         let probe_header = format!("step,time,{}", heads.join(","));
-        let has_contact = !simulation.model().contacts.is_empty();
+        let has_contact = simulation.model().has_unilateral_contact();
         Ok(Self {
             balance: open("balance.csv", BALANCE)?,
             newton: open("newton.csv", NEWTON)?,

@@ -33,11 +33,11 @@ pub(crate) fn write(path: &Path, simulation: &Simulation, fields: Option<&[Scene
         }
     }
     let (mut pressure, mut gap) = (Vec::new(), Vec::new());
-    if !model.contacts.is_empty() && (want(SceneField::ContactPressure) || want(SceneField::Gap)) {
+    if model.has_unilateral_contact() && (want(SceneField::ContactPressure) || want(SceneField::Gap)) {
         pressure = vec![0.0; points.len()];
         // Nodes without a partner have no gap.
         gap = vec![f64::NAN; points.len()];
-        for c in 0..model.contacts.len() {
+        for c in (0..model.contacts.len()).filter(|&c| !model.contacts[c].method.is_permanent()) {
             for (slot, report) in simulation.contact_report(c)?.iter().enumerate() {
                 let node = report.node as usize;
                 pressure[node] += simulation.pressures()[c][slot];

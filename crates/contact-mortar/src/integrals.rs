@@ -1,0 +1,79 @@
+//! Integrals of the shape functions over the segments of one slave facet.
+
+use crate::{Quadrature, for_each_point};
+use nalgebra::Vector3;
+use stoss_segmentation::FacetSegmentation;
+
+/// Integrals with one master facet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairIntegrals {
+    /// Local number of the master facet.
+    pub master_facet: u32,
+    /// `int N_i^(1) N_k^(2) dA`, an area.
+    pub coupling: [[f64; 4]; 4],
+    /// The same with the parametric measure (formulation §8.3), free of units.
+    pub parametric_coupling: [[f64; 4]; 4],
+    /// `int N_i N_j dA` over this pair only.
+    pub mass: [[f64; 4]; 4],
+    /// The same with the parametric measure.
+    pub parametric_mass: [[f64; 4]; 4],
+}
+
+/// Integrals over the covered part of one slave facet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FacetIntegrals {
+    /// `int N_i dA`, an area.
+    pub shape: [f64; 4],
+    /// `int N_i N_j dA`, an area.
+    pub mass: [[f64; 4]; 4],
+    /// One entry for each master facet opposite, in the order of the segments.
+    pub pairs: Vec<PairIntegrals>,
+    /// Parametric area of the covered part over that of the facet: 1 if wholly covered.
+    pub covered: f64,
+}
+
+/// Integrals over the segments of a facet. `corners` gives the positions of a master facet.
+pub fn facet_integrals(
+    found: &FacetSegmentation,
+    corners: impl Fn(u32) -> [Vector3<f64>; 4],
+    quadrature: Quadrature,
+) -> FacetIntegrals {
+    let mut out = FacetIntegrals {
+        shape: [0.0; 4],
+        mass: [[0.0; 4]; 4],
+        pairs: Vec::new(),
+        covered: 0.25 * found.parametric_area(),
+    };
+    for segment in &found.segments {
+        if out.pairs.last().is_none_or(|p| p.master_facet != segment.master_facet) {
+            out.pairs.push(PairIntegrals {
+                master_facet: segment.master_facet,
+                coupling: [[0.0; 4]; 4],
+                parametric_coupling: [[0.0; 4]; 4],
+                mass: [[0.0; 4]; 4],
+                parametric_mass: [[0.0; 4]; 4],
+            });
+        }
+        let Some(pair) = out.pairs.last_mut() else { continue };
+        for_each_point(segment, &found.frame, &corners(segment.master_facet), quadrature, |p| {
+            for i in 0..4 {
+                let (w, v) = (p.weight * p.slave_shape[i], p.parametric_weight * p.slave_shape[i]);
+                out.shape[i] += w;
+                for j in 0..4 {
+                    pair.mass[i][j] += w * p.slave_shape[j];
+                    pair.parametric_mass[i][j] += v * p.slave_shape[j];
+                    pair.coupling[i][j] += w * p.master_shape[j];
+                    pair.parametric_coupling[i][j] += v * p.master_shape[j];
+                }
+            }
+        });
+    }
+    for pair in &out.pairs {
+        for i in 0..4 {
+            for j in 0..4 {
+                out.mass[i][j] += pair.mass[i][j];
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,52 @@
+//! Mortar integrals between segmented contact surfaces (formulation §7.1-7.3).
+//!
+//! # API
+//! ```text
+//! segment_surfaces(&slave, &master, q, GapRange) -> SurfaceSegmentation      all slave facets
+//! SurfaceSegmentation::check(&master, q, CheckExtent) -> SurfaceCoverage   the invariant of coverage
+//! for_each_point(&segment, &frame, &master corners, Quadrature, |point| ..)   shapes, weights, gap
+//! for_each_point_with_derivatives(.., |point, variation| ..)   with derivatives
+//! facet_integrals(&FacetSegmentation, corners of master, Quadrature) -> FacetIntegrals   int N_i, N_i N_j, N_i N_k
+//! pair_derivatives(&segment, &frame, &corners, Quadrature, &mut PairDerivatives)   added up
+//! MultiplierBasis::new(MultiplierSpace, &FacetIntegrals)                 coefficients phi_A = sum_i C_Ai N_i
+//! MultiplierBasis::slave_block / master_block                            D_e = C int N N, M_e = C int N N^(2)
+//! MortarMatrices::assemble(&slave, &master, q, &SurfaceSegmentation, space, Quadrature) -> D, M
+//! ```
+//! With the same points on both sides `sum_K M_AK = sum_J D_AJ` for every slave node `A`
+//! ([`MortarMatrices::imbalance`]): constants are transferred exactly and contact forces have no resultant. Linear
+//! fields are transferred exactly between flat surfaces, because the default [`PointMap::Projected`] evaluates both
+//! sides at the same place. The map of the thesis, linear in the triangle on both sides, does so for parallelograms
+//! only; it stays selectable.
+//!
+//! # Multiplier spaces
+//! Standard: the slave's shape functions. Dual: biorthogonal on the covered part of each facet, `int phi_A N_J =
+//! delta_AJ int N_J`, so that `D` is diagonal also where a facet is partly covered (Cichosz and Bischoff 2011). A
+//! facet covered so little that its functions cannot be told apart takes the standard functions and a lumped `D`; row
+//! sums still agree.
+//!
+//! # Tying
+//! [`tie::MeshTie`] joins two surfaces for good: a `ContactMethod` of `stoss-contact` with permanent constraints.
+//!
+//! # What it is not
+//! No contact yet, no global system. Reference or current coordinates: whatever `q` holds.
+
+mod derivatives;
+mod error;
+mod integrals;
+mod matrices;
+mod multiplier;
+mod points;
+mod surfaces;
+pub mod tie;
+
+pub use derivatives::{PairDerivatives, pair_derivatives};
+pub use error::MortarError;
+pub use integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
+pub use matrices::MortarMatrices;
+pub use multiplier::{MultiplierBasis, MultiplierSpace};
+pub use points::{
+    PointMap, PointVariation, Quadrature, QuadraturePoint, for_each_point, for_each_point_with_derivatives,
+};
+pub use stoss_reference_element::triangle::TriangleRule;
+pub use stoss_segmentation as segmentation;
+pub use surfaces::{CheckExtent, CoverageFault, SurfaceCoverage, SurfaceSegmentation, segment_surfaces};

@@ -1,0 +1,162 @@
+//! Segmentation of two contact surfaces.
+
+use crate::MortarError;
+use nalgebra::Vector3;
+use stoss_contact::ContactSurface;
+use stoss_geometry::{Aabb, BoundingVolumeTree};
+use stoss_segmentation::{FacetSegmentation, GapRange, MasterFacet, SlaveFrame, check_coverage, segment_facet};
+
+/// Segments of all slave facets.
+#[derive(Clone, Debug)]
+pub struct SurfaceSegmentation {
+    /// One entry a slave facet, in the surface's order.
+    pub facets: Vec<FacetSegmentation>,
+    /// Range of gaps that was asked for.
+    pub range: GapRange,
+}
+
+/// Which part of the master a check of coverage looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CheckExtent {
+    /// The facets found and two rings of neighbours: finds whatever a search lost from a sheet of which it found
+    /// something.
+    Neighbours,
+    /// The whole master surface, for every slave facet.
+    Everything,
+}
+
+/// A slave facet whose segments do not tile its overlap with the master. Areas are measured in the segmentation plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoverageFault {
+    /// Local number of the slave facet.
+    pub slave_facet: u32,
+    /// Uncovered area that lies opposite the master.
+    pub uncovered_opposite: f64,
+    /// Master facets that should cover it.
+    pub master_facets: Vec<u32>,
+    /// Area covered twice.
+    pub double: f64,
+    /// Interior edges that do not fit.
+    pub open_edges: usize,
+}
+
+/// Coverage of the slave surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceCoverage {
+    /// Area of the slave facets' images.
+    pub area: f64,
+    /// Area covered by segments.
+    pub covered: f64,
+    /// Facets whose segments do not tile their overlap, ascending; empty if the invariant holds.
+    pub faults: Vec<CoverageFault>,
+}
+
+/// Parametric tolerance of the invariant (the facet has 4).
+const TOLERANCE: f64 = 1e-12;
+
+fn corners(surface: &ContactSurface, facet: u32, q: &[f64]) -> [Vector3<f64>; 4] {
+    surface.patch(facet, q).corners
+}
+
+fn master_facet(master: &ContactSurface, id: u32, q: &[f64]) -> MasterFacet {
+    MasterFacet { id, nodes: master.facets()[id as usize], corners: corners(master, id, q) }
+}
+
+/// Segments every slave facet against the master surface at positions `q` (`3 * nodes` entries, of both bodies).
+///
+/// `range` limits the gaps at which facets are opposite each other; [`GapRange::ALL`] is allowed.
+///
+/// # Errors
+/// [`MortarError::Range`], [`MortarError::Segmentation`].
+pub fn segment_surfaces(
+    slave: &ContactSurface,
+    master: &ContactSurface,
+    q: &[f64],
+    range: GapRange,
+) -> Result<SurfaceSegmentation, MortarError> {
+    if range.min.is_nan() || range.max.is_nan() || range.min > range.max {
+        return Err(MortarError::Range { min: range.min, max: range.max });
+    }
+    let boxes: Vec<Aabb> =
+        (0..master.facets().len() as u32).map(|f| Aabb::from_points(&corners(master, f, q))).collect();
+    let tree = BoundingVolumeTree::build(&boxes);
+    let bounds = tree.bounds();
+    let mut found = Vec::new();
+    let mut candidates = Vec::new();
+    let mut facets = Vec::with_capacity(slave.facets().len());
+    for facet in 0..slave.facets().len() as u32 {
+        let at = |source| MortarError::Segmentation { facet, source };
+        let x = corners(slave, facet, q);
+        let normal = SlaveFrame::new(x).map_err(at)?.normal();
+        // The facet swept along its normal; no farther than the master reaches.
+        let own = Aabb::from_points(&x);
+        let far = (bounds.max - bounds.min).norm() + (bounds.max - own.min).norm() + (own.max - bounds.min).norm();
+        let (low, high) = (range.min.clamp(-far, far), range.max.clamp(-far, far));
+        let ends: [Vector3<f64>; 8] = std::array::from_fn(|k| x[k % 4] + normal * if k < 4 { low } else { high });
+        let size = x.iter().map(|c| c.amax()).fold(0.0, f64::max);
+        let region = Aabb::from_points(&ends).inflated(1e-12 * (far + size));
+        found.clear();
+        tree.query(&region, |f| found.push(f as u32));
+        found.sort_unstable();
+        candidates.clear();
+        candidates.extend(found.iter().map(|&f| master_facet(master, f, q)));
+        facets.push(segment_facet(x, &candidates, range).map_err(at)?);
+    }
+    Ok(SurfaceSegmentation { facets, range })
+}
+
+impl SurfaceSegmentation {
+    /// Checks the invariant of coverage at the positions `q` of the segmentation.
+    ///
+    /// # Errors
+    /// [`MortarError::Segmentation`].
+    pub fn check(
+        &self,
+        master: &ContactSurface,
+        q: &[f64],
+        extent: CheckExtent,
+    ) -> Result<SurfaceCoverage, MortarError> {
+        let mut out = SurfaceCoverage { area: 0.0, covered: 0.0, faults: Vec::new() };
+        let mut ids: Vec<u32> = Vec::new();
+        let everything: Vec<MasterFacet> = match extent {
+            CheckExtent::Neighbours => Vec::new(),
+            CheckExtent::Everything => (0..master.facets().len() as u32).map(|f| master_facet(master, f, q)).collect(),
+        };
+        let mut near: Vec<MasterFacet> = Vec::new();
+        for (slave_facet, found) in self.facets.iter().enumerate() {
+            let surface = if extent == CheckExtent::Everything {
+                &everything
+            } else {
+                ids.clear();
+                ids.extend(found.segments.iter().map(|s| s.master_facet).chain(found.hidden.iter().map(|h| h.id)));
+                for _ in 0..2 {
+                    for i in 0..ids.len() {
+                        let facet = ids[i];
+                        ids.extend((0..4).filter_map(|edge| master.neighbour(facet, edge)));
+                    }
+                    ids.sort_unstable();
+                    ids.dedup();
+                }
+                near.clear();
+                near.extend(ids.iter().map(|&f| master_facet(master, f, q)));
+                &near
+            };
+            let facet = slave_facet as u32;
+            let report = check_coverage(found, surface, self.range)
+                .map_err(|source| MortarError::Segmentation { facet, source })?;
+            let scale = 0.25 * found.frame.image_area();
+            out.area += found.frame.image_area();
+            out.covered += found.segments.iter().map(|s| s.image_area()).sum::<f64>();
+            if !report.is_tiling(TOLERANCE) {
+                out.faults.push(CoverageFault {
+                    slave_facet: facet,
+                    uncovered_opposite: scale * report.uncovered_opposite(),
+                    master_facets: report.missing.iter().map(|m| m.0).collect(),
+                    double: scale * report.double.max(-report.uncovered),
+                    open_edges: report.open_edges.len(),
+                });
+            }
+        }
+        Ok(out)
+    }
+}

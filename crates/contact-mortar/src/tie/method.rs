@@ -1,0 +1,183 @@
+//! The tie as a contact discretisation whose slots never open.
+
+use super::frame::{Stage, response};
+use super::{MeshTie, TiedNode};
+use nalgebra::Vector3;
+use stoss_contact::{ContactError, ContactMethod, LocalContribution, SlotReport, StepConfiguration};
+
+impl TiedNode {
+    pub(super) fn traction(&self, q: &[f64], multipliers: &[f64]) -> [f64; 3] {
+        let lambda = self.multipliers(multipliers);
+        match &self.frame {
+            None => lambda,
+            Some(frame) => {
+                let Stage { b: [b1, b2], .. } = frame.stage(q);
+                (b1 * lambda[0] + b2 * lambda[1] + b1.cross(&b2) * lambda[2]).into()
+            }
+        }
+    }
+
+    /// By component, zero where there is none.
+    fn multipliers(&self, all: &[f64]) -> [f64; 3] {
+        let mut slots = self.slots.iter();
+        std::array::from_fn(|i| if self.row.kept[i] { slots.next().map_or(0.0, |&s| all[s as usize]) } else { 0.0 })
+    }
+
+    /// Contributions of a node with spatial axes: one for each of its entries, so that the matrix couples no nodes. The
+    /// first has the whole value of the constraints.
+    fn assemble_constant(
+        &self,
+        q_np1: &[f64],
+        multipliers: &[f64],
+        want_tangent: bool,
+        local: &mut LocalContribution,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) {
+        let lambda = self.multipliers(multipliers);
+        local.slots.clone_from(&self.slots);
+        let gap = self.row.gap(q_np1);
+        for (k, entry) in self.row.entries.iter().enumerate() {
+            local.nodes.clear();
+            local.nodes.push(entry.node);
+            local.reset(want_tangent);
+            let dim = local.dim();
+            let mut slot = 3;
+            for i in 0..3 {
+                local.residual[i] = -entry.coefficients[i] * lambda[i];
+                if !self.row.kept[i] {
+                    continue;
+                }
+                if k == 0 {
+                    local.residual[slot] = self.target[i] - gap[i];
+                }
+                if want_tangent {
+                    local.tangent[i * dim + slot] = -entry.coefficients[i];
+                    local.tangent[slot * dim + i] = -entry.coefficients[i];
+                }
+                slot += 1;
+            }
+            visit(local);
+        }
+    }
+}
+
+impl MeshTie {
+    /// Nodes and slots of the contributions, in their order.
+    fn for_each_stencil(&self, visit: &mut dyn FnMut(&[u32], &[u32])) {
+        let mut nodes = Vec::new();
+        for node in &self.nodes {
+            match &node.frame {
+                None => node.row.entries.iter().for_each(|entry| visit(&[entry.node], &node.slots)),
+                Some(frame) => {
+                    nodes.clear();
+                    nodes.extend(frame.entries.iter().map(|e| e.0));
+                    visit(&nodes, &node.slots);
+                }
+            }
+        }
+    }
+}
+
+impl ContactMethod for MeshTie {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn slot_count(&self) -> usize {
+        self.slots.len()
+    }
+
+    fn slot_weight(&self, slot: usize) -> f64 {
+        self.nodes[self.slots[slot].0 as usize].row.weight
+    }
+
+    fn is_permanent(&self) -> bool {
+        true
+    }
+
+    fn begin_step(&mut self, _: &[f64], _: f64) -> Result<(), ContactError> {
+        Ok(())
+    }
+
+    fn stencils(&self, _: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        self.for_each_stencil(visit);
+    }
+
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        _: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let mut local = LocalContribution::default();
+        for node in &self.nodes {
+            let Some(frame) = &node.frame else {
+                node.assemble_constant(step.q_np1, pressures, want_tangent, &mut local, visit);
+                continue;
+            };
+            let lambda = node.multipliers(pressures);
+            let (z0, z1) = (frame.stage(step.q_n), frame.stage(step.q_np1));
+            let Some(r) = response(&z0, &z1, &lambda, step.rule, want_tangent) else {
+                return Err(ContactError::Frame { node: node.row.node });
+            };
+            local.nodes.clear();
+            local.nodes.extend(frame.entries.iter().map(|e| e.0));
+            local.slots.clone_from(&node.slots);
+            local.reset(want_tangent);
+            let (dim, first) = (local.dim(), 3 * local.nodes.len());
+            let force = r.rule[0] * lambda[0] + r.rule[1] * lambda[1] + r.rule[2] * lambda[2];
+            for a in 0..3 {
+                local.residual[first + a] = node.target[a] - r.values[a];
+            }
+            for (j, (_, beta, gamma)) in frame.entries.iter().enumerate() {
+                for i in 0..3 {
+                    // Rows of the nine numbers that depend on this component.
+                    let by = [(i, beta[0]), (3 + i, beta[1]), (6 + i, gamma[i])];
+                    let row = 3 * j + i;
+                    local.residual[row] = -by.iter().map(|&(k, c)| c * force[k]).sum::<f64>();
+                    if !want_tangent {
+                        continue;
+                    }
+                    for a in 0..3 {
+                        local.tangent[row * dim + first + a] = -by.iter().map(|&(k, c)| c * r.rule[a][k]).sum::<f64>();
+                        local.tangent[(first + a) * dim + row] = -by.iter().map(|&(k, c)| c * r.end[a][k]).sum::<f64>();
+                    }
+                    let h: [f64; 9] =
+                        std::array::from_fn(|l| by.iter().map(|&(k, c)| c * r.derivative[(k, l)]).sum::<f64>());
+                    for (m, (_, beta, gamma)) in frame.entries.iter().enumerate() {
+                        for n in 0..3 {
+                            local.tangent[row * dim + 3 * m + n] =
+                                -(h[n] * beta[0] + h[3 + n] * beta[1] + h[6 + n] * gamma[n]);
+                        }
+                    }
+                }
+            }
+            visit(&local);
+        }
+        Ok(())
+    }
+
+    fn complementarity_gaps(&self, _: &[f64], _: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
+        out.fill(0.0);
+        Ok(())
+    }
+
+    fn repair(&mut self, _: &[f64], _: &[bool]) -> Result<usize, ContactError> {
+        Ok(0)
+    }
+
+    fn report(&self, _: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        let report = |&(node, component): &(u32, u8)| {
+            let row = &self.nodes[node as usize].row;
+            let normal = Vector3::ith(usize::from(component), 1.0).into();
+            SlotReport { node: row.node, weight: row.weight, gap: None, normal, feature: "tied" }
+        };
+        Ok(self.slots.iter().map(report).collect())
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.length_scale
+    }
+}

@@ -1,0 +1,33 @@
+//! Reads `[[tie]]`.
+
+use super::World;
+use super::conditions::set_reference;
+use super::node::Node;
+use super::table::Table;
+use crate::{Interface, Multipliers, Tie, TieForm};
+
+pub(super) fn tie(table: &Table<'_>, world: &World) -> Option<Tie> {
+    let name = table.optional("name", Node::name);
+    let slave = table.required("slave", "slave = \"cap.bottom\"", |n| set_reference(n, world));
+    let master = table.required("master", "master = \"post.top\"", |n| set_reference(n, world));
+    let form = table.default("form", Tie::default_form(), |n| n.choice(TieForm::NAMES, TieForm::from_name));
+    let interface =
+        table.default("interface", Tie::default_interface(), |n| n.choice(Interface::NAMES, Interface::from_name));
+    let multipliers = table
+        .default("multipliers", Tie::default_multipliers(), |n| n.choice(Multipliers::NAMES, Multipliers::from_name));
+    let reach = table.optional("reach", Node::positive);
+    table.finish();
+    let (slave, master) = (slave?, master?);
+    if slave == master {
+        return table.fail("master", "is the slave surface itself", "choose the surface that it is tied to");
+    }
+    Some(Tie {
+        name: name?,
+        slave,
+        master,
+        form: form?,
+        interface: interface?,
+        multipliers: multipliers?,
+        reach: reach?,
+    })
+}

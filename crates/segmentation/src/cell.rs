@@ -1,0 +1,211 @@
+//! Convex pieces of a facet's image in the plane, and the maps between image and convective coordinates.
+
+use robust::{Coord, orient2d};
+use stoss_reference_element::quad4;
+
+/// How convective coordinates belong to points of (a piece of) a facet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FacetMap {
+    /// The bilinear map of the whole facet.
+    Bilinear,
+    /// The affine map of the triangle of these three corners; for facets whose image is not convex.
+    Affine([u8; 3]),
+}
+
+impl FacetMap {
+    /// Weights of the four nodes at `xi`; they add up to 1. The bilinear shape functions for [`FacetMap::Bilinear`].
+    pub fn weights(self, xi: [f64; 2]) -> [f64; 4] {
+        match self {
+            Self::Bilinear => quad4::shape(xi),
+            Self::Affine(corners) => {
+                let gradient = affine_gradient(corners);
+                let c = quad4::VERTICES[corners[0] as usize];
+                let mut weights = [0.0; 4];
+                for (k, w) in weights.iter_mut().enumerate() {
+                    let start = if k == corners[0] as usize { 1.0 } else { 0.0 };
+                    *w = start + gradient[k][0] * (xi[0] - c[0]) + gradient[k][1] * (xi[1] - c[1]);
+                }
+                weights
+            }
+        }
+    }
+
+    /// Derivatives of the weights with respect to `xi`: row node, column direction.
+    pub fn weights_gradient(self, xi: [f64; 2]) -> [[f64; 2]; 4] {
+        match self {
+            Self::Bilinear => quad4::shape_gradient(xi),
+            Self::Affine(corners) => affine_gradient(corners),
+        }
+    }
+}
+
+fn affine_gradient(corners: [u8; 3]) -> [[f64; 2]; 4] {
+    let [a, b, c] = corners.map(|k| quad4::VERTICES[k as usize]);
+    let (u, v) = (sub(b, a), sub(c, a));
+    let det = cross(u, v);
+    let (gb, gc) = ([v[1] / det, -v[0] / det], [-u[1] / det, u[0] / det]);
+    let mut gradient = [[0.0; 2]; 4];
+    gradient[corners[0] as usize] = [-gb[0] - gc[0], -gb[1] - gc[1]];
+    gradient[corners[1] as usize] = gb;
+    gradient[corners[2] as usize] = gc;
+    gradient
+}
+
+pub(crate) fn sub(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+pub(crate) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+pub(crate) fn orient(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    let coord = |p: [f64; 2]| Coord { x: p[0], y: p[1] };
+    orient2d(coord(a), coord(b), coord(c))
+}
+
+/// A convex polygon of three or four corners of a facet, counter-clockwise in the plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    pub count: usize,
+    /// Corners of the facet.
+    pub corners: [u8; 4],
+    /// Their images.
+    pub points: [[f64; 2]; 4],
+    pub map: FacetMap,
+}
+
+impl Cell {
+    fn triangle(order: [u8; 3], images: &[[f64; 2]; 4]) -> Option<Self> {
+        let p = order.map(|k| images[k as usize]);
+        (orient(p[0], p[1], p[2]) > 0.0).then_some(Self {
+            count: 3,
+            corners: [order[0], order[1], order[2], order[0]],
+            points: [p[0], p[1], p[2], p[0]],
+            map: FacetMap::Affine(order),
+        })
+    }
+
+    /// Facet edge `k` (corner `k` to `k + 1`) or diagonal (4: corners 0 and 2, 5: corners 1 and 3) that side `side`
+    /// of the cell is.
+    pub fn edge(&self, side: usize) -> u8 {
+        let (a, b) = (self.corners[side], self.corners[(side + 1) % self.count]);
+        match (a.min(b), a.max(b)) {
+            (0, 2) => 4,
+            (1, 3) => 5,
+            (0, 3) => 3,
+            (low, _) => low,
+        }
+    }
+}
+
+/// The convex pieces that are seen counter-clockwise when the corners are walked in the order `order`.
+///
+/// One quadrilateral if the image is strictly convex. Otherwise the triangles of positive area that a diagonal
+/// leaves: of both diagonals the one whose triangles reach less to the negative side. For a reflex image that is the
+/// inner one; an image that crosses itself has one triangle of each sign, and the smaller the crossing, the less is
+/// lost.
+pub(crate) fn split(images: &[[f64; 2]; 4], order: [u8; 4]) -> ([Option<Cell>; 2], bool) {
+    let p = order.map(|k| images[k as usize]);
+    let turn: [f64; 4] = std::array::from_fn(|k| orient(p[(k + 3) % 4], p[k], p[(k + 1) % 4]));
+    if turn.iter().all(|&o| o > 0.0) {
+        return ([Some(Cell { count: 4, corners: order, points: p, map: FacetMap::Bilinear }), None], false);
+    }
+    let triangle = |a: usize, b: usize, c: usize| Cell::triangle([order[a], order[b], order[c]], images);
+    if turn[0].min(turn[2]) >= turn[1].min(turn[3]) {
+        ([triangle(1, 2, 3), triangle(3, 0, 1)], true)
+    } else {
+        ([triangle(0, 1, 2), triangle(2, 3, 0)], true)
+    }
+}
+
+/// `xi` of the point whose image is `p`, for the facet whose corners have the images `images` (either orientation).
+///
+/// Bilinear: of the two solutions the one where the map keeps the orientation that it has at the centre. Beyond the
+/// line where the map folds there is none; then the closest `eta`.
+pub(crate) fn inverse(map: FacetMap, images: &[[f64; 2]; 4], p: [f64; 2]) -> [f64; 2] {
+    match map {
+        FacetMap::Affine(corners) => {
+            let [a, b, c] = corners.map(|k| images[k as usize]);
+            let (u, v, r) = (sub(b, a), sub(c, a), sub(p, a));
+            let det = cross(u, v);
+            let (s, t) = (cross(r, v) / det, cross(u, r) / det);
+            let [a, b, c] = corners.map(|k| quad4::VERTICES[k as usize]);
+            std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]))
+        }
+        FacetMap::Bilinear => inverse_bilinear(images, p),
+    }
+}
+
+fn inverse_bilinear(x: &[[f64; 2]; 4], p: [f64; 2]) -> [f64; 2] {
+    let combine =
+        |s: [f64; 4]| -> [f64; 2] { std::array::from_fn(|i| 0.25 * (0..4).map(|k| s[k] * x[k][i]).sum::<f64>()) };
+    let centre = combine([1.0, 1.0, 1.0, 1.0]);
+    let (b, c, d) = (combine([-1.0, 1.0, 1.0, -1.0]), combine([-1.0, -1.0, 1.0, 1.0]), combine([1.0, -1.0, 1.0, -1.0]));
+    let q = sub(p, centre);
+    // (q - c eta) x (b + d eta) = 0; its derivative at a solution is the Jacobian of the map there.
+    let sign = cross(b, c).signum();
+    let (a2, a1, a0) = (-cross(c, d), cross(q, d) + cross(b, c), cross(q, b));
+    let root = sign * (a1 * a1 - 4.0 * a2 * a0).max(0.0).sqrt();
+    let eta = if sign * a1 > 0.0 {
+        -2.0 * a0 / (a1 + root)
+    } else if a2 != 0.0 {
+        (root - a1) / (2.0 * a2)
+    } else {
+        0.0
+    };
+    let w = [b[0] + d[0] * eta, b[1] + d[1] * eta];
+    let r = [q[0] - c[0] * eta, q[1] - c[1] * eta];
+    let xi = (r[0] * w[0] + r[1] * w[1]) / (w[0] * w[0] + w[1] * w[1]);
+    // One step of Newton takes off the round-off of the quadratic formula.
+    let v = [c[0] + d[0] * xi, c[1] + d[1] * xi];
+    let rest: [f64; 2] = std::array::from_fn(|i| q[i] - b[i] * xi - c[i] * eta - d[i] * xi * eta);
+    let det = cross(w, v);
+    let step = [cross(rest, v) / det, cross(w, rest) / det];
+    if step[0].abs() + step[1].abs() < 1e-3 { [xi + step[0], eta + step[1]] } else { [xi, eta] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(x: &[[f64; 2]; 4], xi: [f64; 2]) -> [f64; 2] {
+        let n = quad4::shape(xi);
+        std::array::from_fn(|i| (0..4).map(|k| n[k] * x[k][i]).sum())
+    }
+
+    #[test]
+    fn inverse_of_a_trapezoid_and_of_its_mirror_image() {
+        let x = [[0.0, 0.0], [4.0, 0.3], [2.6, 2.0], [1.0, 1.5]];
+        let mirrored = x.map(|p| [-p[0], p[1]]);
+        for xi in [[-1.0, -1.0], [0.3, -0.7], [0.99, 1.0], [-1.1, 0.2]] {
+            for x in [x, mirrored] {
+                let back = inverse(FacetMap::Bilinear, &x, image(&x, xi));
+                assert!((back[0] - xi[0]).abs() + (back[1] - xi[1]).abs() < 1e-13, "{xi:?} {back:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn pieces_of_convex_reflex_crossed_and_reversed_images() {
+        let order = [0, 1, 2, 3];
+        let count = |x: &[[f64; 2]; 4]| split(x, order).0.iter().flatten().count();
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        assert!(!split(&square, order).1);
+        assert_eq!(count(&[[0.0, 0.0], [0.4, 0.4], [1.0, 0.0], [0.5, 1.0]]), 2);
+        assert_eq!(count(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), 1);
+        assert_eq!(count(&[[0.0, 0.0], [5.0, 1.0], [1.0, 0.0], [5.0, 3.0]]), 1);
+        assert_eq!(split(&square, [0, 3, 2, 1]).0.iter().flatten().count(), 0);
+    }
+
+    #[test]
+    fn affine_weights_are_barycentric() {
+        let map = FacetMap::Affine([1, 2, 3]);
+        for k in [1usize, 2, 3] {
+            let w = map.weights(quad4::VERTICES[k]);
+            for (j, value) in w.iter().enumerate() {
+                assert!((value - if j == k { 1.0 } else { 0.0 }).abs() < 1e-15);
+            }
+        }
+    }
+}

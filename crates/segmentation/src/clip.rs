@@ -1,0 +1,145 @@
+//! Intersection of two convex polygons in the plane with exact decisions.
+//!
+//! The master polygon is taken as shifted by the infinitesimal vector `(e, e^2)`: no corner is on a line, no edges
+//! overlap. Signs that exact arithmetic finds to be zero are those of the shifted polygon. The vertices' coordinates
+//! are those of the polygons as they are.
+
+use crate::cell::{Cell, cross, orient, sub};
+
+/// Vertex of the intersection: indices are sides and corners of the cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ClipVertex {
+    Slave(usize),
+    Master(usize),
+    Crossing { slave: usize, master: usize },
+}
+
+struct Signs {
+    /// Whether master corner `j` is on the inner side of slave side `i`.
+    master_in: [[bool; 4]; 4],
+    /// Whether slave corner `i` is on the inner side of master side `j`.
+    slave_in: [[bool; 4]; 4],
+}
+
+/// Whether `p + shift` is left of the line `a` to `b`.
+fn is_left(a: [f64; 2], b: [f64; 2], p: [f64; 2], shift_sign: f64) -> bool {
+    let o = orient(a, b, p);
+    if o != 0.0 {
+        return o > 0.0;
+    }
+    let d = sub(b, a);
+    // (b - a) x (e, e^2) = d_x e^2 - d_y e.
+    let s = if d[1] != 0.0 { -d[1] } else { d[0] };
+    s * shift_sign > 0.0
+}
+
+impl Signs {
+    fn new(s: &Cell, m: &Cell) -> Self {
+        let mut signs = Self { master_in: [[false; 4]; 4], slave_in: [[false; 4]; 4] };
+        for i in 0..s.count {
+            for j in 0..m.count {
+                let (s_next, m_next) = (s.points[(i + 1) % s.count], m.points[(j + 1) % m.count]);
+                signs.master_in[i][j] = is_left(s.points[i], s_next, m.points[j], 1.0);
+                signs.slave_in[j][i] = is_left(m.points[j], m_next, s.points[i], -1.0);
+            }
+        }
+        signs
+    }
+
+    fn crosses(&self, s: &Cell, m: &Cell, i: usize, j: usize) -> bool {
+        self.master_in[i][j] != self.master_in[i][(j + 1) % m.count]
+            && self.slave_in[j][i] != self.slave_in[j][(i + 1) % s.count]
+    }
+}
+
+/// Vertices of the intersection, counter-clockwise; returns how many there are (0, or 3 to 8).
+pub(crate) fn clip(s: &Cell, m: &Cell, out: &mut [ClipVertex; 8]) -> usize {
+    let signs = Signs::new(s, m);
+    let slave_inside = |i: usize| (0..m.count).all(|j| signs.slave_in[j][i]);
+    let master_inside = |j: usize| (0..s.count).all(|i| signs.master_in[i][j]);
+    let crossing = |i: usize, j: usize| signs.crosses(s, m, i, j);
+    let on_slave = |i: usize, not: usize| (0..m.count).find(|&j| j != not && crossing(i, j));
+    let on_master = |j: usize, not: usize| (0..s.count).find(|&i| i != not && crossing(i, j));
+    const NO: usize = usize::MAX;
+
+    let start = (0..s.count).find(|&i| slave_inside(i)).map(ClipVertex::Slave).or_else(|| {
+        (0..s.count)
+            .find_map(|i| on_slave(i, NO).map(|master| ClipVertex::Crossing { slave: i, master }))
+            .or_else(|| (0..m.count).find(|&j| master_inside(j)).map(ClipVertex::Master))
+    });
+    let Some(start) = start else { return 0 };
+
+    let along_slave = |i: usize, not: usize| match on_slave(i, not) {
+        Some(master) => ClipVertex::Crossing { slave: i, master },
+        None => ClipVertex::Slave((i + 1) % s.count),
+    };
+    let along_master = |j: usize, not: usize| match on_master(j, not) {
+        Some(slave) => ClipVertex::Crossing { slave, master: j },
+        None => ClipVertex::Master((j + 1) % m.count),
+    };
+    let mut vertex = start;
+    let mut count = 0;
+    while count < out.len() {
+        out[count] = vertex;
+        count += 1;
+        vertex = match vertex {
+            ClipVertex::Slave(i) => along_slave(i, NO),
+            ClipVertex::Master(j) => along_master(j, NO),
+            // The slave's side leaves the master here: the master's side enters the slave.
+            ClipVertex::Crossing { slave, master } if signs.slave_in[master][slave] => along_master(master, slave),
+            ClipVertex::Crossing { slave, master } => along_slave(slave, master),
+        };
+        if vertex == start {
+            return count;
+        }
+    }
+    debug_assert!(false, "the intersection of convex polygons has at most eight vertices");
+    0
+}
+
+/// Fractions along the slave's side and along the master's side at which they cross, from the side's first corner.
+///
+/// Computed from the end points in lexicographic order: the neighbour over either side gets the same point to the
+/// last bit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    /// Corners of the slave facet, in the order in which the fraction counts.
+    pub slave_corners: [u8; 2],
+    pub slave_fraction: f64,
+    pub master_corners: [u8; 2],
+    pub master_fraction: f64,
+}
+
+fn ordered(cell: &Cell, side: usize) -> ([u8; 2], [[f64; 2]; 2]) {
+    let next = (side + 1) % cell.count;
+    let (a, b) = (cell.points[side], cell.points[next]);
+    let corners = [cell.corners[side], cell.corners[next]];
+    if a[0] < b[0] || (a[0] == b[0] && a[1] <= b[1]) { (corners, [a, b]) } else { ([corners[1], corners[0]], [b, a]) }
+}
+
+fn fraction_of(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (d, r) = (sub(b, a), sub(p, a));
+    (r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])
+}
+
+pub(crate) fn crossing(s: &Cell, slave: usize, m: &Cell, master: usize) -> Crossing {
+    let (slave_corners, [a, b]) = ordered(s, slave);
+    let (master_corners, [c, d]) = ordered(m, master);
+    let (from, to) = (orient(c, d, a), orient(c, d, b));
+    // The sides cross, or touch: both are zero only if they lie on one line.
+    let raw = if from == to { 0.5 } else { from / (from - to) };
+    // Nearly parallel sides: round-off may put the point beyond the other side's ends.
+    let (u, v) = (fraction_of(c, a, b), fraction_of(d, a, b));
+    let s_fraction = if cross(sub(b, a), sub(d, c)).abs() < 1e-8 * norm(sub(b, a)) * norm(sub(d, c)) {
+        raw.max(u.min(v)).min(u.max(v)).clamp(0.0, 1.0)
+    } else {
+        raw.clamp(0.0, 1.0)
+    };
+    let p = std::array::from_fn(|i| a[i] + s_fraction * (b[i] - a[i]));
+    let master_fraction = fraction_of(p, c, d).clamp(0.0, 1.0);
+    Crossing { slave_corners, slave_fraction: s_fraction, master_corners, master_fraction }
+}
+
+fn norm(a: [f64; 2]) -> f64 {
+    a[0].hypot(a[1])
+}

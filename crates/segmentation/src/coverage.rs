@@ -1,0 +1,152 @@
+//! The invariant of coverage: segments tile what lies opposite the master, without gap and without double cover.
+
+use crate::overlap::common_area;
+use crate::{FacetSegmentation, GapRange, MasterFacet, Provenance, Segment, SegmentationError, segment_pair};
+use std::collections::BTreeMap;
+
+/// A master edge inside the slave facet that two facets should share there, but only one has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpenEdge {
+    /// Facet that has a segment at the edge.
+    pub facet: u32,
+    /// Its neighbour, which has segments too, but none that fits.
+    pub neighbour: u32,
+    /// Ends in the slave's coordinates.
+    pub ends: [[f64; 2]; 2],
+}
+
+/// What [`check_coverage`] found. Areas are parametric: the slave facet has 4.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoverageReport {
+    /// Area of the segments.
+    pub covered: f64,
+    /// `4 - covered`: overhang, and what is missing.
+    pub uncovered: f64,
+    /// Master facets that lie opposite within the range, but have no segment and are not hidden, with the area that
+    /// they would cover.
+    pub missing: Vec<(u32, f64)>,
+    /// Area covered twice (measured in the image and scaled to 4).
+    pub double: f64,
+    /// Interior edges that do not fit.
+    pub open_edges: Vec<OpenEdge>,
+}
+
+impl CoverageReport {
+    /// Uncovered area that lies opposite the master.
+    pub fn uncovered_opposite(&self) -> f64 {
+        self.missing.iter().map(|m| m.1).sum()
+    }
+
+    /// Whether the segments tile the overlap: nothing missing, no double cover, no open edge, not more than the whole
+    /// facet.
+    pub fn is_tiling(&self, tolerance: f64) -> bool {
+        self.uncovered_opposite() <= tolerance
+            && self.double <= tolerance
+            && self.open_edges.is_empty()
+            && self.uncovered >= -tolerance
+    }
+}
+
+/// Compares segments with the whole master surface.
+///
+/// `surface` has to contain every facet that may lie opposite, whatever search made the candidates: all of the
+/// surface, or a generous part. The edges of the segments are matched with each other independently of how they were
+/// made.
+///
+/// # Errors
+/// Those of [`segment_pair`].
+pub fn check_coverage(
+    found: &FacetSegmentation,
+    surface: &[MasterFacet],
+    range: GapRange,
+) -> Result<CoverageReport, SegmentationError> {
+    let covered = found.parametric_area();
+    let has = |id: u32| found.segments.iter().any(|s| s.master_facet == id);
+    let mut missing = Vec::new();
+    let mut scratch = Vec::new();
+    for facet in surface {
+        if has(facet.id) || found.hidden.iter().any(|h| h.id == facet.id) {
+            continue;
+        }
+        scratch.clear();
+        segment_pair(&found.frame, facet.id, &facet.corners, &mut scratch)?;
+        let area: f64 = scratch.iter().filter(|s| range.meets(s)).map(Segment::parametric_area).sum();
+        if area > 0.0 {
+            missing.push((facet.id, area));
+        }
+    }
+    let boxes: Vec<[[f64; 2]; 2]> = found.segments.iter().map(bounds).collect();
+    let mut double = 0.0;
+    for (i, a) in found.segments.iter().enumerate() {
+        for (j, b) in found.segments.iter().enumerate().skip(i + 1) {
+            if (0..2).all(|k| boxes[i][0][k] < boxes[j][1][k] && boxes[j][0][k] < boxes[i][1][k]) {
+                double += common_area(a, b);
+            }
+        }
+    }
+    double *= 4.0 / found.frame.image_area();
+    Ok(CoverageReport { covered, uncovered: 4.0 - covered, missing, double, open_edges: open_edges(found, surface) })
+}
+
+fn bounds(segment: &Segment) -> [[f64; 2]; 2] {
+    let mut range = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    for v in segment.vertices() {
+        for k in 0..2 {
+            range[0][k] = range[0][k].min(v.image[k]);
+            range[1][k] = range[1][k].max(v.image[k]);
+        }
+    }
+    range
+}
+
+/// The master edges of a segment's sides: side `k` runs from vertex `k` to the next.
+fn side_edge(segment: &Segment, k: usize) -> Option<u8> {
+    let v = segment.vertices();
+    let (a, b) = (v[k].provenance, v[(k + 1) % v.len()].provenance);
+    (0..4u8).find(|&edge| {
+        let on = |p: Provenance| match p {
+            Provenance::Master(c) => c == edge || c == (edge + 1) % 4,
+            Provenance::Intersection { master_edge, .. } => master_edge == edge,
+            Provenance::Slave(_) => false,
+        };
+        on(a) && on(b)
+    })
+}
+
+struct Side {
+    facet: u32,
+    ends: [[f64; 2]; 2],
+}
+
+fn open_edges(found: &FacetSegmentation, surface: &[MasterFacet]) -> Vec<OpenEdge> {
+    let nodes: BTreeMap<u32, [u32; 4]> = surface.iter().map(|f| (f.id, f.nodes)).collect();
+    let mut sides: BTreeMap<[u32; 2], Vec<Side>> = BTreeMap::new();
+    for segment in &found.segments {
+        let Some(n) = nodes.get(&segment.master_facet) else { continue };
+        let v = segment.vertices();
+        for k in 0..v.len() {
+            if let Some(edge) = side_edge(segment, k) {
+                let (a, b) = (n[edge as usize], n[(edge as usize + 1) % 4]);
+                let ends = [v[k].slave, v[(k + 1) % v.len()].slave];
+                sides.entry([a.min(b), a.max(b)]).or_default().push(Side { facet: segment.master_facet, ends });
+            }
+        }
+    }
+    let same = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).abs() + (p[1] - q[1]).abs() <= 1e-12;
+    let mut open = Vec::new();
+    for list in sides.values() {
+        for side in list {
+            let [p, q] = side.ends;
+            let other = list.iter().find(|o| o.facet != side.facet);
+            let fits = |o: &&Side| o.facet != side.facet && same(o.ends[0], q) && same(o.ends[1], p);
+            // An edge without length borders on nothing.
+            if let Some(o) = other
+                && !same(p, q)
+                && !list.iter().any(|o| fits(&o))
+            {
+                open.push(OpenEdge { facet: side.facet, neighbour: o.facet, ends: side.ends });
+            }
+        }
+    }
+    open
+}

@@ -1,0 +1,45 @@
+//! Area common to two convex polygons in floating point, for checks and for sheets one behind the other.
+
+use crate::cell::{cross, sub};
+use crate::{MAX_VERTICES, Segment};
+
+const ROOM: usize = 2 * MAX_VERTICES + 2;
+
+/// Area that the images of two segments have in common (Sutherland-Hodgman).
+pub(crate) fn common_area(a: &Segment, b: &Segment) -> f64 {
+    let mut polygon = [[0.0; 2]; ROOM];
+    let mut count = a.vertices().len();
+    for (p, v) in polygon.iter_mut().zip(a.vertices()) {
+        *p = v.image;
+    }
+    let sides = b.vertices();
+    let size = sides.iter().map(|v| sub(v.image, sides[0].image)).map(|d| d[0].hypot(d[1])).fold(0.0, f64::max);
+    for k in 0..sides.len() {
+        let (p, d) = (sides[k].image, sub(sides[(k + 1) % sides.len()].image, sides[k].image));
+        // Vertices that coincide to round-off make a side without direction.
+        if d[0].hypot(d[1]) <= 1e-10 * size {
+            continue;
+        }
+        let side = |x: [f64; 2]| cross(d, sub(x, p));
+        let (mut next, mut kept) = ([[0.0; 2]; ROOM], 0);
+        for i in 0..count {
+            let (x, y) = (polygon[i], polygon[(i + 1) % count]);
+            let (sx, sy) = (side(x), side(y));
+            if sx >= 0.0 && kept < ROOM {
+                next[kept] = x;
+                kept += 1;
+            }
+            if (sx > 0.0 && sy < 0.0 || sx < 0.0 && sy > 0.0) && kept < ROOM {
+                let f = sx / (sx - sy);
+                next[kept] = [x[0] + f * (y[0] - x[0]), x[1] + f * (y[1] - x[1])];
+                kept += 1;
+            }
+        }
+        (polygon, count) = (next, kept);
+        if count < 3 {
+            return 0.0;
+        }
+    }
+    let p = &polygon[..count];
+    (1..count - 1).map(|k| 0.5 * cross(sub(p[k], p[0]), sub(p[k + 1], p[0]))).sum::<f64>().max(0.0)
+}

@@ -1,0 +1,224 @@
+//! One pair of facets: polygons with coordinates and origin of every vertex.
+
+use crate::cell::{FacetMap, cross, inverse, split, sub};
+use crate::clip::{ClipVertex, clip, crossing};
+use crate::{SegmentationError, SlaveFrame};
+use nalgebra::Vector3;
+use stoss_reference_element::quad4::VERTICES;
+
+/// Most vertices that a segment can have: two convex quadrilaterals meet in an octagon.
+pub const MAX_VERTICES: usize = 8;
+
+/// Where a vertex comes from.
+///
+/// Edge `k < 4` of a facet runs from corner `k` to corner `(k + 1) % 4`; 4 and 5 are the diagonals 0-2 and 1-3 of a
+/// facet that had to be split.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Provenance {
+    /// A corner of the slave facet, projected on the master.
+    Slave(u8),
+    /// A corner of the master facet, projected on the slave.
+    Master(u8),
+    /// Intersection of the images of two edges.
+    Intersection {
+        /// Edge of the slave.
+        slave_edge: u8,
+        /// Edge of the master.
+        master_edge: u8,
+    },
+}
+
+/// A vertex of a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Origin.
+    pub provenance: Provenance,
+    /// Convective coordinates on the slave.
+    pub slave: [f64; 2],
+    /// Convective coordinates on the master.
+    pub master: [f64; 2],
+    /// `(x2 - x1) . n0`, a length: positive if the facets are apart.
+    pub gap: f64,
+    /// Image in the segmentation plane, two lengths.
+    pub image: [f64; 2],
+}
+
+const NO_VERTEX: Vertex =
+    Vertex { provenance: Provenance::Slave(0), slave: [0.0; 2], master: [0.0; 2], gap: 0.0, image: [0.0; 2] };
+
+/// A convex polygon in which a slave and a master facet lie opposite each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segment {
+    /// What the caller called the master facet.
+    pub master_facet: u32,
+    /// How points of the slave belong to its coordinates.
+    pub slave_map: FacetMap,
+    /// The same for the master.
+    pub master_map: FacetMap,
+    count: usize,
+    vertices: [Vertex; MAX_VERTICES],
+}
+
+/// Foot of a slave point on the master, along the normal of the segmentation plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foot {
+    /// Convective coordinates on the master; may leave `[-1, 1]` by a little inside a segment of distorted facets.
+    pub master: [f64; 2],
+    /// `(x2 - x1) . n0`, a length.
+    pub gap: f64,
+}
+
+impl Segment {
+    /// The vertices, counter-clockwise seen against the slave's normal; 3 to 8.
+    pub fn vertices(&self) -> &[Vertex] {
+        &self.vertices[..self.count]
+    }
+
+    /// Fan of triangles from the first vertex: indices into [`Segment::vertices`].
+    pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
+        (1..self.count - 1).map(|k| [0, k, k + 1])
+    }
+
+    /// Twice the signed area of a triangle in the slave's coordinates: `det d xi / d eta`.
+    ///
+    /// Negative only for slivers at edges that a distorted slave facet bends; then another segment has that much too
+    /// much.
+    pub fn triangle_determinant(&self, triangle: [usize; 3]) -> f64 {
+        let [a, b, c] = triangle.map(|v| self.vertices[v].slave);
+        cross(sub(b, a), sub(c, a))
+    }
+
+    /// Area in the slave's coordinates; the whole facet has 4.
+    pub fn parametric_area(&self) -> f64 {
+        0.5 * self.triangles().map(|t| self.triangle_determinant(t)).sum::<f64>()
+    }
+
+    /// Area of the image in the segmentation plane, an area.
+    pub fn image_area(&self) -> f64 {
+        let v = self.vertices();
+        let twice = |t: [usize; 3]| cross(sub(v[t[1]].image, v[t[0]].image), sub(v[t[2]].image, v[t[0]].image));
+        0.5 * self.triangles().map(twice).sum::<f64>()
+    }
+
+    /// Centroid in the slave's coordinates; the mean of the vertices if the area vanishes to round-off.
+    pub fn centroid(&self) -> [f64; 2] {
+        let v = self.vertices();
+        let (mut area, mut moment) = (0.0, [0.0; 2]);
+        for t in self.triangles() {
+            let det = self.triangle_determinant(t);
+            area += det;
+            for (i, m) in moment.iter_mut().enumerate() {
+                *m += det * t.iter().map(|&k| v[k].slave[i]).sum::<f64>() / 3.0;
+            }
+        }
+        if area > 1e-14 {
+            moment.map(|m| m / area)
+        } else {
+            std::array::from_fn(|i| v.iter().map(|x| x.slave[i]).sum::<f64>() / v.len() as f64)
+        }
+    }
+
+    /// Projects the slave's point at `slave` on the master facet along `n0`.
+    pub fn project(&self, frame: &SlaveFrame, master: &[Vector3<f64>; 4], slave: [f64; 2]) -> Foot {
+        let x1 = weighted(&self.slave_map.weights(slave), frame.corners());
+        let images = master.map(|x| frame.image(&x));
+        let xi = inverse(self.master_map, &images, frame.image(&x1));
+        let x2 = weighted(&self.master_map.weights(xi), master);
+        Foot { master: xi, gap: (x2 - x1).dot(&frame.normal()) }
+    }
+}
+
+pub(crate) fn weighted(weights: &[f64; 4], x: &[Vector3<f64>; 4]) -> Vector3<f64> {
+    x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2] + x[3] * weights[3]
+}
+
+fn between(corners: [u8; 2], fraction: f64) -> [f64; 2] {
+    let [a, b] = corners.map(|k| VERTICES[k as usize]);
+    std::array::from_fn(|i| a[i] + fraction * (b[i] - a[i]))
+}
+
+/// Coordinates of a point that is known to lie in the closed facet: round-off may not take it out.
+fn inside(xi: [f64; 2]) -> [f64; 2] {
+    xi.map(|x| x.clamp(-1.0, 1.0))
+}
+
+/// Segments the slave facet of `frame` against one master facet (corners counter-clockwise seen from outside of the
+/// master) and appends the segments to `out`: none if the images do not overlap or the master is seen from behind,
+/// one for images that are convex, at most four. Segments whose image has no area to round-off are left out: nothing
+/// larger than `1e-15` of the slave's image.
+///
+/// # Errors
+/// [`SegmentationError::NotFinite`].
+pub fn segment_pair(
+    frame: &SlaveFrame,
+    master_facet: u32,
+    master: &[Vector3<f64>; 4],
+    out: &mut Vec<Segment>,
+) -> Result<(), SegmentationError> {
+    if !master.iter().all(|x| x.iter().all(|c| c.is_finite())) {
+        return Err(SegmentationError::NotFinite { side: "master" });
+    }
+    let images = master.map(|x| frame.image(&x));
+    // Apart to one side: nothing to do, and the usual case.
+    for i in 0..2 {
+        let range = |p: &[[f64; 2]; 4]| {
+            p.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x[i]), b.max(x[i])))
+        };
+        let ((s0, s1), (m0, m1)) = (range(&frame.images), range(&images));
+        if s1 < m0 || m1 < s0 {
+            return Ok(());
+        }
+    }
+    // The master looks the other way: its corners run clockwise in the plane.
+    let (master_cells, _) = split(&images, [0, 3, 2, 1]);
+    for s in frame.cells.iter().flatten() {
+        for m in master_cells.iter().flatten() {
+            let mut clipped = [ClipVertex::Slave(0); MAX_VERTICES];
+            let count = clip(s, m, &mut clipped);
+            if count < 3 {
+                continue;
+            }
+            let mut segment = Segment {
+                master_facet,
+                slave_map: s.map,
+                master_map: m.map,
+                count,
+                vertices: [NO_VERTEX; MAX_VERTICES],
+            };
+            for (vertex, source) in segment.vertices.iter_mut().zip(&clipped[..count]) {
+                let (provenance, slave, master_xi) = match *source {
+                    ClipVertex::Slave(i) => {
+                        let k = s.corners[i];
+                        (Provenance::Slave(k), VERTICES[k as usize], inside(inverse(m.map, &images, s.points[i])))
+                    }
+                    ClipVertex::Master(j) => {
+                        let k = m.corners[j];
+                        let xi = inside(inverse(s.map, &frame.images, m.points[j]));
+                        (Provenance::Master(k), xi, VERTICES[k as usize])
+                    }
+                    ClipVertex::Crossing { slave: i, master: j } => {
+                        let c = crossing(s, i, m, j);
+                        (
+                            Provenance::Intersection { slave_edge: s.edge(i), master_edge: m.edge(j) },
+                            between(c.slave_corners, c.slave_fraction),
+                            between(c.master_corners, c.master_fraction),
+                        )
+                    }
+                };
+                let x1 = weighted(&s.map.weights(slave), frame.corners());
+                let x2 = weighted(&m.map.weights(master_xi), master);
+                *vertex = Vertex {
+                    provenance,
+                    slave,
+                    master: master_xi,
+                    gap: (x2 - x1).dot(&frame.normal()),
+                    image: frame.image(&x1),
+                };
+            }
+            if segment.image_area() > 1e-15 * frame.image_area() {
+                out.push(segment);
+            }
+        }
+    }
+    Ok(())
+}

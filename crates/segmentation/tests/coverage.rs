@@ -1,0 +1,210 @@
+//! A slave facet against whole master surfaces: the segments tile the facet.
+
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use stoss_segmentation::{FacetSegmentation, GapRange, MasterFacet, check_coverage, segment_facet};
+
+fn cases() -> u32 {
+    std::env::var("STOSS_FUZZ_SURFACES").ok().and_then(|s| s.parse().ok()).unwrap_or(128)
+}
+
+/// Grid of `n x n` facets over `[-r, r]^2`, outward normal down (towards a slave below it), nodes moved by `d` and
+/// lifted by `z`.
+fn surface(n: usize, r: f64, mut place: impl FnMut(usize, f64, f64) -> Vector3<f64>) -> Vec<MasterFacet> {
+    let h = 2.0 * r / n as f64;
+    let mut nodes = Vec::new();
+    for j in 0..=n {
+        for i in 0..=n {
+            nodes.push(place(nodes.len(), -r + i as f64 * h, -r + j as f64 * h));
+        }
+    }
+    let mut facets = Vec::new();
+    for j in 0..n {
+        for i in 0..n {
+            let k = j * (n + 1) + i;
+            let ids = [k, k + n + 1, k + n + 2, k + 1];
+            facets.push(MasterFacet {
+                id: facets.len() as u32,
+                nodes: ids.map(|k| k as u32),
+                corners: ids.map(|k| nodes[k]),
+            });
+        }
+    }
+    facets
+}
+
+fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
+    prop::array::uniform3(-size..size).prop_map(Vector3::from)
+}
+
+fn slave_quad() -> impl Strategy<Value = [Vector3<f64>; 4]> {
+    (prop::array::uniform4(vector(0.45)), any::<bool>()).prop_map(|(d, snap)| {
+        let c = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        std::array::from_fn(|k| {
+            let x = Vector3::new(c[k][0], c[k][1], 0.0) + d[k];
+            if snap { Vector3::new((x.x * 4.0).round() / 4.0, (x.y * 4.0).round() / 4.0, 0.0) } else { x }
+        })
+    })
+}
+
+/// How many triangles have the point, and its distance to the closest side in the slave's coordinates.
+fn cover(found: &FacetSegmentation, xi: [f64; 2]) -> (i32, f64) {
+    let (mut count, mut distance) = (0, f64::INFINITY);
+    for segment in &found.segments {
+        for t in segment.triangles() {
+            let p = t.map(|k| segment.vertices()[k].slave);
+            let side = |k: usize| {
+                let (a, b) = (p[k], p[(k + 1) % 3]);
+                let d = [b[0] - a[0], b[1] - a[1]];
+                let s = d[0] * (xi[1] - a[1]) - d[1] * (xi[0] - a[0]);
+                let length = d[0].hypot(d[1]);
+                if length == 0.0 { 0.0 } else { s / length }
+            };
+            let s = [side(0), side(1), side(2)];
+            distance = s.iter().fold(distance, |m, x| m.min(x.abs()));
+            if segment.triangle_determinant(t) > 0.0 {
+                count += i32::from(s.iter().all(|&x| x > 0.0));
+            } else {
+                count -= i32::from(s.iter().all(|&x| x < 0.0));
+            }
+        }
+    }
+    (count, distance)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(cases()))]
+
+    #[test]
+    fn a_facet_opposite_a_large_surface_is_covered_once(
+        slave in slave_quad(),
+        n in 1usize..12,
+        moves in prop::collection::vec(vector(0.25), 169),
+        snap in any::<bool>(),
+        points in prop::collection::vec(prop::array::uniform2(-1.0f64..1.0), 20),
+    ) {
+        // Nodes move by less than half a facet, so that the surface does not fold.
+        let h = 6.0 / n as f64;
+        let facets = surface(n, 3.0, |k, x, y| {
+            let d = if snap { Vector3::zeros() } else { moves[k] * h };
+            let rim = x.abs() > 2.99 || y.abs() > 2.99;
+            Vector3::new(x + if rim { 0.0 } else { d.x }, y + if rim { 0.0 } else { d.y }, 0.2 + 0.4 * d.z)
+        });
+        let found = segment_facet(slave, &facets, GapRange::ALL).unwrap();
+        let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+        // A slave that is tilted against the surface may see facets of it edge on; the surface of this test has none
+        // from behind.
+        let normal = found.frame.normal();
+        prop_assume!(facets.iter().all(|f| {
+            let c = f.corners;
+            (0..4).all(|k| (c[(k + 1) % 4] - c[k]).cross(&(c[(k + 3) % 4] - c[k])).dot(&normal) < 0.0)
+        }));
+        // Nor one that reaches over the rim in its own projection.
+        let rim = facets.iter().flat_map(|f| f.corners).filter(|x| x.x.abs().max(x.y.abs()) > 2.99);
+        let reach = rim.map(|x| { let p = found.frame.image(&x); p[0].hypot(p[1]) });
+        prop_assume!(reach.fold(f64::INFINITY, f64::min) > 2.1);
+        prop_assert!(report.uncovered.abs() < 1e-12, "{report:?}");
+        prop_assert!(report.is_tiling(1e-12), "{report:?}");
+        prop_assert!(found.hidden.is_empty());
+        for xi in points {
+            let (count, distance) = cover(&found, xi);
+            prop_assert!(distance < 1e-9 || count == 1, "{count} at {xi:?}");
+        }
+    }
+
+    #[test]
+    fn crumpled_surfaces_leave_no_gap(
+        slave in slave_quad(),
+        n in 1usize..8,
+        moves in prop::collection::vec(vector(1.0), 81),
+        snap in any::<bool>(),
+    ) {
+        // Facets reflex, crossed, from behind, folded over each other: what lies opposite is found or hidden.
+        let facets = surface(n, 2.0, |k, x, y| {
+            let p = Vector3::new(x, y, 0.0) + moves[k] * (4.0 / n as f64);
+            if snap { p.map(|c| (2.0 * c).round() / 2.0) } else { p }
+        });
+        prop_assume!(stoss_segmentation::SlaveFrame::new(slave).is_ok());
+        let found = segment_facet(slave, &facets, GapRange::ALL).unwrap();
+        let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+        prop_assert!(report.covered.is_finite() && report.double.is_finite());
+        prop_assert!(report.missing.is_empty());
+        // All that is covered more than once is reported as such.
+        let (image, whole): (f64, f64) = (found.segments.iter().map(|s| s.image_area()).sum(), found.frame.image_area());
+        prop_assert!(found.frame.is_split() || image <= whole * (1.0 + 0.25 * report.double + 1e-9), "{report:?}");
+        for v in found.segments.iter().flat_map(|s| s.vertices()) {
+            prop_assert!(v.slave.iter().chain(&v.master).all(|x| (-1.0..=1.0).contains(x)));
+        }
+    }
+}
+
+const SQUARE: [[f64; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+
+fn square() -> [Vector3<f64>; 4] {
+    SQUARE.map(Vector3::from)
+}
+
+#[test]
+fn a_facet_that_the_search_lost_is_reported_with_its_area() {
+    let facets = surface(4, 2.0, |_, x, y| Vector3::new(x, y, 0.1));
+    let lost =
+        facets.iter().position(|f| f.corners.iter().all(|c| c.x >= 0.0 && c.y >= 0.0 && c.x <= 1.0 && c.y <= 1.0));
+    let lost = lost.unwrap();
+    let candidates: Vec<_> = facets.iter().copied().filter(|f| f.id as usize != lost).collect();
+    let found = segment_facet(square(), &candidates, GapRange::ALL).unwrap();
+    let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+    assert_eq!(report.missing.len(), 1);
+    assert_eq!(report.missing[0].0 as usize, lost);
+    assert!((report.uncovered_opposite() - 1.0).abs() < 1e-14);
+    assert!(!report.is_tiling(1e-12));
+}
+
+#[test]
+fn overhang_is_uncovered_but_not_opposite() {
+    let facets = surface(3, 1.0, |_, x, y| Vector3::new(x + 1.0, y, 0.1));
+    let found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
+    let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+    assert!((report.uncovered - 2.0).abs() < 1e-14);
+    assert!(report.is_tiling(1e-14));
+}
+
+#[test]
+fn a_segment_counted_twice_is_found() {
+    let facets = surface(3, 2.0, |_, x, y| Vector3::new(x, y, 0.1));
+    let mut found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
+    let again = found.segments[0].clone();
+    let area = again.parametric_area();
+    found.segments.push(again);
+    let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+    assert!((report.double - area).abs() < 1e-13);
+    assert!(!report.is_tiling(1e-12));
+}
+
+#[test]
+fn of_two_sheets_the_near_one_stays() {
+    let mut facets = surface(3, 2.0, |_, x, y| Vector3::new(x, y, 0.5));
+    let near = surface(2, 2.0, |_, x, y| Vector3::new(x, y, -0.1));
+    facets.extend(near.into_iter().map(|f| MasterFacet { id: f.id + 100, nodes: f.nodes.map(|n| n + 100), ..f }));
+    let found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
+    assert!(found.segments.iter().all(|s| s.master_facet >= 100));
+    assert!(found.hidden.iter().all(|h| h.id < 100));
+    assert!(check_coverage(&found, &facets, GapRange::ALL).unwrap().is_tiling(1e-14));
+    let range = GapRange { min: 0.0, max: 1.0 };
+    let found = segment_facet(square(), &facets, range).unwrap();
+    assert!(found.segments.iter().all(|s| s.master_facet < 100) && found.hidden.is_empty());
+}
+
+#[test]
+fn master_much_finer_and_much_coarser() {
+    for (n, r) in [(60, 1.5), (1, 40.0), (3, 60.0)] {
+        let facets = surface(n, r, |_, x, y| Vector3::new(x + 0.013, y - 0.007, 0.1 + 0.02 * (x * y / (r * r))));
+        let found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
+        let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+        assert!(
+            report.uncovered.abs() < 1e-12 && report.is_tiling(1e-12),
+            "{n} {} {}",
+            report.uncovered,
+            report.double
+        );
+    }
+}

@@ -1,0 +1,329 @@
+//! One pair of facets against an independent clipping of polygons, degenerate pairs, and derivatives against
+//! differences.
+//!
+//! `STOSS_FUZZ_PAIRS=1000000` sets the number of random pairs.
+
+use nalgebra::{Rotation3, Vector3};
+use proptest::prelude::*;
+use stoss_segmentation::{LOCAL, Provenance, Segment, SlaveFrame, segment_pair};
+
+type Quad = [Vector3<f64>; 4];
+type P = [f64; 2];
+
+fn cases() -> u32 {
+    std::env::var("STOSS_FUZZ_PAIRS").ok().and_then(|s| s.parse().ok()).unwrap_or(256)
+}
+
+fn cross(o: P, a: P, b: P) -> f64 {
+    (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
+}
+
+/// Extent in y of a triangle at `x`.
+fn extent(t: &[P; 3], x: f64) -> (f64, f64) {
+    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+    for k in 0..3 {
+        let (a, b) = (t[k], t[(k + 1) % 3]);
+        if (a[0] - x) * (b[0] - x) < 0.0 {
+            let y = a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
+            range = (range.0.min(y), range.1.max(y));
+        }
+    }
+    range
+}
+
+/// Area of the intersection of two triangles by slabs: between the abscissae of all corners and of all intersections
+/// of sides the height of the intersection is linear in x. Nothing of the crate's way; an abscissa that round-off
+/// adds or moves does no harm.
+fn triangles_common(s: [P; 3], m: [P; 3]) -> f64 {
+    let mut cuts: Vec<f64> = s.iter().chain(&m).map(|p| p[0]).collect();
+    for i in 0..3 {
+        for j in 0..3 {
+            let (a, b, c, d) = (s[i], s[(i + 1) % 3], m[j], m[(j + 1) % 3]);
+            let (u, v) = (cross(c, d, a), cross(c, d, b));
+            if u * v < 0.0 {
+                cuts.push(a[0] + u / (u - v) * (b[0] - a[0]));
+            }
+        }
+    }
+    cuts.sort_by(f64::total_cmp);
+    let slab = |w: &[f64]| {
+        let x = 0.5 * (w[0] + w[1]);
+        let (p, q) = (extent(&s, x), extent(&m, x));
+        let height = p.1.min(q.1) - p.0.max(q.0);
+        if w[1] > w[0] && height > 0.0 { (w[1] - w[0]) * height } else { 0.0 }
+    };
+    cuts.windows(2).map(slab).sum()
+}
+
+/// Area common to two simple quadrilaterals (also reflex ones) as a sum over signed fans of triangles.
+fn quads_common(s: [P; 4], m: [P; 4]) -> f64 {
+    let fan = |q: [P; 4]| {
+        [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
+            .map(|t| if cross(t[0], t[1], t[2]) >= 0.0 { (1.0, t) } else { (-1.0, [t[0], t[2], t[1]]) })
+    };
+    let mut sum = 0.0;
+    for (a, s) in fan(s) {
+        for (b, m) in fan(m) {
+            sum += a * b * triangles_common(s, m);
+        }
+    }
+    sum
+}
+
+fn crosses_itself(q: [P; 4]) -> bool {
+    let cut = |a: P, b: P, c: P, d: P| cross(a, b, c) * cross(a, b, d) <= 0.0 && cross(c, d, a) * cross(c, d, b) <= 0.0;
+    cut(q[0], q[1], q[2], q[3]) || cut(q[1], q[2], q[3], q[0])
+}
+
+/// Images by an orthonormal frame made here, from the mean of two corner normals' sum, which has the direction of the
+/// diagonals' product.
+fn images(s: &Quad, m: &Quad) -> ([P; 4], [P; 4]) {
+    let n = (0..4).map(|k| s[k].cross(&s[(k + 1) % 4])).sum::<Vector3<f64>>().normalize();
+    let helper = if n.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
+    let t1 = n.cross(&helper).normalize();
+    let t2 = n.cross(&t1);
+    let f = |x: Vector3<f64>| [t1.dot(&(x - s[0])), t2.dot(&(x - s[0]))];
+    (s.map(f), m.map(f))
+}
+
+fn oracle(s: &Quad, m: &Quad) -> Option<(f64, f64)> {
+    let (a, b) = images(s, m);
+    let b = [b[0], b[3], b[2], b[1]];
+    let area = |q: [P; 4]| 0.5 * (cross(q[0], q[1], q[2]) + cross(q[0], q[2], q[3]));
+    if crosses_itself(a) || crosses_itself(b) {
+        return None;
+    }
+    Some((if area(b) <= 0.0 { 0.0 } else { quads_common(a, b) }, area(a)))
+}
+
+fn segments(s: &Quad, m: &Quad) -> (SlaveFrame, Vec<Segment>) {
+    let frame = SlaveFrame::new(*s).unwrap();
+    let mut out = Vec::new();
+    segment_pair(&frame, 0, m, &mut out).unwrap();
+    (frame, out)
+}
+
+fn image_area(s: &[Segment]) -> f64 {
+    s.iter().map(Segment::image_area).sum()
+}
+
+fn flat(p: [P; 4], z: f64) -> Quad {
+    p.map(|p| Vector3::new(p[0], p[1], z))
+}
+
+fn reversed(q: Quad) -> Quad {
+    [q[0], q[3], q[2], q[1]]
+}
+
+const SQUARE: [P; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
+    prop::array::uniform3(-size..size).prop_map(Vector3::from)
+}
+
+/// A square of size `scale`, its corners moved by up to `warp` of it, turned and shifted; with `lattice` half of
+/// them on a lattice of 1/2, where corners and edges coincide.
+fn quad(warp: f64, lattice: bool) -> impl Strategy<Value = Quad> {
+    (prop::array::uniform4(vector(warp)), vector(0.5), vector(1.2), 0.05f64..20.0, any::<bool>()).prop_map(
+        move |(d, tilt, shift, scale, snap)| {
+            let snap = snap && lattice;
+            let turn = Rotation3::from_scaled_axis(tilt);
+            let scale = scale.powf(0.5);
+            std::array::from_fn(|k| {
+                let x = Vector3::new(SQUARE[k][0], SQUARE[k][1], 0.0) + d[k];
+                let y = if snap { (x * scale * 2.0).map(f64::round) * 0.5 } else { turn * x * scale + shift };
+                y + Vector3::new(0.0, 0.0, if snap { 0.0 } else { shift.x })
+            })
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(cases()))]
+
+    #[test]
+    fn area_is_that_of_the_polygons(s in quad(0.8, true), m in quad(0.8, true), back in any::<bool>()) {
+        let m = if back { m } else { reversed(m) };
+        let Ok(frame) = SlaveFrame::new(s) else { return Ok(()) };
+        let mut out = Vec::new();
+        segment_pair(&frame, 0, &m, &mut out).unwrap();
+        if let Some((area, whole)) = oracle(&s, &m) {
+            prop_assert!((image_area(&out) - area).abs() <= 1e-10 * whole.max(area), "{} {area}", image_area(&out));
+        }
+        for segment in &out {
+            prop_assert!(segment.vertices().len() >= 3);
+            for v in segment.vertices() {
+                prop_assert!(v.slave.iter().chain(&v.master).all(|x| (-1.0..=1.0).contains(x)));
+                // The point of the slave lies under the point of the master.
+                let x1 = at(segment.slave_map.weights(v.slave), &s);
+                let x2 = at(segment.master_map.weights(v.master), &m);
+                let r = x2 - x1 - frame.normal() * v.gap;
+                let size = m.iter().chain(&s).map(|x| x.norm()).fold(0.0, f64::max);
+                prop_assert!(r.norm() < 1e-9 * size, "{:?} {r:?}", v.provenance);
+            }
+        }
+    }
+
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(cases().min(20_000)))]
+
+    #[test]
+    fn derivatives_are_those_of_differences(s in quad(0.25, false), m in quad(0.25, false)) {
+        if SlaveFrame::new(s).is_ok() {
+            check_derivatives(&s, &reversed(m))?;
+        }
+    }
+}
+
+fn at(w: [f64; 4], x: &Quad) -> Vector3<f64> {
+    x[0] * w[0] + x[1] * w[1] + x[2] * w[2] + x[3] * w[3]
+}
+
+fn check_derivatives(s: &Quad, m: &Quad) -> Result<(), TestCaseError> {
+    let (frame, base) = segments(s, m);
+    let h = 1e-6;
+    for segment in &base {
+        let derivative = segment.vertex_derivatives(&frame, m);
+        let centre = segment.centroid();
+        let foot = segment.project(&frame, m, centre);
+        let fixed = segment.project_derivative(&frame, m, centre, &foot, &[[0.0; LOCAL]; 2]);
+        for k in 0..LOCAL {
+            let moved = |d: f64| {
+                let (mut s, mut m) = (*s, *m);
+                if k < 12 {
+                    s[k / 3][k % 3] += d
+                } else {
+                    m[(k - 12) / 3][k % 3] += d
+                }
+                (segments(&s, &m), s, m)
+            };
+            let (((fp, plus), _, mp), ((fm, minus), _, mm)) = (moved(h), moved(-h));
+            // Same polygons, or the set of vertices changes here and there is no derivative.
+            let same = |a: &Segment| {
+                a.slave_map == segment.slave_map
+                    && a.master_map == segment.master_map
+                    && a.vertices().len() == segment.vertices().len()
+                    && a.vertices().iter().zip(segment.vertices()).all(|(x, y)| x.provenance == y.provenance)
+            };
+            let (Some(p), Some(q)) = (plus.iter().find(|a| same(a)), minus.iter().find(|a| same(a))) else { continue };
+            for (i, (vp, vm)) in p.vertices().iter().zip(q.vertices()).enumerate() {
+                for c in 0..2 {
+                    for (d, x, y) in [
+                        (derivative[i].slave[c][k], vp.slave[c], vm.slave[c]),
+                        (derivative[i].master[c][k], vp.master[c], vm.master[c]),
+                    ] {
+                        let difference = (x - y) / (2.0 * h);
+                        let size: f64 = derivative[i].slave[c]
+                            .iter()
+                            .chain(&derivative[i].master[c])
+                            .fold(1.0, |a: f64, b| a.max(b.abs()));
+                        // Curvature grows with the cube of the derivative where edges are nearly parallel.
+                        if size < 100.0 {
+                            prop_assert!(
+                                (d - difference).abs() < 1e-6 * size * size * size,
+                                "{i} {k} {d} {difference} {size}"
+                            );
+                        }
+                    }
+                }
+            }
+            let (a, b) = (p.project(&fp, &mp, centre), q.project(&fm, &mm, centre));
+            for c in 0..2 {
+                let difference = (a.master[c] - b.master[c]) / (2.0 * h);
+                let size: f64 = fixed[c].iter().fold(1.0, |a: f64, b| a.max(b.abs()));
+                prop_assert!((fixed[c][k] - difference).abs() < 1e-6 * size * size * size);
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn identical_facets_give_the_whole_facet() {
+    let s = flat(SQUARE, 0.0);
+    let (_, out) = segments(&s, &reversed(s));
+    assert_eq!(out.len(), 1);
+    assert!((out[0].parametric_area() - 4.0).abs() < 1e-14);
+    assert!((image_area(&out) - 4.0).abs() < 1e-14);
+}
+
+#[test]
+fn seen_from_behind_gives_nothing() {
+    let s = flat(SQUARE, 0.0);
+    assert!(segments(&s, &flat(SQUARE, 0.2)).1.is_empty());
+    let upright = flat(SQUARE, 0.0).map(|x| Vector3::new(x.x, 0.0, x.y));
+    assert!(segments(&s, &upright).1.is_empty());
+    assert!(segments(&s, &reversed(upright)).1.is_empty());
+}
+
+#[test]
+fn shared_edges_and_vertices_give_no_area() {
+    let s = flat(SQUARE, 0.0);
+    for shift in [[2.0, 0.0], [0.0, -2.0], [2.0, 2.0], [-2.0, 2.0], [2.0, 1.0]] {
+        let m = reversed(s.map(|x| x + Vector3::new(shift[0], shift[1], 0.0)));
+        assert_eq!(image_area(&segments(&s, &m).1), 0.0);
+    }
+}
+
+#[test]
+fn octagon_of_a_turned_square() {
+    let s = flat(SQUARE, 0.0);
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_4);
+    let (_, out) = segments(&s, &reversed(s.map(|x| turn * x)));
+    assert_eq!(out[0].vertices().len(), 8);
+    assert!(out[0].vertices().iter().all(|v| matches!(v.provenance, Provenance::Intersection { .. })));
+    // Regular octagon of inradius 1: 8 tan(pi / 8).
+    assert!((image_area(&out) - 8.0 * (std::f64::consts::PI / 8.0).tan()).abs() < 1e-14);
+}
+
+#[test]
+fn gap_is_positive_apart_and_negative_in_penetration() {
+    let s = flat(SQUARE, 0.0);
+    for (z, sign) in [(0.3, 1.0), (-0.3, -1.0)] {
+        for segment in segments(&s, &reversed(flat(SQUARE, z))).1 {
+            assert!(segment.vertices().iter().all(|v| (v.gap - sign * 0.3).abs() < 1e-15));
+        }
+    }
+}
+
+#[test]
+fn strongly_warped_and_folded_facets_are_split() {
+    // Corner 2 pulled over the diagonal: the image is reflex, two triangles.
+    let s = flat([[-1.0, -1.0], [1.0, -1.0], [-0.5, -0.5], [-1.0, 1.0]], 0.0);
+    let (frame, out) = segments(&s, &reversed(flat(SQUARE.map(|p| [3.0 * p[0], 3.0 * p[1]]), 0.1)));
+    assert!(frame.is_split());
+    assert_eq!(out.len(), 2);
+    let parametric: f64 = out.iter().map(Segment::parametric_area).sum();
+    assert!((parametric - 4.0).abs() < 1e-14);
+    assert!((image_area(&out) - frame.image_area()).abs() < 1e-14);
+}
+
+#[test]
+fn a_facet_that_touches_itself_counts_its_visible_part_once() {
+    // A triangle of area 1/8 with a side that runs out and back; whether it crosses itself is left to round-off.
+    for bend in [-1e-15, 0.0, 1e-15] {
+        let m = flat([[0.0, -0.5], [0.0, 0.5], [0.5, 0.5], [bend, 0.0]], 0.0);
+        assert!((image_area(&segments(&flat(SQUARE, 0.0), &m).1) - 0.125).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn slivers_are_kept() {
+    let s = flat(SQUARE, 0.0);
+    for width in [1e-3, 1e-6, 1e-9, 1e-12] {
+        let m = reversed(flat([[-1.0, -1.0], [1.0, -1.0], [1.0, -1.0 + width], [-1.0, -1.0 + width]], 0.0));
+        let area = 2.0 * ((-1.0 + width) + 1.0);
+        assert!((image_area(&segments(&s, &m).1) - area).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn bad_input_is_an_error() {
+    let point = [Vector3::zeros(); 4];
+    assert!(SlaveFrame::new(point).is_err());
+    let frame = SlaveFrame::new(flat(SQUARE, 0.0)).unwrap();
+    let nan = flat([[f64::NAN, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 0.0);
+    assert!(segment_pair(&frame, 0, &nan, &mut Vec::new()).is_err());
+}

@@ -1,0 +1,131 @@
+//! Mesh ties.
+
+#[cfg(feature = "mortar")]
+use super::condition::{facets, resolve};
+use super::{Placed, Problems};
+use crate::scene::Scene;
+use crate::solver::{ContactPair, Model};
+
+/// Makes the ties of a scene; moves slave nodes of the meshes and of the model where surfaces do not fit.
+///
+/// Prescribed components, and slave nodes of earlier ties, have no multipliers.
+#[cfg(feature = "mortar")]
+pub(super) fn ties(
+    scene: &Scene,
+    placed: &mut [Placed],
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) -> Vec<ContactPair> {
+    use crate::scene::{Interface as SceneInterface, Multipliers, TieForm as SceneForm};
+    use stoss_contact_mortar::tie::{Interface, MeshTie, TieForm, TieOptions};
+    use stoss_contact_mortar::{MortarError, MultiplierSpace};
+    let mut pairs: Vec<ContactPair> = Vec::new();
+    if scene.ties.is_empty() {
+        return pairs;
+    }
+    let mut fixed = vec![false; model.reference.len()];
+    for prescription in &model.prescriptions {
+        for &node in &prescription.nodes {
+            for &component in &prescription.components {
+                fixed[3 * node as usize + component as usize] = true;
+            }
+        }
+    }
+    for (t, item) in scene.ties.iter().enumerate() {
+        let key = format!("tie[{t}]");
+        let slave = resolve(scene, placed, &format!("{key}.slave"), &item.slave, problems, facets);
+        let master = resolve(scene, placed, &format!("{key}.master"), &item.master, problems, facets);
+        let (Some((body, slave)), Some((_, master))) = (slave, master) else { continue };
+        let options = TieOptions {
+            form: match item.form {
+                SceneForm::Constant => TieForm::Constant,
+                SceneForm::FrameInvariant => TieForm::FrameInvariant,
+            },
+            space: match item.multipliers {
+                Multipliers::Standard => MultiplierSpace::Standard,
+                Multipliers::Dual => MultiplierSpace::Dual,
+            },
+            interface: match item.interface {
+                SceneInterface::Move => Interface::Move,
+                SceneInterface::Keep => Interface::Keep,
+                SceneInterface::Close => Interface::Close,
+            },
+            reach: item.reach,
+            ..TieOptions::default()
+        };
+        let made = MeshTie::new(&item.label(), &slave, &master, &model.reference, |c| fixed[c], options);
+        let tie = match made {
+            Ok(tie) => tie,
+            Err(error) => {
+                let remedy = match &error {
+                    MortarError::AllFixed => "exchange slave and master, or remove the prescription or the tie",
+                    MortarError::Apart { .. } => "set `reach` to a larger distance, or move the bodies together",
+                    MortarError::Fit { .. } => "set `interface` to \"keep\" or \"close\", or exchange slave and master",
+                    MortarError::Coverage { .. } => "set `reach` to a smaller distance, or choose smaller surfaces",
+                    _ => "choose two different, not degenerate surfaces",
+                };
+                problems.add(key, item.label(), error.to_string(), remedy);
+                continue;
+            }
+        };
+        for node in tie.tied_nodes() {
+            fixed[3 * node as usize..3 * node as usize + 3].fill(true);
+        }
+        if !tie.moved().is_empty() {
+            if let Err(error) = move_nodes(scene, body, &mut placed[body], tie.moved(), model) {
+                let message = format!("the interface cannot be moved: {error}");
+                let remedy = "set `interface` to \"keep\" or \"close\", exchange slave and master, or mend the meshes";
+                problems.add(key, item.label(), message, remedy);
+                continue;
+            }
+            warnings.push(format!(
+                "{}: {} slave nodes were moved because the surfaces did not fit (largest gap {:.3e})",
+                item.label(),
+                tie.moved().len(),
+                tie.largest_initial_gap()
+            ));
+        }
+        pairs.push(ContactPair { name: item.label(), method: Box::new(tie), complementarity: 1.0 });
+    }
+    pairs
+}
+
+/// Gives nodes of a body new places, in its mesh and in the model.
+#[cfg(feature = "mortar")]
+fn move_nodes(
+    scene: &Scene,
+    body: usize,
+    placed: &mut Placed,
+    moved: &[(u32, [f64; 3])],
+    model: &mut Model,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let item = &scene.bodies[body];
+    for (node, x) in moved {
+        placed.mesh.nodes[(node - placed.first_node) as usize] = *x;
+        let at = 3 * *node as usize;
+        model.reference[at..at + 3].copy_from_slice(x);
+        if scene.is_dynamic() {
+            model.velocity[at..at + 3].copy_from_slice(&item.initial_velocity(*x));
+        }
+    }
+    placed.mesh.check()?;
+    let law = std::sync::Arc::clone(&placed.law);
+    model.bodies[body].solid = stoss_fe_solid::SolidBody::new(&item.name, &placed.mesh, placed.first_node, law)?;
+    Ok(())
+}
+
+#[cfg(not(feature = "mortar"))]
+pub(super) fn ties(
+    scene: &Scene,
+    _: &mut [Placed],
+    _: &mut Model,
+    problems: &mut Problems<'_>,
+    _: &mut Vec<String>,
+) -> Vec<ContactPair> {
+    for (t, item) in scene.ties.iter().enumerate() {
+        let message = "this build of Stoss has no mesh ties";
+        problems.add(format!("tie[{t}]"), item.label(), message, "build it with the cargo feature `mortar`");
+    }
+    Vec::new()
+}
