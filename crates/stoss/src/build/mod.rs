@@ -118,7 +118,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
     let integrator = scene.time.integrator.as_ref()?;
     match integrator.make() {
         Ok(scheme) => {
-            if !scheme.claims().constraints && !(scene.contacts.is_empty() && scene.ties.is_empty()) {
+            if !(scheme.claims().constraints || scene.contacts.is_empty() && scene.ties.is_empty()) {
                 let constrained: Vec<&str> = SCHEMES
                     .iter()
                     .filter(|entry| entry.with([]).is_ok_and(|s| s.claims().constraints))
