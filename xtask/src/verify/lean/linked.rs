@@ -17,6 +17,8 @@ pub enum Ability {
     Scenes,
     /// Node-to-surface contact.
     NodeToSurface,
+    /// Mortar integrals and mesh ties.
+    Mortar,
     /// Meshes come from files.
     MeshFiles,
     /// Folders of results are written and read.
@@ -29,7 +31,7 @@ pub enum Ability {
     Program,
 }
 
-use Ability::{Checkpoints, MeshFiles, NodeToSurface, Program, Results, Scenes, Schema, Simulate};
+use Ability::{Checkpoints, MeshFiles, Mortar, NodeToSurface, Program, Results, Scenes, Schema, Simulate};
 
 /// Crates with the abilities that they are for: all of ours, and of the others those that are for some abilities only.
 /// A crate of ours that is not listed is for nothing.
@@ -51,6 +53,8 @@ const CRATES: &[(&str, &[Ability])] = &[
     ("stoss-materials", &[Scenes]),
     ("toml", &[Scenes]),
     ("stoss-contact-nts", &[NodeToSurface]),
+    ("stoss-contact-mortar", &[Mortar]),
+    ("stoss-segmentation", &[Mortar]),
     ("stoss-mesh-io", &[MeshFiles, Results]),
     ("sha2", &[Results]),
     ("serde_json", &[Results, Schema]),
@@ -68,6 +72,7 @@ pub fn abilities(features: &[&str]) -> Vec<Ability> {
         match feature {
             "scene" => &[Scenes],
             "nts" => &[NodeToSurface],
+            "mortar" => &[Mortar],
             "mesh-files" => &[MeshFiles],
             "schema" => &[Scenes, Schema],
             "output" => &[Scenes, Results, Checkpoints],
@@ -242,7 +247,7 @@ mod tests {
 
     #[test]
     fn features_are_for_abilities_that_have_crates() {
-        let all = abilities(&["scene", "nts", "mesh-files", "output"]);
+        let all = abilities(&["scene", "nts", "mortar", "mesh-files", "output"]);
         for ability in &all {
             assert!(CRATES.iter().any(|(_, abilities)| abilities.contains(ability)), "{ability:?}");
         }

@@ -266,7 +266,12 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
 /// Features of the facade without which the scene does not run.
 pub fn features(scene: &Scene) -> Vec<&'static str> {
     let from_file = scene.bodies.iter().any(|body| matches!(body.mesh, MeshSource::File(_)));
-    let wanted = [("scene", true), ("nts", !scene.contacts.is_empty()), ("mesh-files", from_file)];
+    let wanted = [
+        ("scene", true),
+        ("nts", !scene.contacts.is_empty()),
+        ("mortar", !scene.ties.is_empty()),
+        ("mesh-files", from_file),
+    ];
     wanted.iter().filter(|(_, wanted)| *wanted).map(|(feature, _)| *feature).collect()
 }
 

@@ -21,10 +21,11 @@ pub const SETS: &[Set] = &[
     Set { name: "none", features: &[] },
     Set { name: "scene", features: &["scene"] },
     Set { name: "scene+nts", features: &["scene", "nts"] },
+    Set { name: "scene+mortar", features: &["scene", "mortar"] },
     Set { name: "mesh-files", features: &["mesh-files"] },
     // `output` of the facade implies `scene`.
     Set { name: "output", features: &["scene", "output"] },
-    Set { name: "all", features: &["scene", "nts", "mesh-files", "output", "schema"] },
+    Set { name: "all", features: &["scene", "nts", "mortar", "mesh-files", "output", "schema"] },
 ];
 
 /// Crates that no model without scenes needs.
