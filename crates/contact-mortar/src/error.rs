@@ -26,8 +26,8 @@ pub enum MortarError {
     /// A surface is not usable.
     #[error(transparent)]
     Surface(#[from] ContactError),
-    /// Segments do not tile what lies opposite the master: the master folds over itself, or the surfaces are too far apart
-    /// for their projections.
+    /// Segments do not tile what lies opposite the master: the master folds over itself, or the surfaces are too far
+    /// apart for their projections.
     #[error("{count} slave facets (first: {facet}) are not covered as the master lies opposite")]
     Coverage {
         /// Number of such facets.

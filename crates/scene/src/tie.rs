@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 named! {
     /// Form of the constraints of a tie (formulation §7.5).
     TieForm {
-        /// Gap vectors in Cartesian components: linear constraints. Rotations of the whole do no work if the interface is closed.
+        /// Gap vectors in Cartesian components: linear constraints. Rotations of the whole do no work if the
+        /// interface is closed.
         Constant = "constant",
-        /// Gap vectors in a frame that moves with the slave surface: rotations of the whole do no work whatever the gap is, and an
-        /// offset that is kept turns with the bodies.
+        /// Gap vectors in a frame that moves with the slave surface: rotations of the whole do no work whatever the
+        /// gap is, and an offset that is kept turns with the bodies.
         FrameInvariant = "frame-invariant",
     }
 }

@@ -37,9 +37,10 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Moves the slave nodes of `rows` in `q` so that their gap vectors vanish: `D dx = -g` in each component, by conjugate
-/// gradients on the normal equations. `D` is the mass matrix of a surface (or diagonal); scaled by its diagonal it has a
-/// condition of about ten on any mesh, so some tens of iterations give all digits, without a factorisation.
+/// Moves the slave nodes of `rows` in `q` so that their gap vectors vanish: `D dx = -g` in each component, by
+/// conjugate gradients on the normal equations. `D` is the mass matrix of a surface (or diagonal); scaled by its
+/// diagonal it has a condition of about ten on any mesh, so some tens of iterations give all digits, without a
+/// factorisation.
 ///
 /// # Errors
 /// [`MortarError::Fit`].

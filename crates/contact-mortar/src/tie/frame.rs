@@ -38,8 +38,9 @@ pub(super) struct Response {
 }
 
 impl NodeFrame {
-    /// Frame of local node `local` of the slave at reference positions `q`. `T_1`, `T_2` are orthonormal and normal to
-    /// the node's normal; `b_a` is the mean over the facets around of `F T_a`, `F` the facet's surface gradient there.
+    /// Frame of local node `local` of the slave at reference positions `q`. `T_1`, `T_2` are orthonormal and normal
+    /// to the node's normal; `b_a` is the mean over the facets around of `F T_a`, `F` the facet's surface gradient
+    /// there.
     pub fn new(slave: &ContactSurface, local: usize, row: &ConstraintRow, q: &[f64]) -> Self {
         let mut entries: Vec<(u32, [f64; 2], [f64; 3])> =
             row.entries.iter().map(|e| (e.node, [0.0; 2], e.coefficients)).collect();
@@ -180,9 +181,9 @@ pub(super) fn response(z0: &Stage, z1: &Stage, lambda: &[f64], rule: ContactRule
     Some(out)
 }
 
-/// Discrete gradient of `Phi_3` in the manner of formulation §8.3: the director `d = b_1 x b_2` counts as a vector of its
-/// own with the constraints `d . b_1 = d . b_2 = 0` and `(d . d - (b_1 . b_1) (b_2 . b_2) + (b_1 . b_2)^2) / 2 = 0`, all
-/// of them at most quadratic in scalar products; `d` and their multipliers `mu` are eliminated.
+/// Discrete gradient of `Phi_3` in the manner of formulation §8.3: the director `d = b_1 x b_2` counts as a vector
+/// of its own with the constraints `d . b_1 = d . b_2 = 0` and `(d . d - (b_1 . b_1) (b_2 . b_2) + (b_1 . b_2)^2) /
+/// 2 = 0`, all of them at most quadratic in scalar products; `d` and their multipliers `mu` are eliminated.
 struct Director {
     b: [Vector3<f64>; 2],
     d: Vector3<f64>,

@@ -1,31 +1,33 @@
 //! Mesh tying: two surfaces that stay together for good (formulation §7.4-7.5).
 //!
-//! The surfaces are segmented once, in the reference configuration; the integrals are constants of the run. Every slave
-//! node `A` has a gap vector
+//! The surfaces are segmented once, in the reference configuration; the integrals are constants of the run. Every
+//! slave node `A` has a gap vector
 //!
 //! `g_A = sum_J D_AJ q_J - sum_K M_AK q_K` [volume]
 //!
-//! and a vector of multipliers, the traction that the master exerts on the slave. They are slots that are always active
-//! ([`stoss_contact::ContactMethod::is_permanent`]), up to three a node.
+//! and a vector of multipliers, the traction that the master exerts on the slave. They are slots that are always
+//! active ([`stoss_contact::ContactMethod::is_permanent`]), up to three a node.
 //!
 //! # Forms
-//! * [`TieForm::Constant`] (thesis (4.97)): `g_A = c_A` in Cartesian components. The gradient is constant, every scheme
-//!   conserves energy and linear momentum. The moment of the tie forces is `sum g_A x lambda_A`: zero for a closed
-//!   interface; a kept offset keeps its direction in space, so a rotation of the whole strains the bodies.
-//! * [`TieForm::FrameInvariant`] (after thesis (4.98)): `Phi_Aa = b_Aa . g_A = c_Aa` with the base vectors of a frame at
-//!   the slave node, `b_A1`, `b_A2` tangents of the slave's surface, `b_A3 = b_A1 x b_A2`. With the variation of the base
-//!   vectors forces have neither resultant nor moment for any gap, and an offset turns with the bodies.
+//! * [`TieForm::Constant`] (thesis (4.97)): `g_A = c_A` in Cartesian components. The gradient is constant: under
+//!   every scheme the tie does no work and has no resultant. The moment of its forces is `sum g_A x lambda_A`: zero
+//!   for a closed interface; a kept offset keeps its direction in space, so a rotation of the whole strains the bodies.
+//! * [`TieForm::FrameInvariant`] (after thesis (4.98)): `Phi_Aa = b_Aa . g_A = c_Aa` with the base vectors of a
+//!   frame at the slave node, `b_A1`, `b_A2` tangents of the slave's surface, `b_A3 = b_A1 x b_A2`. With the
+//!   variation of the base vectors forces have neither resultant nor moment for any gap, and an offset turns with
+//!   the bodies.
 //!
-//! Thesis (4.98) takes components along the base vectors of every segment and adds them up over the segments, which needs
-//! facets whose local axes agree, and parallelograms for the patch test. Here the frame belongs to the node (choice): the
-//! mean over the facets around it of the images of two fixed reference directions, linear in the positions and without
-//! regard to the facets' numbering. Both forms are then the same equations wherever `g_A = 0` is asked for.
+//! Thesis (4.98) takes components along the base vectors of every segment and adds them up over the segments, which
+//! needs facets whose local axes agree, and parallelograms for the patch test. Here the frame belongs to the node
+//! (choice): the mean over the facets around it of the images of two fixed reference directions, linear in the
+//! positions and without regard to the facets' numbering. Both forms are then the same equations wherever `g_A = 0`
+//! is asked for.
 //!
 //! # Supports and crosspoints
-//! A component of a slave node that is fixed from elsewhere (prescribed, or tied already) has no multiplier: its function
-//! goes to the neighbours in equal parts, so that the functions of what is left still add up to one and uniform stress
-//! passes. A node with a fixed component has the spatial axes as its frame. A slave node whose support is covered by less
-//! than `1e-8` has no multiplier either.
+//! A component of a slave node that is fixed from elsewhere (prescribed, or tied already) has no multiplier: its
+//! function goes to the neighbours in equal parts, so that the functions of what is left still add up to one and
+//! uniform stress passes. A node with a fixed component has the spatial axes as its frame. A slave node whose
+//! support is covered by less than `1e-8` has no multiplier either.
 
 mod fit;
 mod frame;
@@ -48,8 +50,8 @@ pub enum TieForm {
     FrameInvariant,
 }
 
-/// What happens to an interface whose surfaces do not fit in the reference configuration, for instance two polyhedra of
-/// the same cylinder.
+/// What happens to an interface whose surfaces do not fit in the reference configuration, for instance two polyhedra
+/// of the same cylinder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interface {
     /// The slave nodes of the interface are moved before the run so that the gap vectors vanish: no initial stress.
@@ -80,7 +82,8 @@ pub struct TieOptions {
 /// smaller than that of the one before by about the offset over an edge length.
 const PASSES: usize = 4;
 
-/// Offsets below this share of an edge length are round-off: nothing is moved, and the target of the constraint is zero.
+/// Offsets below this share of an edge length are round-off: nothing is moved, and the target of the constraint is
+/// zero.
 const CLOSED: f64 = 1e-12;
 
 /// Two tied surfaces.
@@ -108,11 +111,12 @@ struct TiedNode {
 }
 
 impl MeshTie {
-    /// Ties two surfaces (facets in global node numbers, outward numbering) with the reference positions of all nodes.
+    /// Ties two surfaces (facets in global node numbers, outward numbering) with the reference positions of all
+    /// nodes.
     ///
     /// `is_fixed` tells of a component (`3 * node + i`) whether its motion is given by something else. With
-    /// [`Interface::Move`] the positions in [`MeshTie::moved`] have to replace those of the reference before the bodies
-    /// are integrated.
+    /// [`Interface::Move`] the positions in [`MeshTie::moved`] have to replace those of the reference before the
+    /// bodies are integrated.
     ///
     /// # Errors
     /// [`MortarError::Surface`], [`MortarError::Segmentation`], [`MortarError::Range`], [`MortarError::Coverage`],
@@ -202,7 +206,8 @@ impl MeshTie {
         &self.moved
     }
 
-    /// Largest gap vector of the meshes as they were given, divided by the integral of its multiplier function: a length.
+    /// Largest gap vector of the meshes as they were given, divided by the integral of its multiplier function: a
+    /// length.
     pub fn largest_initial_gap(&self) -> f64 {
         self.largest_gap
     }
@@ -217,8 +222,8 @@ impl MeshTie {
         self.nodes.iter().map(|n| n.row.node)
     }
 
-    /// Traction that the master exerts on the slave at each of [`MeshTie::tied_nodes`] for the multipliers of all slots
-    /// at positions `q`. Nodal values of `sum_A phi_A t_A`.
+    /// Traction that the master exerts on the slave at each of [`MeshTie::tied_nodes`] for the multipliers of all
+    /// slots at positions `q`. Nodal values of `sum_A phi_A t_A`.
     pub fn tractions(&self, q: &[f64], multipliers: &[f64]) -> Vec<[f64; 3]> {
         self.nodes.iter().map(|node| node.traction(q, multipliers)).collect()
     }

@@ -51,8 +51,8 @@ impl ConstraintRow {
     }
 }
 
-/// Rows of all slave nodes that keep a multiplier. The functions of fixed components go to the kept ones around in equal
-/// parts.
+/// Rows of all slave nodes that keep a multiplier. The functions of fixed components go to the kept ones around in
+/// equal parts.
 pub(super) fn constraint_rows(
     slave: &ContactSurface,
     master: &ContactSurface,
