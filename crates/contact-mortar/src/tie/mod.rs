@@ -3,7 +3,7 @@
 //! The surfaces are segmented once, in the reference configuration; the integrals are constants of the run. Every
 //! slave node `A` has a gap vector
 //!
-//! `g_A = sum_J D_AJ q_J - sum_K M_AK q_K` [volume]
+//! `g_A = sum_J D_AJ q_J - sum_K M_AK q_K` (a volume)
 //!
 //! and a vector of multipliers, the traction that the master exerts on the slave. They are slots that are always
 //! active ([`stoss_contact::ContactMethod::is_permanent`]), up to three a node.
