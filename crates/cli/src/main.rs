@@ -5,11 +5,13 @@
 
 mod diagnostics;
 mod progress;
+mod terminal;
 
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use stoss::run::{RunError, RunOptions};
+use terminal::{say, tell};
 
 /// Large-deformation contact elastodynamics.
 #[derive(Parser)]
@@ -56,17 +58,14 @@ fn main() -> ExitCode {
             if let Some(threads) = threads
                 && let Err(error) = stoss::run::set_threads(usize::from(threads))
             {
-                eprintln!("error: {error}");
+                say!("error: {error}");
                 return ExitCode::from(1);
             }
             let out = out.unwrap_or_else(|| default_folder(&scene));
             run(&scene, RunOptions { out, until, resume, ..RunOptions::default() }, quiet)
         }
         Command::Check { scene } => check(&scene),
-        Command::Schema => {
-            println!("{}", stoss::scene::json_schema());
-            ExitCode::SUCCESS
-        }
+        Command::Schema => tell(&stoss::scene::json_schema()),
     }
 }
 
@@ -88,17 +87,17 @@ fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
             ExitCode::from(2)
         }
         Err(error @ (RunError::Option(_) | RunError::Encoding { .. })) => {
-            eprintln!("error: {error}");
+            say!("error: {error}");
             ExitCode::from(2)
         }
         Err(error @ RunError::Simulation { .. }) => {
             progress.abandon();
-            eprintln!("error: {error}");
+            say!("error: {error}");
             ExitCode::from(3)
         }
         Err(error) => {
             progress.abandon();
-            eprintln!("error: {error}");
+            say!("error: {error}");
             ExitCode::from(1)
         }
     }
@@ -106,20 +105,17 @@ fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
 
 fn check(path: &Path) -> ExitCode {
     match stoss::run::check_scene(path) {
-        Ok(plan) => {
-            println!("{plan}");
-            ExitCode::SUCCESS
-        }
+        Ok(plan) => tell(&plan.to_string()),
         Err(RunError::Scene(problems)) => {
             diagnostics::print(path, &problems);
             ExitCode::from(2)
         }
         Err(error @ RunError::Encoding { .. }) => {
-            eprintln!("error: {error}");
+            say!("error: {error}");
             ExitCode::from(2)
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            say!("error: {error}");
             ExitCode::from(1)
         }
     }

@@ -1,5 +1,6 @@
 //! Progress: a bar on a terminal, otherwise one line a step.
 
+use crate::terminal::say;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use stoss::run::{Event, Summary};
@@ -25,7 +26,7 @@ impl Progress {
         match event {
             Event::Start { title, out, end, step, resumed } => {
                 let verb = if *resumed { "resuming" } else { "running" };
-                eprintln!("{verb} \"{title}\" to t = {end} in steps of {step}, results in {}", out.display());
+                say!("{verb} \"{title}\" to t = {end} in steps of {step}, results in {}", out.display());
                 if self.terminal {
                     let bar = ProgressBar::new(1000);
                     if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3}% {msg} [{elapsed} < {eta}]")
@@ -46,17 +47,17 @@ impl Progress {
                         bar.set_position((1000.0 * record.time / end).clamp(0.0, 1000.0) as u64);
                         bar.set_message(line);
                     }
-                    None => eprintln!("{line}  energy {:.10e}", record.balance.total()),
+                    None => say!("{line}  energy {:.10e}", record.balance.total()),
                 }
                 for decision in &record.decisions {
                     let text = format!("  {:?} at t = {}: {}", decision.kind, decision.time, decision.reason);
                     match &self.bar {
                         Some(bar) => bar.println(text),
-                        None => eprintln!("{text}"),
+                        None => say!("{text}"),
                     }
                 }
             }
-            Event::Warning(text) => eprintln!("warning: {text}"),
+            Event::Warning(text) => say!("warning: {text}"),
             _ => {}
         }
     }
@@ -65,7 +66,7 @@ impl Progress {
     pub fn finish(&mut self, summary: &Summary) {
         self.abandon();
         if !self.quiet {
-            eprintln!("{summary}");
+            say!("{summary}");
         }
     }
 

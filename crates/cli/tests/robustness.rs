@@ -478,3 +478,25 @@ fn schema_is_json() {
         assert!(!schema["properties"][table].is_null(), "{table} is not in the schema");
     }
 }
+
+/// `stoss schema | head -1`: the reader goes away before everything is written.
+#[test]
+fn a_closed_pipe_is_no_panic() {
+    for closed in ["stdout", "stderr"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stoss"));
+        if closed == "stdout" {
+            command.arg("schema")
+        } else {
+            command.args(["check", "no-such-scene.toml"])
+        };
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        if closed == "stdout" {
+            drop(child.stdout.take())
+        } else {
+            drop(child.stderr.take())
+        };
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(if closed == "stdout" { 0 } else { 1 }), "{output:?}");
+    }
+}
