@@ -3,44 +3,13 @@
 mod support;
 
 use stoss::solver::{Simulation, StepRecord};
-use support::{drift, simulation};
+use support::{drift, simulation, two_blocks};
 
 const FRICTION: &str = r#"friction = { law = "coulomb", mu = 0.5, penalty = 1e4 }"#;
 
 /// Formulation §13.2 (thesis, table 6.2); `contact`: the keys of the contact after its surfaces.
 fn impact(scheme: &str, step: f64, end: f64, contact: &str) -> Simulation {
-    simulation(&format!(
-        r#"
-[scene]
-title = "two blocks"
-kind = "dynamic"
-[time]
-end = {end:?}
-step = {step:?}
-integrator = {{ scheme = "{scheme}" }}
-[[body]]
-name = "upper"
-mesh = {{ generator = "block", min = [-0.5, -1.0, 1.1], max = [0.5, 0.0, 2.1], divisions = [1, 1, 1] }}
-material = {{ law = "neo-hooke", lambda = 1298.1, mu = 865.3846 }}
-density = 1000.0
-velocity = [0.0, 0.1, -0.04]
-[[body]]
-name = "lower"
-material = {{ law = "neo-hooke", lambda = 1298.1, mu = 865.3846 }}
-density = 1000.0
-[body.mesh]
-generator = "hexahedron"
-divisions = [1, 1, 1]
-corners = [
-    [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.2, 1.0, 0.0], [-1.5, 1.5, 0.0],
-    [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.2, 1.0, 1.0], [-1.5, 1.5, 1.0],
-]
-[[contact]]
-slave = "upper.bottom"
-master = "lower.top"
-{contact}
-"#
-    ))
+    simulation(&two_blocks(scheme, step, end, [0.0; 3], contact))
 }
 
 /// A block of 2 x 2 x 1 elements that slides over the facets of a deformable plate on which it lies; the plate is warped by its weight.

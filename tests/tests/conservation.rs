@@ -4,42 +4,10 @@ mod support;
 
 use support::{drift, simulation, simulation_in};
 
-/// Two hexahedra of the thesis's Table 6.2 (formulation §13.2), frictionless; the upper one is moved so that it is about to touch.
+/// The two blocks, frictionless; the upper one is moved so that it is about to touch.
 fn two_blocks(scheme: &str, constraint: &str, end: f64) -> String {
-    format!(
-        r#"
-[scene]
-title = "two blocks"
-kind = "dynamic"
-[time]
-end = {end:?}
-step = 0.1
-integrator = {{ scheme = "{scheme}" }}
-[[body]]
-name = "upper"
-mesh = {{ generator = "block", min = [-0.5, -1.0, 1.1], max = [0.5, 0.0, 2.1], divisions = [1, 1, 1] }}
-position = [0.0, 0.25, -0.0985]
-material = {{ law = "neo-hooke", lambda = 1298.1, mu = 865.3846 }}
-density = 1000.0
-velocity = [0.0, 0.1, -0.04]
-[[body]]
-name = "lower"
-material = {{ law = "neo-hooke", lambda = 1298.1, mu = 865.3846 }}
-density = 1000.0
-[body.mesh]
-generator = "hexahedron"
-divisions = [1, 1, 1]
-corners = [
-    [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.2, 1.0, 0.0], [-1.5, 1.5, 0.0],
-    [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.2, 1.0, 1.0], [-1.5, 1.5, 1.0],
-]
-[[contact]]
-method = "nts"
-slave = "upper.bottom"
-master = "lower.top"
-constraint = "{constraint}"
-"#
-    )
+    let contact = format!("method = \"nts\"\nconstraint = \"{constraint}\"");
+    support::two_blocks(scheme, 0.1, end, [0.0, 0.25, -0.0985], &contact)
 }
 
 /// What a run did: balances of all states, and how many nodes closed in each step.

@@ -409,8 +409,8 @@ impl System {
         for ((equations, active), &width) in self.slot_equation.iter().zip(active).zip(&self.slot_width) {
             for (&first, _) in equations.iter().zip(active).filter(|&(&first, &active)| first != NONE && !active) {
                 for equation in first..first + width {
-                    // The diagonal is always in the pattern.
-                    let position = self.pattern.position(equation, equation).unwrap_or_default();
+                    let missing = LinalgError::EntryNotInPattern { stencil: 0, row: equation, column: equation };
+                    let position = self.pattern.position(equation, equation).ok_or(missing)?;
                     self.inactive_diagonal.push(position as u32);
                 }
             }

@@ -15,6 +15,45 @@ pub fn simulation(text: &str) -> Simulation {
     simulation_in(text, Path::new("."))
 }
 
+/// Scene of the two hexahedra of the thesis's Table 6.2 (formulation §13.2): the upper one falls on the lower one and slides on it. `moved` is
+/// added to the position of the upper one; `contact` are the keys of the contact but for its surfaces.
+#[allow(dead_code, reason = "each test binary uses a part")]
+pub fn two_blocks(scheme: &str, step: f64, end: f64, moved: [f64; 3], contact: &str) -> String {
+    format!(
+        r#"
+[scene]
+title = "two blocks"
+kind = "dynamic"
+[time]
+end = {end:?}
+step = {step:?}
+integrator = {{ scheme = "{scheme}" }}
+[[body]]
+name = "upper"
+mesh = {{ generator = "block", min = [-0.5, -1.0, 1.1], max = [0.5, 0.0, 2.1], divisions = [1, 1, 1] }}
+position = {moved:?}
+material = {{ law = "neo-hooke", lambda = 1298.1, mu = 865.3846 }}
+density = 1000.0
+velocity = [0.0, 0.1, -0.04]
+[[body]]
+name = "lower"
+material = {{ law = "neo-hooke", lambda = 1298.1, mu = 865.3846 }}
+density = 1000.0
+[body.mesh]
+generator = "hexahedron"
+divisions = [1, 1, 1]
+corners = [
+    [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.2, 1.0, 0.0], [-1.5, 1.5, 0.0],
+    [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.2, 1.0, 1.0], [-1.5, 1.5, 1.0],
+]
+[[contact]]
+slave = "upper.bottom"
+master = "lower.top"
+{contact}
+"#
+    )
+}
+
 /// Largest distance of `values` from the first one, divided by the largest norm.
 #[allow(dead_code, reason = "each test binary uses a part")]
 pub fn drift(values: &[[f64; 3]]) -> f64 {
