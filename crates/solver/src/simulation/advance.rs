@@ -155,6 +155,9 @@ impl Simulation {
         // instance, an element may be inverted although it is not at the midpoint.
         let strain = self.strain_energy(&attempt.iterate.q)?;
         let inside_out = self.inside_out(&attempt.iterate.q)?;
+        for pair in &self.model.contacts {
+            pair.method.verify()?;
+        }
         let contact = self.contact_summary(&attempt, rule)?;
         let work = self.contact_work(&attempt.iterate)?;
         let next = self.next_state(&attempt.iterate, dt, rule)?;
