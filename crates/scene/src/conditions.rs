@@ -11,6 +11,41 @@ named! {
         /// Node-to-surface: every slave node against the master's facets. The form follows the scheme: with `energy-momentum`
         /// the energy-momentum element (formulation §6), otherwise the direct one (§4).
         Nts = "nts",
+        /// Mortar: weighted gaps and pressures on the overlap of the facets (formulation §8.1); with `energy-momentum` its
+        /// energy-momentum element (§8.3). Frictionless.
+        Mortar = "mortar",
+    }
+}
+
+named! {
+    /// Functions of the pressures of mortar contact.
+    Multipliers {
+        /// The shape functions of the slave surface.
+        Standard = "standard",
+        /// Functions biorthogonal to them: every slave node has a weighted gap of its own.
+        Dual = "dual",
+    }
+}
+
+named! {
+    /// Gauss points of the triangles that mortar integrals are made of.
+    Quadrature {
+        /// 4 points, degree 3, one weight negative.
+        FourPoint = "four-point",
+        /// 7 points, degree 5.
+        SevenPoint = "seven-point",
+        /// 12 points, degree 6.
+        TwelvePoint = "twelve-point",
+    }
+}
+
+named! {
+    /// Normals of the weighted gaps of mortar contact.
+    Normals {
+        /// At every slave node the mean of the facets around it.
+        Averaged = "averaged",
+        /// Every slave facet its own. The energy-momentum element always has these.
+        Facet = "facet",
     }
 }
 
@@ -112,7 +147,16 @@ pub struct Contact {
     /// Standard or modified constraint.
     #[serde(default = "Contact::default_constraint")]
     pub constraint: Constraint,
-    /// Friction; none if left out. With the standard constraint only.
+    /// Pressures of `mortar`; `standard` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub multipliers: Option<Multipliers>,
+    /// Gauss points of `mortar`; `seven-point` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quadrature: Option<Quadrature>,
+    /// Normals of `mortar`; `averaged` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normals: Option<Normals>,
+    /// Friction; none if left out. With the standard constraint of `nts` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
 }

@@ -28,7 +28,7 @@ mod source;
 
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Load, LoadKind, PlaneRegion, Prescribe, Series,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Load, LoadKind, Multipliers, Normals, PlaneRegion, Prescribe, Quadrature, Series,
     SetDefinition, Table, split_set,
 };
 pub use friction::{

@@ -5,6 +5,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `nts` | node-to-surface contact ([`contact_nts`]) |
+//! | `mortar` | mortar contact ([`contact_mortar`]) |
 //! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
 //! | `mesh-files` | Gmsh and Abaqus readers |
 //! | `output` | folders of results, and [`run`], which the program `stoss` is a thin layer over |
@@ -13,6 +14,8 @@
 //! [`solver::Simulation`] did.
 
 pub use stoss_contact as contact;
+#[cfg(feature = "mortar")]
+pub use stoss_contact_mortar as contact_mortar;
 #[cfg(feature = "nts")]
 pub use stoss_contact_nts as contact_nts;
 pub use stoss_continuum as continuum;

@@ -6,8 +6,8 @@ use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Kind, Load, LoadKind, PlaneRegion, Prescribe, Series,
-    SetDefinition, split_set,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Kind, Load, LoadKind, Multipliers, Normals, PlaneRegion,
+    Prescribe, Quadrature, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -95,10 +95,29 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
     });
     let friction = table.optional("friction", |n| {
         let friction = friction(n)?;
+        if method == Some(ContactMethod::Mortar) {
+            return n.fail("is not available with mortar", "remove it, or set method = \"nts\"");
+        }
         if constraint == Some(Constraint::Modified) {
             return n.fail("needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
         }
         Some(friction)
+    });
+    let mortar_only = |n: &Node<'_>| match method {
+        Some(ContactMethod::Nts) => n.fail("is for mortar contact only", "remove it, or set method = \"mortar\""),
+        _ => Some(()),
+    };
+    let multipliers = table.optional("multipliers", |n| {
+        mortar_only(n)?;
+        n.choice(Multipliers::NAMES, Multipliers::from_name)
+    });
+    let quadrature = table.optional("quadrature", |n| {
+        mortar_only(n)?;
+        n.choice(Quadrature::NAMES, Quadrature::from_name)
+    });
+    let normals = table.optional("normals", |n| {
+        mortar_only(n)?;
+        n.choice(Normals::NAMES, Normals::from_name)
     });
     table.finish();
     let (slave, master) = (slave?, master?);
@@ -111,7 +130,17 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
             "choose the surface of another body; contact of a body with itself is not available",
         );
     }
-    Some(Contact { name: name?, method: method?, slave, master, constraint: constraint?, friction: friction? })
+    Some(Contact {
+        name: name?,
+        method: method?,
+        slave,
+        master,
+        constraint: constraint?,
+        multipliers: multipliers?,
+        quadrature: quadrature?,
+        normals: normals?,
+        friction: friction?,
+    })
 }
 
 /// A constant or a table with `columns` values.

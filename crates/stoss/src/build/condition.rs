@@ -182,7 +182,7 @@ fn load_kind(
 #[cfg(feature = "nts")]
 const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
 
-#[cfg(feature = "nts")]
+#[cfg(any(feature = "nts", feature = "mortar"))]
 pub(super) fn contacts(
     scene: &Scene,
     placed: &[Placed],
@@ -190,10 +190,7 @@ pub(super) fn contacts(
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) {
-    use crate::scene::Constraint;
-    use crate::solver::ContactPair;
-    use stoss_contact::ContactMethod;
-    use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+    use crate::scene::ContactMethod;
     let mut seen: Vec<(Vec<[u32; 4]>, Vec<[u32; 4]>, String)> = Vec::new();
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
@@ -212,19 +209,89 @@ pub(super) fn contacts(
             problems.add(key, item.label(), message, "remove the contact, or free one of the surfaces");
             continue;
         }
-        let constraint = match item.constraint {
-            Constraint::Standard => ConstraintForm::Standard,
-            Constraint::Modified => ConstraintForm::Modified,
-        };
-        let options = NodeToSurfaceOptions { constraint, ..NodeToSurfaceOptions::default() };
-        let mut method = match NodeToSurface::new(&item.label(), &slave, &master, &model.reference, options) {
+        let pair = PairInput { scene, placed, key, item, bodies: [slave_body, master_body], facets: [&slave, &master] };
+        match item.method {
+            #[cfg(feature = "nts")]
+            ContactMethod::Nts => node_to_surface(pair, model, problems, warnings),
+            #[cfg(feature = "mortar")]
+            ContactMethod::Mortar => super::mortar::contact(&pair, model, problems, warnings),
+            #[allow(unreachable_patterns, reason = "which methods are built in depends on the features")]
+            _ => not_built_in(pair.key, item, problems),
+        }
+    }
+}
+
+/// One contact of a scene, its surfaces found.
+#[cfg(any(feature = "nts", feature = "mortar"))]
+pub(super) struct PairInput<'a> {
+    pub scene: &'a Scene,
+    pub placed: &'a [Placed],
+    pub key: String,
+    pub item: &'a crate::scene::Contact,
+    /// Slave and master.
+    pub bodies: [usize; 2],
+    pub facets: [&'a [[u32; 4]]; 2],
+}
+
+fn not_built_in(key: String, item: &crate::scene::Contact, problems: &mut Problems<'_>) {
+    let name = item.method.name();
+    let message = format!("this build of Stoss has no contact method `{name}`");
+    problems.add(format!("{key}.method"), name, message, format!("build it with the cargo feature `{name}`"));
+}
+
+#[cfg(feature = "nts")]
+fn node_to_surface(
+    pair: PairInput<'_>,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) {
+    use crate::scene::Constraint;
+    use crate::solver::ContactPair;
+    use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+    let constraint = match pair.item.constraint {
+        Constraint::Standard => ConstraintForm::Standard,
+        Constraint::Modified => ConstraintForm::Modified,
+    };
+    let options = NodeToSurfaceOptions { constraint, ..NodeToSurfaceOptions::default() };
+    let [slave, master] = pair.facets;
+    let mut method = match NodeToSurface::new(&pair.item.label(), slave, master, &model.reference, options) {
+        Ok(method) => method,
+        Err(error) => return pair.refused(&error, problems),
+    };
+    let complementarity = pair.prepare(&mut method, model, problems, warnings);
+    if let Some(friction) = &pair.item.friction {
+        let stiffness = DEFAULT_TANGENTIAL_STIFFNESS * complementarity;
+        let friction = super::friction::friction(pair.scene, &pair.key, friction, stiffness, problems);
+        let Some(friction) = friction else { return };
+        method = match method.with_friction(friction) {
             Ok(method) => method,
             Err(error) => {
-                let remedy = "choose two different, not degenerate surfaces of different bodies";
-                problems.add(key, item.label(), error.to_string(), remedy);
-                continue;
+                let key = format!("{}.friction", pair.key);
+                return problems.add(key, "", error.to_string(), "use the standard constraint");
             }
         };
+    }
+    model.contacts.push(ContactPair { name: pair.item.label(), method: Box::new(method), complementarity });
+}
+
+#[cfg(any(feature = "nts", feature = "mortar"))]
+impl PairInput<'_> {
+    /// Tells that the method cannot be made of these surfaces.
+    pub fn refused(&self, error: &stoss_contact::ContactError, problems: &mut Problems<'_>) {
+        let remedy = "choose two different, not degenerate surfaces of different bodies";
+        problems.add(self.key.clone(), self.item.label(), error.to_string(), remedy);
+    }
+
+    /// Looks at the initial gaps; returns the factor of the complementarity function.
+    pub fn prepare(
+        &self,
+        method: &mut dyn stoss_contact::ContactMethod,
+        model: &Model,
+        problems: &mut Problems<'_>,
+        warnings: &mut Vec<String>,
+    ) -> f64 {
+        let Self { scene, placed, key, item, bodies, .. } = self;
         match method.report(&model.reference) {
             Ok(reports) => {
                 let tolerance = 1.0e-9 * method.length_scale();
@@ -240,7 +307,6 @@ pub(super) fn contacts(
             }
             Err(error) => problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces"),
         }
-        let bodies = [slave_body, master_body];
         warnings.extend(overlap(&item.label(), bodies.map(|b| (&scene.bodies[b].name, &placed[b].mesh))));
         // The first frame shows the gaps of the nodes that are in reach, as later ones do.
         let speed = model.velocity.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
@@ -253,25 +319,12 @@ pub(super) fn contacts(
             .map(|b| model.bodies[b].solid.law().small_strain_moduli().young_modulus())
             .into_iter()
             .fold(f64::INFINITY, f64::min);
-        let complementarity = young / method.length_scale();
-        if let Some(friction) = &item.friction {
-            let stiffness = DEFAULT_TANGENTIAL_STIFFNESS * complementarity;
-            let friction = super::friction::friction(scene, &key, friction, stiffness, problems);
-            let Some(friction) = friction else { continue };
-            method = match method.with_friction(friction) {
-                Ok(method) => method,
-                Err(error) => {
-                    problems.add(format!("{key}.friction"), "", error.to_string(), "use the standard constraint");
-                    continue;
-                }
-            };
-        }
-        model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
+        young / method.length_scale()
     }
 }
 
 /// A warning if two bodies lie in each other: what is deeper behind a surface than the search looks has no partner there.
-#[cfg(feature = "nts")]
+#[cfg(any(feature = "nts", feature = "mortar"))]
 fn overlap(label: &str, [(slave, slave_mesh), (master, master_mesh)]: [(&String, &Mesh); 2]) -> Option<String> {
     use super::overlap::Locator;
     let in_master = Locator::new(master_mesh).centres_of(slave_mesh);
@@ -286,7 +339,7 @@ fn overlap(label: &str, [(slave, slave_mesh), (master, master_mesh)]: [(&String,
 }
 
 /// True if all components of all nodes of a surface are prescribed.
-#[cfg(feature = "nts")]
+#[cfg(any(feature = "nts", feature = "mortar"))]
 fn is_prescribed(model: &Model, facets: &[[u32; 4]]) -> bool {
     let mut prescribed = std::collections::BTreeSet::new();
     for prescription in &model.prescriptions {
@@ -297,15 +350,9 @@ fn is_prescribed(model: &Model, facets: &[[u32; 4]]) -> bool {
     facets.iter().flatten().all(|&node| (0..3).all(|component| prescribed.contains(&(node, component))))
 }
 
-#[cfg(not(feature = "nts"))]
+#[cfg(not(any(feature = "nts", feature = "mortar")))]
 pub(super) fn contacts(scene: &Scene, _: &[Placed], _: &mut Model, problems: &mut Problems<'_>, _: &mut Vec<String>) {
     for (c, item) in scene.contacts.iter().enumerate() {
-        let message = "this build of Stoss has no contact methods";
-        problems.add(
-            format!("contact[{c}].method"),
-            item.method.name(),
-            message,
-            "build it with the cargo feature `nts`",
-        );
+        not_built_in(format!("contact[{c}]"), item, problems);
     }
 }

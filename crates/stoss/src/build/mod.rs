@@ -6,7 +6,9 @@ mod condition;
 #[cfg(feature = "nts")]
 mod friction;
 mod law;
-#[cfg(feature = "nts")]
+#[cfg(feature = "mortar")]
+mod mortar;
+#[cfg(any(feature = "nts", feature = "mortar"))]
 mod overlap;
 mod probe;
 
