@@ -28,8 +28,8 @@ mod source;
 
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Load, LoadKind, Multipliers, Normals, PlaneRegion, Prescribe, Quadrature, Series,
-    SetDefinition, Table, split_set,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Load, LoadKind, Multipliers, Normals, PlaneRegion,
+    Prescribe, Quadrature, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, RegularisedFriction, StaticDynamicFriction, Stick, Sticking,

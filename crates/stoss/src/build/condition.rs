@@ -240,12 +240,7 @@ fn not_built_in(key: String, item: &crate::scene::Contact, problems: &mut Proble
 }
 
 #[cfg(feature = "nts")]
-fn node_to_surface(
-    pair: PairInput<'_>,
-    model: &mut Model,
-    problems: &mut Problems<'_>,
-    warnings: &mut Vec<String>,
-) {
+fn node_to_surface(pair: PairInput<'_>, model: &mut Model, problems: &mut Problems<'_>, warnings: &mut Vec<String>) {
     use crate::scene::Constraint;
     use crate::solver::ContactPair;
     use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
