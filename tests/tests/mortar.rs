@@ -168,7 +168,8 @@ fn check_patch(name: &str, p: &Patch<'_>) {
     assert!(uneven < 1e-10, "{name}: {uneven:e}");
     // The dead load on the deformed area.
     assert!((mean[2] * stretch * stretch + p.pressure).abs() < 1e-9 * p.pressure, "{name}: {mean:?}");
-    assert!((stretch - 1.0).abs() > 1e-3, "{name}: no finite strain");
+    let height = position(&simulation, [0.0, 0.0, 2.0])[2] / 2.0;
+    assert!(height < 0.98, "{name}: no finite strain");
 }
 
 #[test]
@@ -200,8 +201,11 @@ fn flat_and_inclined_patches_are_uniform() {
 
 #[test]
 fn node_to_surface_fails_the_patch() {
-    for (lower, divisions, slope) in [(1.0, [4, 3], 0.0), (1.0, [4, 3], 1.0), (2.0, [5, 3], 0.0)] {
-        let (_, material, pressure) = LAWS[1];
+    // On the inclined interface it does not even converge at the pressure of the mortar test.
+    for (lower, divisions, slope, pressure) in
+        [(1.0, [4, 3], 0.0, 200.0), (1.0, [4, 3], 1.0, 20.0), (2.0, [5, 3], 0.0, 200.0)]
+    {
+        let material = LAWS[1].1;
         let contact = "method = \"nts\"";
         let p = Patch { material, pressure, contact, lower, divisions, slope, upper_is_slave: true };
         let mut simulation = simulation(&patch(&p));
