@@ -1,4 +1,4 @@
-//! Mortar integrals between segmented contact surfaces (formulation §7.1-7.3).
+//! Mortar integrals between segmented contact surfaces, and contact (formulation §7.1-7.4, §8.1, §8.3).
 //!
 //! # API
 //! ```text
@@ -28,25 +28,36 @@
 //! [`tie::MeshTie`] joins two surfaces for good: a `ContactMethod` of `stoss-contact` with permanent constraints.
 //!
 //! # What it is not
-//! No contact yet, no global system. Reference or current coordinates: whatever `q` holds.
+//! No friction, no global system. Integrals in reference or current coordinates: whatever `q` holds.
+//!
+//! # Contact
+//! [`MortarContact`] is the frictionless contact method: weighted gaps `Phi_A = n_A . (D_AJ x1_J - M_AK x2_K)` with
+//! complementary nodal pressures, integrals that move with the iterate in statics and stay those of `q_n` in the steps of
+//! dynamics, an energy-momentum element with directors.
 
 mod derivatives;
 mod error;
 mod integrals;
+mod kernel;
 mod matrices;
+mod method;
 mod multiplier;
 mod points;
+mod slot;
 mod surfaces;
 pub mod tie;
+mod weights;
 
 pub use derivatives::{PairDerivatives, pair_derivatives};
 pub use error::MortarError;
 pub use integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 pub use matrices::MortarMatrices;
+pub use method::{MortarContact, MortarOptions, WeightedConstraint};
 pub use multiplier::{MultiplierBasis, MultiplierSpace};
 pub use points::{
     PointMap, PointVariation, Quadrature, QuadraturePoint, for_each_point, for_each_point_with_derivatives,
 };
+pub use slot::NormalField;
 pub use stoss_reference_element::triangle::TriangleRule;
 pub use stoss_segmentation as segmentation;
 pub use surfaces::{CheckExtent, CoverageFault, SurfaceCoverage, SurfaceSegmentation, segment_surfaces};

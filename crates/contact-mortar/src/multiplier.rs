@@ -64,6 +64,11 @@ impl MultiplierBasis {
         Self { coefficients: rows(&c), lumped: false, diagonal: true, inverse_mass }
     }
 
+    /// Whether `D` is diagonal: dual or lumped.
+    pub fn is_diagonal(&self) -> bool {
+        self.diagonal
+    }
+
     /// `phi_A` at a point with shape functions `shape`.
     pub fn values(&self, shape: &[f64; 4]) -> [f64; 4] {
         self.coefficients.map(|c| (0..4).map(|i| c[i] * shape[i]).sum())

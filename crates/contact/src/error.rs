@@ -97,6 +97,35 @@ pub enum ContactError {
         /// Global slave node.
         node: u32,
     },
+    /// Surfaces cannot be segmented.
+    #[error("segmentation failed: {reason}")]
+    Segmentation {
+        /// What is wrong.
+        reason: String,
+    },
+    /// The normals of the facets around a slave node cancel.
+    #[error("the slave surface folds up at node {node}: it has no normal there")]
+    NoNormal {
+        /// Global slave node.
+        node: u32,
+    },
+    /// Segments do not tile the overlap of the surfaces.
+    #[error(
+        "segments of {faults} slave facets do not tile what lies opposite; the first is facet {facet} (uncovered {uncovered:e}, \
+         covered twice {double:e}, {open_edges} edges that do not fit)"
+    )]
+    Coverage {
+        /// Number of slave facets.
+        faults: usize,
+        /// The first of them, local number.
+        facet: u32,
+        /// Its uncovered area that lies opposite the master.
+        uncovered: f64,
+        /// Its area that is covered twice.
+        double: f64,
+        /// Interior edges that do not fit.
+        open_edges: usize,
+    },
     /// History bytes do not fit.
     #[error("contact history does not fit this model: {reason}")]
     History {

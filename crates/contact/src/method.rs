@@ -124,7 +124,7 @@ pub struct ContactWork {
 ///
 /// # Protocol
 /// `begin_step(q_n)` once for every attempted step (it may be repeated with another step size); then any number of
-/// `assemble`, `complementarity_gap`, `repair`, `augment`; `q_n` never changes in between. There is no undo: `begin_step` forgets
+/// `renew`, `assemble`, `complementarity_gaps`, `repair`, `augment`; `q_n` never changes in between. There is no undo: `begin_step` forgets
 /// what an attempt left. `commit` makes the end of an accepted step the history of the next; `save_history` and `load_history` carry it over.
 /// `set_rule` comes before `begin_step`, `work` before `commit`.
 ///
@@ -146,6 +146,11 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the
     /// master in the step (candidates farther away need no pairing).
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
+    /// Renews what follows the iterate by itself, for instance integrals over moving overlaps; called before every `assemble` with its
+    /// `q_np1`. Returns whether the stencils of active slots changed. `want_tangent` tells whether derivatives will be needed.
+    fn renew(&mut self, _q_np1: &[f64], _active: &[bool], _want_tangent: bool) -> Result<bool, ContactError> {
+        Ok(false)
+    }
     /// Nodes and slots of every active contribution, in the order in which `assemble` visits them.
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32]));
     /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin_step`. A hint: the
@@ -215,6 +220,10 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     /// Energy stored and dissipated by the step from `q_n` that ends at `q_np1`.
     fn work(&self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<ContactWork, ContactError> {
         Ok(ContactWork::default())
+    }
+    /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
+    fn verify(&self) -> Result<(), ContactError> {
+        Ok(())
     }
     /// Gap, normal and feature of every slot at a configuration, for output and probes.
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;

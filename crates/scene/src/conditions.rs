@@ -2,6 +2,7 @@
 
 use crate::Friction;
 use crate::names::named;
+use crate::tie::Multipliers;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,6 +16,9 @@ named! {
         /// Node-to-surface by coordinate augmentation (formulation §5): the foot's coordinates are unknowns of each contact. Statics, backward Euler,
         /// generalised-alpha, midpoint; with `energy-momentum` the solids conserve energy, the contact is that of the midpoint rule.
         Cat = "cat",
+        /// Mortar: weighted gaps and pressures on the overlap of the facets (formulation §8.1); with `energy-momentum` its
+        /// energy-momentum element (§8.3). Frictionless.
+        Mortar = "mortar",
     }
 }
 
@@ -27,6 +31,28 @@ named! {
         First = "first",
         /// Multipliers and coordinates: the size of the direct form.
         Second = "second",
+    }
+}
+
+named! {
+    /// Gauss points of the triangles that mortar integrals are made of.
+    Quadrature {
+        /// 4 points, degree 3, one weight negative.
+        FourPoint = "four-point",
+        /// 7 points, degree 5.
+        SevenPoint = "seven-point",
+        /// 12 points, degree 6.
+        TwelvePoint = "twelve-point",
+    }
+}
+
+named! {
+    /// Normals of the weighted gaps of mortar contact.
+    Normals {
+        /// At every slave node the mean of the facets around it.
+        Averaged = "averaged",
+        /// Every slave facet its own. The energy-momentum element always has these.
+        Facet = "facet",
     }
 }
 
@@ -65,7 +91,7 @@ impl Enforcement {
     /// Names of the variants.
     pub const NAMES: &'static [&'static str] = &["multiplier", "penalty", "augmented"];
 
-    fn is_multiplier(&self) -> bool {
+    pub(crate) fn is_multiplier(&self) -> bool {
         *self == Self::Multiplier
     }
 }
@@ -175,7 +201,16 @@ pub struct Contact {
     /// same.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_gap_slope: bool,
-    /// Friction; none if left out. With the standard constraint only.
+    /// Pressures of `mortar`; `standard` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub multipliers: Option<Multipliers>,
+    /// Gauss points of `mortar`; `seven-point` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quadrature: Option<Quadrature>,
+    /// Normals of `mortar`; `averaged` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normals: Option<Normals>,
+    /// Friction; none if left out. With the standard constraint only, not with `mortar`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
 }

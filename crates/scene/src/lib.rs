@@ -30,8 +30,8 @@ mod tie;
 
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Load, LoadKind, PlaneRegion, Prescribe,
-    Reduction, Series, SetDefinition, Table, split_set,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Load, LoadKind, Normals, PlaneRegion,
+    Prescribe, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, RegularisedFriction, StaticDynamicFriction, Stick, Sticking,

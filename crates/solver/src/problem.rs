@@ -16,7 +16,7 @@ const SMALLEST_RESOLVED_MOTION: f64 = 1.0e-4;
 
 /// One step as a problem for Newton's method.
 pub(crate) struct StepProblem<'a> {
-    pub model: &'a Model,
+    pub model: &'a mut Model,
     pub system: &'a mut System,
     pub step: Step<'a>,
     pub iterate: &'a mut Iterate,
@@ -34,6 +34,7 @@ const DIFFERENCE: f64 = 1.0e-5;
 impl StepProblem<'_> {
     /// Fills residual, and matrix values if asked; returns norms of forces. (The constraints' violation is `system.gap_measure`.)
     fn evaluate(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
+        self.renew_contacts(want_tangent)?;
         let Self { model, system, step, iterate, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
         let Iterate { pressures, auxiliaries, active, .. } = &**iterate;
@@ -61,6 +62,18 @@ impl StepProblem<'_> {
             sum += r * r;
         }
         Ok(ResidualNorms { residual: sum.sqrt(), scale })
+    }
+
+    /// Lets contact methods follow the iterate, and the pattern follow them.
+    fn renew_contacts(&mut self, want_tangent: bool) -> Result<(), StepError> {
+        let mut changed = false;
+        for (pair, active) in self.model.contacts.iter_mut().zip(&self.iterate.active) {
+            changed |= pair.method.renew(&self.iterate.q, active, want_tangent)?;
+        }
+        if changed {
+            self.system.renew_pattern(self.model, &self.iterate.active)?;
+        }
+        Ok(())
     }
 
     fn measured(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {

@@ -5,7 +5,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `nts` | node-to-surface contact ([`contact_nts`]) |
-//! | `mortar` | mortar integrals and mesh ties ([`contact_mortar`]) |
+//! | `mortar` | mortar contact and mesh ties ([`contact_mortar`]) |
 //! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
 //! | `mesh-files` | Gmsh and Abaqus readers |
 //! | `output` | folders of results, and [`run`], which the program `stoss` is a thin layer over |

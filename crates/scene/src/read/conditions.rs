@@ -6,8 +6,8 @@ use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Kind, Load, LoadKind, PlaneRegion,
-    Prescribe, Reduction, Series, SetDefinition, split_set,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Kind, Load, LoadKind, Multipliers, Normals,
+    PlaneRegion, Prescribe, Quadrature, Reduction, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -95,6 +95,9 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
     });
     let enforcement = table.default("enforcement", Enforcement::Multiplier, |n| {
         let enforcement = enforcement(n)?;
+        if method == Some(ContactMethod::Mortar) && !enforcement.is_multiplier() {
+            return n.fail("is not available with mortar, whose pressures are multipliers", "remove it");
+        }
         if matches!(enforcement, Enforcement::Penalty(_)) && constraint == Some(Constraint::Modified) {
             return n.fail("a penalty needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
         }
@@ -102,13 +105,16 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
     });
     let friction = table.optional("friction", |n| {
         let friction = friction(n)?;
+        if method == Some(ContactMethod::Mortar) {
+            return n.fail("is not available with mortar", "remove it, or set method = \"nts\"");
+        }
         if constraint == Some(Constraint::Modified) {
             return n.fail("needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
         }
         Some(friction)
     });
     let of_cat = |n: &Node<'_>| {
-        if method == Some(ContactMethod::Nts) {
+        if matches!(method, Some(ContactMethod::Nts | ContactMethod::Mortar)) {
             return n.fail("is an option of the method `cat`", "remove it, or write method = \"cat\"");
         }
         Some(())
@@ -124,6 +130,24 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         })
     };
     let (drop_gap_term, drop_gap_slope) = (flag("drop_gap_term"), flag("drop_gap_slope"));
+    let mortar_only = |n: &Node<'_>| match method {
+        Some(ContactMethod::Nts | ContactMethod::Cat) => {
+            n.fail("is for mortar contact only", "remove it, or set method = \"mortar\"")
+        }
+        _ => Some(()),
+    };
+    let multipliers = table.optional("multipliers", |n| {
+        mortar_only(n)?;
+        n.choice(Multipliers::NAMES, Multipliers::from_name)
+    });
+    let quadrature = table.optional("quadrature", |n| {
+        mortar_only(n)?;
+        n.choice(Quadrature::NAMES, Quadrature::from_name)
+    });
+    let normals = table.optional("normals", |n| {
+        mortar_only(n)?;
+        n.choice(Normals::NAMES, Normals::from_name)
+    });
     table.finish();
     let (slave, master) = (slave?, master?);
     if let (Some((s, _)), Some((m, _))) = (split_set(&slave), split_set(&master))
@@ -146,6 +170,9 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         reduction: reduction?,
         drop_gap_term: drop_gap_term?,
         drop_gap_slope: drop_gap_slope?,
+        multipliers: multipliers?,
+        quadrature: quadrature?,
+        normals: normals?,
         friction: friction?,
     })
 }

@@ -161,6 +161,9 @@ impl Simulation {
         {
             return Err(error);
         }
+        for pair in &self.model.contacts {
+            pair.method.verify()?;
+        }
         let contact = self.contact_summary(&attempt, rule)?;
         let work = self.contact_work(&attempt.iterate)?;
         let next = self.next_state(&attempt.iterate, dt, rule)?;

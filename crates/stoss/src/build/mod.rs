@@ -3,13 +3,24 @@
 
 mod body;
 mod condition;
+#[cfg(any(feature = "nts", feature = "mortar"))]
+mod contact;
 #[cfg(feature = "nts")]
 mod friction;
 mod law;
+#[cfg(feature = "mortar")]
+mod mortar;
 #[cfg(feature = "nts")]
+mod nts;
+#[cfg(any(feature = "nts", feature = "mortar"))]
 mod overlap;
 mod probe;
 mod tie;
+
+#[cfg(not(any(feature = "nts", feature = "mortar")))]
+use condition::contacts;
+#[cfg(any(feature = "nts", feature = "mortar"))]
+use contact::contacts;
 
 pub use law::{LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use probe::{Probe, ProbeTarget};
@@ -91,7 +102,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         condition::prescriptions(scene, &placed, &mut model, &mut problems);
         let ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         condition::loads(scene, &placed, &mut model, &mut problems);
-        condition::contacts(scene, &placed, &mut model, &mut problems, &mut warnings);
+        contacts(scene, &placed, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties);
         probes = probe::probes(scene, &placed, &mut problems);
     }

@@ -1,0 +1,371 @@
+//! Frictionless mortar contact as a contact method.
+
+use crate::segment_surfaces;
+use crate::slot::{NormalField, Slot, Work};
+use crate::weights::{FacetWeights, Measure, facet_weights};
+use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
+use stoss_contact::{
+    ContactError, ContactMethod, ContactRule, ContactSurface, LocalContribution, SlotReport, StepConfiguration,
+};
+use stoss_segmentation::GapRange;
+
+/// What is kept zero while a node is closed (formulation §9.3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WeightedConstraint {
+    /// `Phi_np1 = 0`.
+    #[default]
+    Standard,
+    /// `Phi_np1 = Phi_n`, both with the integrals of the step: energy is exact, nodes float and bounce. Not with
+    /// [`ContactRule::EndPoint`].
+    Modified,
+}
+
+/// Options of the method.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MortarOptions {
+    /// Multiplier space of the pressures.
+    pub space: MultiplierSpace,
+    /// Rule and map of the integrals.
+    pub quadrature: Quadrature,
+    /// Normals of the weighted gaps.
+    pub normals: NormalField,
+    /// Constraint while closed.
+    pub constraint: WeightedConstraint,
+}
+
+/// How deep a facet may be behind the master and still be opposite to it, in lengths of facets. What lies deeper is
+/// another part of the body.
+const DEPTH: f64 = 4.0;
+/// How much farther than the step's reach facets are looked for, in lengths of facets.
+const MARGIN: f64 = 2.0;
+
+/// Integrals at one configuration.
+#[derive(Clone, Debug)]
+struct Integrated {
+    segments: SurfaceSegmentation,
+    slots: Vec<Slot>,
+}
+
+/// Slave surface against master surface with one pressure (traction) a slave node and weighted gaps (formulation §8.1).
+///
+/// Under [`ContactRule::EndPoint`] segmentation and integrals are renewed at every iterate, and the tangent has their
+/// derivatives and those of the normals: Newton converges quadratically as long as no vertex of a segment passes an
+/// edge. Under every other rule they are those of `q_n` for the whole step; then the force of every rule is the gradient
+/// of the weighted gap, so that it has neither resultant nor moment for any gap, and under
+/// [`ContactRule::EnergyMomentum`] its work is the change of the weighted gaps (formulation §8.3; one director a slave
+/// facet instead of one a segment, choice).
+///
+/// A node of which a part of the support is not covered keeps the weighted gap of the rest; below 1e-8 of its reference
+/// area it is out of contact. A slave node with prescribed motion beside free ones gets no multiplier
+/// ([`MortarContact::with_crosspoints`]).
+#[derive(Clone, Debug)]
+pub struct MortarContact {
+    name: String,
+    slave: ContactSurface,
+    master: ContactSurface,
+    options: MortarOptions,
+    /// Slave nodes without a multiplier, by local number.
+    without: Vec<bool>,
+    rule: ContactRule,
+    range: GapRange,
+    /// Positions that the integrals belong to; empty before the first step.
+    at: Vec<f64>,
+    integrated: Option<Integrated>,
+    /// Slots whose derivatives are there.
+    derivatives: Vec<bool>,
+    /// Weighted gap at `q_n` with the integrals of the step over the support, a length each.
+    gap_n: Vec<f64>,
+}
+
+fn segmentation_error(error: &MortarError) -> ContactError {
+    ContactError::Segmentation { reason: error.to_string() }
+}
+
+impl MortarContact {
+    /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`).
+    ///
+    /// # Errors
+    /// Empty or degenerate surfaces, shared nodes.
+    pub fn new(
+        name: &str,
+        slave_facets: &[[u32; 4]],
+        master_facets: &[[u32; 4]],
+        reference: &[f64],
+        options: MortarOptions,
+    ) -> Result<Self, ContactError> {
+        let slave = ContactSurface::new("slave", slave_facets, reference)?;
+        let master = ContactSurface::new("master", master_facets, reference)?;
+        slave.check_disjoint(&master)?;
+        let count = slave.nodes().len();
+        let mut method = Self {
+            name: name.to_owned(),
+            without: vec![false; count],
+            rule: ContactRule::EndPoint,
+            range: GapRange::ALL,
+            at: Vec::new(),
+            integrated: None,
+            derivatives: vec![false; count],
+            gap_n: vec![0.0; count],
+            slave,
+            master,
+            options,
+        };
+        method.range = method.range_for(0.0);
+        Ok(method)
+    }
+
+    /// Takes the multipliers of crosspoints away: slave nodes of which `is_fixed` says that all components are prescribed,
+    /// on facets that have free nodes too. Their functions go to the other nodes of the facet. A surface that is
+    /// prescribed as a whole (a rigid tool) keeps its multipliers.
+    #[must_use]
+    pub fn with_crosspoints(mut self, is_fixed: impl Fn(u32) -> bool) -> Self {
+        let fixed: Vec<bool> = self.slave.nodes().iter().map(|&n| is_fixed(n)).collect();
+        for node in 0..fixed.len() {
+            let mut beside = self.slave.facets_around(node).iter().flat_map(|&f| self.slave.local_facets()[f as usize]);
+            self.without[node] = fixed[node] && beside.any(|other| !fixed[other as usize]);
+        }
+        // A facet must keep a function to hand the others to.
+        for facet in self.slave.local_facets() {
+            if facet.iter().all(|&n| self.without[n as usize]) {
+                facet.iter().for_each(|&n| self.without[n as usize] = false);
+            }
+        }
+        self
+    }
+
+    /// The slave surface.
+    pub fn slave(&self) -> &ContactSurface {
+        &self.slave
+    }
+
+    /// The master surface.
+    pub fn master(&self) -> &ContactSurface {
+        &self.master
+    }
+
+    /// Segments that the present integrals belong to; `None` before the first step.
+    pub fn segments(&self) -> Option<&SurfaceSegmentation> {
+        self.integrated.as_ref().map(|i| &i.segments)
+    }
+
+    /// Covered part `int phi_A dA` of every slot, an area.
+    pub fn supports(&self) -> Vec<f64> {
+        self.integrated.iter().flat_map(|i| &i.slots).map(|s| s.support).collect()
+    }
+
+    /// Coverage of the present segments; `None` before the first step.
+    ///
+    /// # Errors
+    /// Facets that cannot be segmented.
+    pub fn coverage(&self) -> Result<Option<SurfaceCoverage>, MortarError> {
+        let present = self.integrated.as_ref();
+        present.map(|i| i.segments.check(&self.master, &self.at, CheckExtent::Neighbours)).transpose()
+    }
+
+    fn range_for(&self, reach: f64) -> GapRange {
+        let h = self.slave.length_scale().max(self.master.length_scale());
+        GapRange { min: -DEPTH * h, max: reach + MARGIN * h }
+    }
+
+    fn moves_integrals(&self) -> bool {
+        self.rule == ContactRule::EndPoint && self.options.constraint == WeightedConstraint::Standard
+    }
+
+    fn directors(&self) -> bool {
+        self.rule == ContactRule::EnergyMomentum
+    }
+
+    /// Segments and integrals at `q`. `active`: slots that need derivatives. `old`: slots whose nodes stay.
+    fn integrate(
+        &self,
+        q: &[f64],
+        active: &[bool],
+        old: &[Slot],
+        measure: Measure,
+    ) -> Result<Integrated, ContactError> {
+        let segments =
+            segment_surfaces(&self.slave, &self.master, q, self.range).map_err(|e| segmentation_error(&e))?;
+        let Self { slave, master, options, .. } = self;
+        let facets: Vec<Option<FacetWeights>> = segments
+            .facets
+            .iter()
+            .zip(slave.local_facets())
+            .map(|(found, nodes)| {
+                let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
+                let without = nodes.map(|n| self.without[n as usize]);
+                let (space, rule) = (options.space, options.quadrature);
+                let corners = |f| master.patch(f, q).corners;
+                (!found.segments.is_empty())
+                    .then(|| facet_weights(found, corners, space, rule, measure, without, wanted))
+            })
+            .collect();
+        let normals = if measure == Measure::Parametric { NormalField::Facet } else { options.normals };
+        let slots = (0..slave.nodes().len())
+            .map(|s| Slot::gather(s, [slave, master], &facets, normals, old.get(s).map_or(&[], |s| &s.nodes)))
+            .collect();
+        Ok(Integrated { segments, slots })
+    }
+
+    fn slots(&self) -> &[Slot] {
+        self.integrated.as_ref().map_or(&[], |i| &i.slots)
+    }
+}
+
+impl ContactMethod for MortarContact {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn slot_count(&self) -> usize {
+        self.without.len()
+    }
+
+    fn slot_weight(&self, slot: usize) -> f64 {
+        self.slave.nodal_areas()[slot]
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.slave.length_scale()
+    }
+
+    fn set_rule(&mut self, rule: ContactRule, _step_size: f64) {
+        self.rule = rule;
+    }
+
+    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
+        self.range = self.range_for(reach);
+        let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
+        let new = self.integrate(q_n, &[], &[], measure)?;
+        let (directors, mut work) = (self.directors(), Work::default());
+        for (gap, slot) in self.gap_n.iter_mut().zip(&new.slots) {
+            *gap = slot.gap(q_n, directors, &mut work).map_or(f64::INFINITY, |g| g / slot.support);
+        }
+        self.integrated = Some(new);
+        self.derivatives.fill(false);
+        self.at.clear();
+        self.at.extend_from_slice(q_n);
+        Ok(())
+    }
+
+    fn renew(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<bool, ContactError> {
+        if !self.moves_integrals() {
+            return Ok(false);
+        }
+        let enough = !want_tangent || active.iter().zip(&self.derivatives).all(|(a, d)| *d || !*a);
+        if enough && self.at == q_np1 {
+            return Ok(false);
+        }
+        let wanted: &[bool] = if want_tangent { active } else { &[] };
+        let new = self.integrate(q_np1, wanted, self.slots(), Measure::Area)?;
+        let pairs = new.slots.iter().zip(self.slots()).zip(active);
+        let changed = pairs.filter(|(_, a)| **a).any(|((new, old), _)| new.nodes.len() != old.nodes.len());
+        self.integrated = Some(new);
+        self.derivatives.fill(false);
+        if want_tangent {
+            self.derivatives.copy_from_slice(active);
+        }
+        self.at.clear();
+        self.at.extend_from_slice(q_np1);
+        Ok(changed)
+    }
+
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for (k, slot) in self.slots().iter().enumerate().filter(|(k, _)| active[*k]) {
+            visit(&slot.nodes, &[k as u32]);
+        }
+    }
+
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let mut out = LocalContribution::default();
+        let mut work = Work::default();
+        for (k, slot) in self.slots().iter().enumerate().filter(|(k, _)| active[*k]) {
+            out.slots.clear();
+            out.slots.push(k as u32);
+            out.nodes.clear();
+            out.nodes.extend_from_slice(&slot.nodes);
+            out.reset(want_tangent);
+            if slot.support <= 0.0 {
+                // The row `-A p = 0` keeps the system regular until the slot opens.
+                let (n, weight) = (3 * slot.nodes.len(), self.slot_weight(k));
+                out.residual[n] = -weight * pressures[k];
+                if want_tangent {
+                    out.tangent[n * (n + 1) + n] = -weight;
+                }
+            } else {
+                let reference = match self.options.constraint {
+                    WeightedConstraint::Modified if self.gap_n[k].is_finite() => self.gap_n[k] * slot.support,
+                    _ => 0.0,
+                };
+                if !slot.contribute(step, pressures[k], reference, want_tangent, &mut work, &mut out) {
+                    return Err(ContactError::NoNormal { node: slot.nodes[0] });
+                }
+            }
+            visit(&out);
+        }
+        Ok(())
+    }
+
+    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
+        let mut work = Work::default();
+        let directors = self.directors();
+        let modified = self.options.constraint == WeightedConstraint::Modified;
+        for (k, (slot, out)) in self.slots().iter().zip(out).enumerate() {
+            *out = slot.gap(q_np1, directors, &mut work).map_or(f64::INFINITY, |g| g / slot.support);
+            if modified && self.gap_n[k].is_finite() {
+                // A node that was released while it kept a negative gap must not be caught by that.
+                *out -= if active[k] { self.gap_n[k] } else { self.gap_n[k].min(0.0) };
+            }
+        }
+        Ok(())
+    }
+
+    fn repair(&mut self, _q_np1: &[f64], _active: &[bool]) -> Result<usize, ContactError> {
+        Ok(0)
+    }
+
+    fn verify(&self) -> Result<(), ContactError> {
+        let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else { return Ok(()) };
+        match coverage.faults.first() {
+            None => Ok(()),
+            Some(first) => Err(ContactError::Coverage {
+                faults: coverage.faults.len(),
+                facet: first.slave_facet,
+                uncovered: first.uncovered_opposite,
+                double: first.double,
+                open_edges: first.open_edges,
+            }),
+        }
+    }
+
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        let fresh;
+        let (slots, directors) = if self.at == q {
+            (self.slots(), self.directors())
+        } else {
+            fresh = self.integrate(q, &[], &[], Measure::Area)?;
+            (fresh.slots.as_slice(), false)
+        };
+        let mut work = Work::default();
+        Ok(slots
+            .iter()
+            .enumerate()
+            .map(|(k, slot)| {
+                let gap = slot.gap(q, directors, &mut work).map(|g| g / slot.support);
+                SlotReport {
+                    node: slot.nodes[0],
+                    weight: self.slot_weight(k),
+                    gap,
+                    normal: if gap.is_some() { slot.normal(q) } else { [0.0; 3] },
+                    feature: if gap.is_some() { "face" } else { "none" },
+                }
+            })
+            .collect())
+    }
+}

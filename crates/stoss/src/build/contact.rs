@@ -1,0 +1,127 @@
+//! Contacts of a scene: surfaces found and examined, the method made where its module is built in.
+
+use super::condition::{facets, not_built_in, resolve};
+use super::{Placed, Problems};
+use crate::scene::{ContactMethod, Scene};
+use crate::solver::Model;
+use stoss_mesh::Mesh;
+
+pub(super) fn contacts(
+    scene: &Scene,
+    placed: &[Placed],
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) {
+    let mut seen: Vec<(Vec<[u32; 4]>, Vec<[u32; 4]>, String)> = Vec::new();
+    for (c, item) in scene.contacts.iter().enumerate() {
+        let key = format!("contact[{c}]");
+        let slave = resolve(scene, placed, &format!("{key}.slave"), &item.slave, problems, facets);
+        let master = resolve(scene, placed, &format!("{key}.master"), &item.master, problems, facets);
+        let (Some((slave_body, slave)), Some((master_body, master))) = (slave, master) else { continue };
+        if let Some((.., other)) = seen.iter().find(|(s, m, _)| *s == slave && *m == master) {
+            let message = format!("is the same contact as `{other}`: its constraints would be there twice");
+            problems.add(format!("{key}.name"), item.label(), message, "remove one of the two");
+            continue;
+        }
+        seen.push((slave.clone(), master.clone(), item.label()));
+        if [&slave, &master].iter().all(|surface| is_prescribed(model, surface)) {
+            let message =
+                "every node of both surfaces is prescribed in all components: no contact force could move them";
+            problems.add(key, item.label(), message, "remove the contact, or free one of the surfaces");
+            continue;
+        }
+        let pair = PairInput { scene, placed, key, item, bodies: [slave_body, master_body], facets: [&slave, &master] };
+        match item.method {
+            #[cfg(feature = "nts")]
+            ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),
+            #[cfg(feature = "mortar")]
+            ContactMethod::Mortar => super::mortar::contact(&pair, model, problems, warnings),
+            #[allow(unreachable_patterns, reason = "which methods are built in depends on the features")]
+            _ => not_built_in(pair.key, item, problems),
+        }
+    }
+}
+
+/// One contact of a scene, its surfaces found.
+pub(super) struct PairInput<'a> {
+    pub scene: &'a Scene,
+    pub placed: &'a [Placed],
+    pub key: String,
+    pub item: &'a crate::scene::Contact,
+    /// Slave and master.
+    pub bodies: [usize; 2],
+    pub facets: [&'a [[u32; 4]]; 2],
+}
+
+impl PairInput<'_> {
+    /// Tells that the method cannot be made of these surfaces.
+    pub fn refused(&self, error: &stoss_contact::ContactError, problems: &mut Problems<'_>) {
+        let remedy = "choose two different, not degenerate surfaces of different bodies";
+        problems.add(self.key.clone(), self.item.label(), error.to_string(), remedy);
+    }
+
+    /// Looks at the initial gaps; returns the factor of the complementarity function.
+    pub fn prepare(
+        &self,
+        method: &mut dyn stoss_contact::ContactMethod,
+        model: &Model,
+        problems: &mut Problems<'_>,
+        warnings: &mut Vec<String>,
+    ) -> f64 {
+        let Self { scene, placed, key, item, bodies, .. } = self;
+        match method.report(&model.reference) {
+            Ok(reports) => {
+                let tolerance = 1.0e-9 * method.length_scale();
+                let inside = reports.iter().filter(|r| r.gap.is_some_and(|g| g < -tolerance)).count();
+                let deepest = reports.iter().filter_map(|r| r.gap).fold(0.0, f64::min);
+                if inside > 0 {
+                    warnings.push(format!(
+                        "{}: {inside} slave nodes begin behind the master surface (deepest gap {deepest:.3e}); the first step closes \
+                         that gap and changes the energy",
+                        item.label()
+                    ));
+                }
+            }
+            Err(error) => problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces"),
+        }
+        warnings.extend(overlap(&item.label(), bodies.map(|b| (&scene.bodies[b].name, &placed[b].mesh))));
+        // The first frame shows the gaps of the nodes that are in reach, as later ones do.
+        let speed = model.velocity.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        let reach = 2.0 * speed * scene.time.step + 0.5 * method.length_scale();
+        if let Err(error) = method.begin_step(&model.reference, reach) {
+            problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces");
+        }
+        // The softer body decides how the two terms of the complementarity function balance.
+        let young = bodies
+            .map(|b| model.bodies[b].solid.law().small_strain_moduli().young_modulus())
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+        young / method.length_scale()
+    }
+}
+
+/// A warning if two bodies lie in each other: what is deeper behind a surface than the search looks has no partner there.
+fn overlap(label: &str, [(slave, slave_mesh), (master, master_mesh)]: [(&String, &Mesh); 2]) -> Option<String> {
+    use super::overlap::Locator;
+    let in_master = Locator::new(master_mesh).centres_of(slave_mesh);
+    let in_slave = Locator::new(slave_mesh).centres_of(master_mesh);
+    (in_master + in_slave > 0).then(|| {
+        format!(
+            "{label}: the bodies lie in each other: {in_master} elements of `{slave}` have their centre inside `{master}`, {in_slave} \
+             of `{master}` inside `{slave}`; a node deeper behind a surface than the length of a facet finds no partner and is not \
+             kept out: move one of the bodies"
+        )
+    })
+}
+
+/// True if all components of all nodes of a surface are prescribed.
+fn is_prescribed(model: &Model, facets: &[[u32; 4]]) -> bool {
+    let mut prescribed = std::collections::BTreeSet::new();
+    for prescription in &model.prescriptions {
+        for &node in &prescription.nodes {
+            prescribed.extend(prescription.components.iter().map(|&component| (node, component)));
+        }
+    }
+    facets.iter().flatten().all(|&node| (0..3).all(|component| prescribed.contains(&(node, component))))
+}
