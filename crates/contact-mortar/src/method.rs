@@ -247,7 +247,13 @@ impl ContactMethod for MortarContact {
         Ok(())
     }
 
-    fn renew(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<bool, ContactError> {
+    fn renew(
+        &mut self,
+        q_np1: &[f64],
+        _pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+    ) -> Result<bool, ContactError> {
         if !self.moves_integrals() {
             return Ok(false);
         }

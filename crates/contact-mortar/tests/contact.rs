@@ -88,7 +88,7 @@ fn tangent_error(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: 
     method.set_rule(rule, 0.1);
     method.begin_step(q_n, 0.1).unwrap();
     let mut at = |x: &[f64], p: &[f64]| {
-        method.renew(x, &active, true).unwrap();
+        method.renew(x, &[], &active, true).unwrap();
         let kind = kinds(method);
         (assemble(method, StepConfiguration { q_n, q_np1: x, rule }, p, &active), kind)
     };
@@ -174,7 +174,7 @@ proptest! {
             let mut method = method(options(dual, averaged));
             method.set_rule(rule, 0.1);
             method.begin_step(&q_n, 0.5).unwrap();
-            method.renew(&q, &active, true).unwrap();
+            method.renew(&q, &[], &active, true).unwrap();
             let r = assemble(&method, StepConfiguration { q_n: &q_n, q_np1: &q, rule }, &p, &active).residual;
             let size = r[..3 * NODES].iter().map(|x| x.abs()).sum::<f64>().max(1.0);
             let (force, moment) = resultants(&r, about.unwrap_or(&q));
@@ -216,7 +216,7 @@ proptest! {
             method.begin_step(&q_n, 0.5).unwrap();
             let (mut before, mut after) = ([0.0; SLAVE], [0.0; SLAVE]);
             method.complementarity_gaps(&q_n, &active, &mut before).unwrap();
-            method.renew(&q, &active, false).unwrap();
+            method.renew(&q, &[], &active, false).unwrap();
             method.complementarity_gaps(&q, &active, &mut after).unwrap();
             for (a, b) in before.iter().zip(&after) {
                 prop_assert!(a == b || (a - b).abs() < 1e-12, "{rule:?}: {a} {b}");

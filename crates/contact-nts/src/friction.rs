@@ -63,6 +63,10 @@ pub(crate) struct PointHistory {
     pub stiffening: f64,
     /// Slip that the last round of augmentation left.
     pub last_slip: f64,
+    /// Traction at the last iterate, if the point slid there.
+    pub sliding: Option<[f64; 2]>,
+    /// The point slides against the direction of the last iterate: linearised as if it stuck.
+    pub reversed: bool,
 }
 
 impl Default for PointHistory {
@@ -74,6 +78,8 @@ impl Default for PointHistory {
             start: [0.0; 2],
             stiffening: 1.0,
             last_slip: f64::INFINITY,
+            sliding: None,
+            reversed: false,
         }
     }
 }
@@ -157,6 +163,8 @@ pub(crate) struct FrictionElement<'a> {
 /// What became of a point.
 pub(crate) struct FrictionState {
     pub step: FrictionStep,
+    /// Which the equations are linearised on, if it is not `step`.
+    pub branch: Option<FrictionStep>,
     /// Slip in the frame of the foot.
     pub slip: [f64; 2],
     /// History in the frame of the foot.
@@ -232,9 +240,11 @@ impl FrictionElement<'_> {
     pub fn state(&self) -> FrictionState {
         let arguments = self.arguments();
         let Resolved { foot, old, history, slip } = arguments.resolve(self.history.start);
-        let step = self.friction.step(self.at_end, &self.point(history, slip));
+        let point = self.point(history, slip);
+        let step = self.friction.step(self.at_end, &point);
+        let branch = self.history.reversed.then(|| self.friction.sticking_step(self.at_end, &point));
         let carried = transport(step.end, &foot, &old).unwrap_or([0.0; 2]);
-        FrictionState { tau: arguments.covariant(&foot, step.force), step, slip, history, carried }
+        FrictionState { tau: arguments.covariant(&foot, step.force), step, branch, slip, history, carried }
     }
 
     /// Adds `weight * tau_a D^a` to `residual`.
@@ -244,6 +254,14 @@ impl FrictionElement<'_> {
         for k in 0..LOCAL {
             residual[at(&blocks, k)] += weight * (tau[0] * d[0][k] + tau[1] * d[1][k]);
         }
+    }
+
+    /// What the branch of the linearisation adds to the covariant traction.
+    pub fn shift(&self, state: &FrictionState) -> Option<[f64; 2]> {
+        let branch = state.branch.as_ref()?;
+        let difference = std::array::from_fn(|i| branch.force[i] - state.step.force[i]);
+        let arguments = self.arguments();
+        Some(arguments.covariant(&frame(arguments.0), difference))
     }
 
     /// Adds `weight` times the derivative of `tau_a D^a` with respect to the positions at `n+1` (the first `n` columns) and the pressure
@@ -265,9 +283,10 @@ impl FrictionElement<'_> {
                 }
             }
         }
+        let step = state.branch.as_ref().unwrap_or(&state.step);
         let d_pressure: [f64; 2] = gap.tangents.map(|a| {
             let a: V3<f64> = a.into();
-            state.step.d_pressure[0] * dot(foot[0], a) + state.step.d_pressure[1] * dot(foot[1], a)
+            step.d_pressure[0] * dot(foot[0], a) + step.d_pressure[1] * dot(foot[1], a)
         });
         let factor = self.factor();
         for i in 0..LOCAL {
@@ -296,13 +315,13 @@ impl FrictionElement<'_> {
             variable(12, values.2),
         );
         let resolved = arguments.resolve(self.history.start);
-        let step = &state.step;
+        let step = state.branch.as_ref().unwrap_or(&state.step);
         let traction: [Dual; 2] = std::array::from_fn(|i| {
             let mut sum = Dual::constant(0.0);
             for j in 0..2 {
                 sum = sum + resolved.history[j].scale(step.d_history[i][j]) + resolved.slip[j].scale(step.d_slip[i][j]);
             }
-            Dual { value: step.force[i], partial: sum.partial }
+            Dual { value: state.step.force[i], partial: sum.partial }
         });
         let foot = resolved.foot.map(|e| e.map(|x| x.value));
         (arguments.covariant(&resolved.foot, traction), foot)

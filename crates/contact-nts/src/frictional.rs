@@ -141,6 +141,10 @@ impl NodeToSurface {
         self.with_element(slot, element, pairing, end, step, pressure, |friction| {
             let state = friction.state();
             friction.add_residual(weight, state.tau, &mut contribution.residual);
+            if let Some(shift) = friction.shift(&state) {
+                contribution.shift.resize(3 * contribution.nodes.len(), 0.0);
+                friction.add_residual(weight, shift, &mut contribution.shift);
+            }
             if want_tangent {
                 friction.add_tangent(weight, &state, &mut contribution.tangent);
             }
@@ -200,6 +204,32 @@ impl NodeToSurface {
         if let (Some(surface), Some(foot)) = (&mut self.friction, foot) {
             surface.points[slot].foot = foot;
         }
+    }
+
+    /// Looks where the points slide at an iterate that is linearised.
+    ///
+    /// A point that slides against the direction of the iterate before would be sent back by the tangent of the sliding branch, and so on for ever:
+    /// the solution is a stick between them, on a branch as short as its stiffness is large. Such a point is linearised once as if it stuck; the next
+    /// iterate tells whether it does. That is the rule of the primal-dual active set, for friction.
+    pub(crate) fn follow_friction(
+        &mut self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        active: &[bool],
+    ) -> Result<(), ContactError> {
+        if !self.friction.as_ref().is_some_and(|surface| surface.friction.law().is_elastic()) {
+            return Ok(());
+        }
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
+            let Some(surface) = &mut self.friction else { return Ok(()) };
+            let point = &mut surface.points[slot];
+            let now = state.step.returned;
+            point.reversed =
+                !state.step.sticks && point.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
+            point.sliding = (!state.step.sticks && !point.reversed).then_some(now);
+        }
+        Ok(())
     }
 
     /// Makes the present tractions the multipliers of the step; returns how many were not settled.

@@ -216,6 +216,19 @@ impl ContactMethod for NodeToSurface {
         Ok(())
     }
 
+    fn renew(
+        &mut self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+    ) -> Result<bool, ContactError> {
+        if want_tangent {
+            self.follow_friction(q_np1, pressures, active)?;
+        }
+        Ok(false)
+    }
+
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             match self.slots[slot].pairing {

@@ -76,6 +76,9 @@ pub struct LocalContribution {
     pub auxiliaries: usize,
     /// Largest violation of equations that were condensed, relative (a length to a length); zero without such.
     pub violation: f64,
+    /// What the linear equations take in addition to `residual`, one entry for each of the first rows, or empty: the difference between the
+    /// branch that they are linearised on and the one that the iterate is on. It is no part of the norm, so that it cannot change a solution.
+    pub shift: Vec<f64>,
 }
 
 impl LocalContribution {
@@ -87,6 +90,7 @@ impl LocalContribution {
     pub fn reset(&mut self, want_tangent: bool) {
         let n = self.dim();
         self.violation = 0.0;
+        self.shift.clear();
         self.residual.clear();
         self.residual.resize(n, 0.0);
         if want_tangent {
@@ -147,8 +151,14 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     /// master in the step (candidates farther away need no pairing).
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
     /// Renews what follows the iterate by itself, for instance integrals over moving overlaps; called before every `assemble` with its
-    /// `q_np1`. Returns whether the stencils of active slots changed. `want_tangent` tells whether derivatives will be needed.
-    fn renew(&mut self, _q_np1: &[f64], _active: &[bool], _want_tangent: bool) -> Result<bool, ContactError> {
+    /// `q_np1` and pressures. Returns whether the stencils of active slots changed. `want_tangent` tells whether derivatives will be needed.
+    fn renew(
+        &mut self,
+        _q_np1: &[f64],
+        _pressures: &[f64],
+        _active: &[bool],
+        _want_tangent: bool,
+    ) -> Result<bool, ContactError> {
         Ok(false)
     }
     /// Nodes and slots of every active contribution, in the order in which `assemble` visits them.

@@ -58,6 +58,8 @@ pub(crate) struct System {
     pub gap_measure: f64,
     /// Sum of the squares of the auxiliaries' force rows in the last evaluation.
     pub auxiliary_square: f64,
+    /// What contact contributions add to the linear equations only; empty as long as none did.
+    pub shift: Vec<f64>,
     /// Scratch for weighted local tangents.
     pub weighted: Vec<f64>,
     // Vectors of equations.
@@ -255,6 +257,7 @@ impl System {
             force_scale: 0.0,
             gap_measure: 0.0,
             auxiliary_square: 0.0,
+            shift: Vec::new(),
             weighted: Vec::new(),
             mass_solver: None,
             rhs: vec![0.0; n],

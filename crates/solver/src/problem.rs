@@ -61,14 +61,20 @@ impl StepProblem<'_> {
             *rhs = -r;
             sum += r * r;
         }
+        if !s.shift.is_empty() {
+            for (rhs, &component) in s.rhs.iter_mut().zip(&s.numbering.free) {
+                *rhs -= s.shift[component as usize];
+            }
+        }
         Ok(ResidualNorms { residual: sum.sqrt(), scale })
     }
 
     /// Lets contact methods follow the iterate, and the pattern follow them.
     fn renew_contacts(&mut self, want_tangent: bool) -> Result<(), StepError> {
         let mut changed = false;
-        for (pair, active) in self.model.contacts.iter_mut().zip(&self.iterate.active) {
-            changed |= pair.method.renew(&self.iterate.q, active, want_tangent)?;
+        let Iterate { q, pressures, active, .. } = &*self.iterate;
+        for ((pair, pressures), active) in self.model.contacts.iter_mut().zip(pressures).zip(active) {
+            changed |= pair.method.renew(q, pressures, active, want_tangent)?;
         }
         if changed {
             self.system.renew_pattern(self.model, &self.iterate.active)?;

@@ -165,13 +165,16 @@ impl SecondOrderSystem for FeSystem<'_> {
         let free = s.numbering.free.len();
         s.rhs[free..].fill(0.0);
         s.gap_measure = 0.0;
+        s.shift.fill(0.0);
         s.auxiliary_square = 0.0;
         let mut k = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
             let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule: contact_rule(rule) };
             let method = &pair.method;
             let length = method.length_scale();
-            let System { rhs, values, slot_equation, contact_map, weighted, gap_measure, auxiliary_square, .. } = s;
+            let System {
+                rhs, values, slot_equation, contact_map, weighted, shift, gap_measure, auxiliary_square, ..
+            } = s;
             let equations = &slot_equation[c];
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
             method.assemble_with(configuration, pressures, auxiliaries, active, tangent, &mut |local| {
@@ -179,6 +182,14 @@ impl SecondOrderSystem for FeSystem<'_> {
                 for (i, &node) in local.nodes.iter().enumerate() {
                     for d in 0..3 {
                         out[3 * node as usize + d] -= local.residual[3 * i + d];
+                    }
+                }
+                if !local.shift.is_empty() {
+                    shift.resize(out.len(), 0.0);
+                    for (part, &node) in local.shift.chunks_exact(3).zip(&local.nodes) {
+                        for d in 0..3 {
+                            shift[3 * node as usize + d] += weight * part[d];
+                        }
                     }
                 }
                 for (&slot, row) in local.slots.iter().zip(&local.residual[coordinates..]) {

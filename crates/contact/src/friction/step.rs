@@ -1,7 +1,7 @@
 //! The step of one contact point by return mapping (formulation §10).
 
 use super::check;
-use super::law::{FrictionInput, FrictionLaw, Plane};
+use super::law::{FrictionInput, FrictionLaw, FrictionOutput, Plane};
 use crate::ContactError;
 use std::sync::Arc;
 
@@ -67,6 +67,8 @@ pub struct FrictionStep {
     pub force: Plane,
     /// Traction at the end, the history of the next step.
     pub end: Plane,
+    /// Traction that the law returned last: where it does not stick, this has the direction of the slip.
+    pub returned: Plane,
     /// True if nothing slides.
     pub sticks: bool,
     /// `d force_i / d history_j`.
@@ -143,6 +145,15 @@ impl Friction {
     /// what [`FrictionLaw`] asks for, from any traction at the start. An augmented multiplier has `dissipated = w`, which is not negative once it has
     /// converged.
     pub fn step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
+        self.step_with(at_end, point, false)
+    }
+
+    /// The step as if the point stuck, whatever traction that takes: the linear branch that Newton's method may have to look along.
+    pub fn sticking_step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
+        self.step_with(at_end, point, self.law.is_elastic())
+    }
+
+    fn step_with(&self, at_end: bool, point: &FrictionPoint, stuck: bool) -> FrictionStep {
         let law = |trial| {
             self.law.traction(&FrictionInput {
                 pressure: point.pressure,
@@ -152,6 +163,14 @@ impl Friction {
                 slid: point.slid,
             })
         };
+        let returned = |trial| {
+            let d_trial = [[1.0, 0.0], [0.0, 1.0]];
+            if stuck {
+                FrictionOutput { traction: trial, sticks: true, d_trial, ..FrictionOutput::default() }
+            } else {
+                law(trial)
+            }
+        };
         let elastic = self.law.is_elastic();
         let penalty = point.stiffening * self.penalty;
         let stepping =
@@ -160,10 +179,11 @@ impl Friction {
         let h = point.history;
         let out = match stepping {
             MidpointFriction::B => {
-                let end = law(trial(h, penalty));
+                let end = returned(trial(h, penalty));
                 FrictionStep {
                     force: end.traction,
                     end: end.traction,
+                    returned: end.traction,
                     sticks: end.sticks,
                     d_history: end.d_trial,
                     d_slip: combine(penalty, end.d_trial, 1.0, end.d_slip),
@@ -172,10 +192,11 @@ impl Friction {
                 }
             }
             MidpointFriction::A => {
-                let mid = law(trial(h, 0.5 * penalty));
+                let mid = returned(trial(h, 0.5 * penalty));
                 FrictionStep {
                     force: mid.traction,
                     end: std::array::from_fn(|i| 2.0 * mid.traction[i] - h[i]),
+                    returned: mid.traction,
                     sticks: mid.sticks,
                     d_history: mid.d_trial,
                     d_slip: combine(0.5 * penalty, mid.d_trial, 1.0, mid.d_slip),
@@ -185,13 +206,14 @@ impl Friction {
             }
             MidpointFriction::C => {
                 let start = law(h);
-                let end = law(trial(start.traction, penalty));
+                let end = returned(trial(start.traction, penalty));
                 // Of the end with respect to the start, then of the start.
                 let d_end_slip = combine(1.0, times(end.d_trial, start.d_slip), 1.0, end.d_slip);
                 let through = apply(end.d_trial, start.d_pressure);
                 FrictionStep {
                     force: std::array::from_fn(|i| 0.5 * (start.traction[i] + end.traction[i])),
                     end: end.traction,
+                    returned: end.traction,
                     sticks: end.sticks,
                     d_history: combine(0.5, start.d_trial, 0.5, times(end.d_trial, start.d_trial)),
                     d_slip: combine(0.5, combine(1.0, start.d_slip, 1.0, d_end_slip), 0.5 * penalty, end.d_trial),
