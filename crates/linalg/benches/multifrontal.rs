@@ -108,7 +108,9 @@ fn pairs(name: &str, rounds: usize) {
     let mut solvers: Vec<MultifrontalSolver> = kinds.iter().map(|_| MultifrontalSolver::new()).collect();
     for (solver, kind) in solvers.iter_mut().zip(kinds) {
         solver.analyse(&matrix.pattern, *kind).unwrap();
-        pools.iter().for_each(|pool| drop(time(pool, solver, &matrix.values)));
+        for pool in &pools {
+            time(pool, solver, &matrix.values);
+        }
     }
     let mut times = vec![[Vec::new(), Vec::new()]; 2 * kinds.len()];
     for _ in 0..rounds {
@@ -148,7 +150,9 @@ fn main() {
     if let [key, names @ ..] = &args[..]
         && key == "pairs"
     {
-        println!("| system | kind | CPU, 1 thread | over LU | wall, 1 thread | wall, 2 threads | 2 over 1 | CPU, 2 over 1 |");
+        println!(
+            "| system | kind | CPU, 1 thread | over LU | wall, 1 thread | wall, 2 threads | 2 over 1 | CPU, 2 over 1 |"
+        );
         println!("|---|---|---|---|---|---|---|---|");
         for name in SYSTEMS.iter().filter(|name| names.is_empty() || names.iter().any(|n| n == *name)) {
             pairs(name, 9);
