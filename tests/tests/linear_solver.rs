@@ -61,6 +61,32 @@ fn all_solvers_give_the_same_motion() {
     }
 }
 
+/// End-point rules without friction give a symmetric saddle point, and `L D L^T` the motion of LU. In test builds the solver compares matrix and
+/// transpose wherever it announces them as equal.
+#[test]
+fn symmetric_where_the_rule_is() {
+    for (scheme, symmetric) in
+        [("backward-euler", true), ("newmark", true), ("hht", false), ("midpoint", false), ("energy-momentum", false)]
+    {
+        let end = |linear: &str| {
+            let text = scene(linear, 3).replace("energy-momentum", scheme).replace("end = 0.1", "end = 0.05");
+            let mut simulation = simulation(&text);
+            let mut closed = 0;
+            while !simulation.finished() {
+                closed += simulation.advance().unwrap().contact.unwrap().closed;
+            }
+            let counts = simulation.solver_statistics();
+            assert!(closed > 0, "{scheme}: no contact");
+            assert_eq!(counts.symmetric, if symmetric { counts.factorisations } else { 0 }, "{scheme}");
+            assert_eq!(counts.pivoting_fallbacks, 0, "{scheme}");
+            simulation.state().q.clone()
+        };
+        let reference = end("faer");
+        let difference = end("multifrontal").iter().zip(&reference).fold(0f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(difference < 1e-8, "{scheme}: {difference:e}");
+    }
+}
+
 /// More than a thousand equations are the multifrontal solver's.
 #[test]
 fn a_larger_system_is_multifrontal() {

@@ -142,6 +142,12 @@ proptest! {
             for rule in RULES {
                 let exact = assemble(&tie, StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule }, &lambda);
                 let dim = q_n.len() + lambda.len();
+                prop_assert!(tie.is_symmetric(rule) || rule != ContactRule::EndPoint);
+                if tie.is_symmetric(rule) {
+                    let k = &exact.tangent;
+                    let asymmetry = (0..dim * dim).fold(0f64, |m, e| m.max((k[e] - k[e % dim * dim + e / dim]).abs()));
+                    prop_assert!(asymmetry <= 1e-13 * norm(k), "{form:?} {rule:?}: {asymmetry:e}");
+                }
                 let residual_at = |column: usize, h: f64| {
                     let (mut q, mut p) = (q_np1.clone(), lambda.clone());
                     if column < q.len() { q[column] += h } else { p[column - q_n.len()] += h }

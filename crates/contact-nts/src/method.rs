@@ -162,6 +162,12 @@ impl ContactMethod for NodeToSurface {
         self.slave.length_scale()
     }
 
+    /// At the end point, without friction: the Hessian of the gap, and one gradient for force and constraint. The row of a spring has the other sign.
+    fn is_symmetric(&self, rule: ContactRule) -> bool {
+        let is_spring = matches!(self.normal.enforcement, Enforcement::Penalty(_));
+        rule == ContactRule::EndPoint && self.friction.is_none() && !is_spring
+    }
+
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.normal.rule = rule;
         if let Some(friction) = &mut self.friction {

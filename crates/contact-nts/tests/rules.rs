@@ -155,6 +155,12 @@ proptest! {
             |x, out| out.copy_from_slice(&assembled(m, q_n, &x[..n - 1], x[n - 1], rule, false).0), &at, 1e-3, n,
         );
         assert_jacobian_close(&tangent, &numeric, n, 1e-7, &format!("tangent of {rule:?}"));
+        prop_assert_eq!(m.is_symmetric(rule), rule == ContactRule::EndPoint);
+        if m.is_symmetric(rule) {
+            let size = tangent.iter().fold(0f64, |m, k| m.max(k.abs()));
+            let asymmetry = (0..n * n).fold(0f64, |m, k| m.max((tangent[k] - tangent[k % n * n + k / n]).abs()));
+            prop_assert!(asymmetry <= 1e-13 * size, "{asymmetry:e} of {size:e}");
+        }
         if rule == ContactRule::StartPoint {
             let rows = tangent.chunks_exact(n).take(n - 1);
             prop_assert!(rows.flat_map(|row| &row[..n - 1]).all(|k| *k == 0.0), "the force is constant in the step");

@@ -1,7 +1,11 @@
 //! The multifrontal solver against faer's LU on tangents of contact problems: CPU seconds (medians of three), memory, backward error, and ratios
 //! in one run. Each solver runs in a process of its own, so that the growth of the peak memory is its own.
 //!
-//!     cargo bench -p stoss-linalg --bench multifrontal [-- NAME]
+//!     cargo bench -p stoss-linalg --bench multifrontal [-- NAME ...]
+//!     cargo bench -p stoss-linalg --bench multifrontal -- pairs [NAME ...]
+//!
+//! `pairs` runs LU, LDL' and both numbers of threads in turn in one process, so that a drift of the machine's speed shows in all of them: CPU time of
+//! LDL' over LU (median of the rounds), wall time of two threads over one (of the fastest rounds).
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -88,12 +92,72 @@ fn measure(name: &str, solver: &str, threads: usize) {
     );
 }
 
+/// CPU and wall seconds of a refactorisation.
+fn time(pool: &rayon::ThreadPool, solver: &mut MultifrontalSolver, values: &[f64]) -> (f64, f64) {
+    let (start, clock) = (ProcessTime::now(), Instant::now());
+    pool.install(|| solver.factorise(values)).unwrap();
+    (start.elapsed().as_secs_f64(), clock.elapsed().as_secs_f64())
+}
+
+/// LU on one thread, on two, LDL' on one, on two, and again.
+fn pairs(name: &str, rounds: usize) {
+    let pools = [1, 2].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
+    let (matrix, _) = system(name);
+    let kinds = [MatrixKind::General, MatrixKind::Symmetric];
+    let kinds = if name.ends_with("symmetric") { &kinds[..] } else { &kinds[..1] };
+    let mut solvers: Vec<MultifrontalSolver> = kinds.iter().map(|_| MultifrontalSolver::new()).collect();
+    for (solver, kind) in solvers.iter_mut().zip(kinds) {
+        solver.analyse(&matrix.pattern, *kind).unwrap();
+        for pool in &pools {
+            time(pool, solver, &matrix.values);
+        }
+    }
+    let mut times = vec![[Vec::new(), Vec::new()]; 2 * kinds.len()];
+    for _ in 0..rounds {
+        for (s, solver) in solvers.iter_mut().enumerate() {
+            for (p, pool) in pools.iter().enumerate() {
+                let (cpu, wall) = time(pool, solver, &matrix.values);
+                times[2 * s + p][0].push(cpu);
+                times[2 * s + p][1].push(wall);
+            }
+        }
+    }
+    let least = |list: &[f64]| list.iter().copied().fold(f64::INFINITY, f64::min);
+    for (s, kind) in kinds.iter().enumerate() {
+        let [one, two] = [&times[2 * s], &times[2 * s + 1]];
+        let base = &times[0][0];
+        let mut ratios: Vec<f64> = one[0].iter().zip(base).map(|(a, b)| a / b).collect();
+        ratios.sort_by(f64::total_cmp);
+        println!(
+            "| {name} | {kind:?} | {:.3} s | {:.2} | {:.3} s | {:.3} s | {:.2} | {:.2} |",
+            median(one[0].clone()),
+            median(ratios),
+            least(&one[1]),
+            least(&two[1]),
+            least(&two[1]) / least(&one[1]),
+            median(two[0].clone()) / median(one[0].clone())
+        );
+    }
+}
+
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     if let [key, name, solver, threads] = &args[..]
         && key == "measure"
     {
         return measure(name, solver, threads.parse().unwrap());
+    }
+    if let [key, names @ ..] = &args[..]
+        && key == "pairs"
+    {
+        println!(
+            "| system | kind | CPU, 1 thread | over LU | wall, 1 thread | wall, 2 threads | 2 over 1 | CPU, 2 over 1 |"
+        );
+        println!("|---|---|---|---|---|---|---|---|");
+        for name in SYSTEMS.iter().filter(|name| names.is_empty() || names.iter().any(|n| n == *name)) {
+            pairs(name, 9);
+        }
+        return;
     }
     println!(
         "| system | solver | threads | analyse | factorise | ratio | wall | solve | MB | ratio | backward error | steps | fallbacks |"

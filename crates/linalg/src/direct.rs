@@ -198,6 +198,7 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
         self.refinement.set_values(values)?;
         let pattern = self.pattern.clone().ok_or(LinalgError::CallOrder { called: "factorise", missing: "analyse" })?;
         self.statistics.factorisations += 1;
+        self.statistics.symmetric += u64::from(self.kind != MatrixKind::General);
         if pattern.n() == 0 {
             self.factorised = true;
             return Ok(());

@@ -137,6 +137,25 @@ impl SparsityPattern {
         self.column(col).binary_search(&row).ok().map(|k| start + k)
     }
 
+    /// `max |a_ij - a_ji| / min(m_i, m_j)` for values in the order of the pattern, `m_i` the largest entry of row `i` in size: about round-off
+    /// if the values are meant to be symmetric. For tests.
+    pub fn asymmetry(&self, values: &[f64]) -> f64 {
+        let mut rows = vec![0.0; self.n];
+        crate::matrix::row_max(self, values, &mut rows);
+        let mut largest = 0.0f64;
+        for j in 0..self.n {
+            for k in self.column_range(j) {
+                let i = self.row_indices[k];
+                let mirrored = self.position(j as u32, i as u32).map_or(0.0, |k| values[k]);
+                let difference = (values[k] - mirrored).abs();
+                if difference > 0.0 {
+                    largest = largest.max(difference / rows[i].min(rows[j]));
+                }
+            }
+        }
+        largest
+    }
+
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of::<usize>() * (self.column_pointers.capacity() + self.row_indices.capacity())

@@ -82,36 +82,40 @@ impl Equilibration {
     ) -> Result<(), usize> {
         let n = pattern.n();
         self.rows.clear();
-        self.rows.resize(n, 1.0);
+        self.rows.resize(n, 0.0);
+        // Values that are not symmetric after all may have a row of zeros without a column of zeros.
+        crate::matrix::row_max(pattern, values, &mut self.rows);
+        if let Some(row) = self.rows.iter().position(|&m| m == 0.0) {
+            return Err(row);
+        }
+        self.rows.fill(1.0);
+        self.columns.clear();
         self.columns.resize(n, 0.0);
         scaled.clear();
-        scaled.extend_from_slice(values);
-        // Values that are not symmetric after all may have a column of zeros without a row of zeros.
-        if let Some(j) = (0..n).find(|&j| values[pattern.column_range(j)].iter().all(|&v| v == 0.0)) {
-            return Err(j);
-        }
         for _ in 0..ROUNDS {
-            let factors = &mut self.columns;
-            crate::matrix::row_max(pattern, scaled, factors);
-            if let Some(row) = factors.iter().position(|&m| m == 0.0) {
-                return Err(row);
-            }
             let mut changed = false;
-            for (f, r) in factors.iter_mut().zip(&mut self.rows) {
-                *f = power_of_two((-exponent(*f)).div_euclid(2));
-                *r *= *f;
-                changed |= *f != 1.0;
-            }
-            if !changed {
-                break;
-            }
             for j in 0..n {
                 let range = pattern.column_range(j);
                 let rows = &pattern.row_indices()[range.clone()];
-                for (&i, s) in rows.iter().zip(&mut scaled[range]) {
-                    *s *= factors[i] * factors[j];
+                let largest =
+                    (rows.iter().zip(&values[range])).fold(0.0, |m: f64, (&i, v)| m.max((v * self.rows[i]).abs()));
+                if largest == 0.0 {
+                    return Err(j);
                 }
+                let factor = power_of_two((-exponent(largest * self.rows[j])).div_euclid(2));
+                self.columns[j] = self.rows[j] * factor;
+                changed |= factor != 1.0;
             }
+            std::mem::swap(&mut self.rows, &mut self.columns);
+            if !changed {
+                break;
+            }
+        }
+        for j in 0..n {
+            let range = pattern.column_range(j);
+            let c = self.rows[j];
+            let rows = &pattern.row_indices()[range.clone()];
+            scaled.extend(rows.iter().zip(&values[range]).map(|(&i, v)| v * self.rows[i] * c));
         }
         self.columns.copy_from_slice(&self.rows);
         Ok(())

@@ -45,6 +45,8 @@ pub struct SolverStatistics {
     pub analyses: u64,
     /// Numeric factorisations, failed ones and fallbacks included.
     pub factorisations: u64,
+    /// Those of matrices announced as symmetric.
+    pub symmetric: u64,
     /// Solutions.
     pub solves: u64,
     /// Steps of iterative refinement.
@@ -63,6 +65,7 @@ impl std::ops::Add for SolverStatistics {
         Self {
             analyses: self.analyses + other.analyses,
             factorisations: self.factorisations + other.factorisations,
+            symmetric: self.symmetric + other.symmetric,
             solves: self.solves + other.solves,
             refinement_steps: self.refinement_steps + other.refinement_steps,
             indefinite_fallbacks: self.indefinite_fallbacks + other.indefinite_fallbacks,

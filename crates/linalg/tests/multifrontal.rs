@@ -36,6 +36,19 @@ fn solve(
     Ok(x)
 }
 
+/// Values announced as symmetric that are not: the answer is right all the same, by the fallback.
+#[test]
+fn a_wrong_announcement_costs_time_only() {
+    let (a, b) = block_pair(6, Setting::new(true));
+    let (symmetric, _) = block_pair(6, Setting::new(false));
+    assert!(a.pattern.asymmetry(&a.values) > 1e-3);
+    assert!(symmetric.pattern.asymmetry(&symmetric.values) < 1e-12);
+    let mut solver = MultifrontalSolver::new();
+    let x = solve(&mut solver, &a, MatrixKind::Symmetric, &b).unwrap();
+    assert!(backward_error(&a, &x, &b) <= 1e-13);
+    assert_eq!(solver.statistics().pivoting_fallbacks, 1);
+}
+
 /// The same pattern without groups.
 fn ungrouped(a: &SparseMatrix) -> SparseMatrix {
     let pairs: Vec<[u32; 2]> = (0..a.n())

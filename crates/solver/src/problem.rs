@@ -155,6 +155,20 @@ pub(crate) fn start_auxiliaries(model: &Model, step: &Step<'_>, iterate: &mut It
     Ok(())
 }
 
+impl StepProblem<'_> {
+    /// Whether every part of the tangent is symmetric under the rule of the step. With a weight on constraint forces the constraint rows, which
+    /// have none, are not their gradients.
+    fn is_symmetric(&self) -> bool {
+        let rule = &self.step.rule;
+        let contact = contact_rule(rule.constraint.rule);
+        rule.force.rule != ForceRule::DiscreteGradient
+            && !self.system.has_followers
+            && (self.model.contacts.is_empty()
+                || rule.constraint.weight == 1.0
+                    && self.model.contacts.iter().all(|pair| pair.method.is_symmetric(contact)))
+    }
+}
+
 fn contact_step<'a>(step: &Step<'a>, q_np1: &'a [f64]) -> ContactStep<'a> {
     ContactStep { q_n: &step.state_n.q, q_np1, rule: contact_rule(step.rule.constraint.rule) }
 }
@@ -170,16 +184,13 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn solve(&mut self) -> Result<f64, StepError> {
-        let kind = if self.model.contacts.is_empty()
-            && self.step.rule.force.rule != ForceRule::DiscreteGradient
-            && !self.system.has_followers
-        {
-            MatrixKind::Symmetric
-        } else {
-            MatrixKind::General
-        };
+        let kind = if self.is_symmetric() { MatrixKind::Symmetric } else { MatrixKind::General };
         let s = &mut *self.system;
         let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
+        debug_assert!(
+            kind == MatrixKind::General || s.pattern.asymmetry(values) < 1e-8,
+            "the tangent is announced as symmetric and is not"
+        );
         let (solver, pattern) = (&mut s.solver, &s.pattern);
         let (rhs, increment) = (&s.rhs, &mut s.increment);
         let factorised = self.timings.measure(Phase::Factorisation, || {

@@ -3,7 +3,7 @@
 use super::frame::{Stage, response};
 use super::{MeshTie, TiedNode};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactMethod, LocalContribution, SlotReport, StepConfiguration};
+use stoss_contact::{ContactError, ContactMethod, ContactRule, LocalContribution, SlotReport, StepConfiguration};
 
 impl TiedNode {
     pub(super) fn traction(&self, q: &[f64], multipliers: &[f64]) -> [f64; 3] {
@@ -93,6 +93,11 @@ impl ContactMethod for MeshTie {
 
     fn is_permanent(&self) -> bool {
         true
+    }
+
+    /// With spatial axes constraints are linear, whatever the rule.
+    fn is_symmetric(&self, rule: ContactRule) -> bool {
+        rule == ContactRule::EndPoint || self.nodes.iter().all(|node| node.frame.is_none())
     }
 
     fn begin_step(&mut self, _: &[f64], _: f64) -> Result<(), ContactError> {

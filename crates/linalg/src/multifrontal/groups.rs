@@ -8,6 +8,9 @@ use crate::{NONE, SparsityPattern};
 /// components to be constrained.
 const MULTIPLIERS_A_GROUP: u8 = 3;
 
+/// A multiplier that acts on its own group with less than this share of its largest entry does so by round-off.
+const ROUND_OFF: f64 = 1e-10;
+
 /// Which equations form a group. Groups are numbered by their first equation.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Groups {
@@ -158,7 +161,9 @@ impl KnownGroups {
         changed
     }
 
-    /// Whether the multiplier `j` acts on a member of its group with more than a hundredth of what it acts on anything.
+    /// Whether the multiplier `j` acts on a member of its group at all. The caller knows the structure, so that the values are not asked which
+    /// member of a contact element is the strongest one: on a stiff body next to a soft one the equilibrated entries of the slave are the smaller
+    /// ones by the root of the ratio of stiffnesses and more, and another group would spoil the order.
     fn belongs(&self, pattern: &SparsityPattern, values: &[f64], j: usize) -> bool {
         let range = pattern.column_range(j);
         let (mut own, mut largest) = (0.0f64, 0.0f64);
@@ -168,7 +173,7 @@ impl KnownGroups {
                 own = own.max(v.abs());
             }
         }
-        own > 0.01 * largest
+        own > ROUND_OFF * largest
     }
 
     /// All groups: the labels, and what the last [`KnownGroups::attach`] found.

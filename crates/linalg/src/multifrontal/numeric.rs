@@ -1,7 +1,8 @@
 //! The numeric phase: fronts are assembled and factorised, children before parents.
 //!
 //! A front's fully summed columns are assembled where its factors are stored; only the square update matrix for the parent
-//! lives in the arena, a stack. Subtrees own contiguous parts of factors and pivots, so that tasks share nothing. The children's updates
+//! lives in the arena, of which both ends are stacks: fronts of even depth put their update on the one, those of odd depth on the other, so that
+//! the updates of the children, which are the uppermost ones of the other stack, are in nobody's way and nothing is ever moved. Subtrees own contiguous parts of factors and pivots, so that tasks share nothing. The children's updates
 //! are added in the order of the children whoever computed them: the bits do not depend on the number of threads.
 
 use super::symbolic::{Front, Symbolic};
@@ -90,11 +91,13 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Fronts `first..end`, which are whole subtrees, one after the other. The arena is a stack of updates.
+    /// Fronts `first..end`, which are whole subtrees, one after the other. The update of the last one comes to the start of the arena.
     fn stack(&self, first: usize, end: usize, part: Part<'_>) -> Result<(), NoPivot> {
         let mut work = self.take_work();
         let (mut factors, mut pivots, mut subdiagonal) = (part.factors, part.pivots, part.subdiagonal);
-        let mut top = 0;
+        let last_odd = end > first && self.symbolic.fronts[end - 1].odd;
+        // What is free of the arena.
+        let (mut low, mut high) = (0, part.arena.len());
         let mut result = Ok(());
         for f in first..end {
             let front = self.symbolic.fronts[f];
@@ -104,27 +107,34 @@ impl Run<'_> {
             pivots = rest;
             let (own_subdiagonal, rest) = subdiagonal.split_at_mut(if self.symmetric() { front.w } else { 0 });
             subdiagonal = rest;
-            let (held, free) = part.arena.split_at_mut(top);
-            // The children's updates are the uppermost ones of the stack.
-            let mut bottom = top;
-            for &c in self.symbolic.children(f) {
-                bottom -= self.symbolic.fronts[c as usize].r.pow(2);
+            let children = self.symbolic.children(f).iter().map(|&c| self.symbolic.fronts[c as usize]);
+            let (size, held): (usize, usize) = (front.r * front.r, children.clone().map(|c| c.r * c.r).sum());
+            if front.odd == last_odd {
+                let (free, updates) = part.arena.split_at_mut(high);
+                let (update, free) = free[low..].split_at_mut(size);
+                let mut at = held;
+                let updates = children.map(|child| {
+                    at -= child.r * child.r;
+                    (child, &updates[at..at + child.r * child.r])
+                });
+                self.assemble(f, own, update, updates);
+                result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
+                (low, high) = (low + size, high + held);
+            } else {
+                let (updates, free) = part.arena.split_at_mut(low);
+                let (free, update) = free[..high - low].split_at_mut(high - low - size);
+                let mut at = low - held;
+                let updates = children.map(|child| {
+                    at += child.r * child.r;
+                    (child, &updates[at - child.r * child.r..at])
+                });
+                self.assemble(f, own, update, updates);
+                result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
+                (low, high) = (low - held, high - size);
             }
-            let (update, free) = free.split_at_mut(front.r * front.r);
-            let mut at = bottom;
-            let updates = self.symbolic.children(f).iter().map(|&c| {
-                let child = self.symbolic.fronts[c as usize];
-                let size = child.r * child.r;
-                at += size;
-                (child, &held[at - size..at])
-            });
-            self.assemble(f, own, update, updates);
-            result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
             if result.is_err() {
                 break;
             }
-            self.move_update(part.arena, front.r, top, bottom);
-            top = bottom + front.r * front.r;
         }
         self.return_work(work);
         result
@@ -141,11 +151,10 @@ impl Run<'_> {
         let (pivots_below, own_pivots) = part.pivots.split_at_mut(front.begin - base.begin);
         let split = if self.symmetric() { front.begin - base.begin } else { 0 };
         let (subdiagonal_below, own_subdiagonal) = part.subdiagonal.split_at_mut(split);
-        let arena = &mut *part.arena;
-        let below = Part { factors: below, pivots: pivots_below, subdiagonal: subdiagonal_below, arena };
+        let (update, arena) = part.arena.split_at_mut(front.r * front.r);
+        let below = Part { factors: below, pivots: pivots_below, subdiagonal: subdiagonal_below, arena: &mut *arena };
         let top = self.children(f, below)?;
-        let (held, free) = part.arena.split_at_mut(top);
-        let (update, free) = free.split_at_mut(front.r * front.r);
+        let (held, free) = arena.split_at_mut(top);
         let mut at = 0;
         let updates = self.symbolic.children(f).iter().map(|&c| {
             let child = self.symbolic.fronts[c as usize];
@@ -156,22 +165,7 @@ impl Run<'_> {
         let mut work = self.take_work();
         let result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
         self.return_work(work);
-        self.move_update(part.arena, front.r, top, 0);
         result
-    }
-
-    /// Moves an update matrix of `r` rows down in the arena; of a symmetric one the lower triangle.
-    fn move_update(&self, arena: &mut [f64], r: usize, from: usize, to: usize) {
-        if from == to {
-            return;
-        }
-        if self.symmetric() {
-            for j in 0..r {
-                arena.copy_within(from + j * r + j..from + (j + 1) * r, to + j * r + j);
-            }
-        } else {
-            arena.copy_within(from..from + r * r, to);
-        }
     }
 
     fn symmetric(&self) -> bool {

@@ -26,6 +26,8 @@ pub(super) struct Front {
     pub first: usize,
     /// The subtree is worth several tasks.
     pub shared: bool,
+    /// Depth in the tree modulo 2; roots are even.
+    pub odd: bool,
     /// Storage for updates that the subtree needs: by one task, and by tasks in parallel where `shared`.
     pub need: usize,
     pub need_shared: usize,
@@ -125,7 +127,7 @@ impl Symbolic {
                 rows.extend(groups.members(g as usize).iter().map(|&equation| position[equation as usize]));
             }
             let (need, need_shared, first, shared) = (0, 0, fronts.len(), false);
-            fronts.push(Front { begin, w, r, offset, rows: first_row, first, shared, need, need_shared });
+            fronts.push(Front { begin, w, r, offset, rows: first_row, first, shared, odd: false, need, need_shared });
             begin += w;
             offset += block;
             operations += work(w, r, symmetric);
@@ -139,6 +141,7 @@ impl Symbolic {
             rows: rows.len(),
             first: 0,
             shared: false,
+            odd: true,
             need: 0,
             need_shared: 0,
         });
@@ -156,6 +159,13 @@ impl Symbolic {
             largest,
             operations,
         };
+        // The sentinel is the parent of the roots.
+        for f in (0..=count).rev() {
+            for k in symbolic.child_starts[f]..symbolic.child_starts[f + 1] {
+                let child = symbolic.children[k as usize] as usize;
+                symbolic.fronts[child].odd = !symbolic.fronts[f].odd;
+            }
+        }
         symbolic.plan_storage();
         symbolic.place(pattern, &position, &front_of);
         Ok(symbolic)

@@ -322,6 +322,7 @@ impl ResultFolder {
                 ("solves", counts.solves),
                 ("refinement_steps", counts.refinement_steps),
                 ("indefinite_fallbacks", counts.indefinite_fallbacks),
+                ("symmetric", counts.symmetric),
                 ("pivoting_fallbacks", counts.pivoting_fallbacks),
             ]),
             steps,
