@@ -142,7 +142,7 @@ impl NodeToSurface {
             let state = friction.state();
             friction.add_residual(weight, state.tau, &mut contribution.residual);
             if let Some(shift) = friction.shift(&state) {
-                contribution.shift.resize(3 * contribution.nodes.len(), 0.0);
+                contribution.shift.resize(contribution.dim(), 0.0);
                 friction.add_residual(weight, shift, &mut contribution.shift);
             }
             if want_tangent {

@@ -76,7 +76,7 @@ pub struct LocalContribution {
     pub auxiliaries: usize,
     /// Largest violation of equations that were condensed, relative (a length to a length); zero without such.
     pub violation: f64,
-    /// What the linear equations take in addition to `residual`, one entry for each of the first rows, or empty: the difference between the
+    /// What the linear equations take in addition to `residual`, one entry a row, or empty: the difference between the
     /// branch that they are linearised on and the one that the iterate is on. It is no part of the norm, so that it cannot change a solution.
     pub shift: Vec<f64>,
 }

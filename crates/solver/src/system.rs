@@ -200,10 +200,11 @@ impl SecondOrderSystem for FeSystem<'_> {
                 if local.auxiliaries > 0 {
                     let kinds = || method.auxiliaries().iter().filter(|&&kind| kind != Auxiliary::Condensed);
                     let rows = local.residual[coordinates + local.slots.len()..].chunks_exact(local.auxiliaries);
-                    for (&slot, rows) in local.slots.iter().zip(rows) {
+                    for (s, (&slot, rows)) in local.slots.iter().zip(rows).enumerate() {
                         let (first, size) = (equations[slot as usize] as usize, method.slot_weight(slot as usize));
                         for (k, (row, kind)) in rows.iter().zip(kinds()).enumerate() {
-                            rhs[first + 1 + k] -= row;
+                            let at = coordinates + local.slots.len() + local.auxiliaries * s + k;
+                            rhs[first + 1 + k] -= row + local.shift.get(at).unwrap_or(&0.0);
                             match kind {
                                 Auxiliary::Balance => *auxiliary_square += row * row,
                                 _ => *gap_measure = gap_measure.max(row.abs() / (size * length)),

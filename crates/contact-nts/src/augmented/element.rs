@@ -24,6 +24,8 @@ pub(crate) fn solve_2(m: [[f64; 2]; 2], rhs: [f64; 2]) -> Option<[f64; 2]> {
 #[derive(Clone, Debug)]
 pub(crate) struct Traction {
     pub tau: [f64; 2],
+    /// What the branch of the linearisation adds to it.
+    pub shift: Option<[f64; 2]>,
     /// With respect to the element's positions at `n+1`, the coordinates at `n+1`, the pressure.
     pub by_q: [[f64; 3 * MAX_NODES]; 2],
     pub by_f: [[f64; 2]; 2],
@@ -31,17 +33,23 @@ pub(crate) struct Traction {
 }
 
 impl Traction {
-    pub const NONE: Self =
-        Self { tau: [0.0; 2], by_q: [[0.0; 3 * MAX_NODES]; 2], by_f: [[0.0; 2]; 2], by_pressure: [0.0; 2] };
+    pub const NONE: Self = Self {
+        tau: [0.0; 2],
+        shift: None,
+        by_q: [[0.0; 3 * MAX_NODES]; 2],
+        by_f: [[0.0; 2]; 2],
+        by_pressure: [0.0; 2],
+    };
 
     /// `end`: kinematics at the coordinates of `n+1`, `facet`: local numbers of that facet.
     pub fn new(element: &FrictionElement<'_>, end: &Gap, facet: &[usize; 4], want_tangent: bool) -> Self {
         let state: FrictionState = element.state();
-        let mut out = Self { tau: state.tau, ..Self::NONE };
+        let mut out = Self { tau: state.tau, shift: element.shift(&state), ..Self::NONE };
         if !want_tangent {
             return out;
         }
         let (tau, foot) = element.dual_tau(&state);
+        let step = state.branch.as_ref().unwrap_or(&state.step);
         let factor = if element.at_end { 1.0 } else { 0.5 };
         let at = element.at.0;
         let old = element.history.foot;
@@ -65,7 +73,7 @@ impl Traction {
             }
             let a = at.tangents[row];
             out.by_pressure[row] =
-                (0..2).map(|k| state.step.d_pressure[k] * (0..3).map(|i| foot[k][i] * a[i]).sum::<f64>()).sum();
+                (0..2).map(|k| step.d_pressure[k] * (0..3).map(|i| foot[k][i] * a[i]).sum::<f64>()).sum();
         }
         out
     }

@@ -244,6 +244,16 @@ impl ContactMethod for CoordinateAugmented {
         self.inner.begin_step(q_n, reach)
     }
 
+    fn renew(
+        &mut self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+    ) -> Result<bool, ContactError> {
+        self.inner.renew(q_np1, pressures, active, want_tangent)
+    }
+
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         for slot in (0..self.slot_count()).filter(|&s| active[s]) {
             match self.inner.slots[slot].pairing {
@@ -346,6 +356,14 @@ impl ContactMethod for CoordinateAugmented {
                 for (row, from) in contribution.tangent.chunks_exact_mut(dim).zip(dense.tangent.chunks_exact(all)) {
                     row.copy_from_slice(&from[..dim]);
                 }
+            }
+            if let Some(shift) = of.traction.shift {
+                // The residual is linear in the traction.
+                let traction =
+                    Traction { tau: [0, 1].map(|al| of.traction.tau[al] + shift[al]), ..of.traction.clone() };
+                let branch = Equations { traction: &traction, ..equations };
+                branch.reduced(lambda, false, &mut dense).ok_or_else(failed)?;
+                contribution.shift.extend(dense.residual.iter().zip(&contribution.residual).map(|(b, r)| b - r));
             }
             if further == 0 {
                 let [a, b] = of.end.foot;
