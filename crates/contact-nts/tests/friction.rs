@@ -1,7 +1,7 @@
 //! Friction in the direct form and with the energy-momentum element: tangents, momenta, objectivity, energies, edges, history.
 
 mod common;
-use common::*;
+use common::{path as path_of, *};
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -53,17 +53,7 @@ fn path() -> impl Strategy<Value = Path> {
     )
         .prop_map(
             |((shape, moved, again), (x, y, z), (dx, dy), (slide, side, depth), (rule, stepping, before))| {
-                let flat = [0.0; FACETS as usize + 1];
-                let mut q = [
-                    positions(&flat, [x, y, z]),
-                    positions(&flat, [x + dx, y + dy, -z]),
-                    positions(&flat, [x + dx + slide, y + dy + side, depth]),
-                ];
-                for k in 0..3 * SLAVE {
-                    q[0][k] += shape[k];
-                    q[1][k] += shape[k] + moved[k];
-                    q[2][k] += shape[k] + moved[k] + again[k];
-                }
+                let q = path_of(FACETS, [&shape, &moved, &again], [x, y, z], [dx, dy], [slide, side, depth]);
                 Path { q, rule, stepping, before }
             },
         )
@@ -71,15 +61,8 @@ fn path() -> impl Strategy<Value = Path> {
 
 impl Path {
     /// Does the first step and pairs the second one.
-    fn run(&self, mut m: NodeToSurface) -> NodeToSurface {
-        m.set_rule(self.rule, STEP);
-        m.begin_step(&self.q[0], 20.0).unwrap();
-        m.repair(&self.q[1], &ACTIVE).unwrap();
-        m.commit(&self.q[1], &[self.before, 0.0, 0.0, 0.0], &ACTIVE);
-        m.set_rule(self.rule, STEP);
-        m.begin_step(&self.q[1], 20.0).unwrap();
-        m.repair(&self.q[2], &ACTIVE).unwrap();
-        m
+    fn run(&self, m: NodeToSurface) -> NodeToSurface {
+        second_step(m, &self.q, self.rule, STEP, self.before)
     }
 
     fn residual(&self, m: &NodeToSurface) -> Vec<f64> {
@@ -143,16 +126,8 @@ proptest! {
         let size = forces.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
         // The two tractions of variant C may cancel.
         prop_assume!(size > 1e-4);
-        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        for (k, f) in forces.chunks_exact(3).enumerate() {
-            let x = Vector3::from_fn(|i, _| {
-                let (a, b) = (path.q[1][3 * k + i], path.q[2][3 * k + i]);
-                if path.rule == ContactRule::EndPoint { b } else { 0.5 * (a + b) }
-            });
-            force += Vector3::from_column_slice(f);
-            moment += x.cross(&Vector3::from_column_slice(f));
-        }
-        prop_assert!(force.norm() < 1e-13 * (1.0 + size) && moment.norm() < 1e-12 * (1.0 + size), "{force} {moment}");
+        let (force, moment) = resultants(&forces, &path.q[1], &path.q[2], path.rule);
+        prop_assert!(force < 1e-13 * (1.0 + size) && moment < 1e-12 * (1.0 + size), "{force:e} {moment:e}");
     }
 
     #[test]

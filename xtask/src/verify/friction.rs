@@ -1,5 +1,7 @@
 //! Friction: laws and their stepping, blocks on a plate with closed forms, the impact of two blocks, and how far parameters may go.
 
+mod elements;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -13,7 +15,7 @@ use super::states::Random;
 use super::{Bench, Findings, Run, Suite, newton};
 use crate::workspace::Outcome;
 
-/// Laws, incline, stopping block, two blocks, extremes.
+/// Laws, contact elements, incline, stopping block, two blocks, extremes.
 pub struct Friction;
 
 /// Coefficient and slope of the blocks in `scenes/incline.toml`, and gravity.
@@ -38,15 +40,17 @@ impl Suite for Friction {
     }
 
     fn about(&self) -> &'static str {
-        "Laws of friction on random paths, blocks that stick, slide and stop on a plate, the impact of two blocks, extreme parameters."
+        "Laws of friction on random paths, contact elements in random steps, blocks that stick, slide and stop on a plate, the impact of two blocks, extreme parameters."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
         laws(&mut findings)?;
+        elements::rows(&mut findings.checks)?;
         incline(bench, &mut findings)?;
         stopping(bench, &mut findings)?;
         impacts(bench, &mut findings)?;
+        reductions(bench, &mut findings)?;
         extremes(bench, &mut findings)?;
         fast(bench, &mut findings)?;
         Ok(findings)
@@ -149,13 +153,20 @@ fn incline(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     newton_rows(&run, findings)
 }
 
+/// Order of the iterations in contact, since the set of closed nodes and their facets changed last; free flight says nothing of friction.
 fn newton_rows(run: &Run, findings: &mut Findings) -> Outcome<()> {
     let steps = run.newton()?;
-    let triples = newton::triples(&steps);
+    let mut triples = newton::triples(&steps);
+    triples.retain(|triple| triple.active > 0.0);
     // A few are no median: shortened runs, and blocks that do not deform.
     let bound = if triples.len() < MANY { Bound::Told } else { Bound::AtLeast(QUADRATIC) };
-    let order = Check::new(&run.name, "order of the last residuals", newton::median_order(&triples), bound);
-    findings.checks.push(order.noted(format!("median of {}", triples.len())));
+    let order = Check::new(&run.name, "order of the last residuals in contact", newton::median_order(&triples), bound);
+    let note = format!(
+        "median of {} steps in contact, behind the last change of the active set; where nodes change between stick and slip within \
+         an iteration, it is not quadratic there",
+        triples.len()
+    );
+    findings.checks.push(order.noted(note));
     let mean = newton::mean_iterations(&steps);
     findings.checks.push(Check::new(&run.name, "iterations a step", mean, Bound::Told));
     Ok(())
@@ -238,6 +249,41 @@ fn impacts(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             newton_rows(&run, findings)?;
             bench.show(&run, findings)?;
         }
+    }
+    Ok(())
+}
+
+/// The three forms of coordinate augmentation have one solution.
+fn reductions(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
+    // Through the impact.
+    let end = if bench.quick { 3.0 } else { 20.0 };
+    let mut found: Vec<Vec<f64>> = Vec::new();
+    for reduction in ["none", "first", "second"] {
+        let mut scene = bench.scene("two-blocks-cat")?;
+        scene.remove("expect");
+        scene_of(&mut scene, "contact", 0)?.insert("reduction".into(), reduction.into());
+        scene.get_mut("time").and_then(Value::as_table_mut).ok_or("no [time]")?.insert("end".into(), end.into());
+        let run = bench.run_variant(&format!("two-blocks-cat-{reduction}"), &scene)?;
+        findings.checks.push(run.completed(0));
+        if !run.succeeded() {
+            return Ok(());
+        }
+        let mut all = Vec::new();
+        for frame in run.frames()? {
+            let grid = crate::vtu::load(&frame)?;
+            let field = grid.point_data.get("displacement").ok_or("no displacement in the frame")?;
+            all.extend_from_slice(&field.values);
+        }
+        found.push(all);
+    }
+    let travelled = found[2].iter().fold(0.0_f64, |most, u| u.abs().max(most));
+    for (other, name) in found.iter().zip(["none", "first"]) {
+        // Another number of frames is no agreement.
+        let same = other.len() == found[2].len();
+        let difference = other.iter().zip(&found[2]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / travelled;
+        let quantity = format!("reduction {name} against second, all displacements, by the largest");
+        let measured = if same { difference } else { f64::NAN };
+        findings.checks.push(Check::new("two-blocks-cat", quantity, measured, Bound::AtMost(1e-9)));
     }
     Ok(())
 }

@@ -1,8 +1,9 @@
-//! A row of facets with one slave facet above, and dense assembly, for the tests of whole steps.
+//! A row of facets with one slave facet above, whole steps of it and dense assembly: for the tests, and for the rows of
+//! `cargo xtask verify friction`.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use stoss_contact::{ContactMethod, ContactRule, Enforcement, SearchOptions, StepConfiguration};
-use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+use stoss_contact::{Auxiliary, ContactMethod, ContactRule, Enforcement, SearchOptions, StepConfiguration};
+use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
 
 pub const ACTIVE: [bool; 4] = [true, false, false, false];
 pub const OPEN: [bool; 4] = [false; 4];
@@ -68,6 +69,85 @@ pub fn assembled(
     m.assemble(StepConfiguration { q_n, q_np1: q_1, rule }, &[p, 0.0, 0.0, 0.0], &ACTIVE, want, &mut |local| {
         let mut map: Vec<usize> = local.nodes.iter().flat_map(|&k| (0..3).map(move |i| 3 * k as usize + i)).collect();
         map.push(n - 1);
+        for (i, &row) in map.iter().enumerate() {
+            residual[row] += local.residual[i];
+            for (j, &column) in map.iter().enumerate().filter(|_| want) {
+                tangent[row * n + column] += local.tangent[i * map.len() + j];
+            }
+        }
+    })
+    .unwrap();
+    (residual, tangent)
+}
+
+/// Three configurations of flat facets with noise on every coordinate: the first slave node is at `at`, goes by `first` through the surface, and by
+/// `second` along it to the depth `second[2]`.
+pub fn path(facets: u32, noise: [&[f64]; 3], at: [f64; 3], first: [f64; 2], second: [f64; 3]) -> [Vec<f64>; 3] {
+    let flat = vec![0.0; facets as usize + 1];
+    let [x, y, z] = at;
+    let (x_1, y_1) = (x + first[0], y + first[1]);
+    let mut q = [
+        positions(&flat, [x, y, z]),
+        positions(&flat, [x_1, y_1, -z]),
+        positions(&flat, [x_1 + second[0], y_1 + second[1], second[2]]),
+    ];
+    for k in 0..q[0].len() {
+        q[0][k] += noise[0][k];
+        q[1][k] += noise[0][k] + noise[1][k];
+        q[2][k] += noise[0][k] + noise[1][k] + noise[2][k];
+    }
+    q
+}
+
+/// Does the first step of a [`path`], with a pressure at its end, and pairs the second one.
+pub fn second_step<M: ContactMethod>(mut m: M, q: &[Vec<f64>; 3], rule: ContactRule, dt: f64, pressure: f64) -> M {
+    m.set_rule(rule, dt);
+    m.begin_step(&q[0], 20.0).unwrap();
+    m.repair(&q[1], &ACTIVE).unwrap();
+    m.commit(&q[1], &[pressure, 0.0, 0.0, 0.0], &ACTIVE);
+    m.set_rule(rule, dt);
+    m.begin_step(&q[1], 20.0).unwrap();
+    m.repair(&q[2], &ACTIVE).unwrap();
+    m
+}
+
+/// Sizes of the sum of nodal forces and of the sum of their moments about the origin, where the rule evaluates them.
+pub fn resultants(forces: &[f64], q_n: &[f64], q_1: &[f64], rule: ContactRule) -> (f64, f64) {
+    let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+    for (k, f) in forces.chunks_exact(3).enumerate() {
+        let x: [f64; 3] = std::array::from_fn(|i| {
+            let (a, b) = (q_n[3 * k + i], q_1[3 * k + i]);
+            if rule == ContactRule::EndPoint { b } else { 0.5 * (a + b) }
+        });
+        for i in 0..3 {
+            let (j, l) = ((i + 1) % 3, (i + 2) % 3);
+            force[i] += f[i];
+            moment[i] += x[j] * f[l] - x[l] * f[j];
+        }
+    }
+    let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    (norm(force), norm(moment))
+}
+
+/// Residual and tangent of the augmented method over positions, the pressure and the auxiliaries of the first slot, all of which `x` holds.
+pub fn assembled_with(
+    m: &CoordinateAugmented,
+    q_n: &[f64],
+    rule: ContactRule,
+    x: &[f64],
+    auxiliaries: &[f64],
+    want: bool,
+) -> (Vec<f64>, Vec<f64>) {
+    let (m_q, global) = (q_n.len(), Auxiliary::equations(m.auxiliaries()));
+    let n = m_q + 1 + global;
+    let mut values = auxiliaries.to_vec();
+    values[..global].copy_from_slice(&x[m_q + 1..n]);
+    let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; if want { n * n } else { 0 }]);
+    let step = StepConfiguration { q_n, q_np1: &x[..m_q], rule };
+    m.assemble_with(step, &[x[m_q], 0.0, 0.0, 0.0], &values, &ACTIVE, want, &mut |local| {
+        let mut map: Vec<usize> = local.nodes.iter().flat_map(|&k| (0..3).map(move |i| 3 * k as usize + i)).collect();
+        map.extend(m_q..n);
+        assert_eq!(map.len(), local.dim());
         for (i, &row) in map.iter().enumerate() {
             residual[row] += local.residual[i];
             for (j, &column) in map.iter().enumerate().filter(|_| want) {

@@ -18,6 +18,8 @@ pub struct Point {
     pub dt: f64,
     /// Relative error of the end positions.
     pub error: f64,
+    /// Relative error of the energy that friction has dissipated, where there is friction.
+    pub of_dissipation: Option<f64>,
     /// CPU time of the run.
     pub seconds: f64,
     /// Evaluations of the forces.
@@ -72,6 +74,8 @@ pub struct Case {
     pub reference: String,
     /// Estimate of its relative error.
     pub reference_error: f64,
+    /// The same for the energy that friction has dissipated.
+    pub dissipation_error: Option<f64>,
     /// Smallest error of [`TARGETS`] that the reference can tell.
     pub least_target: f64,
     /// Figure of the thesis that it corresponds to.
@@ -130,7 +134,13 @@ mod tests {
     use super::*;
 
     fn curve(points: &[(f64, f64, f64)]) -> Curve {
-        let points = points.iter().map(|&(dt, error, seconds)| Point { dt, error, seconds, evaluations: 1 });
+        let points = points.iter().map(|&(dt, error, seconds)| Point {
+            dt,
+            error,
+            of_dissipation: None,
+            seconds,
+            evaluations: 1,
+        });
         Curve { scheme: "s".into(), points: points.collect(), ..Curve::default() }
     }
 
@@ -151,6 +161,7 @@ mod tests {
             about: String::new(),
             reference: String::new(),
             reference_error: 0.0,
+            dissipation_error: None,
             least_target: 1e-4,
             figure: None,
             curves: vec![curve(&[(1.0, 1e-4, 1.0)]), fast],

@@ -27,8 +27,8 @@ impl Suite for WorkPrecision {
     }
 
     fn about(&self) -> &'static str {
-        "Relative error of the end positions against CPU time, step size and evaluations of the forces, for every scheme; references \
-         are converged to what each case says."
+        "Relative error of the end positions against CPU time, step size and evaluations of the forces, for every scheme; with friction \
+         also that of the dissipated energy; references are converged to what each case says."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
@@ -46,7 +46,16 @@ fn report(case: &Case, findings: &mut Findings) {
     };
     let bound = Bound::AtMost(REFERENCE_SHARE * case.least_target);
     check("error of the reference".into(), case.reference_error, bound, case.reference.clone());
+    if let Some(error) = case.dissipation_error {
+        check("error of the reference's dissipation".into(), error, bound, String::new());
+    }
     for curve in &case.curves {
+        if let (Some(dissipation), Some(last)) = (case.dissipation_error, curve.points.last())
+            && let Some(error) = last.of_dissipation
+        {
+            let note = format!("of positions {}; the reference is good to {}", number(last.error), number(dissipation));
+            check(format!("error of the dissipation of {}, finest step", curve.scheme), error, Bound::Told, note);
+        }
         if let (Some(order), Some(claim)) = (curve.order(case.floor()), curve.checked_order) {
             let tolerance = if claim < 2.0 { 0.05 } else { 0.02 };
             let quantity = format!("order of {}", curve.scheme);
@@ -80,11 +89,20 @@ fn report(case: &Case, findings: &mut Findings) {
         Some(figure) if what == "step" => format!("{} (figure {figure})", case.name),
         _ => case.name.clone(),
     };
-    let figures = vec![
+    let mut figures = vec![
         chart(&title("work"), "CPU seconds", series(|p| p.seconds), &[-1.0, -2.0]),
         chart(&title("step"), "step size", series(|p| p.dt), &[1.0, 2.0]),
         chart(&title("evaluations"), "evaluations of the forces", series(|p| p.evaluations as f64), &[-1.0, -2.0]),
     ];
+    if case.dissipation_error.is_some() {
+        let line = |c: &curve::Curve| Series {
+            name: c.scheme.clone(),
+            points: c.points.iter().filter_map(|p| Some((p.dt, p.of_dissipation?))).collect(),
+        };
+        let series: Vec<Series> = case.curves.iter().map(line).collect();
+        let labels = Labels { title: "dissipated energy", x: "step size", y: "relative error" };
+        figures.push(plot::log_log(labels, &series, Some(1e-13), &[1.0, 2.0]));
+    }
     let mut head = vec!["scheme".to_owned(), "order".to_owned()];
     head.extend(TARGETS.map(|target| format!("CPU s to {target:.0e}")));
     head.push("failed".to_owned());

@@ -53,7 +53,13 @@ fn case(name: &str, problem: &SpringPendulum, figure: Option<&str>, levels: u32)
             match timed(|| end_position(problem, scheme.as_ref(), steps)) {
                 Ok(((q, effort), seconds)) => {
                     let error = relative_distance(&q, &reference);
-                    curve.points.push(Point { dt, error, seconds, evaluations: effort.evaluations });
+                    curve.points.push(Point {
+                        dt,
+                        error,
+                        of_dissipation: None,
+                        seconds,
+                        evaluations: effort.evaluations,
+                    });
                 }
                 Err(error) => curve.failures.push(format!("{dt:.1e}: {error}")),
             }
@@ -67,6 +73,7 @@ fn case(name: &str, problem: &SpringPendulum, figure: Option<&str>, levels: u32)
         about: format!("Spring pendulum, c = {:.0e}, relative error of the position at T = {END}", problem.stiffness),
         reference: format!("midpoint rule with steps of {:.0e}, extrapolated", END / REFERENCE_STEPS as f64),
         reference_error: relative_distance(&coarser, &reference),
+        dissipation_error: None,
         least_target: 1e-4,
         figure: figure.map(str::to_owned),
         curves,

@@ -23,6 +23,8 @@ pub struct Evidence {
     pub balance: Balance,
     /// Smallest step.
     pub least_step: f64,
+    /// Least energy that friction dissipates in a step, over the largest energy of the run or what friction dissipates in it.
+    pub least_dissipation: f64,
     /// The frames.
     pub frames: Vec<Configuration>,
     /// Displacements of the last frame.
@@ -60,6 +62,9 @@ impl Evidence {
         let balance = run.balance().map_err(words)?;
         let sizes = run.table("balance.csv").map_err(words)?;
         let least_step = sizes.column("dt")?.iter().skip(1).copied().fold(f64::INFINITY, f64::min);
+        let dissipation = sizes.column("dissipation")?;
+        let largest = balance.total.iter().chain(dissipation).fold(f64::MIN_POSITIVE, |most, e| most.max(e.abs()));
+        let least_dissipation = dissipation.windows(2).map(|pair| (pair[1] - pair[0]) / largest).fold(0.0, f64::min);
         let summary = run.summary().map_err(words)?;
         let outcome = summary["outcome"]["kind"].as_str().unwrap_or("missing").to_owned();
         let expected = if error.is_some() { "failed" } else { "completed" };
@@ -88,7 +93,7 @@ impl Evidence {
         let frames = grids.iter().map(Configuration::new).collect::<Result<Vec<_>, _>>()?;
         let last = grids.last().ok_or("no frames")?;
         let displacement = last.point_data["displacement"].values.clone();
-        Ok(Self { run, balance, least_step, frames, displacement, error })
+        Ok(Self { run, balance, least_step, least_dissipation, frames, displacement, error })
     }
 
     /// True if the run has to end with an error and did, or has not to and did not.

@@ -1,7 +1,7 @@
 //! The verdict on a run.
 //!
 //! What holds for every scheme and every scene: files complete, all numbers finite, no element turned inside out, bodies not passed
-//! through each other; also for the steps before a named error. What a scheme claims must hold to round-off. What it does not claim may be off by
+//! through each other, friction dissipates; also for the steps before a named error. What a scheme claims must hold to round-off. What it does not claim may be off by
 //! [`UNCLAIMED`] and is named otherwise.
 
 use std::collections::BTreeMap;
@@ -69,6 +69,9 @@ fn weigh(case: &Case, evidence: &Evidence, bases: &mut Bases) -> Result<Verdict,
     let depth = bodies(case, &evidence.frames)?;
     let drifts = Drifts::of(case, evidence)?;
     drifts.claims_hold()?;
+    if !Bound::AtLeast(-CLAIMED).holds(evidence.least_dissipation) {
+        return Err(format!("friction gives energy back: {}", number(evidence.least_dissipation)));
+    }
     if !evidence.ends_as_it_must(&case.oracle) {
         return Err("there is no solution, and yet the run ended well".into());
     }

@@ -3,6 +3,7 @@
 mod closed_forms;
 mod contrast;
 mod features;
+mod friction;
 mod impact;
 mod shape;
 mod solids;
@@ -29,6 +30,10 @@ const REPRESENTATIVE: &[&str] = &[
     "cube's vertex on an edge",
     "thesis' step times 1e-6",
     "inverting follower pressure",
+    "friction, coefficient",
+    "friction, stiffness",
+    "slide over facets in a step",
+    "stick and slip in turn at each step",
 ];
 
 /// Every combination.
@@ -42,6 +47,7 @@ pub fn all() -> Vec<Case> {
         features::cases(),
         units::cases(),
         steps::cases(),
+        friction::cases(),
     ]
     .into_iter()
     .flatten()

@@ -1,0 +1,293 @@
+//! Contact elements with friction at random steps over a row of warped facets with gaps: tangents against differences, momenta, objectivity,
+//! energies. The steps and their dense assembly are those of the tests.
+
+#[path = "../../../../crates/contact-nts/tests/common/mod.rs"]
+mod common;
+
+use std::sync::Arc;
+
+use common::{ACTIVE, OPEN, assembled, assembled_with, path, resultants, second_step, standard};
+use stoss_contact::friction::{Coulomb, Friction as Rough, MidpointFriction, Stick};
+use stoss_contact::{Auxiliary, ContactMethod, ContactRule, ContactWork, StepConfiguration};
+use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
+use stoss_tensor::{Tensor2, Vector3};
+
+use super::super::check::{Bound, Check};
+use super::super::derivatives::{self, Worst};
+use super::super::states::Random;
+use crate::workspace::Outcome;
+
+const FACETS: u32 = 6;
+const PENALTY: f64 = 40.0;
+const PRESSURE: f64 = 3.0;
+const BEFORE: f64 = 7.0;
+const STEP: f64 = 0.1;
+/// Random steps of each kind.
+const STATES: usize = 24;
+
+const RULES: [(&str, ContactRule); 3] = [
+    ("end point", ContactRule::EndPoint),
+    ("midpoint", ContactRule::Midpoint),
+    ("energy-momentum", ContactRule::EnergyMomentum),
+];
+/// What the second step does, with a coefficient of friction for which it does so for certain.
+const KINDS: [(&str, f64); 2] = [("stick", 1e3), ("slip", 0.02)];
+/// Where the second step ends: least and largest slide.
+const PLACES: [(&str, [f64; 2]); 3] =
+    [("same facet", [0.05, 0.15]), ("next facet", [0.9, 1.1]), ("fifth facet", [3.9, 4.1])];
+const STEPPINGS: [MidpointFriction; 3] = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C];
+
+/// A random step, after another one in which the node closed.
+struct Path {
+    q: [Vec<f64>; 3],
+    rule: ContactRule,
+    stepping: MidpointFriction,
+}
+
+impl Path {
+    fn new(random: &mut Random, rule: ContactRule, slide: [f64; 2], count: usize) -> Self {
+        let size = 3 * (2 * (FACETS as usize + 1) + 4);
+        let mut noise =
+            |amplitude: f64| -> Vec<f64> { (0..size).map(|_| random.between(-amplitude, amplitude)).collect() };
+        let noise = [noise(0.06), noise(0.05), noise(0.05)];
+        let at = [random.between(0.4, 0.6), random.between(0.2, 0.4), random.between(0.1, 0.2)];
+        let first = [random.between(-0.15, 0.15), random.between(-0.15, 0.15)];
+        let second = [random.between(slide[0], slide[1]), random.between(0.05, 0.15), random.between(-0.25, -0.15)];
+        let q = path(FACETS, [&noise[0], &noise[1], &noise[2]], at, first, second);
+        Self { q, rule, stepping: STEPPINGS[count % 3] }
+    }
+
+    fn direct(&self, mu: f64) -> Outcome<NodeToSurface> {
+        let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Penalty, self.stepping)?;
+        Ok(self.run(standard(FACETS).with_friction(friction)?))
+    }
+
+    fn augmented(&self, mu: f64, reduction: Reduction) -> Outcome<CoordinateAugmented> {
+        let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Penalty, self.stepping)?;
+        let options = AugmentedOptions { reduction, ..AugmentedOptions::default() };
+        Ok(self.run(CoordinateAugmented::new(standard(FACETS).with_friction(friction)?, options)))
+    }
+
+    fn run<M: ContactMethod>(&self, method: M) -> M {
+        second_step(method, &self.q, self.rule, STEP, BEFORE)
+    }
+
+    /// Positions at the end and the pressure.
+    fn unknowns(&self) -> Vec<f64> {
+        self.q[2].iter().copied().chain([PRESSURE]).collect()
+    }
+
+    /// Nodal forces of the contact, pressure and friction.
+    fn forces(&self, m: &NodeToSurface) -> Vec<f64> {
+        let mut residual = assembled(m, &self.q[1], &self.q[2], PRESSURE, self.rule, false).0;
+        residual.pop();
+        residual
+    }
+
+    /// Nodal forces of the friction alone.
+    fn friction(&self, m: &NodeToSurface) -> Vec<f64> {
+        let without = self.forces(&self.run(standard(FACETS)));
+        self.forces(m).iter().zip(&without).map(|(a, b)| a - b).collect()
+    }
+
+    fn work(&self, m: &NodeToSurface, active: &[bool]) -> Outcome<ContactWork> {
+        Ok(m.work(&self.q[2], &[PRESSURE, 0.0, 0.0, 0.0], active)?)
+    }
+
+    /// Auxiliaries at the foot, those of the first slot off it by `off`.
+    fn start(&self, m: &CoordinateAugmented, q: &[f64], off: &[f64]) -> Outcome<Vec<f64>> {
+        let mut values = vec![0.0; m.slot_count() * m.auxiliaries().len()];
+        let step = StepConfiguration { q_n: &self.q[1], q_np1: q, rule: self.rule };
+        m.start_auxiliaries(step, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE, &mut values)?;
+        for (value, off) in values.iter_mut().zip(off).take(m.auxiliaries().len()) {
+            *value += off;
+        }
+        Ok(values)
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| value.abs().max(most))
+}
+
+/// Every row.
+pub fn rows(checks: &mut Vec<Check>) -> Outcome<()> {
+    direct(checks)?;
+    augmented(checks)?;
+    energies(checks)
+}
+
+/// Tangents, momenta and objectivity of the direct method.
+fn direct(checks: &mut Vec<Check>) -> Outcome<()> {
+    for (kind, mu) in KINDS {
+        let (mut momenta, mut turned) = (Worst::default(), Worst::default());
+        for (place, slide) in PLACES {
+            let mut tangents = Worst::default();
+            let mut random = Random(11);
+            for count in 0..STATES {
+                for (name, rule) in RULES {
+                    let path = Path::new(&mut random, rule, slide, count);
+                    let m = path.direct(mu)?;
+                    let x = path.unknowns();
+                    let (_, tangent) = assembled(&m, &path.q[1], &path.q[2], PRESSURE, rule, true);
+                    let mut force = |x: &[f64], out: &mut [f64]| {
+                        let (q, p) = (&x[..x.len() - 1], x[x.len() - 1]);
+                        out.copy_from_slice(&assembled(&m, &path.q[1], q, p, rule, false).0);
+                    };
+                    let worst = derivatives::force(&mut force, &x, &tangent)?;
+                    tangents.see(worst.relative_error, || name.to_owned());
+                    let forces = path.forces(&m);
+                    let (sum, moment) = resultants(&forces, &path.q[1], &path.q[2], rule);
+                    momenta.see(sum.max(moment) / largest(&forces), || format!("{place}, {name}"));
+                    turned.see(objectivity(&path, &m, mu, &mut random)?, || format!("{place}, {name}"));
+                }
+            }
+            checks.push(tangents.check("direct", &format!("{kind}, {place}: tangent against differences"), 1e-7));
+        }
+        checks.push(momenta.check(
+            "direct",
+            &format!("{kind}: resultant and moment of the forces, by the largest"),
+            1e-12,
+        ));
+        checks.push(turned.check(
+            "direct",
+            &format!("{kind}: forces of a turned and shifted step, by the largest"),
+            1e-11,
+        ));
+    }
+    Ok(())
+}
+
+/// How far the forces of the whole history, turned and shifted, are from the turned forces.
+fn objectivity(path: &Path, m: &NodeToSurface, mu: f64, random: &mut Random) -> Outcome<f64> {
+    let rotation: Tensor2 = random.rotation();
+    let shift = Vector3::from_fn(|_, _| random.between(-2.0, 2.0));
+    let turn = |values: &[f64], shift: Vector3| -> Vec<f64> {
+        let points = values.chunks_exact(3).map(|x| rotation * Vector3::from_column_slice(x) + shift);
+        points.flat_map(|x| [x[0], x[1], x[2]]).collect()
+    };
+    let q = path.q.each_ref().map(|q| turn(q, shift));
+    let other = Path { q, rule: path.rule, stepping: path.stepping };
+    let expected = turn(&path.forces(m), Vector3::zeros());
+    let found = other.forces(&other.direct(mu)?);
+    let difference = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    Ok(difference / largest(&expected))
+}
+
+/// Tangents and momenta of coordinate augmentation, off the foot where the coordinates are unknowns, and the direct method at the end point.
+fn augmented(checks: &mut Vec<Check>) -> Outcome<()> {
+    let reductions = [("none", Reduction::None), ("first", Reduction::First), ("second", Reduction::Second)];
+    for (kind, mu) in KINDS {
+        let (mut momenta, mut same) = (Worst::default(), Worst::default());
+        for (reduction_name, reduction) in reductions {
+            let mut tangents = Worst::default();
+            let mut random = Random(12);
+            for count in 0..STATES {
+                for ((place, slide), (name, rule)) in PLACES.iter().zip(RULES.iter().cycle().skip(count)) {
+                    // It has no energy-momentum rule of its own.
+                    let rule = if *rule == ContactRule::EnergyMomentum { ContactRule::Midpoint } else { *rule };
+                    let path = Path::new(&mut random, rule, *slide, count);
+                    let m = path.augmented(mu, reduction)?;
+                    let condensed = reduction == Reduction::Second;
+                    let off: [f64; 4] =
+                        std::array::from_fn(|_| if condensed { 0.0 } else { random.between(-0.2, 0.2) });
+                    let start = path.start(&m, &path.q[2], &off)?;
+                    let mut x = path.unknowns();
+                    let dofs = path.q[2].len();
+                    x.extend(&start[..Auxiliary::equations(m.auxiliaries())]);
+                    let (residual, tangent) = assembled_with(&m, &path.q[1], rule, &x, &start, true);
+                    let mut force = |x: &[f64], out: &mut [f64]| {
+                        // The condensed coordinates follow the foot.
+                        let moved = if condensed { path.start(&m, &x[..dofs], &off).ok() } else { None };
+                        let auxiliaries = moved.as_ref().unwrap_or(&start);
+                        out.copy_from_slice(&assembled_with(&m, &path.q[1], rule, x, auxiliaries, false).0);
+                    };
+                    let worst = derivatives::force(&mut force, &x, &tangent)?;
+                    tangents.see(worst.relative_error, || format!("{place}, {name}"));
+                    let forces = &residual[..dofs];
+                    let (sum, moment) = resultants(forces, &path.q[1], &path.q[2], rule);
+                    momenta.see(sum.max(moment) / largest(forces), || {
+                        format!("reduction {reduction_name}, {place}, {name}")
+                    });
+                    if condensed && rule == ContactRule::EndPoint {
+                        let expected = path.forces(&path.direct(mu)?);
+                        let difference = expected.iter().zip(forces).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                        same.see(difference / largest(&expected), || (*place).to_owned());
+                    }
+                }
+            }
+            let quantity = format!("{kind}, reduction {reduction_name}: tangent against differences");
+            checks.push(tangents.check("cat", &quantity, 1e-7));
+        }
+        checks.push(momenta.check(
+            "cat",
+            &format!("{kind}: resultant and moment of the forces, by the largest"),
+            1e-12,
+        ));
+        checks.push(same.check("cat", &format!("{kind}: forces against the direct ones at the end point"), 1e-10));
+    }
+    Ok(())
+}
+
+/// Dissipation, the balance of the energy-momentum rule, and steps in which the whole turns as a rigid body.
+fn energies(checks: &mut Vec<Check>) -> Outcome<()> {
+    let (mut least, mut count) = (f64::INFINITY, 0);
+    let (mut balance, mut rigid, mut power) = (Worst::default(), Worst::default(), Worst::default());
+    let mut random = Random(13);
+    for state in 0..STATES {
+        for (place, slide) in PLACES {
+            for (name, rule) in RULES {
+                let path = Path::new(&mut random, rule, slide, state);
+                let m = path.direct(random.between(0.0, 2.0))?;
+                let (work, released) = (path.work(&m, &ACTIVE)?, path.work(&m, &OPEN)?);
+                least = least.min(work.dissipated).min(released.dissipated);
+                count += 1;
+                if rule == ContactRule::EnergyMomentum {
+                    // What the released spring loses is what it held.
+                    let done = work_of(&path, &m);
+                    let rest = done + work.stored - released.dissipated + work.dissipated;
+                    balance.see(rest.abs() / (done.abs() + work.stored), || place.to_owned());
+                }
+                let rigid_step = turned(path, &mut random);
+                let m = rigid_step.direct(KINDS[0].1)?;
+                let (work, before) = (rigid_step.work(&m, &ACTIVE)?, rigid_step.work(&m, &OPEN)?.dissipated);
+                let scale = before.max(1.0);
+                let lost = work.dissipated.abs().max((work.stored - before).abs()) / scale;
+                rigid.see(lost, || format!("{place}, {name}"));
+                if rule == ContactRule::EnergyMomentum {
+                    power.see(work_of(&rigid_step, &m).abs() / scale, || place.to_owned());
+                }
+            }
+        }
+    }
+    let least = Check::new("direct", "least dissipation of a step", least, Bound::AtLeast(-1e-12));
+    checks.push(least.noted(format!("{count} states")));
+    checks.push(balance.check("direct", "energy-momentum: work against stored and dissipated energy", 1e-12));
+    checks.push(rigid.check(
+        "direct",
+        "stick in a turn of the whole: energy stored or dissipated, by that in the spring",
+        1e-11,
+    ));
+    checks.push(power.check(
+        "direct",
+        "stick in a turn of the whole, energy-momentum: work, by that in the spring",
+        1e-11,
+    ));
+    Ok(())
+}
+
+/// Work of the friction on the motion of the nodes.
+fn work_of(path: &Path, m: &NodeToSurface) -> f64 {
+    let motion = path.q[2].iter().zip(&path.q[1]).map(|(a, b)| a - b);
+    path.friction(m).iter().zip(motion).map(|(f, u)| f * u).sum()
+}
+
+/// The same with a second step that only turns and shifts.
+fn turned(mut path: Path, random: &mut Random) -> Path {
+    let angle = Vector3::from_fn(|_, _| random.between(-0.6, 0.6));
+    let rotation = stoss_tensor::nalgebra::Rotation3::new(angle).into_inner();
+    let shift = Vector3::from_fn(|_, _| random.between(-2.0, 2.0));
+    let points = path.q[1].chunks_exact(3).map(|x| rotation * Vector3::from_column_slice(x) + shift);
+    path.q[2] = points.flat_map(|x| [x[0], x[1], x[2]]).collect();
+    path
+}
