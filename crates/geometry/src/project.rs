@@ -21,8 +21,11 @@ pub struct Projection {
 const TOLERANCE: f64 = 1e-12;
 /// Damped steps for one start. Four to six suffice unless the start is bad.
 const MAX_ITERATIONS: usize = 40;
-/// Longest step in the coordinates: without it a start near a fold of the parametrisation jumps to another sheet.
+/// Longest step in the coordinates on a patch that is not nearly a parallelogram: without it a start near a fold of the parametrisation jumps
+/// to another sheet.
 const MAX_STEP: f64 = 2.0;
+/// The part of the way to the fold, where `a_2 = c_2 + c_12 xi` vanishes, that a step may take beyond that.
+const OF_THE_FOLD: f64 = 0.25;
 
 struct Attempt {
     xi: [f64; 2],
@@ -108,8 +111,9 @@ fn newton(patch: &Monomials, target: &Vector3<f64>, start: [f64; 2]) -> Attempt 
             continue;
         }
         let length = step[0].abs().max(step[1].abs());
-        if length > MAX_STEP {
-            step = step.map(|s| s * MAX_STEP / length);
+        let longest = MAX_STEP.max(OF_THE_FOLD * (m_11.min(m_22) / patch.c_12.norm_squared()).sqrt());
+        if length > longest {
+            step = step.map(|s| s * longest / length);
         }
         // Armijo on f = |r|^2 / 2, whose slope along the step is -(gradient . step).
         let slope = gradient[0] * step[0] + gradient[1] * step[1];

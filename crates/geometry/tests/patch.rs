@@ -102,6 +102,20 @@ proptest! {
         }
     }
 
+    /// From the facet that a node starts its step on to a foot far beyond: nothing bends the parametrisation on a parallelogram.
+    #[test]
+    fn a_foot_a_thousand_facets_away_is_found_on_a_plane(
+        xi in proptest::array::uniform2(-2000.0..2000.0f64), gap in -1.0..1.0f64,
+        a in vector(1.0), b in vector(1.0), o in vector(1.0),
+    ) {
+        prop_assume!(a.cross(&b).norm() > 0.1 * a.norm() * b.norm() && a.norm().min(b.norm()) > 0.1);
+        let patch = BilinearPatch::new([o, o + a, o + a + b, o + b]);
+        let x = patch.point(xi) + patch.frame([0.0; 2]).normal * gap;
+        let p = patch.project(&x, [0.0, 0.0]);
+        prop_assert!(p.converged);
+        prop_assert!((p.xi[0] - xi[0]).abs() < 1e-9 && (p.xi[1] - xi[1]).abs() < 1e-9, "{:?} {:?}", p.xi, xi);
+    }
+
     #[test]
     fn closest_point_is_the_global_minimum(patch in wild_patch(), x in vector(2.5)) {
         let c = patch.closest_point(&x);

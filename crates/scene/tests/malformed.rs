@@ -175,6 +175,12 @@ const CASES: &[Case] = &[
         "enforcement",
         "contact[0].enforcement",
     ),
+    dynamic(
+        "method = \"nts\"",
+        "method = \"cat\"\nenforcement = { penalty = 1 }",
+        "enforcement",
+        "contact[0].enforcement",
+    ),
     dynamic("constraint = \"modified\"", "multipliers = \"dual\"", "dual", "contact[0].multipliers"),
     dynamic("method = \"nts\"", "method = \"mortar\"\nmultipliers = \"single\"", "single", "contact[0].multipliers"),
     dynamic("method = \"nts\"", "method = \"mortar\"\nquadrature = 7", "quadrature", "contact[0].quadrature"),

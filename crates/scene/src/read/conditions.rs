@@ -95,8 +95,9 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
     });
     let enforcement = table.default("enforcement", Enforcement::Multiplier, |n| {
         let enforcement = enforcement(n)?;
-        if method == Some(ContactMethod::Mortar) && !enforcement.is_multiplier() {
-            return n.fail("is not available with mortar, whose pressures are multipliers", "remove it");
+        if matches!(method, Some(ContactMethod::Mortar | ContactMethod::Cat)) && !enforcement.is_multiplier() {
+            return n
+                .fail("is for method = \"nts\" only: the other methods have pressures as multipliers", "remove it");
         }
         if matches!(enforcement, Enforcement::Penalty(_)) && constraint == Some(Constraint::Modified) {
             return n.fail("a penalty needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
