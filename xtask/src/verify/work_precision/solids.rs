@@ -230,7 +230,8 @@ pub fn cases(quick: bool) -> Outcome<Vec<Case>> {
             touch: Touch::Friction,
             reference: "backward-euler",
             rough: &EXACT,
-            least_target: 1e-2,
+            // There is no common limit to measure smaller errors against.
+            least_target: 1e-1,
         },
     ];
     setups.iter().map(case).collect()
