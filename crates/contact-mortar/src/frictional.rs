@@ -97,10 +97,12 @@ impl MortarContact {
         let Some(surface) = &mut self.friction else { return Ok(()) };
         let what = match self.rule {
             ContactRule::EndPoint => None,
-            ContactRule::Midpoint | ContactRule::EnergyMomentum if surface.measure == SlipMeasure::Yang => Some(format!(
-                "slip measure `yang` and rule {:?}: it needs integrals that move in the step, and these stay",
-                self.rule
-            )),
+            ContactRule::Midpoint | ContactRule::EnergyMomentum if surface.measure == SlipMeasure::Yang => {
+                Some(format!(
+                    "slip measure `yang` and rule {:?}: it needs integrals that move in the step, and these stay",
+                    self.rule
+                ))
+            }
             ContactRule::Midpoint | ContactRule::EnergyMomentum => None,
             rule => Some(format!("the rule {rule:?}")),
         };

@@ -7,7 +7,8 @@ use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
 use stoss_contact::{
-    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport, StepConfiguration,
+    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
+    StepConfiguration,
 };
 use stoss_segmentation::{FacetSegmentation, GapRange};
 

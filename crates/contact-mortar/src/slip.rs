@@ -123,7 +123,7 @@ mod tests {
             let slip = Vector3::from(measure.slip(false, &full(&mid, Vector3::zeros()), &plain(&start)));
             let force = measure.force(&plain(&mid), t).map(Vector3::from);
             let work: f64 = (0..3).map(|k| force[k].dot(&(end[k] - start[k]))).sum();
-            prop_assert!((work - slip.dot(&t.into())).abs() < 1e-13);
+            prop_assert!((work - slip.dot(&Vector3::from(t))).abs() < 1e-13);
             let moment: Vector3<f64> = (0..3).map(|k| mid[k].cross(&force[k])).sum();
             prop_assert!(moment.amax() < 1e-13, "{moment}");
         }

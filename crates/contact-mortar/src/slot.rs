@@ -130,12 +130,7 @@ impl Slot {
     }
 
     /// The same with weights of friction, `areas` of the same segments as `facets` of [`Self::gather`].
-    pub fn with_facets(
-        mut self,
-        local: usize,
-        surfaces: [&ContactSurface; 2],
-        areas: &[Option<FacetWeights>],
-    ) -> Self {
+    pub fn with_facets(mut self, local: usize, surfaces: [&ContactSurface; 2], areas: &[Option<FacetWeights>]) -> Self {
         // The same segments have the same nodes.
         self.facets = Self::gather(local, surfaces, areas, NormalField::Facet, &self.nodes).groups;
         self
