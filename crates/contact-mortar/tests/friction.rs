@@ -95,7 +95,15 @@ fn friction_force(
 
 /// Difference between the tangent times a direction and the residual's derivative along it, relative to the largest entry; `None` if the residual is
 /// not smooth there: segments change their kind, or differences of second and fourth order do not agree, as at the kink between stick and slip.
-fn directional_error(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64], v: &[f64], w: &[f64]) -> Option<f64> {
+fn directional_error(
+    method: &mut MortarContact,
+    rule: ContactRule,
+    q_n: &[f64],
+    q: &[f64],
+    p: &[f64],
+    v: &[f64],
+    w: &[f64],
+) -> Option<f64> {
     let active = set(p);
     begin(method, rule, q_n);
     let mut at = |s: f64| {
@@ -126,18 +134,21 @@ fn directional_error(method: &mut MortarContact, rule: ContactRule, q_n: &[f64],
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn tangents_are_derivatives(
         d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, averaged: bool, rule in 0usize..3, of in 0usize..3,
-        kind in 0usize..4, midpoint in 0usize..3, v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE),
+        kind in 0usize..4, midpoint in 0usize..3,
+        v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)],
     ) {
         let rule = RULES[rule];
         let midpoint = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C][midpoint];
         let mut method = with(law(kind), midpoint, dual, averaged, measure(of, rule));
         let (q_0, q_n) = (moved(&f), moved(&d));
-        go(&mut method, rule, &q_0, &q_n, &p);
+        // Another pressure before: stepping `C` has a kink where the history lies on the cone.
+        let p_0: Vec<f64> = p.iter().map(|p| before * p).collect();
+        go(&mut method, rule, &q_0, &q_n, &p_0);
         let q = plus(&q_n, 0.3, &e);
         let w: Vec<f64> = w.iter().zip(&p).map(|(w, p)| if *p == 0.0 { 0.0 } else { *w }).collect();
         let error = directional_error(&mut method, rule, &q_n, &q, &p, &v, &w);

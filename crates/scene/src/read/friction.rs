@@ -58,7 +58,15 @@ fn static_dynamic(table: &Table<'_>) -> Option<Friction> {
         );
     }
     let (speed, Sticking { penalty, stick, midpoint }) = (speed?, sticking?);
-    Some(Friction::StaticDynamic(StaticDynamicFriction { mu_static, mu_dynamic, speed, penalty, stick, midpoint, slip: None }))
+    Some(Friction::StaticDynamic(StaticDynamicFriction {
+        mu_static,
+        mu_dynamic,
+        speed,
+        penalty,
+        stick,
+        midpoint,
+        slip: None,
+    }))
 }
 
 fn regularised(table: &Table<'_>) -> Option<Friction> {

@@ -7,7 +7,8 @@ use crate::scene::{Constraint, Multipliers, Normals, Quadrature as Points, Scene
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
 use stoss_contact_mortar::{
-    MortarContact, MortarOptions, MultiplierSpace, NormalField, Quadrature, SlipMeasure, TriangleRule, WeightedConstraint,
+    MortarContact, MortarOptions, MultiplierSpace, NormalField, Quadrature, SlipMeasure, TriangleRule,
+    WeightedConstraint,
 };
 use stoss_integrators::GradientRule;
 
@@ -60,7 +61,8 @@ pub(super) fn contact(
                 if slip == SlipMeasure::Yang
                     && let Some(scheme) = scheme_with_constant_integrals(pair.scene)
                 {
-                    let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
+                    let message =
+                        format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
                     let remedy = "use `objective`, or `backward-euler`";
                     return problems.add(format!("{}.friction.slip", pair.key), "yang", message, remedy);
                 }
