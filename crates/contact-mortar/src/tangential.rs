@@ -49,7 +49,7 @@ pub(crate) struct FrictionState {
     traction: V3<f64>,
 }
 
-/// Traction vector of a node and its slip from normal direction, material line and slip vector: with derivatives if the law's are given.
+/// Frame of a node and its slip there, from normal direction, material line and weighted slip.
 struct Node<T> {
     tangents: [V3<T>; 2],
     slip: [T; 2],
@@ -149,8 +149,8 @@ impl NodeFriction<'_> {
         true
     }
 
-    /// Derivatives of the traction with respect to normal, line and slip vector.
-    fn by_node(&self, work: &Scratch, state: &FrictionState, at_end: bool) -> V3<Dual<9>> {
+    /// Traction with its derivatives with respect to normal, line and slip vector, and its derivative with respect to the pressure.
+    fn by_node(&self, work: &Scratch, state: &FrictionState, at_end: bool) -> (V3<Dual<9>>, V3<f64>) {
         let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
         for (x, start) in work.arguments.iter().zip(&work.start) {
             normal = add(normal, normal_part(x));
@@ -164,7 +164,9 @@ impl NodeFriction<'_> {
             let partial = std::array::from_fn(|k| a * node.slip[0].partial[k] + b * node.slip[1].partial[k]);
             Dual { value: state.step.force[i], partial }
         });
-        node.vector(components)
+        let [e_1, e_2] = node.tangents.map(|e| e.map(|x| x.value));
+        let [d_1, d_2] = state.step.d_pressure;
+        (node.vector(components), std::array::from_fn(|i| d_1 * e_1[i] + d_2 * e_2[i]))
     }
 
     fn add_tangent(
@@ -178,7 +180,7 @@ impl NodeFriction<'_> {
         let at_end = step.rule == ContactRule::EndPoint;
         let n = 3 * slot.nodes.len();
         let dim = n + 1;
-        let by_node = self.by_node(work, state, at_end);
+        let (by_node, by_pressure) = self.by_node(work, state, at_end);
         let Scratch { arguments, start, motion, traction, product } = work;
         motion.clear();
         motion.resize(FACET * n * arguments.len(), 0.0);
@@ -203,10 +205,6 @@ impl NodeFriction<'_> {
                 }
             }
         }
-        let by_pressure: V3<f64> = {
-            let [e_1, e_2] = by_node_tangents(arguments);
-            std::array::from_fn(|i| state.step.d_pressure[0] * e_1[i] + state.step.d_pressure[1] * e_2[i])
-        };
         for (f, (group, x)) in slot.facets().iter().zip(arguments.iter()).enumerate() {
             let motion = &motion[FACET * n * f..][..FACET * n];
             let v = |v: V3<f64>, first: usize| -> V3<Dual<FACET>> {
@@ -271,9 +269,4 @@ impl NodeFriction<'_> {
             }
         }
     }
-}
-
-fn by_node_tangents(arguments: &[Facet<f64>]) -> [V3<f64>; 2] {
-    let normal = arguments.iter().map(normal_part).fold([0.0; 3], add);
-    tangents(normal, arguments.first().map_or([0.0; 3], |x| x[1]))
 }
