@@ -28,23 +28,27 @@
 //! [`tie::MeshTie`] joins two surfaces for good: a `ContactMethod` of `stoss-contact` with permanent constraints.
 //!
 //! # What it is not
-//! No friction, no global system. Integrals in reference or current coordinates: whatever `q` holds.
+//! No global system. Integrals in reference or current coordinates: whatever `q` holds.
 //!
 //! # Contact
-//! [`MortarContact`] is the frictionless contact method: weighted gaps `Phi_A = n_A . (D_AJ x1_J - M_AK x2_K)` with
+//! [`MortarContact`] is the contact method: weighted gaps `Phi_A = n_A . (D_AJ x1_J - M_AK x2_K)` with
 //! complementary nodal pressures, integrals that move with the iterate in statics and stay those of `q_n` in the steps of
-//! dynamics, an energy-momentum element with directors.
+//! dynamics, an energy-momentum element with directors. [`MortarContact::with_friction`] adds a law of `stoss_contact::friction` with tractions at
+//! the slave nodes and slips that are weighted as the gaps are ([`SlipMeasure`]).
 
 mod derivatives;
 mod error;
+mod frictional;
 mod integrals;
 mod kernel;
 mod matrices;
 mod method;
 mod multiplier;
 mod points;
+mod slip;
 mod slot;
 mod surfaces;
+mod tangential;
 pub mod tie;
 mod weights;
 
@@ -57,6 +61,7 @@ pub use multiplier::{MultiplierBasis, MultiplierSpace};
 pub use points::{
     PointMap, PointVariation, Quadrature, QuadraturePoint, for_each_point, for_each_point_with_derivatives,
 };
+pub use slip::SlipMeasure;
 pub use slot::NormalField;
 pub use stoss_reference_element::triangle::TriangleRule;
 pub use stoss_segmentation as segmentation;

@@ -1,13 +1,16 @@
-//! Frictionless mortar contact as a contact method.
+//! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
+use crate::frictional::SurfaceFriction;
 use crate::segment_surfaces;
 use crate::slot::{NormalField, Slot, Work};
+use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
 use stoss_contact::{
-    ContactError, ContactMethod, ContactRule, ContactSurface, LocalContribution, SlotReport, StepConfiguration,
+    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
+    StepConfiguration,
 };
-use stoss_segmentation::GapRange;
+use stoss_segmentation::{FacetSegmentation, GapRange};
 
 /// What is kept zero while a node is closed (formulation §9.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,9 +44,9 @@ const MARGIN: f64 = 2.0;
 
 /// Integrals at one configuration.
 #[derive(Clone, Debug)]
-struct Integrated {
+pub(crate) struct Integrated {
     segments: SurfaceSegmentation,
-    slots: Vec<Slot>,
+    pub(crate) slots: Vec<Slot>,
 }
 
 /// Slave surface against master surface with one pressure (traction) a slave node and weighted gaps (formulation §8.1).
@@ -61,20 +64,21 @@ struct Integrated {
 #[derive(Clone, Debug)]
 pub struct MortarContact {
     name: String,
-    slave: ContactSurface,
+    pub(crate) slave: ContactSurface,
     master: ContactSurface,
-    options: MortarOptions,
+    pub(crate) options: MortarOptions,
     /// Slave nodes without a multiplier, by local number.
-    without: Vec<bool>,
-    rule: ContactRule,
+    pub(crate) without: Vec<bool>,
+    pub(crate) rule: ContactRule,
     range: GapRange,
     /// Positions that the integrals belong to; empty before the first step.
     at: Vec<f64>,
-    integrated: Option<Integrated>,
+    pub(crate) integrated: Option<Integrated>,
     /// Slots whose derivatives are there.
     derivatives: Vec<bool>,
     /// Weighted gap at `q_n` with the integrals of the step over the support, a length each.
     gap_n: Vec<f64>,
+    pub(crate) friction: Option<SurfaceFriction>,
 }
 
 fn segmentation_error(error: &MortarError) -> ContactError {
@@ -106,6 +110,7 @@ impl MortarContact {
             integrated: None,
             derivatives: vec![false; count],
             gap_n: vec![0.0; count],
+            friction: None,
             slave,
             master,
             options,
@@ -186,28 +191,60 @@ impl MortarContact {
         let segments =
             segment_surfaces(&self.slave, &self.master, q, self.range).map_err(|e| segmentation_error(&e))?;
         let Self { slave, master, options, .. } = self;
-        let facets: Vec<Option<FacetWeights>> = segments
-            .facets
-            .iter()
-            .zip(slave.local_facets())
-            .map(|(found, nodes)| {
+        let weights = |measure| -> Vec<Option<FacetWeights>> {
+            let facets = segments.facets.iter().zip(slave.local_facets());
+            let of_facet = |(found, nodes): (&FacetSegmentation, &[u32; 4])| {
                 let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
                 let without = nodes.map(|n| self.without[n as usize]);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
                 (!found.segments.is_empty())
                     .then(|| facet_weights(found, corners, space, rule, measure, without, wanted))
-            })
-            .collect();
+            };
+            facets.map(of_facet).collect()
+        };
+        let facets = weights(measure);
         let normals = if measure == Measure::Parametric { NormalField::Facet } else { options.normals };
-        let slots = (0..slave.nodes().len())
-            .map(|s| Slot::gather(s, [slave, master], &facets, normals, old.get(s).map_or(&[], |s| &s.nodes)))
-            .collect();
+        let surfaces = [slave, master];
+        let kept = |s| old.get(s).map_or(&[][..], |s: &Slot| &s.nodes);
+        let gather = |s| Slot::gather(s, surfaces, &facets, normals, kept(s));
+        let count = slave.nodes().len();
+        let slots: Vec<Slot> = match (&self.friction, measure, normals) {
+            // The groups of the pressures do.
+            (None, ..) | (Some(_), Measure::Area, NormalField::Facet) => (0..count).map(gather).collect(),
+            (Some(_), Measure::Area, NormalField::Averaged) => {
+                (0..count).map(|s| gather(s).with_facets(s, surfaces, &facets)).collect()
+            }
+            (Some(_), Measure::Parametric, _) => {
+                let areas = weights(Measure::Area);
+                (0..count).map(|s| gather(s).with_facets(s, surfaces, &areas)).collect()
+            }
+        };
         Ok(Integrated { segments, slots })
     }
 
-    fn slots(&self) -> &[Slot] {
+    pub(crate) fn slots(&self) -> &[Slot] {
         self.integrated.as_ref().map_or(&[], |i| &i.slots)
+    }
+
+    /// Renews the integrals at an iterate; tells whether stencils changed.
+    fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<bool, ContactError> {
+        let enough = !want_tangent || active.iter().zip(&self.derivatives).all(|(a, d)| *d || !*a);
+        if enough && self.at == q_np1 {
+            return Ok(false);
+        }
+        let wanted: &[bool] = if want_tangent { active } else { &[] };
+        let new = self.integrate(q_np1, wanted, self.slots(), Measure::Area)?;
+        let pairs = new.slots.iter().zip(self.slots()).zip(active);
+        let changed = pairs.filter(|(_, a)| **a).any(|((new, old), _)| new.nodes.len() != old.nodes.len());
+        self.integrated = Some(new);
+        self.derivatives.fill(false);
+        if want_tangent {
+            self.derivatives.copy_from_slice(active);
+        }
+        self.at.clear();
+        self.at.extend_from_slice(q_np1);
+        Ok(changed)
     }
 }
 
@@ -228,8 +265,9 @@ impl ContactMethod for MortarContact {
         self.slave.length_scale()
     }
 
-    fn set_rule(&mut self, rule: ContactRule, _step_size: f64) {
+    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.rule = rule;
+        self.set_friction_step(step_size);
     }
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
@@ -244,34 +282,20 @@ impl ContactMethod for MortarContact {
         self.derivatives.fill(false);
         self.at.clear();
         self.at.extend_from_slice(q_n);
-        Ok(())
+        self.begin_friction(q_n)
     }
 
     fn renew(
         &mut self,
         q_np1: &[f64],
-        _pressures: &[f64],
+        pressures: &[f64],
         active: &[bool],
         want_tangent: bool,
     ) -> Result<bool, ContactError> {
-        if !self.moves_integrals() {
-            return Ok(false);
-        }
-        let enough = !want_tangent || active.iter().zip(&self.derivatives).all(|(a, d)| *d || !*a);
-        if enough && self.at == q_np1 {
-            return Ok(false);
-        }
-        let wanted: &[bool] = if want_tangent { active } else { &[] };
-        let new = self.integrate(q_np1, wanted, self.slots(), Measure::Area)?;
-        let pairs = new.slots.iter().zip(self.slots()).zip(active);
-        let changed = pairs.filter(|(_, a)| **a).any(|((new, old), _)| new.nodes.len() != old.nodes.len());
-        self.integrated = Some(new);
-        self.derivatives.fill(false);
+        let changed = self.moves_integrals() && self.follow(q_np1, active, want_tangent)?;
         if want_tangent {
-            self.derivatives.copy_from_slice(active);
+            self.follow_friction(q_np1, pressures, active);
         }
-        self.at.clear();
-        self.at.extend_from_slice(q_np1);
         Ok(changed)
     }
 
@@ -290,7 +314,7 @@ impl ContactMethod for MortarContact {
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
         let mut out = LocalContribution::default();
-        let mut work = Work::default();
+        let (mut work, mut scratch) = (Work::default(), Scratch::default());
         for (k, slot) in self.slots().iter().enumerate().filter(|(k, _)| active[*k]) {
             out.slots.clear();
             out.slots.push(k as u32);
@@ -309,7 +333,9 @@ impl ContactMethod for MortarContact {
                     WeightedConstraint::Modified if self.gap_n[k].is_finite() => self.gap_n[k] * slot.support,
                     _ => 0.0,
                 };
-                if !slot.contribute(step, pressures[k], reference, want_tangent, &mut work, &mut out) {
+                let there = slot.contribute(step, pressures[k], reference, want_tangent, &mut work, &mut out)
+                    && self.add_friction(k, step, pressures[k], want_tangent, &mut scratch, &mut out);
+                if !there {
                     return Err(ContactError::NoNormal { node: slot.nodes[0] });
                 }
             }
@@ -334,6 +360,26 @@ impl ContactMethod for MortarContact {
 
     fn repair(&mut self, _q_np1: &[f64], _active: &[bool]) -> Result<usize, ContactError> {
         Ok(0)
+    }
+
+    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        Ok(self.augment_friction(q_np1, pressures, active))
+    }
+
+    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+        Ok(self.friction_work(q_np1, pressures, active))
+    }
+
+    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        self.commit_friction(q_np1, pressures, active);
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.save_friction()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+        self.load_friction(bytes)
     }
 
     fn verify(&self) -> Result<(), ContactError> {

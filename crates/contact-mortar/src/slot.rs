@@ -17,13 +17,13 @@ pub enum NormalField {
 
 /// A part of a weighted gap that has one normal.
 #[derive(Clone, Debug, Default)]
-struct Group {
+pub(crate) struct Group {
     /// Corners of the facets that make the normal, as positions in [`Slot::nodes`].
-    corners: Vec<[usize; 4]>,
+    pub corners: Vec<[usize; 4]>,
     /// One weight a node, an area (or free of units with directors).
-    weights: Vec<f64>,
+    pub weights: Vec<f64>,
     /// `d weights / d x`, row-major, one column a component; empty if frozen.
-    derivative: Vec<f64>,
+    pub derivative: Vec<f64>,
 }
 
 /// The weighted gap of one slave node.
@@ -34,6 +34,8 @@ pub(crate) struct Slot {
     /// `int phi_A dA` over the covered part; zero if the node has no partner.
     pub support: f64,
     groups: Vec<Group>,
+    /// One group a facet with areas as weights, for friction; empty if `groups` are these, or there is no friction.
+    facets: Vec<Group>,
 }
 
 /// Scratch of an evaluation.
@@ -52,7 +54,7 @@ pub(crate) struct Work {
 /// Coefficient of a corner in the two diagonals.
 const DIAGONAL: [[f64; 4]; 2] = [[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0]];
 
-fn at(q: &[f64], node: u32) -> Vector3<f64> {
+pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
     let k = 3 * node as usize;
     Vector3::new(q[k], q[k + 1], q[k + 2])
 }
@@ -67,7 +69,7 @@ impl Slot {
         old: &[u32],
     ) -> Self {
         let [slave, master] = surfaces;
-        let mut slot = Self { nodes: old.to_vec(), support: 0.0, groups: Vec::new() };
+        let mut slot = Self { nodes: old.to_vec(), support: 0.0, groups: Vec::new(), facets: Vec::new() };
         if slot.nodes.is_empty() {
             slot.nodes.push(slave.nodes()[local]);
         }
@@ -125,6 +127,18 @@ impl Slot {
             }
         }
         slot
+    }
+
+    /// The same with weights of friction, `areas` of the same segments as `facets` of [`Self::gather`].
+    pub fn with_facets(mut self, local: usize, surfaces: [&ContactSurface; 2], areas: &[Option<FacetWeights>]) -> Self {
+        // The same segments have the same nodes.
+        self.facets = Self::gather(local, surfaces, areas, NormalField::Facet, &self.nodes).groups;
+        self
+    }
+
+    /// One group a slave facet with areas as weights, none without a partner.
+    pub fn facets(&self) -> &[Group] {
+        if self.facets.is_empty() { &self.groups } else { &self.facets }
     }
 
     fn arguments(&self, group: &Group, q: &[f64], out: &mut Vec<Vector3<f64>>) {
@@ -241,7 +255,7 @@ impl Slot {
     }
 
     /// Visits (argument, node, coefficient) of all coefficients that are not zero.
-    fn for_each_coefficient(group: &Group, mut visit: impl FnMut(usize, usize, f64)) {
+    pub fn for_each_coefficient(group: &Group, mut visit: impl FnMut(usize, usize, f64)) {
         for (k, &w) in group.weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             visit(0, k, w);
         }

@@ -1,122 +1,12 @@
 //! The contact method at random configurations: tangents, momenta, work, crosspoints.
 
+mod sheets;
+
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, LocalContribution, StepConfiguration};
-use stoss_contact_mortar::segmentation::Provenance;
-use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace, NormalField, WeightedConstraint};
-
-const SLAVE: usize = 9;
-const NODES: usize = 25;
-
-/// A sheet of `n x n` facets over `[0, size]^2`, numbered from `first`; `up`: normals along +z.
-fn sheet(n: usize, first: u32, up: bool) -> Vec<[u32; 4]> {
-    let at = |i: usize, j: usize| first + (j * (n + 1) + i) as u32;
-    let facets = (0..n * n).map(|f| (f % n, f / n)).map(|(i, j)| {
-        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        if up { [a, b, c, d] } else { [a, d, c, b] }
-    });
-    facets.collect()
-}
-
-/// Slave: two by two facets on top of a master of three by three, turned, shifted so that they overlap in part only.
-fn base() -> Vec<f64> {
-    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.3);
-    let mut q = Vec::new();
-    for k in 0..SLAVE {
-        let x = turn * Vector3::new((k % 3) as f64 * 0.9, (k / 3) as f64 * 0.8, 0.0) + Vector3::new(0.55, 0.37, 1.05);
-        q.extend(x.iter());
-    }
-    for k in 0..16 {
-        q.extend([(k % 4) as f64 * 0.7, (k / 4) as f64 * 0.72, 1.0]);
-    }
-    q
-}
-
-fn moved(d: &[f64]) -> Vec<f64> {
-    base().iter().zip(d).map(|(x, d)| x + d).collect()
-}
-
-fn method(options: MortarOptions) -> MortarContact {
-    MortarContact::new("test", &sheet(2, 0, false), &sheet(3, SLAVE as u32, true), &base(), options).unwrap()
-}
-
-fn options(dual: bool, averaged: bool) -> MortarOptions {
-    MortarOptions {
-        space: if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard },
-        normals: if averaged { NormalField::Averaged } else { NormalField::Facet },
-        ..MortarOptions::default()
-    }
-}
-
-/// Residual and tangent in all coordinates and pressures.
-struct Global {
-    residual: Vec<f64>,
-    tangent: Vec<f64>,
-}
-
-const ALL: usize = 3 * NODES + SLAVE;
-
-fn assemble(method: &MortarContact, step: StepConfiguration<'_>, p: &[f64], active: &[bool]) -> Global {
-    let mut out = Global { residual: vec![0.0; ALL], tangent: vec![0.0; ALL * ALL] };
-    method
-        .assemble(step, p, active, true, &mut |local: &LocalContribution| {
-            let mut index: Vec<usize> =
-                local.nodes.iter().flat_map(|&n| (0..3).map(move |i| 3 * n as usize + i)).collect();
-            index.extend(local.slots.iter().map(|&s| 3 * NODES + s as usize));
-            for (i, &row) in index.iter().enumerate() {
-                out.residual[row] += local.residual[i];
-                for (j, &column) in index.iter().enumerate() {
-                    out.tangent[row * ALL + column] += local.tangent[i * local.dim() + j];
-                }
-            }
-        })
-        .unwrap();
-    out
-}
-
-fn kinds(method: &MortarContact) -> Vec<(u32, Provenance)> {
-    let facets = &method.segments().unwrap().facets;
-    let segments = facets.iter().flat_map(|f| &f.segments);
-    segments.flat_map(|s| s.vertices().iter().map(|v| (s.master_facet, v.provenance))).collect()
-}
-
-/// Largest difference between tangent and central differences, relative to the largest entry; `None` if the segments
-/// change their kind within the differences.
-fn tangent_error(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Option<f64> {
-    let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
-    method.set_rule(rule, 0.1);
-    method.begin_step(q_n, 0.1).unwrap();
-    let mut at = |x: &[f64], p: &[f64]| {
-        method.renew(x, &[], &active, true).unwrap();
-        let kind = kinds(method);
-        (assemble(method, StepConfiguration { q_n, q_np1: x, rule }, p, &active), kind)
-    };
-    let (exact, kind) = at(q, p);
-    let size = exact.tangent.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
-    let h = 2e-6;
-    let mut worst = 0.0_f64;
-    for column in 0..ALL {
-        let mut ends = [1.0, -1.0].map(|sign| {
-            let (mut x, mut p) = (q.to_vec(), p.to_vec());
-            if column < 3 * NODES {
-                x[column] += sign * h;
-            } else if active[column - 3 * NODES] {
-                p[column - 3 * NODES] += sign * h;
-            }
-            at(&x, &p)
-        });
-        if ends.iter().any(|e| e.1 != kind) {
-            return None;
-        }
-        let [plus, minus] = &mut ends;
-        for row in 0..ALL {
-            let difference = (plus.0.residual[row] - minus.0.residual[row]) / (2.0 * h);
-            worst = worst.max((difference - exact.tangent[row * ALL + column]).abs());
-        }
-    }
-    Some(worst / size)
-}
+use sheets::{NODES, SLAVE, assemble, base, method, moved, options, pressures, resultants, tangent_error, warp};
+use stoss_contact::{ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact_mortar::{MortarContact, MortarOptions, WeightedConstraint};
 
 const RULES: [ContactRule; 5] = [
     ContactRule::StartPoint,
@@ -125,22 +15,6 @@ const RULES: [ContactRule; 5] = [
     ContactRule::Midpoint,
     ContactRule::EnergyMomentum,
 ];
-
-/// Resultant and moment about `x` of the forces in a residual.
-fn resultants(residual: &[f64], x: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
-    let v = |a: &[f64], k: usize| Vector3::new(a[3 * k], a[3 * k + 1], a[3 * k + 2]);
-    let force = (0..NODES).map(|k| v(residual, k)).sum();
-    let moment = (0..NODES).map(|k| v(x, k).cross(&v(residual, k))).sum();
-    (force, moment)
-}
-
-fn warp() -> impl Strategy<Value = Vec<f64>> {
-    prop::collection::vec(-0.12f64..0.12, 3 * NODES)
-}
-
-fn pressures() -> impl Strategy<Value = Vec<f64>> {
-    prop::collection::vec(prop_oneof![1 => Just(0.0), 3 => 0.3f64..2.0], SLAVE)
-}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]

@@ -19,6 +19,7 @@ use crate::dual::{Dual, Scalar};
 use crate::kinematics::{Gap, LOCAL, LocalMatrix};
 use nalgebra::Vector3;
 use stoss_contact::ContactRule;
+use stoss_contact::dual::{V3, cross, dot, unit};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
 use stoss_geometry::BilinearPatch;
 use stoss_reference_element::quad4;
@@ -26,8 +27,6 @@ use stoss_reference_element::quad4;
 /// Two tangent planes with `1 + n . m` below this are folded upon each other: no rotation from one to the other is the smallest. The
 /// traction is dropped then.
 const FOLDED: f64 = 1.0e-3;
-
-pub(crate) type V3<T> = [T; 3];
 
 /// Friction of a whole surface.
 #[derive(Clone, Debug)]
@@ -82,19 +81,6 @@ impl Default for PointHistory {
             reversed: false,
         }
     }
-}
-
-fn dot<T: Scalar>(a: V3<T>, b: V3<T>) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross<T: Scalar>(a: V3<T>, b: V3<T>) -> V3<T> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn unit<T: Scalar>(a: V3<T>) -> V3<T> {
-    let inverse = T::constant(1.0) / dot(a, a).sqrt();
-    a.map(|x| x * inverse)
 }
 
 /// `e_1`, `e_2`, `n` of two tangents.

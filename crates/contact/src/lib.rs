@@ -8,6 +8,7 @@
 //! Not here: forces and tangents (they are a method's), the global system (the solver's), meshes' files.
 
 pub mod active_set;
+pub mod dual;
 mod enforcement;
 mod error;
 pub mod friction;

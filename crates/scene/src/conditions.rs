@@ -17,7 +17,7 @@ named! {
         /// generalised-alpha, midpoint; with `energy-momentum` the solids conserve energy, the contact is that of the midpoint rule.
         Cat = "cat",
         /// Mortar: weighted gaps and pressures on the overlap of the facets (formulation §8.1); with `energy-momentum` its
-        /// energy-momentum element (§8.3). Frictionless.
+        /// energy-momentum element (§8.3).
         Mortar = "mortar",
     }
 }
@@ -210,7 +210,7 @@ pub struct Contact {
     /// Normals of `mortar`; `averaged` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normals: Option<Normals>,
-    /// Friction; none if left out. With the standard constraint only, not with `mortar`.
+    /// Friction; none if left out. With the standard constraint only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
 }

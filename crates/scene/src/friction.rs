@@ -27,6 +27,18 @@ named! {
     }
 }
 
+named! {
+    /// How mortar contact measures the slip of a step (formulation §8.2).
+    Slip {
+        /// By products of gap vector and facet that no rigid motion changes; momenta and work are exact. The default.
+        Objective = "objective",
+        /// By the change of the gap vector, as in the thesis: a rotation with a gap counts as slip, angular momentum is not exact.
+        Direct = "direct",
+        /// By the change of the integrals: statics and backward Euler only.
+        Yang = "yang",
+    }
+}
+
 /// A law of friction with its parameters.
 ///
 /// # How to add one
@@ -91,6 +103,9 @@ pub struct CoulombFriction {
     /// Which traction the midpoint schemes take.
     #[serde(default = "default_midpoint")]
     pub midpoint: MidpointFriction,
+    /// Slip of `mortar`; `objective` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slip: Option<Slip>,
 }
 
 /// Parameters of `static-dynamic`.
@@ -113,6 +128,9 @@ pub struct StaticDynamicFriction {
     /// Which traction the midpoint schemes take.
     #[serde(default = "default_midpoint")]
     pub midpoint: MidpointFriction,
+    /// Slip of `mortar`; `objective` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slip: Option<Slip>,
 }
 
 /// Parameters of `regularised`.
@@ -124,6 +142,9 @@ pub struct RegularisedFriction {
     pub mu: f64,
     /// Speed below which it is viscous (length per time), positive.
     pub speed: f64,
+    /// Slip of `mortar`; `objective` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slip: Option<Slip>,
 }
 
 impl Friction {
@@ -136,5 +157,23 @@ impl Friction {
             }
             Self::Regularised(_) => None,
         }
+    }
+
+    /// Slip of `mortar`, if given.
+    pub fn slip(&self) -> Option<Slip> {
+        match self {
+            Self::Coulomb(p) => p.slip,
+            Self::StaticDynamic(p) => p.slip,
+            Self::Regularised(p) => p.slip,
+        }
+    }
+
+    pub(crate) fn with_slip(mut self, slip: Option<Slip>) -> Self {
+        match &mut self {
+            Self::Coulomb(p) => p.slip = slip,
+            Self::StaticDynamic(p) => p.slip = slip,
+            Self::Regularised(p) => p.slip = slip,
+        }
+        self
     }
 }

@@ -34,7 +34,7 @@ pub use conditions::{
     Prescribe, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{
-    CoulombFriction, Friction, MidpointFriction, RegularisedFriction, StaticDynamicFriction, Stick, Sticking,
+    CoulombFriction, Friction, MidpointFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick, Sticking,
 };
 pub use general::{Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};

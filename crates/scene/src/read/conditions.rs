@@ -105,10 +105,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         Some(enforcement)
     });
     let friction = table.optional("friction", |n| {
-        let friction = friction(n)?;
-        if method == Some(ContactMethod::Mortar) {
-            return n.fail("is not available with mortar", "remove it, or set method = \"nts\"");
-        }
+        let friction = friction(n, method.map(|method| method == ContactMethod::Mortar))?;
         if constraint == Some(Constraint::Modified) {
             return n.fail("needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
         }

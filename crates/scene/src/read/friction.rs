@@ -3,9 +3,10 @@
 use super::node::Node;
 use super::table::Table;
 use crate::friction::Sticking;
-use crate::{CoulombFriction, Friction, MidpointFriction, RegularisedFriction, StaticDynamicFriction, Stick};
+use crate::{CoulombFriction, Friction, MidpointFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick};
 
-pub(super) fn friction(node: &Node<'_>) -> Option<Friction> {
+/// `mortar`: the contact's method, if known.
+pub(super) fn friction(node: &Node<'_>, mortar: Option<bool>) -> Option<Friction> {
     let table = node.table()?;
     let reader = table.required("law", "law = \"coulomb\"", |n| {
         n.choice(Friction::NAMES, |name| match name {
@@ -17,8 +18,14 @@ pub(super) fn friction(node: &Node<'_>) -> Option<Friction> {
     });
     // Without a law it is not known which other keys are right.
     let friction = reader?(&table);
+    let slip = table.optional("slip", |n| {
+        if mortar == Some(false) {
+            return n.fail("is for mortar contact only", "remove it, or set method = \"mortar\"");
+        }
+        n.choice(Slip::NAMES, Slip::from_name)
+    });
     table.finish();
-    friction
+    Some(friction?.with_slip(slip?))
 }
 
 fn sticking(table: &Table<'_>) -> Option<Sticking> {
@@ -34,7 +41,7 @@ fn coulomb(table: &Table<'_>) -> Option<Friction> {
     let mu = table.required("mu", "mu = 0.3", Node::not_negative);
     let sticking = sticking(table);
     let (mu, Sticking { penalty, stick, midpoint }) = (mu?, sticking?);
-    Some(Friction::Coulomb(CoulombFriction { mu, penalty, stick, midpoint }))
+    Some(Friction::Coulomb(CoulombFriction { mu, penalty, stick, midpoint, slip: None }))
 }
 
 fn static_dynamic(table: &Table<'_>) -> Option<Friction> {
@@ -51,11 +58,19 @@ fn static_dynamic(table: &Table<'_>) -> Option<Friction> {
         );
     }
     let (speed, Sticking { penalty, stick, midpoint }) = (speed?, sticking?);
-    Some(Friction::StaticDynamic(StaticDynamicFriction { mu_static, mu_dynamic, speed, penalty, stick, midpoint }))
+    Some(Friction::StaticDynamic(StaticDynamicFriction {
+        mu_static,
+        mu_dynamic,
+        speed,
+        penalty,
+        stick,
+        midpoint,
+        slip: None,
+    }))
 }
 
 fn regularised(table: &Table<'_>) -> Option<Friction> {
     let mu = table.required("mu", "mu = 0.3", Node::not_negative);
     let speed = table.required("speed", "speed = 0.01", Node::positive);
-    Some(Friction::Regularised(RegularisedFriction { mu: mu?, speed: speed? }))
+    Some(Friction::Regularised(RegularisedFriction { mu: mu?, speed: speed?, slip: None }))
 }

@@ -24,6 +24,10 @@ fn scheme_without_friction(scene: &Scene) -> Option<&str> {
     (!fits).then_some(integrator.scheme.as_str())
 }
 
+/// Tangential stiffness of friction in multiples of Young's modulus over an edge, if the scene gives none: a sticking node moves by a tenth of
+/// what the elements beside it yield, and Newton's method still gets over the kink between stick and slip.
+pub(super) const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
+
 /// The friction of `contact[c]`; reports what is wrong and returns `None` then. `stiffness`: tangential stiffness if none is given.
 pub(super) fn friction(
     scene: &Scene,

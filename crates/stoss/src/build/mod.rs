@@ -5,7 +5,7 @@ mod body;
 mod condition;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod contact;
-#[cfg(feature = "nts")]
+#[cfg(any(feature = "nts", feature = "mortar"))]
 mod friction;
 mod law;
 #[cfg(feature = "mortar")]

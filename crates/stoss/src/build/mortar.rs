@@ -2,12 +2,15 @@
 
 use super::Problems;
 use super::contact::PairInput;
-use crate::scene::{Constraint, Multipliers, Normals, Quadrature as Points};
+use super::friction::DEFAULT_TANGENTIAL_STIFFNESS;
+use crate::scene::{Constraint, Multipliers, Normals, Quadrature as Points, Scene, Slip};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
 use stoss_contact_mortar::{
-    MortarContact, MortarOptions, MultiplierSpace, NormalField, Quadrature, TriangleRule, WeightedConstraint,
+    MortarContact, MortarOptions, MultiplierSpace, NormalField, Quadrature, SlipMeasure, TriangleRule,
+    WeightedConstraint,
 };
+use stoss_integrators::GradientRule;
 
 /// Adds the contact to the model; reports what is wrong.
 pub(super) fn contact(
@@ -49,8 +52,41 @@ pub(super) fn contact(
         Ok(method) => {
             let mut method = method.with_crosspoints(|n| fixed.get(&n).is_some_and(|c| c.iter().all(|f| *f)));
             let complementarity = pair.prepare(&mut method, model, problems, warnings);
+            if let Some(friction) = &item.friction {
+                let slip = match friction.slip() {
+                    Some(Slip::Direct) => SlipMeasure::Direct,
+                    Some(Slip::Yang) => SlipMeasure::Yang,
+                    Some(Slip::Objective) | None => SlipMeasure::Objective,
+                };
+                if slip == SlipMeasure::Yang
+                    && let Some(scheme) = scheme_with_constant_integrals(pair.scene)
+                {
+                    let message =
+                        format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
+                    let remedy = "use `objective`, or `backward-euler`";
+                    return problems.add(format!("{}.friction.slip", pair.key), "yang", message, remedy);
+                }
+                let stiffness = DEFAULT_TANGENTIAL_STIFFNESS * complementarity;
+                let friction = super::friction::friction(pair.scene, &pair.key, friction, stiffness, problems);
+                let Some(friction) = friction else { return };
+                method = match method.with_friction(friction, slip) {
+                    Ok(method) => method,
+                    Err(error) => {
+                        let key = format!("{}.friction", pair.key);
+                        return problems.add(key, "", error.to_string(), "use the standard constraint");
+                    }
+                };
+            }
             model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
         }
         Err(error) => pair.refused(&error, problems),
     }
+}
+
+/// Name of the scene's scheme if mortar integrals are those of the start of the step under it.
+fn scheme_with_constant_integrals(scene: &Scene) -> Option<&str> {
+    let integrator = scene.time.integrator.as_ref()?;
+    // A scheme that cannot be made is reported where it is named.
+    let rule = integrator.make().ok()?.rule(scene.time.step).constraint.rule;
+    (rule != GradientRule::EndPoint).then_some(integrator.scheme.as_str())
 }

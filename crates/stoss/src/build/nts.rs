@@ -2,14 +2,11 @@
 
 use super::Problems;
 use super::contact::PairInput;
+use super::friction::DEFAULT_TANGENTIAL_STIFFNESS;
 use crate::scene::{Constraint, Enforcement as Enforced, Scene};
 use crate::solver::{ContactPair, Model};
 use stoss_contact::{ContactMethod, Enforcement};
 use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
-
-/// Tangential stiffness of friction in multiples of Young's modulus over an edge, if the scene gives none: a sticking node moves by a tenth of
-/// what the elements beside it yield, and Newton's method still gets over the kink between stick and slip.
-const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
 
 /// Adds the contact to the model; reports what is wrong.
 pub(super) fn contact(

@@ -1,0 +1,306 @@
+//! Friction as a part of the contact method: rules, history, augmentation, energies.
+
+use crate::method::{MortarContact, WeightedConstraint};
+use crate::slip::SlipMeasure;
+use crate::slot::{Slot, at};
+use crate::tangential::{FrictionState, NodeFriction, Scratch};
+use stoss_contact::friction::{Friction, Stick};
+use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
+
+/// Bytes of history of a slot: two components of the traction, path slid, covered area.
+const HISTORY: usize = 32;
+
+// The same as for node-to-surface contact.
+/// A sticking node moves by less than this times a slave edge once its multiplier has settled, or by what round-off of the positions is.
+const STUCK: f64 = 1.0e-13;
+/// Relative change of the multiplier of a sliding node (its direction, that is) that counts as settled.
+const SETTLED: f64 = 1.0e-8;
+/// Rounds of augmentation in one step. What has not settled then is taken as it is.
+const MAX_ROUNDS: u32 = 12;
+/// A sticking node whose slip does not fall below this fraction in a round gets a stiffness that is larger by [`STIFFER`].
+const SLOWLY: f64 = 0.1;
+const STIFFER: f64 = 100.0;
+/// The stiffness makes no more than this fraction of the pressure out of the round-off of positions.
+const ROUND_OFF: f64 = 1.0e-10;
+
+/// Friction of a whole surface.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfaceFriction {
+    friction: Friction,
+    measure: SlipMeasure,
+    step_size: f64,
+    /// Rounds of augmentation in this step.
+    rounds: u32,
+    points: Vec<PointHistory>,
+    /// Positions and slots at the start of the step.
+    q_n: Vec<f64>,
+    start: Vec<Slot>,
+}
+
+/// History of one slot. Tractions have the components that they had at the start: the frame follows the slave's material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PointHistory {
+    /// Traction at the end of the last accepted step.
+    committed: [f64; 2],
+    /// Path slid in this contact.
+    slid: f64,
+    /// Covered area that the committed traction belongs to.
+    support: f64,
+    /// Traction (or multiplier) that the step starts with.
+    start: [f64; 2],
+    /// Factor on the stiffness with which the multiplier of this step is augmented.
+    stiffening: f64,
+    /// Slip that the last round of augmentation left.
+    last_slip: f64,
+    /// Traction at the last iterate, if the node slid there.
+    sliding: Option<[f64; 2]>,
+    /// The node slides against the direction of the last iterate: linearised as if it stuck.
+    reversed: bool,
+}
+
+impl Default for PointHistory {
+    fn default() -> Self {
+        let zero = [0.0; 2];
+        let last_slip = f64::INFINITY;
+        Self {
+            committed: zero,
+            slid: 0.0,
+            support: 0.0,
+            start: zero,
+            stiffening: 1.0,
+            last_slip,
+            sliding: None,
+            reversed: false,
+        }
+    }
+}
+
+fn norm(v: [f64; 2]) -> f64 {
+    v[0].hypot(v[1])
+}
+
+impl MortarContact {
+    /// The same surfaces with friction, its slip measured in one of the ways of [`SlipMeasure`].
+    ///
+    /// Under [`ContactRule::EndPoint`] the force has the integrals of the iterate, the slip those of `q_n` at both ends: it is the relative motion of
+    /// what lay opposite each other. A node without a partner at `q_n` starts to slip in the next step. Under [`ContactRule::Midpoint`] and
+    /// [`ContactRule::EnergyMomentum`] integrals are those of `q_n` for both; with [`SlipMeasure::Objective`] the work of the friction is exact then.
+    ///
+    /// # Errors
+    /// [`ContactError::FrictionUnavailable`] with the modified constraint: its nodes bounce at every step, so that nothing sticks.
+    /// `begin_step` refuses the other rules, and [`SlipMeasure::Yang`] under those whose integrals stay.
+    pub fn with_friction(mut self, friction: Friction, measure: SlipMeasure) -> Result<Self, ContactError> {
+        if self.options.constraint == WeightedConstraint::Modified {
+            return Err(ContactError::FrictionUnavailable { what: "the modified constraint".into() });
+        }
+        let points = vec![PointHistory::default(); self.without.len()];
+        let (q_n, start) = (Vec::new(), Vec::new());
+        self.friction = Some(SurfaceFriction { friction, measure, step_size: 0.0, rounds: 0, points, q_n, start });
+        Ok(self)
+    }
+
+    pub(crate) fn set_friction_step(&mut self, step_size: f64) {
+        if let Some(surface) = &mut self.friction {
+            surface.step_size = step_size;
+        }
+    }
+
+    /// Starts a step with the slots at `q_n`.
+    pub(crate) fn begin_friction(&mut self, q_n: &[f64]) -> Result<(), ContactError> {
+        let Some(surface) = &mut self.friction else { return Ok(()) };
+        let what = match self.rule {
+            ContactRule::EndPoint => None,
+            ContactRule::Midpoint | ContactRule::EnergyMomentum if surface.measure == SlipMeasure::Yang => {
+                Some(format!(
+                    "slip measure `yang` and rule {:?}: it needs integrals that move in the step, and these stay",
+                    self.rule
+                ))
+            }
+            ContactRule::Midpoint | ContactRule::EnergyMomentum => None,
+            rule => Some(format!("the rule {rule:?}")),
+        };
+        if let Some(what) = what {
+            return Err(ContactError::FrictionUnavailable { what });
+        }
+        surface.rounds = 0;
+        surface.q_n.clear();
+        surface.q_n.extend_from_slice(q_n);
+        surface.start.clear();
+        surface.start.extend(self.integrated.iter().flat_map(|i| &i.slots).cloned());
+        for (point, slot) in surface.points.iter_mut().zip(&surface.start) {
+            // The springs of an area that has grown must not hold more energy than before; what a part that was uncovered held is lost.
+            let stores = surface.friction.stored(point.committed) > 0.0 && slot.support > point.support;
+            let factor = if stores { (point.support / slot.support).sqrt() } else { 1.0 };
+            *point = PointHistory {
+                start: point.committed.map(|t| factor * t),
+                committed: point.committed,
+                slid: point.slid,
+                support: point.support,
+                ..PointHistory::default()
+            };
+        }
+        Ok(())
+    }
+
+    fn node_friction(&self, slot: usize, pressure: f64) -> Option<NodeFriction<'_>> {
+        let surface = self.friction.as_ref()?;
+        let (point, start) = (surface.points[slot], surface.start.get(slot)?);
+        Some(NodeFriction {
+            friction: &surface.friction,
+            measure: surface.measure,
+            start,
+            history: point.start,
+            slid: point.slid,
+            stiffening: point.stiffening,
+            step_size: surface.step_size,
+            pressure,
+            reversed: point.reversed,
+        })
+    }
+
+    /// Adds a slot's friction to its contribution; false if the node has no tangent plane.
+    pub(crate) fn add_friction(
+        &self,
+        slot: usize,
+        step: StepConfiguration<'_>,
+        pressure: f64,
+        want_tangent: bool,
+        work: &mut Scratch,
+        out: &mut LocalContribution,
+    ) -> bool {
+        let node = self.node_friction(slot, pressure);
+        node.is_none_or(|node| node.contribute(&self.slots()[slot], step, want_tangent, work, out))
+    }
+
+    /// State of a slot at the end of the present step; `None` without friction or partner.
+    fn friction_state(&self, slot: usize, q_np1: &[f64], pressure: f64, work: &mut Scratch) -> Option<FrictionState> {
+        let present = self.slots().get(slot).filter(|s| s.support > 0.0)?;
+        let q_n = &self.friction.as_ref()?.q_n;
+        let step = StepConfiguration { q_n, q_np1, rule: self.rule };
+        self.node_friction(slot, pressure)?.state(present, step, work)
+    }
+
+    /// Looks where the nodes slide at an iterate that is linearised. One that slides against the direction of the iterate before is linearised once as
+    /// if it stuck: the tangent of sliding would send it to and fro for ever over a stick between.
+    pub(crate) fn follow_friction(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        if !self.friction.as_ref().is_some_and(|surface| surface.friction.law().is_elastic()) {
+            return;
+        }
+        let mut work = Scratch::default();
+        for slot in (0..active.len().min(pressures.len())).filter(|&s| active[s]) {
+            let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
+            let Some(surface) = &mut self.friction else { return };
+            let point = &mut surface.points[slot];
+            let now = state.step.returned;
+            let against = point.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
+            point.reversed = !state.step.sticks && against;
+            point.sliding = (!state.step.sticks && !point.reversed).then_some(now);
+        }
+    }
+
+    /// Makes the present tractions the multipliers of the step; returns how many were not settled.
+    pub(crate) fn augment_friction(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> usize {
+        let penalty = match &mut self.friction {
+            Some(surface) if surface.friction.stick() == Stick::Augmented && surface.rounds < MAX_ROUNDS => {
+                surface.rounds += 1;
+                surface.friction.penalty()
+            }
+            _ => return 0,
+        };
+        let length = self.slave.length_scale();
+        let mut work = Scratch::default();
+        let mut unsettled = 0;
+        for slot in (0..active.len()).filter(|&s| active[s]) {
+            let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
+            let far = at(q_np1, self.slave.nodes()[slot]).norm();
+            let Some(surface) = &mut self.friction else { continue };
+            let point = &mut surface.points[slot];
+            let (step, slip) = (&state.step, norm(state.slip));
+            let change = norm([step.end[0] - point.start[0], step.end[1] - point.start[1]]);
+            let round_off = 4.0 * f64::EPSILON * far.max(length);
+            let stiffest = ROUND_OFF * pressures[slot] / (round_off * penalty);
+            // A multiplier against the slip comes from before a reversal: begin anew.
+            let against = !step.sticks && step.work < 0.0;
+            let settled = if step.sticks {
+                slip <= STUCK * length + round_off
+            } else {
+                !against && change <= SETTLED * norm(step.end)
+            };
+            if settled {
+                continue;
+            }
+            point.start = if against { [0.0; 2] } else { step.end };
+            if step.sticks {
+                if slip > SLOWLY * point.last_slip {
+                    point.stiffening = (STIFFER * point.stiffening).min(stiffest).max(1.0);
+                }
+                point.last_slip = slip;
+            }
+            unsettled += 1;
+        }
+        unsettled
+    }
+
+    pub(crate) fn friction_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> ContactWork {
+        let mut total = ContactWork::default();
+        let Some(surface) = &self.friction else { return total };
+        let mut work = Scratch::default();
+        for (slot, point) in surface.points.iter().enumerate() {
+            let before = point.support * surface.friction.stored(point.committed);
+            let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot], &mut work) } else { None };
+            let Some(FrictionState { step, .. }) = state else {
+                // What a released spring held is lost.
+                total.dissipated += before;
+                continue;
+            };
+            let (support, at_n) = (self.slots()[slot].support, surface.start[slot].support);
+            // Multipliers of an augmented Lagrangian store nothing.
+            let started = surface.friction.stored(point.start);
+            total.stored += support * step.stored;
+            total.dissipated += support * (step.work + started - step.stored) + (before - at_n * started);
+        }
+        total
+    }
+
+    pub(crate) fn commit_friction(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        let mut work = Scratch::default();
+        let count = self.friction.as_ref().map_or(0, |surface| surface.points.len());
+        for slot in 0..count {
+            let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot], &mut work) } else { None };
+            let support = self.slots().get(slot).map_or(0.0, |s| s.support);
+            let Some(surface) = &mut self.friction else { continue };
+            let point = &mut surface.points[slot];
+            *point = state.map_or_else(PointHistory::default, |state| PointHistory {
+                committed: state.step.end,
+                slid: point.slid + if state.step.sticks { 0.0 } else { norm(state.slip) },
+                support,
+                ..PointHistory::default()
+            });
+        }
+    }
+
+    pub(crate) fn save_friction(&self) -> Vec<u8> {
+        let points = self.friction.iter().flat_map(|surface| &surface.points);
+        let values = points.flat_map(|p| [p.committed[0], p.committed[1], p.slid, p.support]);
+        values.flat_map(f64::to_le_bytes).collect()
+    }
+
+    pub(crate) fn load_friction(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+        let slots = self.friction.as_ref().map_or(0, |surface| surface.points.len());
+        if bytes.len() != HISTORY * slots {
+            let reason = format!("{} bytes for {slots} slave nodes with friction of {HISTORY} bytes", bytes.len());
+            return Err(ContactError::History { reason });
+        }
+        let points = self.friction.iter_mut().flat_map(|surface| &mut surface.points);
+        for (point, chunk) in points.zip(bytes.chunks_exact(HISTORY)) {
+            let value = |k: usize| f64::from_le_bytes(std::array::from_fn(|i| chunk[8 * k + i]));
+            *point = PointHistory {
+                committed: [value(0), value(1)],
+                slid: value(2),
+                support: value(3),
+                ..PointHistory::default()
+            };
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,292 @@
+//! Friction of one slot: traction, force, tangent.
+//!
+//! The traction of a node has two components in an orthonormal frame of its tangent plane. The normal is that of the averaged weighted gap; the first
+//! tangent follows a diagonal of the first facet around the node. Components are the history: the traction turns with the slave's material.
+
+use crate::slip::{Facet, SlipMeasure, normal_part, tangents};
+use crate::slot::{Group, Slot, at};
+use nalgebra::Vector3;
+use stoss_contact::dual::{Dual, Scalar, V3, dot};
+use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
+use stoss_contact::{ContactRule, LocalContribution, StepConfiguration};
+
+/// Arguments of a facet, in components.
+const FACET: usize = 12;
+
+/// Scratch of an evaluation; one entry a facet.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    arguments: Vec<Facet<f64>>,
+    start: Vec<[V3<f64>; 3]>,
+    /// Derivatives of the arguments with respect to the positions at the end, facet by facet, row-major.
+    motion: Vec<f64>,
+    /// Derivative of the traction.
+    traction: Vec<f64>,
+    product: Vec<f64>,
+}
+
+/// What the friction of a node depends on beside positions.
+pub(crate) struct NodeFriction<'a> {
+    pub friction: &'a Friction,
+    pub measure: SlipMeasure,
+    /// The slot as it was at the start of the step.
+    pub start: &'a Slot,
+    /// Components of the traction there.
+    pub history: [f64; 2],
+    pub slid: f64,
+    pub stiffening: f64,
+    pub step_size: f64,
+    pub pressure: f64,
+    /// Linearised as if the node stuck.
+    pub reversed: bool,
+}
+
+/// What became of a node in the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrictionState {
+    pub step: FrictionStep,
+    /// Slip in the frame of the node, a length.
+    pub slip: [f64; 2],
+    /// Traction in the equations.
+    traction: V3<f64>,
+    /// Which the equations are linearised on if it is not `step`, and what that adds to the traction.
+    branch: Option<(FrictionStep, V3<f64>)>,
+}
+
+/// Frame of a node and its slip there, from normal direction, material line and weighted slip.
+struct Node<T> {
+    tangents: [V3<T>; 2],
+    slip: [T; 2],
+}
+
+impl<T: Scalar> Node<T> {
+    fn new(normal: V3<T>, line: V3<T>, weighted_slip: V3<T>, support: f64) -> Self {
+        let tangents = tangents(normal, line);
+        // A node that had no partner at the start of the step begins to slip with the next one.
+        let inverse = if support > 0.0 { 1.0 / support } else { 0.0 };
+        Self { tangents, slip: tangents.map(|e| dot(e, weighted_slip).scale(inverse)) }
+    }
+
+    fn vector(&self, components: [T; 2]) -> V3<T> {
+        let [e_1, e_2] = self.tangents;
+        std::array::from_fn(|i| components[0] * e_1[i] + components[1] * e_2[i])
+    }
+}
+
+fn add(a: V3<f64>, b: V3<f64>) -> V3<f64> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+impl Slot {
+    /// Gap vector and diagonals of a facet around the node; zero for a facet that was not there.
+    fn facet(&self, group: Option<&Group>, q: &[f64]) -> [V3<f64>; 3] {
+        let Some(group) = group else { return [[0.0; 3]; 3] };
+        let origin = at(q, self.nodes[0]);
+        let position = |k: usize| at(q, self.nodes[k]) - origin;
+        let weights = group.weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
+        let gap: Vector3<f64> = weights.map(|(k, w)| position(k) * *w).sum();
+        let c = group.corners.first().copied().unwrap_or_default();
+        [gap, position(c[2]) - position(c[0]), position(c[3]) - position(c[1])].map(Into::into)
+    }
+}
+
+impl NodeFriction<'_> {
+    /// Evaluates the step of a slot with a partner; `None` if the node has no tangent plane.
+    pub fn state(&self, slot: &Slot, step: StepConfiguration<'_>, work: &mut Scratch) -> Option<FrictionState> {
+        let at_end = step.rule == ContactRule::EndPoint;
+        let Scratch { arguments, start, .. } = work;
+        arguments.clear();
+        start.clear();
+        let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
+        for (f, group) in slot.facets().iter().enumerate() {
+            // Weights of the start have the same nodes in front.
+            let old = self.start.facets().get(f);
+            let at_n = slot.facet(old, step.q_n);
+            let end = slot.facet(Some(group), step.q_np1);
+            let x = if at_end {
+                let [h, ..] = slot.facet(old, step.q_np1);
+                [end[0], end[1], end[2], h]
+            } else {
+                let mean = |k: usize| std::array::from_fn(|i| 0.5 * (at_n[k][i] + end[k][i]));
+                [mean(0), mean(1), mean(2), [0.0; 3]]
+            };
+            normal = add(normal, normal_part(&x));
+            if self.start.support > 0.0 {
+                slip = add(slip, self.measure.slip(at_end, &x, &at_n));
+            }
+            arguments.push(x);
+            start.push(at_n);
+        }
+        let node = Node::new(normal, arguments.first()?[1], slip, self.start.support);
+        let size: f64 = arguments.iter().map(|x| (dot(x[1], x[1]) * dot(x[2], x[2])).sqrt()).sum();
+        let regular = dot(normal, normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
+        if !regular {
+            return None;
+        }
+        let Self { history, pressure, step_size, slid, stiffening, .. } = *self;
+        let point = FrictionPoint { history, slip: node.slip, pressure, step_size, slid, stiffening };
+        let done = self.friction.step(at_end, &point);
+        let branch = self.reversed.then(|| {
+            let branch = self.friction.sticking_step(at_end, &point);
+            (branch, node.vector([0, 1].map(|i| branch.force[i] - done.force[i])))
+        });
+        Some(FrictionState { step: done, slip: node.slip, traction: node.vector(done.force), branch })
+    }
+
+    /// Adds force and tangent of a slot; false if the node has no tangent plane.
+    pub fn contribute(
+        &self,
+        slot: &Slot,
+        step: StepConfiguration<'_>,
+        want_tangent: bool,
+        work: &mut Scratch,
+        out: &mut LocalContribution,
+    ) -> bool {
+        let Some(state) = self.state(slot, step, work) else { return false };
+        for (group, x) in slot.facets().iter().zip(&work.arguments) {
+            let force = self.measure.force(&[x[0], x[1], x[2]], state.traction);
+            Slot::for_each_coefficient(group, |a, k, c| {
+                for i in 0..3 {
+                    out.residual[3 * k + i] += c * force[a][i];
+                }
+            });
+        }
+        if let Some((_, shift)) = state.branch {
+            out.shift.resize(out.dim(), 0.0);
+            for (group, x) in slot.facets().iter().zip(&work.arguments) {
+                let force = self.measure.force(&[x[0], x[1], x[2]], shift);
+                Slot::for_each_coefficient(group, |a, k, c| {
+                    for i in 0..3 {
+                        out.shift[3 * k + i] += c * force[a][i];
+                    }
+                });
+            }
+        }
+        if want_tangent {
+            self.add_tangent(slot, step, &state, work, out);
+        }
+        true
+    }
+
+    /// Traction with its derivatives with respect to normal, line and slip vector, and its derivative with respect to the pressure.
+    fn by_node(&self, work: &Scratch, state: &FrictionState, at_end: bool) -> (V3<Dual<9>>, V3<f64>) {
+        let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
+        for (x, start) in work.arguments.iter().zip(&work.start) {
+            normal = add(normal, normal_part(x));
+            slip = add(slip, self.measure.slip(at_end, x, start));
+        }
+        let line = work.arguments.first().map_or([0.0; 3], |x| x[1]);
+        let variable = |v: V3<f64>, first: usize| std::array::from_fn(|i| Dual::variable(v[i], first + i));
+        let node = Node::<Dual<9>>::new(variable(normal, 0), variable(line, 3), variable(slip, 6), self.start.support);
+        let step = state.branch.as_ref().map_or(&state.step, |(branch, _)| branch);
+        let components: [Dual<9>; 2] = std::array::from_fn(|i| {
+            let [a, b] = step.d_slip[i];
+            let partial = std::array::from_fn(|k| a * node.slip[0].partial[k] + b * node.slip[1].partial[k]);
+            Dual { value: state.step.force[i], partial }
+        });
+        let [e_1, e_2] = node.tangents.map(|e| e.map(|x| x.value));
+        let [d_1, d_2] = step.d_pressure;
+        (node.vector(components), std::array::from_fn(|i| d_1 * e_1[i] + d_2 * e_2[i]))
+    }
+
+    fn add_tangent(
+        &self,
+        slot: &Slot,
+        step: StepConfiguration<'_>,
+        state: &FrictionState,
+        work: &mut Scratch,
+        out: &mut LocalContribution,
+    ) {
+        let at_end = step.rule == ContactRule::EndPoint;
+        let n = 3 * slot.nodes.len();
+        let dim = n + 1;
+        let (by_node, by_pressure) = self.by_node(work, state, at_end);
+        let Scratch { arguments, start, motion, traction, product } = work;
+        motion.clear();
+        motion.resize(FACET * n * arguments.len(), 0.0);
+        traction.clear();
+        traction.resize(3 * n, 0.0);
+        for (f, (x, start)) in arguments.iter().zip(start.iter()).enumerate() {
+            let motion = &mut motion[FACET * n * f..][..FACET * n];
+            self.move_arguments(slot, f, step, motion);
+            // The traction by the facet's arguments.
+            let x: Facet<Dual<FACET>> =
+                std::array::from_fn(|a| std::array::from_fn(|i| Dual::variable(x[a][i], 3 * a + i)));
+            let (normal, slip) = (normal_part(&x), self.measure.slip(at_end, &x, start));
+            for (row, by_node) in traction.chunks_exact_mut(n).zip(&by_node) {
+                for (k, from) in motion.chunks_exact(n).enumerate() {
+                    let mut d = if f == 0 && (3..6).contains(&k) { by_node.partial[k] } else { 0.0 };
+                    for i in 0..3 {
+                        d += by_node.partial[i] * normal[i].partial[k] + by_node.partial[6 + i] * slip[i].partial[k];
+                    }
+                    if d != 0.0 {
+                        row.iter_mut().zip(from).for_each(|(t, m)| *t += d * m);
+                    }
+                }
+            }
+        }
+        for (f, (group, x)) in slot.facets().iter().zip(arguments.iter()).enumerate() {
+            let motion = &motion[FACET * n * f..][..FACET * n];
+            let v = |v: V3<f64>, first: usize| -> V3<Dual<FACET>> {
+                std::array::from_fn(|i| Dual::variable(v[i], first + i))
+            };
+            let force = self.measure.force(&[v(x[0], 0), v(x[1], 3), v(x[2], 6)], v(state.traction, 9));
+            product.clear();
+            product.resize(9 * dim, 0.0);
+            for (to, force) in product.chunks_exact_mut(dim).zip(force.iter().flatten()) {
+                let (by_x, by_traction) = force.partial.split_at(9);
+                let rows = motion.chunks_exact(n).zip(by_x).chain(traction.chunks_exact(n).zip(by_traction));
+                for (from, &d) in rows.filter(|(_, d)| **d != 0.0) {
+                    to.iter_mut().zip(from).for_each(|(t, m)| *t += d * m);
+                }
+                to[n] = dot([by_traction[0], by_traction[1], by_traction[2]], by_pressure);
+            }
+            Slot::for_each_coefficient(group, |a, k, c| {
+                for i in 0..3 {
+                    let row = &product[(3 * a + i) * dim..][..dim];
+                    let to = &mut out.tangent[(3 * k + i) * dim..][..dim];
+                    to.iter_mut().zip(row).for_each(|(t, p)| *t += c * p);
+                }
+            });
+            if at_end {
+                for (k, row) in group.derivative.chunks_exact(n).enumerate() {
+                    for i in 0..3 {
+                        let on_gap = force[0][i].value;
+                        let to = &mut out.tangent[(3 * k + i) * dim..][..n];
+                        to.iter_mut().zip(row).for_each(|(t, d)| *t += on_gap * d);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Derivatives of the arguments of facet `f`.
+    fn move_arguments(&self, slot: &Slot, f: usize, step: StepConfiguration<'_>, motion: &mut [f64]) {
+        let n = 3 * slot.nodes.len();
+        let group = &slot.facets()[f];
+        let at_end = step.rule == ContactRule::EndPoint;
+        let factor = if at_end { 1.0 } else { 0.5 };
+        Slot::for_each_coefficient(group, |a, k, c| {
+            for i in 0..3 {
+                motion[(3 * a + i) * n + 3 * k + i] += factor * c;
+            }
+        });
+        if !at_end {
+            return;
+        }
+        let origin = at(step.q_np1, slot.nodes[0]);
+        for (k, row) in group.derivative.chunks_exact(n).enumerate() {
+            let x = at(step.q_np1, slot.nodes[k]) - origin;
+            for (column, d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
+                for i in 0..3 {
+                    motion[i * n + column] += x[i] * d;
+                }
+            }
+        }
+        for (k, w) in self.start.facets().get(f).into_iter().flat_map(|old| &old.weights).enumerate() {
+            for i in 0..3 {
+                motion[(9 + i) * n + 3 * k + i] += w;
+            }
+        }
+    }
+}

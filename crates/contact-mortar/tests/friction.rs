@@ -1,0 +1,314 @@
+//! Friction of the contact method at random configurations: tangents, momenta, objectivity, energies, history.
+
+mod sheets;
+
+use nalgebra::{Rotation3, Unit, Vector3};
+use proptest::prelude::*;
+use sheets::{NODES, SLAVE, assemble, method, moved, options, pressures, resultants, warp};
+use std::sync::Arc;
+use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
+use stoss_contact::{ContactError, ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact_mortar::{
+    MortarContact, MortarMatrices, MortarOptions, MultiplierSpace, Quadrature, SlipMeasure, WeightedConstraint,
+};
+
+const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
+const PENALTY: f64 = 40.0;
+
+fn coulomb(mu: f64) -> Arc<dyn FrictionLaw> {
+    Arc::new(Coulomb::new(mu).unwrap())
+}
+
+fn law(kind: usize) -> Arc<dyn FrictionLaw> {
+    match kind {
+        0 => coulomb(0.05),
+        1 => coulomb(1e6),
+        2 => Arc::new(StaticDynamic::new(0.06, 0.04, 0.5).unwrap()),
+        _ => Arc::new(Regularised::new(0.3, 1.0).unwrap()),
+    }
+}
+
+fn with(
+    law: Arc<dyn FrictionLaw>,
+    midpoint: MidpointFriction,
+    dual: bool,
+    averaged: bool,
+    measure: SlipMeasure,
+) -> MortarContact {
+    let friction = Friction::new(law, PENALTY, Stick::Penalty, midpoint).unwrap();
+    method(options(dual, averaged)).with_friction(friction, measure).unwrap()
+}
+
+fn plus(q: &[f64], factor: f64, d: &[f64]) -> Vec<f64> {
+    q.iter().zip(d).map(|(x, d)| x + factor * d).collect()
+}
+
+fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
+    let mut q = moved(d);
+    (0..SLAVE).for_each(|k| q[3 * k + 2] += lift);
+    q
+}
+
+fn measure(of: usize, rule: ContactRule) -> SlipMeasure {
+    match of {
+        0 => SlipMeasure::Objective,
+        2 if rule == ContactRule::EndPoint => SlipMeasure::Yang,
+        _ => SlipMeasure::Direct,
+    }
+}
+
+fn set(p: &[f64]) -> Vec<bool> {
+    p.iter().map(|p| *p != 0.0).collect()
+}
+
+fn begin(method: &mut MortarContact, rule: ContactRule, q_n: &[f64]) {
+    method.set_rule(rule, 0.1);
+    method.begin_step(q_n, 0.5).unwrap();
+}
+
+/// Does a whole step with given positions and pressures.
+fn go(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) {
+    begin(method, rule, q_n);
+    method.renew(q, &[], &set(p), false).unwrap();
+    method.commit(q, p, &set(p));
+}
+
+/// What friction adds to the residual of the step that has begun.
+fn friction_force(
+    method: &mut MortarContact,
+    rule: ContactRule,
+    q_n: &[f64],
+    q: &[f64],
+    p: &[f64],
+    dual: bool,
+    averaged: bool,
+) -> Vec<f64> {
+    let mut plain = sheets::method(options(dual, averaged));
+    begin(&mut plain, rule, q_n);
+    let residual = |m: &mut MortarContact| {
+        m.renew(q, &[], &set(p), true).unwrap();
+        assemble(m, StepConfiguration { q_n, q_np1: q, rule }, p, &set(p)).residual
+    };
+    let without = residual(&mut plain);
+    residual(method).iter().zip(without).map(|(a, b)| a - b).take(3 * NODES).collect()
+}
+
+/// Difference between the tangent times a direction and the residual's derivative along it, relative to the largest entry; `None` if the residual is
+/// not smooth there: segments change their kind, or differences of second and fourth order do not agree, as at the kink between stick and slip.
+fn directional_error(
+    method: &mut MortarContact,
+    rule: ContactRule,
+    q_n: &[f64],
+    q: &[f64],
+    p: &[f64],
+    v: &[f64],
+    w: &[f64],
+) -> Option<f64> {
+    let active = set(p);
+    begin(method, rule, q_n);
+    let mut at = |s: f64| {
+        let (x, p) = (plus(q, s, v), plus(p, s, w));
+        method.renew(&x, &[], &active, true).unwrap();
+        let kinds = sheets::kinds(method);
+        (assemble(method, StepConfiguration { q_n, q_np1: &x, rule }, &p, &active), kinds)
+    };
+    let exact = at(0.0);
+    let h = 1e-4;
+    let [a, b, c, d] = [h, -h, 2.0 * h, -2.0 * h].map(&mut at);
+    if [&a, &b, &c, &d].iter().any(|x| x.1 != exact.1) {
+        return None;
+    }
+    let size = exact.0.tangent.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    let direction: Vec<f64> = v.iter().chain(w).copied().collect();
+    let mut worst = 0.0_f64;
+    for row in 0..sheets::ALL {
+        let [near, far] = [(&a, &b), (&c, &d)].map(|(x, y)| x.0.residual[row] - y.0.residual[row]);
+        let derivative = (8.0 * near - far) / (12.0 * h);
+        if (derivative - near / (2.0 * h)).abs() > 1e-6 * size {
+            return None;
+        }
+        let product: f64 = (0..sheets::ALL).map(|k| exact.0.tangent[row * sheets::ALL + k] * direction[k]).sum();
+        worst = worst.max((derivative - product).abs());
+    }
+    Some(worst / size)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn tangents_are_derivatives(
+        d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, averaged: bool, rule in 0usize..3, of in 0usize..3,
+        kind in 0usize..4, midpoint in 0usize..3,
+        v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)],
+    ) {
+        let rule = RULES[rule];
+        let midpoint = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C][midpoint];
+        let mut method = with(law(kind), midpoint, dual, averaged, measure(of, rule));
+        let (q_0, q_n) = (moved(&f), moved(&d));
+        // Another pressure before: stepping `C` has a kink where the history lies on the cone.
+        let p_0: Vec<f64> = p.iter().map(|p| before * p).collect();
+        go(&mut method, rule, &q_0, &q_n, &p_0);
+        let q = plus(&q_n, 0.3, &e);
+        let w: Vec<f64> = w.iter().zip(&p).map(|(w, p)| if *p == 0.0 { 0.0 } else { *w }).collect();
+        let error = directional_error(&mut method, rule, &q_n, &q, &p, &v, &w);
+        prop_assume!(error.is_some());
+        if let Some(error) = error {
+            prop_assert!(error < 1e-8, "{rule:?} dual {dual} averaged {averaged} kind {kind}: {error:e}");
+        }
+    }
+
+    #[test]
+    fn forces_have_no_resultant_and_the_objective_ones_no_moment(
+        d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual: bool, averaged: bool, rule in 0usize..3, of in 0usize..3,
+        kind in 0usize..4,
+    ) {
+        let rule = RULES[rule];
+        let measure = measure(of, rule);
+        let q_n = lifted(&d, lift);
+        let q = plus(&q_n, 1.0, &e);
+        let mut method = with(law(kind), MidpointFriction::B, dual, averaged, measure);
+        begin(&mut method, rule, &q_n);
+        let r = friction_force(&mut method, rule, &q_n, &q, &p, dual, averaged);
+        let about = if rule == ContactRule::EndPoint { q.clone() } else { plus(&q_n, 0.5, &e) };
+        let size = r.iter().map(|x| x.abs()).sum::<f64>().max(1.0);
+        let (force, moment) = resultants(&r, &about);
+        prop_assert!(force.amax() < 1e-11 * size, "{rule:?}: {force}");
+        if measure == SlipMeasure::Objective {
+            prop_assert!(moment.amax() < 1e-11 * size, "{rule:?}: {moment}");
+        }
+    }
+
+    /// One node with the force of the thesis: the moment is that of the gap vector, which the mortar matrices give.
+    #[test]
+    fn the_moment_of_the_direct_force_is_that_of_the_gap(
+        d in warp(), e in warp(), lift in -0.3f64..0.5, node in 0usize..SLAVE, dual: bool, rule in 0usize..3,
+    ) {
+        let rule = RULES[rule];
+        let q_n = lifted(&d, lift);
+        let q = plus(&q_n, 1.0, &e);
+        let mut p = [0.0; SLAVE];
+        p[node] = 1.3;
+        let mut method = with(law(0), MidpointFriction::B, dual, true, SlipMeasure::Direct);
+        begin(&mut method, rule, &q_n);
+        let r = friction_force(&mut method, rule, &q_n, &q, &p, dual, true);
+        let end = rule == ContactRule::EndPoint;
+        let (about, at) = if end { (q.clone(), &q) } else { (plus(&q_n, 0.5, &e), &q_n) };
+        let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
+        let segments = method.segments().unwrap();
+        let m = MortarMatrices::assemble(method.slave(), method.master(), at, segments, space, Quadrature::default());
+        let v = |a: &[f64], k: u32| Vector3::new(a[3 * k as usize], a[3 * k as usize + 1], a[3 * k as usize + 2]);
+        let mut gap = Vector3::zeros();
+        m.slave[node].iter().for_each(|&(j, w)| gap += v(&about, method.slave().nodes()[j as usize]) * w);
+        m.master[node].iter().for_each(|&(k, w)| gap -= v(&about, method.master().nodes()[k as usize]) * w);
+        let on_slave: Vector3<f64> = (0..SLAVE as u32).map(|k| v(&r, k)).sum();
+        let traction = if m.weights[node] > 1e-6 { on_slave / m.weights[node] } else { Vector3::zeros() };
+        let (_, moment) = resultants(&r, &about);
+        prop_assert!((moment - gap.cross(&traction)).amax() < 1e-11, "{moment} {gap} {traction}");
+        prop_assert!(traction.norm() < 0.05 * 1.3 * (1.0 + 1e-9));
+    }
+
+    #[test]
+    fn a_rigid_motion_turns_the_traction(
+        d in warp(), e in warp(), p in pressures(), angle in -1.2f64..1.2, dual: bool, averaged: bool, rule in 0usize..3, of in 0usize..3,
+    ) {
+        let rule = RULES[rule];
+        let measure = measure(of, rule);
+        prop_assume!(measure != SlipMeasure::Direct);
+        let (q_0, q_1) = (moved(&d), moved(&e));
+        let turn = Rotation3::from_axis_angle(&Unit::new_normalize(Vector3::new(0.3, -0.5, 0.8)), angle);
+        let rotated = |q: &[f64], shift: Vector3<f64>| -> Vec<f64> {
+            q.chunks_exact(3).flat_map(|x| <[f64; 3]>::from(turn * Vector3::new(x[0], x[1], x[2]) + shift)).collect()
+        };
+        let mut method = with(law(1), MidpointFriction::B, dual, averaged, measure);
+        go(&mut method, rule, &q_0, &q_1, &p);
+        // A step at rest: the areas are those of `q_1` then.
+        go(&mut method, rule, &q_1, &q_1, &p);
+        begin(&mut method, rule, &q_1);
+        let before = friction_force(&mut method, rule, &q_1, &q_1, &p, dual, averaged);
+        let at_rest = method.work(&q_1, &p, &set(&p)).unwrap();
+        prop_assert!(at_rest.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
+        let q_2 = rotated(&q_1, Vector3::new(1.0, 2.0, -0.5));
+        method.renew(&q_2, &[], &set(&p), false).unwrap();
+        let turned = method.work(&q_2, &p, &set(&p)).unwrap();
+        prop_assert!((turned.stored - at_rest.stored).abs() < 1e-11 * (1.0 + at_rest.stored));
+        prop_assert!(turned.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
+        go(&mut method, rule, &q_1, &q_2, &p);
+        begin(&mut method, rule, &q_2);
+        let after = friction_force(&mut method, rule, &q_2, &q_2, &p, dual, averaged);
+        let size = before.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+        for (a, b) in rotated(&before, Vector3::zeros()).iter().zip(&after) {
+            prop_assert!((a - b).abs() < 1e-11 * size, "{rule:?}: {a} {b}");
+        }
+    }
+
+    /// Over a walk with changing pressures: what the force works is stored or dissipated, and nothing comes back from what was dissipated.
+    #[test]
+    fn the_work_is_stored_or_dissipated(
+        walk in prop::collection::vec((warp(), pressures()), 4), dual: bool, averaged: bool, energy_momentum: bool,
+        midpoint in 0usize..2, mu in prop_oneof![Just(0.0), 0.05f64..3.0], objective: bool,
+    ) {
+        let rule = if energy_momentum { ContactRule::EnergyMomentum } else { ContactRule::Midpoint };
+        let midpoint = [MidpointFriction::B, MidpointFriction::C][midpoint];
+        let measure = if objective { SlipMeasure::Objective } else { SlipMeasure::Direct };
+        let mut method = with(coulomb(mu), midpoint, dual, averaged, measure);
+        let mut stored = 0.0;
+        for pair in walk.windows(2) {
+            let (q_n, q, p) = (moved(&pair[0].0), moved(&pair[1].0), &pair[1].1);
+            begin(&mut method, rule, &q_n);
+            let force = friction_force(&mut method, rule, &q_n, &q, p, dual, averaged);
+            let work: f64 = (0..3 * NODES).map(|k| force[k] * (q[k] - q_n[k])).sum();
+            let energy = method.work(&q, p, &set(p)).unwrap();
+            let size = 1.0 + stored + energy.stored;
+            // The dissipation of each point is the return map's, whatever slip it was given; the work is that of objective slip.
+            prop_assert!(energy.dissipated > -1e-12 * size, "{energy:?}");
+            if objective {
+                prop_assert!((work + stored - energy.stored - energy.dissipated).abs() < 1e-12 * size, "{work} {stored} {energy:?}");
+            }
+            method.commit(&q, p, &set(p));
+            stored = energy.stored;
+        }
+    }
+
+    #[test]
+    fn history_survives_a_checkpoint(d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
+        let rule = RULES[rule];
+        let new = || with(coulomb(0.5), MidpointFriction::C, false, true, SlipMeasure::Objective);
+        let (q_0, q_1, q_2) = (moved(&d), moved(&e), moved(&f));
+        let mut first = new();
+        go(&mut first, rule, &q_0, &q_1, &p);
+        let mut second = new();
+        let bytes = first.save_history();
+        second.load_history(&bytes).unwrap();
+        prop_assert_eq!(&second.save_history(), &bytes);
+        let force = |m: &mut MortarContact| {
+            begin(m, rule, &q_1);
+            friction_force(m, rule, &q_1, &q_2, &p, false, true)
+        };
+        prop_assert_eq!(force(&mut first), force(&mut second));
+        let short = second.load_history(&bytes[1..]);
+        let is_refused = matches!(short, Err(ContactError::History { .. }));
+        prop_assert!(is_refused);
+        // A node that opens forgets.
+        let none = [0.0; SLAVE];
+        go(&mut first, rule, &q_1, &q_2, &none);
+        prop_assert!(first.save_history().iter().all(|b| *b == 0));
+    }
+}
+
+#[test]
+fn what_has_no_friction_is_refused() {
+    let friction = || Friction::new(coulomb(0.3), PENALTY, Stick::Penalty, MidpointFriction::B).unwrap();
+    let modified = method(MortarOptions { constraint: WeightedConstraint::Modified, ..options(false, true) });
+    let refused = |error: ContactError| matches!(error, ContactError::FrictionUnavailable { .. });
+    assert!(refused(modified.with_friction(friction(), SlipMeasure::Objective).unwrap_err()));
+    let mut yang = method(options(false, true)).with_friction(friction(), SlipMeasure::Yang).unwrap();
+    let q = sheets::base();
+    yang.set_rule(ContactRule::EndPoint, 0.1);
+    yang.begin_step(&q, 0.5).unwrap();
+    yang.set_rule(ContactRule::Midpoint, 0.1);
+    assert!(refused(yang.begin_step(&q, 0.5).unwrap_err()));
+    let mut objective = method(options(false, true)).with_friction(friction(), SlipMeasure::Objective).unwrap();
+    objective.set_rule(ContactRule::EndPointMean, 0.1);
+    assert!(refused(objective.begin_step(&q, 0.5).unwrap_err()));
+}

@@ -1,0 +1,163 @@
+//! Friction of mortar contact in whole models: a block that is dragged, a block that sticks, the impact of two blocks.
+
+mod support;
+
+use stoss::solver::{DecisionKind, Simulation, StepRecord};
+use support::{drift, simulation};
+
+const MU: f64 = 0.1;
+const PRESSURE: f64 = 2.0;
+
+fn print_newton(record: &StepRecord) {
+    let rows: Vec<String> = record.newton.iter().map(|r| format!("{:.1e}", r.residual)).collect();
+    println!("step {} dt {}: {}", record.step, record.dt, rows.join(" "));
+}
+
+/// A block of height 1/4 is pressed on the flat top of another one (held in z) and then moved along it, in plane strain. `path`: rows of x.
+fn drag(contact: &str, upper_is_slave: bool, mu: f64, path: &str, step: f64, end: f64) -> Simulation {
+    let (slave, master) = if upper_is_slave { ("upper.bottom", "lower.top") } else { ("lower.top", "upper.bottom") };
+    let mut text = format!(
+        r#"
+[scene]
+title = "drag"
+kind = "quasi-static"
+[time]
+end = {end:?}
+step = {step:?}
+[[body]]
+name = "lower"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [3, 1, 1], divisions = [6, 2, 1] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[body]]
+name = "upper"
+mesh = {{ generator = "block", min = [0.3, 0, 1], max = [1.3, 1, 1.25], divisions = [5, 3, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[contact]]
+method = "mortar"
+slave = "{slave}"
+master = "{master}"
+friction = {{ law = "coulomb", mu = {mu:?}, {contact} }}
+[[prescribe]]
+set = "lower.bottom"
+components = ["x", "z"]
+fixed = true
+[[prescribe]]
+set = "lower.top"
+components = ["z"]
+fixed = true
+[[prescribe]]
+set = "upper.top"
+components = ["x"]
+displacement = {{ table = {path} }}
+[[load]]
+set = "upper.top"
+pressure = {{ table = [[0.0, 0.0], [1.0, {PRESSURE:?}]] }}
+"#
+    );
+    for body in ["lower", "upper"] {
+        for set in ["front", "back"] {
+            text += &format!("[[prescribe]]\nset = \"{body}.{set}\"\ncomponents = [\"y\"]\nfixed = true\n");
+        }
+    }
+    simulation(&text)
+}
+
+/// Force of the contact on the upper block.
+fn force_on_upper(s: &Simulation) -> [f64; 3] {
+    let nodes = &s.model().bodies[1].nodes;
+    std::array::from_fn(|i| nodes.clone().map(|n| s.contact_force()[3 * n as usize + i]).sum())
+}
+
+/// In full slip the tangential force is mu times the normal one, which is the load, and supports take it up.
+#[test]
+fn full_slip_has_the_coefficient() {
+    for upper_is_slave in [true, false] {
+        for options in ["slip = \"objective\"", "slip = \"direct\"", "slip = \"yang\"", "stick = \"augmented\""] {
+            let path = "[[0.0, 0.0], [1.0, 0.0], [2.0, 0.39]]";
+            let mut s = drag(&format!("penalty = 1e4, {options}"), upper_is_slave, MU, path, 0.1, 2.0);
+            while !s.finished() {
+                print_newton(&s.advance().unwrap());
+            }
+            let force = force_on_upper(&s);
+            println!(
+                "{options}, upper slave {upper_is_slave}: {} nodes, {force:?}, ratio off by {:.1e}",
+                s.active()[0].iter().filter(|a| **a).count(),
+                force[0] / force[2] + MU
+            );
+            assert!((force[2] / PRESSURE - 1.0).abs() < 1e-9, "{force:?}");
+            assert!((force[0] / force[2] + MU).abs() < 1e-9 * MU, "{force:?}");
+            assert!(force[1].abs() < 1e-9 * PRESSURE);
+            let supports: f64 = s.model().bodies[0].nodes.clone().map(|n| s.reactions()[3 * n as usize]).sum();
+            assert!((supports - force[0]).abs() < 1e-9 * PRESSURE, "{supports} {force:?}");
+        }
+    }
+}
+
+/// Exact stick: dragged to and fro below the bound, everything comes back to where it was, nothing is stored, and what is dissipated is
+/// what the rounds of augmentation leave.
+#[test]
+fn exact_stick_does_no_work() {
+    for upper_is_slave in [true, false] {
+        let path = "[[0.0, 0.0], [1.0, 0.0], [1.5, 2e-4], [2.5, -2e-4], [3.0, 0.0]]";
+        let mut s = drag("stick = \"augmented\"", upper_is_slave, 5.0, path, 0.1, 3.0);
+        let mut pressed = Vec::new();
+        let (mut largest, mut dissipated) = (0.0_f64, 0.0_f64);
+        while !s.finished() {
+            let record = s.advance().unwrap();
+            if record.step == 10 {
+                pressed = s.state().q.clone();
+            }
+            let work = record.balance;
+            assert!(work.contact == 0.0, "{work:?}");
+            dissipated = dissipated.max(work.dissipation.abs() / work.external_work.abs().max(1e-9));
+            largest = largest.max(force_on_upper(&s)[0].abs());
+        }
+        let apart = s.state().q.iter().zip(&pressed).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!(
+            "upper slave {upper_is_slave}: largest force {largest:.3}, apart by {apart:.1e}, dissipated {dissipated:.1e}"
+        );
+        assert!(largest > 0.1, "it was dragged");
+        assert!(apart < 1e-11 && dissipated < 1e-5, "{apart:e} {dissipated:e}");
+    }
+}
+
+/// The impact of the thesis with mu = 0.2: momenta are exact; what energy the bodies lose is dissipated, but for what closing nodes lose and what
+/// renewed integrals change.
+#[test]
+fn two_blocks_keep_momenta_and_lose_what_friction_dissipates() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/two-blocks-mortar-02.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut s = simulation(&text);
+    let mut records = vec![s.initial_record()];
+    let (mut linear, mut angular) = (Vec::new(), Vec::new());
+    while !s.finished() {
+        let record = s.advance().unwrap();
+        if record.contact.as_ref().is_some_and(|c| c.active > 0) && records.len() % 10 == 0 {
+            print_newton(&record);
+        }
+        linear.push(record.balance.linear_momentum);
+        angular.push(record.balance.angular_momentum);
+        assert!(record.balance.dissipation >= records.last().unwrap().balance.dissipation, "step {}", record.step);
+        records.push(record);
+    }
+    let active: Vec<bool> = records.iter().map(|r| r.contact.as_ref().is_some_and(|c| c.active > 0)).collect();
+    let first = active.iter().position(|a| *a).unwrap();
+    let last = active.iter().rposition(|a| *a).unwrap();
+    let all: Vec<f64> = records.iter().map(|r| r.balance.total()).collect();
+    let dissipated = records.last().unwrap().balance.dissipation / all[0];
+    let spread = |e: &[f64]| e.iter().map(|x| (x / e[0] - 1.0).abs()).fold(0.0, f64::max);
+    println!(
+        "contact from step {first} to {last}; momenta {:.1e} {:.1e}; dissipated {dissipated:.4}; energy and dissipation before {:.1e}, after \
+         {:.1e}, over the impact {:.3e}; {} cuts",
+        drift(&linear),
+        drift(&angular),
+        spread(&all[..first]),
+        spread(&all[last..]),
+        all[last] / all[0] - 1.0,
+        s.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count(),
+    );
+    assert!(drift(&linear) < 1e-11 && drift(&angular) < 1e-11);
+    assert!(dissipated > 0.02);
+    assert!(spread(&all[..first]) < 1e-11 && spread(&all[last..]) < 1e-10);
+    assert!((all[last] / all[0] - 1.0).abs() < 2e-2);
+}
