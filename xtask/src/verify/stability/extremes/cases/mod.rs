@@ -4,6 +4,7 @@ mod closed_forms;
 mod contrast;
 mod features;
 mod impact;
+mod mortar;
 mod shape;
 mod solids;
 mod spin;
@@ -29,6 +30,9 @@ const REPRESENTATIVE: &[&str] = &[
     "cube's vertex on an edge",
     "thesis' step times 1e-6",
     "inverting follower pressure",
+    "mortar: off an edge and back on",
+    "mortar: corner to corner",
+    "mortar: warped facets",
 ];
 
 /// Every combination.
@@ -42,6 +46,7 @@ pub fn all() -> Vec<Case> {
         features::cases(),
         units::cases(),
         steps::cases(),
+        mortar::cases(),
     ]
     .into_iter()
     .flatten()
