@@ -87,13 +87,12 @@ fn corners(combination: (&'static str, &'static str)) -> Case {
     impact("corner to corner", combination, Side::All, scene)
 }
 
-/// A block falls on a plate, whose facets are smaller or larger by 20.
+/// A block falls on a plate, whose facets are shorter or longer by 20 in one direction.
 fn contrast(combination: (&'static str, &'static str), finer: bool) -> Case {
-    let (lower, upper) = if finer { ([24, 24, 1], [1, 1, 1]) } else { ([1, 1, 1], [20, 20, 1]) };
-    let plate = Block { min: [-0.6, -0.6, -0.5], max: [0.6, 0.6, 0.0], divisions: lower };
-    let block = Block { min: [-0.5, -0.5, 0.01], max: [0.5, 0.5, 0.51], divisions: upper };
-    let scene = Scene::new(Some(combination.0), STEP, 20, 10)
-        .frames(5)
+    let (lower, upper) = if finer { ([48, 1, 2], [2, 1, 2]) } else { ([2, 1, 2], [40, 1, 2]) };
+    let plate = Block { min: [-0.6, -0.1, -0.5], max: [0.6, 0.1, 0.0], divisions: lower };
+    let block = Block { min: [-0.5, -0.05, 0.01], max: [0.5, 0.05, 0.51], divisions: upper };
+    let scene = Scene::new(Some(combination.0), STEP, 30, 10)
         .block("lower", plate, Matter::new(SOFT, 1.0), [0.0; 3])
         .block("upper", block, Matter::new(SOFT, 1.0), [0.1, 0.05, -1.0]);
     let family = if finer { "master finer by 20" } else { "master coarser by 20" };
