@@ -3,6 +3,8 @@
 mod support;
 
 use stoss::solver::Simulation;
+use stoss_reference_cases::cantilever::{Field, cantilever, error, field};
+use stoss_reference_cases::patch::tied_stack as stack;
 use support::{drift, simulation};
 
 const LAWS: [&str; 4] = [
@@ -14,52 +16,6 @@ const LAWS: [&str; 4] = [
 const FORMS: [&str; 2] = ["constant", "frame-invariant"];
 const MULTIPLIERS: [&str; 2] = ["standard", "dual"];
 const INTERFACES: [&str; 3] = ["move", "keep", "close"];
-
-/// Two blocks on the unit square one above the other up to z = 2, with 4 x 4 and 3 x 3 facets on an interface through
-/// z = 1 with the slopes `a`, `b`; supports on three planes, the top pressed down by half a unit.
-fn stack(law: &str, [a, b]: [f64; 2], tie: &str) -> String {
-    let z = |x: f64, y: f64| 1.0 + a * (x - 0.5) + b * (y - 0.5);
-    let face = |height: &dyn Fn(f64, f64) -> f64| {
-        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-            .map(|[x, y]| format!("[{x:?}, {y:?}, {:?}]", height(x, y)))
-            .join(", ")
-    };
-    let (bottom, middle, top) = (face(&|_, _| 0.0), face(&z), face(&|_, _| 2.0));
-    let mut text = format!(
-        r#"
-[scene]
-title = "stack"
-kind = "quasi-static"
-[time]
-end = 1.0
-step = 0.25
-[[body]]
-name = "lower"
-mesh = {{ generator = "hexahedron", divisions = [4, 4, 2], corners = [{bottom}, {middle}] }}
-material = {law}
-[[body]]
-name = "upper"
-mesh = {{ generator = "hexahedron", divisions = [3, 3, 2], corners = [{middle}, {top}] }}
-material = {law}
-[[tie]]
-{tie}
-[[prescribe]]
-set = "lower.bottom"
-components = ["z"]
-fixed = true
-[[prescribe]]
-set = "upper.top"
-components = ["z"]
-displacement = {{ table = [[0, 0], [1, -0.5]] }}
-"#
-    );
-    for body in ["lower", "upper"] {
-        for (set, component) in [("left", "x"), ("front", "y")] {
-            text += &format!("[[prescribe]]\nset = \"{body}.{set}\"\ncomponents = [\"{component}\"]\nfixed = true\n");
-        }
-    }
-    text
-}
 
 fn run(simulation: &mut Simulation) {
     while !simulation.finished() {
@@ -224,59 +180,11 @@ fn nothing_is_strained_at_the_start_unless_the_gap_is_closed() {
     }
 }
 
-/// A plane cantilever of length 4 and height 1, clamped at the left, under its weight; `parts` has the elements per unit
-/// length of one body, or of two that are tied in the middle.
-fn cantilever(parts: &[usize], tie: &str) -> String {
-    let mut text = String::from(
-        "[scene]\ntitle = \"cantilever\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n\
-         [[prescribe]]\nset = \"b0.left\"\ncomponents = [\"x\", \"z\"]\nfixed = true\n",
-    );
-    let length = 4 / parts.len();
-    for (b, n) in parts.iter().enumerate() {
-        // Without lateral contraction the clamped corners are no singularities.
-        text += &format!(
-            "[[body]]\nname = \"b{b}\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.0 }}\n\
-             mesh = {{ generator = \"block\", min = [{}, 0, 0], max = [{}, 0.1, 1], divisions = [{}, 1, {n}] }}\n\
-             [[load]]\nbody = \"b{b}\"\nbody_force = [0, 0, -0.05]\n",
-            b * length,
-            (b + 1) * length,
-            length * n
-        );
-        for set in ["front", "back"] {
-            text += &format!("[[prescribe]]\nset = \"b{b}.{set}\"\ncomponents = [\"y\"]\nfixed = true\n");
-        }
-    }
-    if parts.len() > 1 {
-        text += &format!("[[tie]]\n{tie}\n");
-    }
-    text
-}
-
-/// Displacements by place, in units of 1/48.
-type Field = std::collections::BTreeMap<(i64, i64), [f64; 2]>;
-
 fn solve(text: &str) -> Vec<Field> {
     let mut simulation = simulation(text);
     run(&mut simulation);
     let (x, q) = (&simulation.model().reference, &simulation.state().q);
-    let unit = |x: f64| (48.0 * x).round() as i64;
-    let field = |body: &stoss::solver::Body| {
-        let nodes = body.nodes.clone().map(|n| 3 * n as usize).filter(|&k| x[k + 1] == 0.0);
-        nodes.map(|k| ((unit(x[k]), unit(x[k + 2])), [q[k] - x[k], q[k + 2] - x[k + 2]])).collect()
-    };
-    simulation.model().bodies.iter().map(field).collect()
-}
-
-/// Nodal L2 norm of the difference from the reference; `parts` as in [`cantilever`].
-fn error(fields: &[Field], parts: &[usize], reference: &Field) -> f64 {
-    let mut sum = 0.0;
-    for (field, n) in fields.iter().zip(parts) {
-        for (place, u) in field {
-            let r = reference[place];
-            sum += ((u[0] - r[0]).powi(2) + (u[1] - r[1]).powi(2)) / (n * n) as f64;
-        }
-    }
-    sum.sqrt()
+    simulation.model().bodies.iter().map(|body| field(body.nodes.clone(), x, q)).collect()
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn check(layers: &Layers, members: &[Member]) -> Findings {
     }
     for member in members {
         let Some(name) = member.crate_name() else {
-            check_tool(&mut findings, member, tools.get(&member.folder), layers, &ours);
+            check_tool(&mut findings, member, tools.get(&member.folder), &ours);
             continue;
         };
         let package = expected_package(name);
@@ -116,12 +116,11 @@ fn check(layers: &Layers, members: &[Member]) -> Findings {
     findings
 }
 
-/// A member outside of the stack links of ours what is listed for it, and nothing if it is not.
+/// A member outside of the stack links of ours what is listed for it, crates for tests too, and nothing if it is not.
 fn check_tool(
     findings: &mut Findings,
     member: &Member,
     allowed: Option<&BTreeSet<String>>,
-    layers: &BTreeMap<String, Layer>,
     ours: &BTreeMap<&str, &Member>,
 ) {
     let linked = member.dependencies.iter().filter_map(|dependency| ours.get(dependency.as_str()));
@@ -131,8 +130,6 @@ fn check_tool(
     for name in &linked {
         if !allowed.contains(*name) {
             findings.errors.push(format!("{folder} -> {name} is not among its `ours` in layers.toml"));
-        } else if layers.get(*name).is_some_and(|layer| layer.dev_only) {
-            findings.errors.push(format!("{folder} -> {name}: {name} may only be a dev-dependency"));
         }
     }
     let unused = allowed.iter().filter(|name| !linked.contains(name.as_str()));
@@ -245,8 +242,7 @@ mod tests {
         let with_testkit = LAYERS.replace("ours = [\"continuum\"]", "ours = [\"continuum\", \"testkit\"]");
         let mut members = stack();
         members[3].dependencies.push("stoss-testkit".into());
-        let errors = check(&parse(&with_testkit).unwrap(), &members).errors;
-        assert_eq!(errors, ["xtask -> testkit: testkit may only be a dev-dependency"]);
+        assert_eq!(check(&parse(&with_testkit).unwrap(), &members), Findings::default());
         assert!(parse("[tool.xtask]\nexternal = []").is_err());
     }
 

@@ -5,95 +5,11 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
+use stoss_reference_cases::facets::{Quad, RandomQuad, SQUARE, common_area, flat, reversed};
 use stoss_segmentation::{LOCAL, Provenance, Segment, SlaveFrame, segment_pair};
-
-type Quad = [Vector3<f64>; 4];
-type P = [f64; 2];
 
 fn cases() -> u32 {
     std::env::var("STOSS_FUZZ_PAIRS").ok().and_then(|s| s.parse().ok()).unwrap_or(256)
-}
-
-fn cross(o: P, a: P, b: P) -> f64 {
-    (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
-}
-
-/// Extent in y of a triangle at `x`.
-fn extent(t: &[P; 3], x: f64) -> (f64, f64) {
-    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-    for k in 0..3 {
-        let (a, b) = (t[k], t[(k + 1) % 3]);
-        if (a[0] - x) * (b[0] - x) < 0.0 {
-            let y = a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]);
-            range = (range.0.min(y), range.1.max(y));
-        }
-    }
-    range
-}
-
-/// Area of the intersection of two triangles by slabs: between the abscissae of all corners and of all intersections
-/// of sides the height of the intersection is linear in x. Nothing of the crate's way; an abscissa that round-off
-/// adds or moves does no harm.
-fn triangles_common(s: [P; 3], m: [P; 3]) -> f64 {
-    let mut cuts: Vec<f64> = s.iter().chain(&m).map(|p| p[0]).collect();
-    for i in 0..3 {
-        for j in 0..3 {
-            let (a, b, c, d) = (s[i], s[(i + 1) % 3], m[j], m[(j + 1) % 3]);
-            let (u, v) = (cross(c, d, a), cross(c, d, b));
-            if u * v < 0.0 {
-                cuts.push(a[0] + u / (u - v) * (b[0] - a[0]));
-            }
-        }
-    }
-    cuts.sort_by(f64::total_cmp);
-    let slab = |w: &[f64]| {
-        let x = 0.5 * (w[0] + w[1]);
-        let (p, q) = (extent(&s, x), extent(&m, x));
-        let height = p.1.min(q.1) - p.0.max(q.0);
-        if w[1] > w[0] && height > 0.0 { (w[1] - w[0]) * height } else { 0.0 }
-    };
-    cuts.windows(2).map(slab).sum()
-}
-
-/// Area common to two simple quadrilaterals (also reflex ones) as a sum over signed fans of triangles.
-fn quads_common(s: [P; 4], m: [P; 4]) -> f64 {
-    let fan = |q: [P; 4]| {
-        [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
-            .map(|t| if cross(t[0], t[1], t[2]) >= 0.0 { (1.0, t) } else { (-1.0, [t[0], t[2], t[1]]) })
-    };
-    let mut sum = 0.0;
-    for (a, s) in fan(s) {
-        for (b, m) in fan(m) {
-            sum += a * b * triangles_common(s, m);
-        }
-    }
-    sum
-}
-
-fn crosses_itself(q: [P; 4]) -> bool {
-    let cut = |a: P, b: P, c: P, d: P| cross(a, b, c) * cross(a, b, d) <= 0.0 && cross(c, d, a) * cross(c, d, b) <= 0.0;
-    cut(q[0], q[1], q[2], q[3]) || cut(q[1], q[2], q[3], q[0])
-}
-
-/// Images by an orthonormal frame made here, from the mean of two corner normals' sum, which has the direction of the
-/// diagonals' product.
-fn images(s: &Quad, m: &Quad) -> ([P; 4], [P; 4]) {
-    let n = (0..4).map(|k| s[k].cross(&s[(k + 1) % 4])).sum::<Vector3<f64>>().normalize();
-    let helper = if n.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
-    let t1 = n.cross(&helper).normalize();
-    let t2 = n.cross(&t1);
-    let f = |x: Vector3<f64>| [t1.dot(&(x - s[0])), t2.dot(&(x - s[0]))];
-    (s.map(f), m.map(f))
-}
-
-fn oracle(s: &Quad, m: &Quad) -> Option<(f64, f64)> {
-    let (a, b) = images(s, m);
-    let b = [b[0], b[3], b[2], b[1]];
-    let area = |q: [P; 4]| 0.5 * (cross(q[0], q[1], q[2]) + cross(q[0], q[2], q[3]));
-    if crosses_itself(a) || crosses_itself(b) {
-        return None;
-    }
-    Some((if area(b) <= 0.0 { 0.0 } else { quads_common(a, b) }, area(a)))
 }
 
 fn segments(s: &Quad, m: &Quad) -> (SlaveFrame, Vec<Segment>) {
@@ -107,16 +23,6 @@ fn image_area(s: &[Segment]) -> f64 {
     s.iter().map(Segment::image_area).sum()
 }
 
-fn flat(p: [P; 4], z: f64) -> Quad {
-    p.map(|p| Vector3::new(p[0], p[1], z))
-}
-
-fn reversed(q: Quad) -> Quad {
-    [q[0], q[3], q[2], q[1]]
-}
-
-const SQUARE: [P; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-
 fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
     prop::array::uniform3(-size..size).prop_map(Vector3::from)
 }
@@ -124,18 +30,16 @@ fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
 /// A square of size `scale`, its corners moved by up to `warp` of it, turned and shifted; with `lattice` half of
 /// them on a lattice of 1/2, where corners and edges coincide.
 fn quad(warp: f64, lattice: bool) -> impl Strategy<Value = Quad> {
-    (prop::array::uniform4(vector(warp)), vector(0.5), vector(1.2), 0.05f64..20.0, any::<bool>()).prop_map(
-        move |(d, tilt, shift, scale, snap)| {
-            let snap = snap && lattice;
-            let turn = Rotation3::from_scaled_axis(tilt);
-            let scale = scale.powf(0.5);
-            std::array::from_fn(|k| {
-                let x = Vector3::new(SQUARE[k][0], SQUARE[k][1], 0.0) + d[k];
-                let y = if snap { (x * scale * 2.0).map(f64::round) * 0.5 } else { turn * x * scale + shift };
-                y + Vector3::new(0.0, 0.0, if snap { 0.0 } else { shift.x })
-            })
-        },
+    (
+        prop::array::uniform4(vector(warp)),
+        vector(RandomQuad::TILT),
+        vector(RandomQuad::SHIFT),
+        RandomQuad::SCALE[0]..RandomQuad::SCALE[1],
+        any::<bool>(),
     )
+        .prop_map(move |(moves, tilt, shift, scale, snap)| {
+            RandomQuad { moves, tilt, shift, scale, snap: snap && lattice }.place()
+        })
 }
 
 proptest! {
@@ -147,7 +51,7 @@ proptest! {
         let Ok(frame) = SlaveFrame::new(s) else { return Ok(()) };
         let mut out = Vec::new();
         segment_pair(&frame, 0, &m, &mut out).unwrap();
-        if let Some((area, whole)) = oracle(&s, &m) {
+        if let Some((area, whole)) = common_area(&s, &m) {
             prop_assert!((image_area(&out) - area).abs() <= 1e-10 * whole.max(area), "{} {area}", image_area(&out));
         }
         for segment in &out {

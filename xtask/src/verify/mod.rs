@@ -8,16 +8,20 @@ mod check;
 mod conservation;
 mod convergence;
 mod derivatives;
+mod facade;
 mod figures;
 mod friction;
 mod laws;
 mod lean;
 mod materials;
 mod models;
+mod mortar;
 mod newton;
+mod patch;
 mod report;
 mod run;
 mod scenes;
+mod segmentation;
 mod stability;
 mod states;
 mod tangents;
@@ -54,7 +58,10 @@ const SUITES: &[&dyn Suite] = &[
     &materials::Materials,
     &tangents::Tangents,
     &conservation::Conservation,
+    &segmentation::Segmentation,
+    &patch::Patch,
     &friction::Friction,
+    &mortar::Mortar,
     &convergence::Convergence,
     &work_precision::WorkPrecision,
     &stability::Stability,

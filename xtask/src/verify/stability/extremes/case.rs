@@ -131,6 +131,8 @@ pub struct Case {
     pub touch: Option<Touch>,
     /// Neither supports nor loads: momenta and energy are constant.
     pub free: bool,
+    /// The integrals of the contact change from step to step (mortar): the energy is not kept while bodies touch.
+    pub renews_integrals: bool,
     /// What energies are measured against; the energy at the start if not given.
     pub energy: Option<f64>,
     /// See [`Oracle`].
@@ -149,6 +151,7 @@ impl Case {
             files: Vec::new(),
             touch: None,
             free: scheme.is_some(),
+            renews_integrals: false,
             energy: None,
             oracle,
         }

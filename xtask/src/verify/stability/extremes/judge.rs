@@ -186,7 +186,7 @@ impl Drifts {
             } else {
                 0.0
             },
-            claims: [claims.linear_momentum, claims.angular_momentum, claims.energy],
+            claims: [claims.linear_momentum, claims.angular_momentum, claims.energy && !case.renews_integrals],
             but_for_closings: standard,
         })
     }

@@ -139,6 +139,14 @@ impl Scene {
         self
     }
 
+    /// Mortar contact.
+    pub fn mortar(mut self, slave: &str, master: &str, constraint: &str) -> Self {
+        self.add(&format!(
+            "\n[[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\nconstraint = \"{constraint}\"\n"
+        ));
+        self
+    }
+
     /// Supports.
     pub fn fixed(mut self, set: &str, components: &[&str]) -> Self {
         self.add(&format!("\n[[prescribe]]\nset = \"{set}\"\ncomponents = {components:?}\nfixed = true\n"));

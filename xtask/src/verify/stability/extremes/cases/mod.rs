@@ -5,6 +5,7 @@ mod contrast;
 mod features;
 mod friction;
 mod impact;
+mod mortar;
 mod shape;
 mod solids;
 mod spin;
@@ -34,6 +35,9 @@ const REPRESENTATIVE: &[&str] = &[
     "friction, stiffness",
     "slide over facets in a step",
     "stick and slip in turn at each step",
+    "mortar: off an edge and back on",
+    "mortar: corner to corner",
+    "mortar: warped facets",
 ];
 
 /// Every combination.
@@ -48,6 +52,7 @@ pub fn all() -> Vec<Case> {
         units::cases(),
         steps::cases(),
         friction::cases(),
+        mortar::cases(),
     ]
     .into_iter()
     .flatten()

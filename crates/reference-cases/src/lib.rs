@@ -1,0 +1,11 @@
+//! Scenes with known answers, and oracles, that tests and the suites of `cargo xtask verify` share.
+//!
+//! * [`facets`]: random pairs of facets and the area that they have in common;
+//! * [`patch`]: blocks whose meshes do not match under a load with uniform stress;
+//! * [`cantilever`]: a beam of one body or of two that are tied.
+//!
+//! Texts and formulas only: whoever uses them builds and runs them.
+
+pub mod cantilever;
+pub mod facets;
+pub mod patch;

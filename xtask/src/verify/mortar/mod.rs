@@ -1,0 +1,96 @@
+//! What the mortar method promises beyond the patch test: transfer of fields, momenta, an impact, ironing, ties.
+
+mod cantilever;
+mod fields;
+mod ironing;
+mod momenta;
+
+use std::path::Path;
+
+use super::check::{Bound, Check};
+use super::{Bench, Findings, Suite};
+use crate::workspace::Outcome;
+
+/// Fields, momenta, impact, ironing, tied cantilever.
+pub struct Mortar;
+
+const MOMENTUM: f64 = 1e-11;
+const ENERGY: f64 = 1e-10;
+const ITERATIONS: f64 = 6.0;
+
+impl Suite for Mortar {
+    fn name(&self) -> &'static str {
+        "mortar"
+    }
+
+    fn about(&self) -> &'static str {
+        "Transfer of fields between surfaces, resultants of the contact forces, impact of two blocks, ironing, order of a tied cantilever."
+    }
+
+    fn measure(&self, bench: &Bench) -> Outcome<Findings> {
+        let mut findings = Findings::default();
+        fields::measure(&mut findings, bench.quick)?;
+        momenta::measure(&mut findings, bench.quick)?;
+        impact(bench, &mut findings)?;
+        cantilever::measure(bench, &mut findings)?;
+        ironing::measure(bench, &mut findings)?;
+        Ok(findings)
+    }
+}
+
+/// Momenta always, energy in free flight before and after.
+fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
+    let run = bench.run_shipped(Path::new("scenes/two-blocks-mortar.toml"))?;
+    findings.checks.push(run.completed(0));
+    if !run.succeeded() {
+        return Ok(());
+    }
+    let balance = run.balance()?;
+    let row =
+        |quantity: &str, value: f64, bound: Bound| Check::new(&run.name, quantity, value, bound).noted(run.note());
+    let momentum = Bound::AtMost(MOMENTUM);
+    findings.checks.push(row("linear momentum drift", balance.linear_drift(None), momentum));
+    findings.checks.push(row("angular momentum drift", balance.angular_drift(None), momentum));
+    let contact = run.table("contact.csv")?;
+    let active: Vec<f64> = contact
+        .column("step")?
+        .iter()
+        .zip(contact.column("active")?)
+        .filter(|(_, a)| **a > 0.0)
+        .map(|(s, _)| *s)
+        .collect();
+    let (Some(first), Some(last)) = (active.first(), active.last()) else {
+        return Err("the blocks of two-blocks-mortar do not meet".into());
+    };
+    let energies = |inside: &dyn Fn(f64) -> bool| -> Vec<f64> {
+        balance.step.iter().zip(&balance.total).filter(|(s, _)| inside(**s)).map(|(_, e)| *e).collect()
+    };
+    let before = energies(&|step| step < *first);
+    // The step that opens the last node still has its force.
+    let after = energies(&|step| step >= *last);
+    findings.checks.push(row("energy drift before the impact", spread(&before), Bound::AtMost(ENERGY)));
+    if run.until.is_none() {
+        findings.checks.push(row("energy drift after the impact", spread(&after), Bound::AtMost(ENERGY)));
+        let change = after.last().zip(before.first()).map_or(f64::NAN, |(end, start)| end / start - 1.0);
+        findings.checks.push(row("energy change over the impact", change, Bound::Told));
+    }
+    findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Told));
+    bench.show(&run, findings)
+}
+
+/// Largest distance from the first value, relative.
+fn spread(values: &[f64]) -> f64 {
+    let Some(first) = values.first() else { return f64::NAN };
+    values.iter().map(|value| (value / first - 1.0).abs()).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spread_is_relative_to_the_start() {
+        assert_eq!(spread(&[4.0, 5.0, 3.0, 4.0]), 0.25);
+        assert!(spread(&[]).is_nan());
+    }
+}
