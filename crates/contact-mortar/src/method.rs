@@ -41,12 +41,20 @@ pub struct MortarOptions {
 const DEPTH: f64 = 4.0;
 /// How much farther than the step's reach facets are looked for, in lengths of facets.
 const MARGIN: f64 = 2.0;
+/// A slave node of whose reference area less than this is covered hands its multiplier over to the other nodes of its facets (the functions
+/// still add up to one, so that constant pressures stay exact): a constraint on a sliver of the support would need pressures out of all
+/// proportion, of either sign.
+const HANDED_OVER: f64 = 0.05;
+/// It takes it back above this. The distance of the two keeps it from flipping with the iterate.
+const TAKEN_BACK: f64 = 0.1;
 
 /// Integrals at one configuration.
 #[derive(Clone, Debug)]
 pub(crate) struct Integrated {
     segments: SurfaceSegmentation,
     pub(crate) slots: Vec<Slot>,
+    /// Covered part of every slave node before functions were handed over, an area.
+    bare_supports: Vec<f64>,
 }
 
 /// Slave surface against master surface with one pressure (traction) a slave node and weighted gaps (formulation §8.1).
@@ -58,9 +66,9 @@ pub(crate) struct Integrated {
 /// [`ContactRule::EnergyMomentum`] its work is the change of the weighted gaps (formulation §8.3; one director a slave
 /// facet instead of one a segment, choice).
 ///
-/// A node of which a part of the support is not covered keeps the weighted gap of the rest; below 1e-8 of its reference
-/// area it is out of contact. A slave node with prescribed motion beside free ones gets no multiplier
-/// ([`MortarContact::with_crosspoints`]).
+/// A node of which a part of the support is not covered keeps the weighted gap of the rest; below a twentieth of its reference area it hands
+/// its function over to the other nodes of its facets, below 1e-8 it is out of contact. A slave node with prescribed motion
+/// beside free ones gets no multiplier ([`MortarContact::with_crosspoints`]).
 #[derive(Clone, Debug)]
 pub struct MortarContact {
     name: String,
@@ -69,6 +77,8 @@ pub struct MortarContact {
     pub(crate) options: MortarOptions,
     /// Slave nodes without a multiplier, by local number.
     pub(crate) without: Vec<bool>,
+    /// Slave nodes whose multiplier is handed over in this step because little of their support is covered, by local number.
+    handed_over: Vec<bool>,
     pub(crate) rule: ContactRule,
     range: GapRange,
     /// Positions that the integrals belong to; empty before the first step.
@@ -104,6 +114,7 @@ impl MortarContact {
         let mut method = Self {
             name: name.to_owned(),
             without: vec![false; count],
+            handed_over: vec![false; count],
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
             at: Vec::new(),
@@ -195,7 +206,7 @@ impl MortarContact {
             let facets = segments.facets.iter().zip(slave.local_facets());
             let of_facet = |(found, nodes): (&FacetSegmentation, &[u32; 4])| {
                 let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
-                let without = nodes.map(|n| self.without[n as usize]);
+                let without = self.without_on(*nodes);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
                 (!found.segments.is_empty())
@@ -204,6 +215,12 @@ impl MortarContact {
             facets.map(of_facet).collect()
         };
         let facets = weights(measure);
+        let mut bare_supports = vec![0.0; slave.nodes().len()];
+        for (weights, nodes) in facets.iter().zip(slave.local_facets()) {
+            for (support, &n) in weights.iter().flat_map(|w| w.bare_support).zip(nodes) {
+                bare_supports[n as usize] += support;
+            }
+        }
         let normals = if measure == Measure::Parametric { NormalField::Facet } else { options.normals };
         let surfaces = [slave, master];
         let kept = |s| old.get(s).map_or(&[][..], |s: &Slot| &s.nodes);
@@ -220,7 +237,28 @@ impl MortarContact {
                 (0..count).map(|s| gather(s).with_facets(s, surfaces, &areas)).collect()
             }
         };
-        Ok(Integrated { segments, slots })
+        Ok(Integrated { segments, slots, bare_supports })
+    }
+
+    /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, all keep it.
+    fn without_on(&self, nodes: [u32; 4]) -> [bool; 4] {
+        let small = nodes.map(|n| self.without[n as usize] || self.handed_over[n as usize]);
+        if small.iter().all(|s| *s) { nodes.map(|n| self.without[n as usize]) } else { small }
+    }
+
+    /// Decides by the present integrals which multipliers are handed over; returns how many changed.
+    fn hand_over_small_supports(&mut self) -> usize {
+        let Some(integrated) = &self.integrated else { return 0 };
+        let supports = integrated.bare_supports.iter().zip(self.slave.nodal_areas());
+        let mut changes = 0;
+        for (handed_over, (&support, area)) in self.handed_over.iter_mut().zip(supports).filter(|(_, (s, _))| **s > 0.0)
+        {
+            let limit = if *handed_over { TAKEN_BACK } else { HANDED_OVER };
+            let small = support < limit * area;
+            changes += usize::from(small != *handed_over);
+            *handed_over = small;
+        }
+        changes
     }
 
     pub(crate) fn slots(&self) -> &[Slot] {
@@ -273,12 +311,16 @@ impl ContactMethod for MortarContact {
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
         self.range = self.range_for(reach);
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
-        let new = self.integrate(q_n, &[], &[], measure)?;
+        // No memory of the last step: a run that is resumed has none.
+        self.handed_over.fill(false);
+        self.integrated = Some(self.integrate(q_n, &[], &[], measure)?);
+        if self.hand_over_small_supports() > 0 {
+            self.integrated = Some(self.integrate(q_n, &[], &[], measure)?);
+        }
         let (directors, mut work) = (self.directors(), Work::default());
-        for (gap, slot) in self.gap_n.iter_mut().zip(&new.slots) {
+        for (gap, slot) in self.gap_n.iter_mut().zip(self.integrated.iter().flat_map(|i| &i.slots)) {
             *gap = slot.gap(q_n, directors, &mut work).map_or(f64::INFINITY, |g| g / slot.support);
         }
-        self.integrated = Some(new);
         self.derivatives.fill(false);
         self.at.clear();
         self.at.extend_from_slice(q_n);
@@ -358,8 +400,13 @@ impl ContactMethod for MortarContact {
         Ok(())
     }
 
-    fn repair(&mut self, _q_np1: &[f64], _active: &[bool]) -> Result<usize, ContactError> {
-        Ok(0)
+    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        let changes = if self.moves_integrals() { self.hand_over_small_supports() } else { 0 };
+        if changes > 0 {
+            self.at.clear();
+            self.follow(q_np1, active, true)?;
+        }
+        Ok(changes)
     }
 
     fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {

@@ -25,6 +25,8 @@ pub(crate) struct FacetWeights {
     pub derivative: Vec<f64>,
     /// `int phi_A dA`, always an area.
     pub support: [f64; 4],
+    /// The same before functions were handed over.
+    pub bare_support: [f64; 4],
 }
 
 impl FacetWeights {
@@ -77,11 +79,7 @@ pub(crate) fn facet_weights(
 ) -> FacetWeights {
     let area = facet_integrals(found, &corners, quadrature);
     let give = hand_over(without);
-    let support_of = |integrals: &FacetIntegrals| {
-        let basis = MultiplierBasis::new(space, integrals);
-        (give * matrix(&basis.slave_block(integrals))).column_sum().into()
-    };
-    let support: [f64; 4] = support_of(&area);
+    let bare = matrix(&MultiplierBasis::new(space, &area).slave_block(&area)).column_sum();
     let integrals = if measure == Measure::Area { area } else { parametric(&area) };
     let basis = MultiplierBasis::new(space, &integrals);
     let count = 4 + 4 * integrals.pairs.len();
@@ -89,7 +87,8 @@ pub(crate) fn facet_weights(
         masters: integrals.pairs.iter().map(|p| p.master_facet).collect(),
         weights: vec![0.0; 4 * count],
         derivative: Vec::new(),
-        support,
+        support: (give * bare).into(),
+        bare_support: bare.into(),
     };
     let d = give * matrix(&basis.slave_block(&integrals));
     for a in 0..4 {

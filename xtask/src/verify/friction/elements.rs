@@ -279,7 +279,8 @@ fn energies(checks: &mut Vec<Check>) -> Outcome<()> {
 /// Work of the friction on the motion of the nodes.
 fn work_of(path: &Path, m: &NodeToSurface) -> f64 {
     let motion = path.q[2].iter().zip(&path.q[1]).map(|(a, b)| a - b);
-    path.friction(m).iter().zip(motion).map(|(f, u)| f * u).sum()
+    // The residual is the force with the sign turned round.
+    -path.friction(m).iter().zip(motion).map(|(f, u)| f * u).sum::<f64>()
 }
 
 /// The same with a second step that only turns and shifts.
