@@ -101,7 +101,7 @@ fn exact_stick_does_no_work() {
         let path = "[[0.0, 0.0], [1.0, 0.0], [1.5, 2e-4], [2.5, -2e-4], [3.0, 0.0]]";
         let mut s = drag("stick = \"augmented\"", upper_is_slave, 5.0, path, 0.1, 3.0);
         let mut pressed = Vec::new();
-        let (mut largest, mut dissipated) = (0.0_f64, 0.0_f64);
+        let (mut largest, mut dissipated, mut laid_down) = (0.0_f64, 0.0_f64, 0.0);
         while !s.finished() {
             let record = s.advance().unwrap();
             if record.step == 10 {
@@ -109,7 +109,12 @@ fn exact_stick_does_no_work() {
             }
             let work = record.balance;
             assert!(work.contact == 0.0, "{work:?}");
-            dissipated = dissipated.max(work.dissipation.abs() / work.external_work.abs().max(1e-9));
+            if record.step <= 10 {
+                // Edges that are laid down slip until they carry.
+                laid_down = work.dissipation;
+                assert!(laid_down < 1e-3 * work.external_work, "{work:?}");
+            }
+            dissipated = dissipated.max((work.dissipation - laid_down).abs() / work.external_work);
             largest = largest.max(force_on_upper(&s)[0].abs());
         }
         let apart = s.state().q.iter().zip(&pressed).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -117,7 +122,7 @@ fn exact_stick_does_no_work() {
             "upper slave {upper_is_slave}: largest force {largest:.3}, apart by {apart:.1e}, dissipated {dissipated:.1e}"
         );
         assert!(largest > 0.1, "it was dragged");
-        assert!(apart < 1e-11 && dissipated < 1e-5, "{apart:e} {dissipated:e}");
+        assert!(apart < 1e-9 && dissipated < 1e-7, "{apart:e} {dissipated:e}");
     }
 }
 

@@ -80,7 +80,7 @@ pub fn assembled(
     (residual, tangent)
 }
 
-/// Three configurations of flat facets with noise on every coordinate: the first slave node is at `at`, goes by `first` through the surface, and by
+/// Three configurations of flat facets with noise on as many coordinates as `noise` has, the master's first: the first slave node is at `at`, goes by `first` through the surface, and by
 /// `second` along it to the depth `second[2]`.
 pub fn path(facets: u32, noise: [&[f64]; 3], at: [f64; 3], first: [f64; 2], second: [f64; 3]) -> [Vec<f64>; 3] {
     let flat = vec![0.0; facets as usize + 1];
@@ -91,7 +91,7 @@ pub fn path(facets: u32, noise: [&[f64]; 3], at: [f64; 3], first: [f64; 2], seco
         positions(&flat, [x_1, y_1, -z]),
         positions(&flat, [x_1 + second[0], y_1 + second[1], second[2]]),
     ];
-    for k in 0..q[0].len() {
+    for k in 0..noise[0].len() {
         q[0][k] += noise[0][k];
         q[1][k] += noise[0][k] + noise[1][k];
         q[2][k] += noise[0][k] + noise[1][k] + noise[2][k];
