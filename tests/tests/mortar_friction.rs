@@ -97,7 +97,8 @@ fn full_slip_has_the_coefficient() {
 /// what the rounds of augmentation leave.
 #[test]
 fn exact_stick_does_no_work() {
-    for upper_is_slave in [true, false] {
+    // The lower block's nodes at the edge are covered in part only: their multipliers need more rounds than there are.
+    for (upper_is_slave, bound) in [(true, 1e-11), (false, 1e-9)] {
         let path = "[[0.0, 0.0], [1.0, 0.0], [1.5, 2e-4], [2.5, -2e-4], [3.0, 0.0]]";
         let mut s = drag("stick = \"augmented\"", upper_is_slave, 5.0, path, 0.1, 3.0);
         let mut pressed = Vec::new();
@@ -122,7 +123,7 @@ fn exact_stick_does_no_work() {
             "upper slave {upper_is_slave}: largest force {largest:.3}, apart by {apart:.1e}, dissipated {dissipated:.1e}"
         );
         assert!(largest > 0.1, "it was dragged");
-        assert!(apart < 1e-9 && dissipated < 1e-7, "{apart:e} {dissipated:e}");
+        assert!(apart < bound && dissipated < 1e-7, "{apart:e} {dissipated:e}");
     }
 }
 

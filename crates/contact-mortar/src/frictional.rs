@@ -4,24 +4,11 @@ use crate::method::{MortarContact, WeightedConstraint};
 use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
-use stoss_contact::friction::{Friction, Stick};
+use stoss_contact::friction::{Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, Stick};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
-
-// The same as for node-to-surface contact.
-/// A sticking node moves by less than this times a slave edge once its multiplier has settled, or by what round-off of the positions is.
-const STUCK: f64 = 1.0e-13;
-/// Relative change of the multiplier of a sliding node (its direction, that is) that counts as settled.
-const SETTLED: f64 = 1.0e-8;
-/// Rounds of augmentation in one step. What has not settled then is taken as it is.
-const MAX_ROUNDS: u32 = 12;
-/// A sticking node whose slip does not fall below this fraction in a round gets a stiffness that is larger by [`STIFFER`].
-const SLOWLY: f64 = 0.1;
-const STIFFER: f64 = 100.0;
-/// The stiffness makes no more than this fraction of the pressure out of the round-off of positions.
-const ROUND_OFF: f64 = 1.0e-10;
 
 /// Friction of a whole surface.
 #[derive(Clone, Debug)]
@@ -38,7 +25,7 @@ pub(crate) struct SurfaceFriction {
 }
 
 /// History of one slot. Tractions have the components that they had at the start: the frame follows the slave's material.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct PointHistory {
     /// Traction at the end of the last accepted step.
     committed: [f64; 2],
@@ -48,31 +35,8 @@ struct PointHistory {
     support: f64,
     /// Traction (or multiplier) that the step starts with.
     start: [f64; 2],
-    /// Factor on the stiffness with which the multiplier of this step is augmented.
-    stiffening: f64,
-    /// Slip that the last round of augmentation left.
-    last_slip: f64,
-    /// Traction at the last iterate, if the node slid there.
-    sliding: Option<[f64; 2]>,
-    /// The node slides against the direction of the last iterate: linearised as if it stuck.
-    reversed: bool,
-}
-
-impl Default for PointHistory {
-    fn default() -> Self {
-        let zero = [0.0; 2];
-        let last_slip = f64::INFINITY;
-        Self {
-            committed: zero,
-            slid: 0.0,
-            support: 0.0,
-            start: zero,
-            stiffening: 1.0,
-            last_slip,
-            sliding: None,
-            reversed: false,
-        }
-    }
+    /// Of this step.
+    iteration: PointIteration,
 }
 
 fn norm(v: [f64; 2]) -> f64 {
@@ -151,10 +115,10 @@ impl MortarContact {
             start,
             history: point.start,
             slid: point.slid,
-            stiffening: point.stiffening,
+            stiffening: point.iteration.stiffening(),
             step_size: surface.step_size,
             pressure,
-            reversed: point.reversed,
+            reversed: point.iteration.is_reversed(),
         })
     }
 
@@ -180,8 +144,7 @@ impl MortarContact {
         self.node_friction(slot, pressure)?.state(present, step, work)
     }
 
-    /// Looks where the nodes slide at an iterate that is linearised. One that slides against the direction of the iterate before is linearised once as
-    /// if it stuck: the tangent of sliding would send it to and fro for ever over a stick between.
+    /// Looks where the nodes slide at an iterate that is linearised.
     pub(crate) fn follow_friction(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         if !self.friction.as_ref().is_some_and(|surface| surface.friction.law().is_elastic()) {
             return;
@@ -190,24 +153,19 @@ impl MortarContact {
         for slot in (0..active.len().min(pressures.len())).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
             let Some(surface) = &mut self.friction else { return };
-            let point = &mut surface.points[slot];
-            let now = state.step.returned;
-            let against = point.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
-            point.reversed = !state.step.sticks && against;
-            point.sliding = (!state.step.sticks && !point.reversed).then_some(now);
+            surface.points[slot].iteration.follow(&state.step);
         }
     }
 
     /// Makes the present tractions the multipliers of the step; returns how many were not settled.
     pub(crate) fn augment_friction(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> usize {
-        let penalty = match &mut self.friction {
-            Some(surface) if surface.friction.stick() == Stick::Augmented && surface.rounds < MAX_ROUNDS => {
+        match &mut self.friction {
+            Some(surface) if surface.friction.stick() == Stick::Augmented && surface.rounds < MAX_AUGMENTATIONS => {
                 surface.rounds += 1;
-                surface.friction.penalty()
             }
             _ => return 0,
-        };
-        let length = self.slave.length_scale();
+        }
+        let edge = self.slave.length_scale();
         let mut work = Scratch::default();
         let mut unsettled = 0;
         for slot in (0..active.len()).filter(|&s| active[s]) {
@@ -215,26 +173,12 @@ impl MortarContact {
             let far = at(q_np1, self.slave.nodes()[slot]).norm();
             let Some(surface) = &mut self.friction else { continue };
             let point = &mut surface.points[slot];
-            let (step, slip) = (&state.step, norm(state.slip));
-            let change = norm([step.end[0] - point.start[0], step.end[1] - point.start[1]]);
-            let round_off = 4.0 * f64::EPSILON * far.max(length);
-            let stiffest = ROUND_OFF * pressures[slot] / (round_off * penalty);
-            // A multiplier against the slip comes from before a reversal: begin anew.
-            let against = !step.sticks && step.work < 0.0;
-            let settled = if step.sticks {
-                slip <= STUCK * length + round_off
-            } else {
-                !against && change <= SETTLED * norm(step.end)
-            };
-            if settled {
-                continue;
-            }
-            point.start = if against { [0.0; 2] } else { step.end };
-            if step.sticks {
-                if slip > SLOWLY * point.last_slip {
-                    point.stiffening = (STIFFER * point.stiffening).min(stiffest).max(1.0);
-                }
-                point.last_slip = slip;
+            let converged =
+                ConvergedPoint { multiplier: point.start, slip: state.slip, pressure: pressures[slot], edge, far };
+            match point.iteration.augment(&surface.friction, &state.step, &converged) {
+                Augmentation::Settled => continue,
+                Augmentation::Take => point.start = state.step.end,
+                Augmentation::Reset => point.start = [0.0; 2],
             }
             unsettled += 1;
         }

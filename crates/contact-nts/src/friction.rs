@@ -20,7 +20,7 @@ use crate::kinematics::{Gap, LOCAL, LocalMatrix};
 use nalgebra::Vector3;
 use stoss_contact::ContactRule;
 use stoss_contact::dual::{V3, cross, dot, unit};
-use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
+use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep, PointIteration};
 use stoss_geometry::BilinearPatch;
 use stoss_reference_element::quad4;
 
@@ -48,7 +48,7 @@ impl SurfaceFriction {
 }
 
 /// History of one slot.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct PointHistory {
     /// Traction at the end of the last accepted step, in the frame of the facet that it ended on.
     pub committed: [f64; 2],
@@ -58,29 +58,8 @@ pub(crate) struct PointHistory {
     pub foot: [f64; 2],
     /// Traction (or multiplier) in the frame there.
     pub start: [f64; 2],
-    /// Factor on the stiffness with which the multiplier of this step is augmented.
-    pub stiffening: f64,
-    /// Slip that the last round of augmentation left.
-    pub last_slip: f64,
-    /// Traction at the last iterate, if the point slid there.
-    pub sliding: Option<[f64; 2]>,
-    /// The point slides against the direction of the last iterate: linearised as if it stuck.
-    pub reversed: bool,
-}
-
-impl Default for PointHistory {
-    fn default() -> Self {
-        Self {
-            committed: [0.0; 2],
-            slid: 0.0,
-            foot: [0.0; 2],
-            start: [0.0; 2],
-            stiffening: 1.0,
-            last_slip: f64::INFINITY,
-            sliding: None,
-            reversed: false,
-        }
-    }
+    /// Of this step.
+    pub iteration: PointIteration,
 }
 
 /// `e_1`, `e_2`, `n` of two tangents.
@@ -218,8 +197,9 @@ impl FrictionElement<'_> {
     }
 
     fn point(&self, history: [f64; 2], slip: [f64; 2]) -> FrictionPoint {
-        let PointHistory { slid, stiffening, .. } = *self.history;
-        FrictionPoint { history, slip, pressure: self.pressure, step_size: self.step_size, slid, stiffening }
+        let PointHistory { slid, iteration, .. } = self.history;
+        let stiffening = iteration.stiffening();
+        FrictionPoint { history, slip, pressure: self.pressure, step_size: self.step_size, slid: *slid, stiffening }
     }
 
     /// Traction, slip, energies.
@@ -228,7 +208,7 @@ impl FrictionElement<'_> {
         let Resolved { foot, old, history, slip } = arguments.resolve(self.history.start);
         let point = self.point(history, slip);
         let step = self.friction.step(self.at_end, &point);
-        let branch = self.history.reversed.then(|| self.friction.sticking_step(self.at_end, &point));
+        let branch = self.history.iteration.is_reversed().then(|| self.friction.sticking_step(self.at_end, &point));
         let carried = transport(step.end, &foot, &old).unwrap_or([0.0; 2]);
         FrictionState { tau: arguments.covariant(&foot, step.force), step, branch, slip, history, carried }
     }

@@ -6,24 +6,11 @@ use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, Surfac
 use crate::kinematics::{Gap, LOCAL, Local, points};
 use crate::method::{ConstraintForm, NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
-use stoss_contact::friction::{Friction, Stick};
+use stoss_contact::friction::{Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, Stick};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid.
 const HISTORY: usize = 24;
-
-/// A sticking node moves by less than this times a master edge once its multiplier has settled, or by what round-off of the positions is.
-const STUCK: f64 = 1.0e-13;
-/// Relative change of the multiplier of a sliding node (its direction, that is) that counts as settled.
-const SETTLED: f64 = 1.0e-8;
-/// Rounds of augmentation in one step. What has not settled then is taken as it is: its stick is as accurate as the last round left it.
-const MAX_ROUNDS: u32 = 12;
-/// A sticking node whose slip does not fall below this fraction in a round gets a stiffness that is larger by [`STIFFER`]. A node that hits hard
-/// may need a traction that is far beyond stiffness times slip of a small step.
-const SLOWLY: f64 = 0.1;
-const STIFFER: f64 = 100.0;
-/// The stiffness makes no more than this fraction of the pressure out of the round-off of positions, which Newton's method would not get below.
-const ROUND_OFF: f64 = 1.0e-10;
 
 /// Positions of an element, its configuration of the force and the projection there.
 struct Placed {
@@ -207,10 +194,6 @@ impl NodeToSurface {
     }
 
     /// Looks where the points slide at an iterate that is linearised.
-    ///
-    /// A point that slides against the direction of the iterate before would be sent back by the tangent of the sliding branch, and so on for ever:
-    /// the solution is a stick between them, on a branch as short as its stiffness is large. Such a point is linearised once as if it stuck; the next
-    /// iterate tells whether it does. That is the rule of the primal-dual active set, for friction.
     pub(crate) fn follow_friction(
         &mut self,
         q_np1: &[f64],
@@ -223,11 +206,7 @@ impl NodeToSurface {
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
             let Some(surface) = &mut self.friction else { return Ok(()) };
-            let point = &mut surface.points[slot];
-            let now = state.step.returned;
-            point.reversed =
-                !state.step.sticks && point.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
-            point.sliding = (!state.step.sticks && !point.reversed).then_some(now);
+            surface.points[slot].iteration.follow(&state.step);
         }
         Ok(())
     }
@@ -240,39 +219,29 @@ impl NodeToSurface {
         active: &[bool],
     ) -> Result<usize, ContactError> {
         match &mut self.friction {
-            Some(surface) if surface.friction.stick() == Stick::Augmented && surface.rounds < MAX_ROUNDS => {
+            Some(surface) if surface.friction.stick() == Stick::Augmented && surface.rounds < MAX_AUGMENTATIONS => {
                 surface.rounds += 1;
             }
             _ => return Ok(0),
         }
-        let penalty = self.friction.as_ref().map_or(1.0, |surface| surface.friction.penalty());
         let mut unsettled = 0;
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
-            let norm = |v: [f64; 2]| v[0].hypot(v[1]);
-            let change = norm([state.step.end[0] - state.history[0], state.step.end[1] - state.history[1]]);
-            let far = position(q_np1, self.node(slot)).norm();
-            let round_off = 4.0 * f64::EPSILON * far.max(self.length);
-            let stiffest = ROUND_OFF * pressures[slot] / (round_off * penalty);
-            // A multiplier against the slip comes from before a reversal: begin anew.
-            let against = !state.step.sticks && state.step.work < 0.0;
-            let settled = if state.step.sticks {
-                norm(state.slip) <= STUCK * self.length + round_off
-            } else {
-                !against && change <= SETTLED * norm(state.step.end)
+            let at = ConvergedPoint {
+                multiplier: state.history,
+                slip: state.slip,
+                pressure: pressures[slot],
+                edge: self.length,
+                far: position(q_np1, self.node(slot)).norm(),
             };
-            if !settled && let Some(surface) = &mut self.friction {
-                let point = &mut surface.points[slot];
-                point.start = if against { [0.0; 2] } else { state.carried };
-                if state.step.sticks {
-                    let slip = norm(state.slip);
-                    if slip > SLOWLY * point.last_slip {
-                        point.stiffening = (STIFFER * point.stiffening).min(stiffest).max(1.0);
-                    }
-                    point.last_slip = slip;
-                }
-                unsettled += 1;
+            let Some(surface) = &mut self.friction else { continue };
+            let point = &mut surface.points[slot];
+            match point.iteration.augment(&surface.friction, &state.step, &at) {
+                Augmentation::Settled => continue,
+                Augmentation::Take => point.start = state.carried,
+                Augmentation::Reset => point.start = [0.0; 2],
             }
+            unsettled += 1;
         }
         Ok(unsettled)
     }

@@ -3,7 +3,8 @@
 //! * [`FrictionLaw`]: tangential traction from pressure, trial traction, slip and step size. The catalogue: [`Coulomb`],
 //!   [`StaticDynamic`], [`Regularised`]. A law of one's own implements the trait and needs nothing else;
 //! * [`Friction`]: a law with its tangential stiffness, the way stick is enforced and the time stepping; [`Friction::step`] does the
-//!   step of one point and says what was stored and what was dissipated.
+//!   step of one point and says what was stored and what was dissipated;
+//! * [`PointIteration`]: what the iterations of a step need to know of a point: reversals of its slip, augmentation of its multiplier.
 //!
 //! Vectors have two components in an orthonormal frame of the tangent plane. Tractions point *along the slip of the slave relative
 //! to the master*; the traction on the slave is the opposite. Not here: slip and its frame (a contact method's).
@@ -11,12 +12,14 @@
 //! To add a law: a file beside `coulomb.rs`, a `pub use` here, a line in the tests of `tests/friction.rs`, a scene variant.
 
 mod coulomb;
+mod iteration;
 mod law;
 mod regularised;
 mod static_dynamic;
 mod step;
 
 pub use coulomb::Coulomb;
+pub use iteration::{Augmentation, ConvergedPoint, MAX_AUGMENTATIONS, PointIteration};
 pub use law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
 pub use regularised::Regularised;
 pub use static_dynamic::StaticDynamic;

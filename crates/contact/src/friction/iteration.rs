@@ -1,0 +1,107 @@
+//! What the iterations of a step know of one point with friction: where it slid at the last iterate, how its multiplier settles.
+
+use super::law::Plane;
+use super::step::{Friction, FrictionStep};
+
+/// Rounds of augmentation in one step. What has not settled then is taken as it is: its stick is as accurate as the last round left it.
+pub const MAX_AUGMENTATIONS: u32 = 12;
+/// A sticking point moves by less than this times an edge once its multiplier has settled, or by what round-off of the positions is.
+const STUCK: f64 = 1.0e-13;
+/// Relative change of the multiplier of a sliding point (its direction, that is) that counts as settled.
+const SETTLED: f64 = 1.0e-8;
+/// A sticking point whose slip does not fall below this fraction in a round gets a stiffness that is larger by [`STIFFER`]. A point that hits hard
+/// may need a traction that is far beyond stiffness times slip of a small step.
+const SLOWLY: f64 = 0.1;
+const STIFFER: f64 = 100.0;
+/// The stiffness makes no more than this fraction of the pressure out of the round-off of positions, which Newton's method would not get below.
+const ROUND_OFF: f64 = 1.0e-10;
+
+/// What becomes of the multiplier of a point after a converged iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Augmentation {
+    /// It has settled.
+    Settled,
+    /// The traction at the end of the step is the new multiplier.
+    Take,
+    /// It is against the slip, from before a reversal: begin with zero.
+    Reset,
+}
+
+/// A converged iterate of a point, for [`PointIteration::augment`].
+#[derive(Clone, Copy, Debug)]
+pub struct ConvergedPoint {
+    /// Multiplier that the step was solved with, in the frame of `FrictionStep::end`, a traction.
+    pub multiplier: [f64; 2],
+    /// Slip of the step, a length.
+    pub slip: [f64; 2],
+    /// Pressure, a traction.
+    pub pressure: f64,
+    /// Length of an edge.
+    pub edge: f64,
+    /// Distance of the point from the origin: round-off of its position is a fraction of it.
+    pub far: f64,
+}
+
+/// State of the iterations of one step for one point; [`PointIteration::default`] at the start of every step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointIteration {
+    stiffening: f64,
+    last_slip: f64,
+    /// Traction at the last iterate, if the point slid there.
+    sliding: Option<Plane>,
+    reversed: bool,
+}
+
+impl Default for PointIteration {
+    fn default() -> Self {
+        Self { stiffening: 1.0, last_slip: f64::INFINITY, sliding: None, reversed: false }
+    }
+}
+
+impl PointIteration {
+    /// Factor on the tangential stiffness with which the multiplier is augmented, at least 1.
+    pub fn stiffening(&self) -> f64 {
+        self.stiffening
+    }
+
+    /// The point slides against the direction of the last iterate: to be linearised on [`Friction::sticking_step`].
+    pub fn is_reversed(&self) -> bool {
+        self.reversed
+    }
+
+    /// Looks at an iterate that is linearised.
+    ///
+    /// A point that slides against the direction of the iterate before would be sent back by the tangent of the sliding branch, and so on for ever:
+    /// the solution is a stick between them, on a branch as short as its stiffness is large. Such a point is linearised once as if it stuck; the next
+    /// iterate tells whether it does. That is the rule of the primal-dual active set, for friction.
+    pub fn follow(&mut self, step: &FrictionStep) {
+        let now = step.returned;
+        let against = self.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
+        self.reversed = !step.sticks && against;
+        self.sliding = (!step.sticks && !against).then_some(now);
+    }
+
+    /// Decides on the multiplier after a converged iteration (augmented Lagrangian), and on the stiffness of the next one.
+    pub fn augment(&mut self, friction: &Friction, step: &FrictionStep, at: &ConvergedPoint) -> Augmentation {
+        let norm = |v: Plane| v[0].hypot(v[1]);
+        let round_off = 4.0 * f64::EPSILON * at.far.max(at.edge);
+        if !step.sticks {
+            let change = norm([0, 1].map(|i| step.end[i] - at.multiplier[i]));
+            return match step.work < 0.0 {
+                true => Augmentation::Reset,
+                false if change <= SETTLED * norm(step.end) => Augmentation::Settled,
+                false => Augmentation::Take,
+            };
+        }
+        let slip = norm(at.slip);
+        if slip <= STUCK * at.edge + round_off {
+            return Augmentation::Settled;
+        }
+        if slip > SLOWLY * self.last_slip {
+            let stiffest = ROUND_OFF * at.pressure / (round_off * friction.penalty());
+            self.stiffening = (STIFFER * self.stiffening).min(stiffest).max(1.0);
+        }
+        self.last_slip = slip;
+        Augmentation::Take
+    }
+}
