@@ -28,7 +28,7 @@ kind = "dynamic"
 {time}
 [[body]]
 name = "plate"
-mesh = {{ generator = "block", min = [-1.1, -1.05, -1], max = [5, 2, 0], divisions = [5, 2, 1] }}
+mesh = {{ generator = "block", min = [-1, -1, -1], max = [5, 2, 0], divisions = [5, 2, 1] }}
 material = {{ law = "neo-hooke", young = 1e5, poisson = 0.3 }}
 density = 1.0
 [[body]]

@@ -4,6 +4,9 @@ use crate::cell::{cross, sub};
 use crate::{MAX_VERTICES, Segment};
 
 const ROOM: usize = 2 * MAX_VERTICES + 2;
+/// Vertices closer than this fraction of the polygon coincide: a side between them has no direction. A longer side must not be left out: the
+/// polygon would have no end there, and beside a master edge that nearly follows a slave edge its neighbour may be as narrow as that side.
+const ROUND_OFF: f64 = 1e-14;
 
 /// Area that the images of two segments have in common (Sutherland-Hodgman).
 pub(crate) fn common_area(a: &Segment, b: &Segment) -> f64 {
@@ -17,7 +20,7 @@ pub(crate) fn common_area(a: &Segment, b: &Segment) -> f64 {
     for k in 0..sides.len() {
         let (p, d) = (sides[k].image, sub(sides[(k + 1) % sides.len()].image, sides[k].image));
         // Vertices that coincide to round-off make a side without direction.
-        if d[0].hypot(d[1]) <= 1e-10 * size {
+        if d[0].hypot(d[1]) <= ROUND_OFF * size {
             continue;
         }
         let side = |x: [f64; 2]| cross(d, sub(x, p));

@@ -208,3 +208,21 @@ fn master_much_finer_and_much_coarser() {
         );
     }
 }
+
+/// Mesh lines of the master that nearly follow the edges of the slave, turned by next to nothing: the facet beyond is there as a sliver, and its
+/// neighbours have a side as short as the sliver is wide.
+#[test]
+fn nearly_aligned_edges_are_not_covered_twice() {
+    for exponent in 6..16 {
+        let angle = 10.0_f64.powi(-exponent);
+        for (turn, shift) in [(1.0, 0.4), (-1.0, 0.4), (1.0, -0.7), (-1.0, 0.0), (3.0, 0.1)] {
+            let (turn, shift) = (turn * angle, shift * angle);
+            let facets =
+                surface(4, 2.0, |_, x, y| Vector3::new(x - turn * (y - 0.3) + shift, y + turn * x - shift, 0.1));
+            let found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
+            let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+            assert!(report.is_tiling(1e-12), "{turn:e} {shift:e}: {report:?}");
+            assert!(report.uncovered.abs() < 1e-12, "{turn:e} {shift:e}: {report:?}");
+        }
+    }
+}
