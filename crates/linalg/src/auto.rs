@@ -74,6 +74,20 @@ impl LinearSolver for AutoSolver {
         self.active().solve(rhs, solution)
     }
 
+    fn solve_nearby(
+        &mut self,
+        values: &[f64],
+        rhs: &[f64],
+        solution: &mut [f64],
+        tolerance: f64,
+    ) -> Result<Option<u32>, LinalgError> {
+        self.active().solve_nearby(values, rhs, solution, tolerance)
+    }
+
+    fn forget(&mut self) {
+        self.active().forget();
+    }
+
     fn memory_bytes(&self) -> usize {
         self.dense.memory_bytes() + self.sparse.memory_bytes() + self.multifrontal.memory_bytes()
     }

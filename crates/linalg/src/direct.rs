@@ -1,7 +1,9 @@
 //! What all direct solvers share: equilibration, the test for singularity, the residual check, refinement, statistics,
 //! the caching of the analysis. A backend is only the factorisation in between.
 
-use crate::refinement::Refinement;
+use crate::gmres::Gmres;
+use crate::matrix::multiply;
+use crate::refinement::{Refinement, check_finite, check_length};
 use crate::scaling::Equilibration;
 use crate::vector::norm_inf;
 use crate::{
@@ -43,6 +45,14 @@ pub trait Factorisation: Send + Debug {
         Ok(false)
     }
 
+    /// Applications of the factors that are worth as much as a factorisation; zero if they are not worth counting.
+    fn applications_per_factorisation(&self) -> u32 {
+        0
+    }
+
+    /// What follows must not depend on what came before (see [`LinearSolver::forget`]); the factors will not be used again.
+    fn forget(&mut self) {}
+
     /// Whether the equilibration has to keep the values' symmetry.
     fn symmetric_scaling(&self) -> bool {
         false
@@ -66,6 +76,9 @@ const SUSPICIOUS_GROWTH: f64 = 1e7;
 /// A solution with a larger row-wise backward error is worth a second factorisation with safer pivoting.
 const GOOD_BACKWARD_ERROR: f64 = 1e-13;
 
+/// Fewer iterations than these are not worth a try: each keeps a digit at best.
+const FEWEST_NEARBY_ITERATIONS: u32 = 6;
+
 /// A [`LinearSolver`] made of a [`Factorisation`].
 #[derive(Debug, Default)]
 pub struct DirectSolver<F> {
@@ -78,6 +91,9 @@ pub struct DirectSolver<F> {
     scaled: Vec<f64>,
     probe: Vec<f64>,
     refinement: Refinement,
+    gmres: Gmres,
+    /// The equilibrated right-hand side of a nearby solution.
+    scaled_rhs: Vec<f64>,
     statistics: SolverStatistics,
 }
 
@@ -244,8 +260,60 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
         Ok(report)
     }
 
+    fn solve_nearby(
+        &mut self,
+        values: &[f64],
+        rhs: &[f64],
+        solution: &mut [f64],
+        tolerance: f64,
+    ) -> Result<Option<u32>, LinalgError> {
+        let Some(pattern) = self.pattern.as_ref().filter(|_| self.factorised) else { return Ok(None) };
+        let limit = self.factorisation.applications_per_factorisation().min(self.options.max_nearby_iterations);
+        if limit < FEWEST_NEARBY_ITERATIONS {
+            return Ok(None);
+        }
+        check_length("values", pattern.nnz(), values)?;
+        check_length("right-hand side", pattern.n(), rhs)?;
+        check_length("solution", pattern.n(), solution)?;
+        check_finite(Place::Matrix, values)?;
+        check_finite(Place::RightHandSide, rhs)?;
+        let (factorisation, equilibration) = (&mut self.factorisation, &self.equilibration);
+        self.scaled_rhs.clear();
+        self.scaled_rhs.extend_from_slice(rhs);
+        equilibration.scale_rhs(&mut self.scaled_rhs);
+        let scratch = &mut self.probe;
+        // The unknown of the iteration is that of the equilibrated system.
+        let report = self.gmres.solve(
+            &self.scaled_rhs,
+            solution,
+            tolerance,
+            limit,
+            |x, y| {
+                scratch.copy_from_slice(x);
+                equilibration.scale_solution(scratch);
+                multiply(pattern, values, scratch, y);
+                equilibration.scale_rhs(y);
+            },
+            |v| factorisation.solve_in_place(v),
+        );
+        self.statistics.nearby_iterations += u64::from(report.iterations);
+        // A NaN is no solution.
+        if report.residual.is_nan() || report.residual > tolerance {
+            return Ok(None);
+        }
+        equilibration.scale_solution(solution);
+        self.statistics.nearby_solves += 1;
+        Ok(Some(report.iterations))
+    }
+
+    fn forget(&mut self) {
+        self.factorised = false;
+        self.factorisation.forget();
+    }
+
     fn memory_bytes(&self) -> usize {
-        size_of::<f64>() * (self.scaled.capacity() + self.probe.capacity())
+        size_of::<f64>() * (self.scaled.capacity() + self.probe.capacity() + self.scaled_rhs.capacity())
+            + self.gmres.memory_bytes()
             + self.factorisation.memory_bytes()
             + self.equilibration.memory_bytes()
             + self.refinement.memory_bytes()

@@ -17,6 +17,7 @@ pub mod vector;
 mod auto;
 mod direct;
 mod error;
+mod gmres;
 mod matrix;
 mod pattern;
 mod refinement;

@@ -165,7 +165,7 @@ struct Errors {
     strict: f64,
 }
 
-fn check_length(what: &'static str, expected: usize, slice: &[f64]) -> Result<(), LinalgError> {
+pub(crate) fn check_length(what: &'static str, expected: usize, slice: &[f64]) -> Result<(), LinalgError> {
     if slice.len() == expected { Ok(()) } else { Err(LinalgError::Length { what, expected, found: slice.len() }) }
 }
 

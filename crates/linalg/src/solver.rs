@@ -51,6 +51,10 @@ pub struct SolverStatistics {
     pub solves: u64,
     /// Steps of iterative refinement.
     pub refinement_steps: u64,
+    /// Solutions by iteration with the factors of earlier values ([`LinearSolver::solve_nearby`]).
+    pub nearby_solves: u64,
+    /// Iterations of [`Self::nearby_solves`] and of those that were given up.
+    pub nearby_iterations: u64,
     /// Matrices announced as positive definite that were not, and were factorised by LU instead.
     pub indefinite_fallbacks: u64,
     /// Matrices for which the pivots inside the fronts were not good enough, so that they were factorised again with full
@@ -68,6 +72,8 @@ impl std::ops::Add for SolverStatistics {
             symmetric: self.symmetric + other.symmetric,
             solves: self.solves + other.solves,
             refinement_steps: self.refinement_steps + other.refinement_steps,
+            nearby_solves: self.nearby_solves + other.nearby_solves,
+            nearby_iterations: self.nearby_iterations + other.nearby_iterations,
             indefinite_fallbacks: self.indefinite_fallbacks + other.indefinite_fallbacks,
             pivoting_fallbacks: self.pivoting_fallbacks + other.pivoting_fallbacks,
         }
@@ -88,6 +94,8 @@ pub struct SolverOptions {
     /// and Newton would follow noise. Without this test a body that nothing holds passes unnoticed, because its residual
     /// is self-equilibrated.
     pub singular_growth: f64,
+    /// At most so many iterations of [`LinearSolver::solve_nearby`], each of which keeps a vector. Zero: factorise each time.
+    pub max_nearby_iterations: u32,
 }
 
 impl Default for SolverOptions {
@@ -97,6 +105,7 @@ impl Default for SolverOptions {
             acceptable_backward_error: 1e-9,
             max_refinement_steps: 8,
             singular_growth: 1e13,
+            max_nearby_iterations: 40,
         }
     }
 }
@@ -104,7 +113,7 @@ impl Default for SolverOptions {
 /// A direct solver for `A x = b` with a pattern that seldom changes.
 ///
 /// The three phases are called in order; `factorise` may be repeated with new values, `solve` with new right-hand sides.
-/// The result depends on the input only: a repetition gives the same bits, on any number of threads.
+/// The result depends on the input since the last [`LinearSolver::forget`] only: a repetition gives the same bits, on any number of threads.
 pub trait LinearSolver: Send + Debug {
     /// Symbolic phase: ordering, storage. A no-op if pattern (the same `Arc`, or an equal one) and kind are those of the last
     /// call. A change invalidates the factorisation.
@@ -126,6 +135,28 @@ pub trait LinearSolver: Send + Debug {
     /// [`LinalgError::NonFinite`], [`LinalgError::NotConverged`], [`LinalgError::Length`], [`LinalgError::CallOrder`].
     /// `solution` is then meaningless.
     fn solve(&mut self, rhs: &[f64], solution: &mut [f64]) -> Result<SolveReport, LinalgError>;
+
+    /// Solves `A x = b` for other values than those factorised, which are the preconditioner of an iteration that ends when the equilibrated residual
+    /// has fallen to `tolerance` times the equilibrated right-hand side, both in the Euclidean norm. Returns the number of iterations.
+    ///
+    /// `None`, and a meaningless `solution`, if there are no factors of this pattern, if that many iterations would cost more than a
+    /// factorisation of the new values, or if the solver does not offer it (default): the caller then factorises.
+    /// [`Self::solve`] refers to the factorised values as before.
+    ///
+    /// # Errors
+    /// [`LinalgError::Length`], [`LinalgError::NonFinite`].
+    fn solve_nearby(
+        &mut self,
+        _values: &[f64],
+        _rhs: &[f64],
+        _solution: &mut [f64],
+        _tolerance: f64,
+    ) -> Result<Option<u32>, LinalgError> {
+        Ok(None)
+    }
+
+    /// Drops the factors, so that the bits of nothing that follows depend on what came before. An analysis that would be made again in the same way stays.
+    fn forget(&mut self);
 
     /// Heap memory in bytes: exact for our own arrays, an estimate for the library's factors.
     fn memory_bytes(&self) -> usize;

@@ -35,6 +35,19 @@ named! {
     }
 }
 
+named! {
+    /// How often matrices are factorised.
+    #[derive(Default)]
+    Factors {
+        /// Within a step the factors of an earlier iterate serve as long as that is faster than new ones: linear systems are then solved by an
+        /// iteration that they precondition.
+        #[default]
+        Reused = "reused",
+        /// A factorisation in each Newton iteration.
+        New = "new",
+    }
+}
+
 /// `[scene]`: what the scene is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -168,6 +181,9 @@ pub struct Solver {
     /// How linear systems are solved.
     #[serde(default)]
     pub linear: LinearSolver,
+    /// How often matrices are factorised.
+    #[serde(default)]
+    pub factors: Factors,
     /// What happens if an element is turned inside out at a corner at the end of a step.
     #[serde(default)]
     pub inside_out: InsideOut,

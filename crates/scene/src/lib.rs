@@ -36,7 +36,7 @@ pub use conditions::{
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick, Sticking,
 };
-pub use general::{Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
+pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
 pub use mesh::{Block, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource};
 pub use names::known;

@@ -149,6 +149,8 @@ pub(crate) fn attempt(
     let mut rows = Vec::new();
     let mut look = Look::default();
     let has_contact = model.has_unilateral_contact();
+    // What earlier steps factorised would show in the last bits, and a run that is resumed knows nothing of it.
+    system.solver.forget();
     if !model.contacts.is_empty() {
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
         start_auxiliaries(model, &input.step, &mut iterate)?;

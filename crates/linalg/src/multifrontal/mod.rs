@@ -35,14 +35,21 @@ use symbolic::Symbolic;
 /// Multifrontal direct solver with fallback to full pivoting.
 pub type MultifrontalSolver = DirectSolver<Multifrontal>;
 
+/// Operations of a factorisation that take as long as the substitutions take for an entry of the factors: they wait for memory.
+const OPERATIONS_PER_ENTRY: f64 = 20.0;
+
 /// The factorisation.
 #[derive(Debug, Default)]
 pub struct Multifrontal {
     kind: MatrixKind,
     known: KnownGroups,
-    analysis: Option<(Symbolic, Numeric)>,
+    symbolic: Option<Symbolic>,
+    /// Outlives the analysis: the storage of a new one is mostly that of the last.
+    numeric: Numeric,
     /// The last ordering and the graph that it belongs to: multipliers that come and go inside their groups leave it as it is.
     ordered: Option<(ordering::Graph, Vec<u32>)>,
+    /// The ordering was made since the last [`Factorisation::forget`]: a pattern that has grown since keeps it.
+    settled: bool,
     vectors: solve::Vectors,
     /// In use instead of the multifrontal factors if `fallen_back`.
     fallback: Option<FaerSparse>,
@@ -53,25 +60,30 @@ pub struct Multifrontal {
 impl Multifrontal {
     /// Order and storage.
     fn analyse_groups(&mut self, pattern: &SparsityPattern) -> Result<(), LinalgError> {
-        self.analysis = None;
+        self.symbolic = None;
         let groups = self.known.groups();
         let graph = groups.graph(pattern);
-        let order = match self.ordered.take() {
-            Some((known, order)) if known == graph => order,
-            _ => ordering::nested_dissection(&graph)?,
+        let keeps = |(known, order): &(ordering::Graph, Vec<u32>)| {
+            *known == graph || self.settled && order.len() == graph.len()
+        };
+        let (known, order) = match self.ordered.take().filter(keeps) {
+            // With the graph that the order belongs to.
+            Some(ordered) => ordered,
+            None => (graph.clone(), ordering::nested_dissection(&graph)?),
         };
         let weights: Vec<usize> = (0..groups.len()).map(|g| groups.members(g).len()).collect();
         let nodes = tree::fronts(&graph, &weights, &order);
+        self.ordered = Some((known, order));
+        self.settled = true;
         let symbolic = Symbolic::new(pattern, &groups, &nodes, self.kind != MatrixKind::General)?;
-        let numeric = Numeric::new(&symbolic);
-        self.analysis = Some((symbolic, numeric));
-        self.ordered = Some((graph, order));
+        self.numeric.fit(&symbolic);
+        self.symbolic = Some(symbolic);
         Ok(())
     }
 
     /// Floating-point operations of a factorisation with the present analysis, and entries of its factors.
     pub fn effort(&self) -> (f64, usize) {
-        self.analysis.as_ref().map_or((0.0, 0), |(symbolic, _)| (symbolic.operations, symbolic.factor_len()))
+        self.symbolic.as_ref().map_or((0.0, 0), |symbolic| (symbolic.operations, symbolic.factor_len()))
     }
 }
 
@@ -82,7 +94,7 @@ impl Factorisation for Multifrontal {
 
     fn analyse(&mut self, pattern: &SparsityPattern, kind: MatrixKind) -> Result<(), LinalgError> {
         self.kind = kind;
-        self.analysis = None;
+        self.symbolic = None;
         (self.fallback, self.fallen_back) = (None, false);
         self.known = KnownGroups::new(pattern);
         // Otherwise the values decide.
@@ -91,13 +103,13 @@ impl Factorisation for Multifrontal {
 
     fn factorise(&mut self, pattern: &SparsityPattern, values: &[f64]) -> Result<(), LinalgError> {
         self.fallen_back = false;
-        if self.known.attach(pattern, values) || self.analysis.is_none() {
+        if self.known.attach(pattern, values) || self.symbolic.is_none() {
             self.analyse_groups(pattern)?;
         }
-        let Some((symbolic, numeric)) = &mut self.analysis else {
+        let Some(symbolic) = &self.symbolic else {
             return Err(LinalgError::CallOrder { called: "factorise", missing: "analyse" });
         };
-        match numeric.factorise(symbolic, values)? {
+        match self.numeric.factorise(symbolic, values)? {
             Ok(()) => {
                 // It is seldom needed twice, and large.
                 self.fallback = None;
@@ -125,11 +137,20 @@ impl Factorisation for Multifrontal {
     }
 
     fn solve_in_place(&mut self, v: &mut [f64]) {
-        match (&mut self.fallback, &self.analysis) {
+        match (&mut self.fallback, &self.symbolic) {
             (Some(safe), _) if self.fallen_back => safe.solve_in_place(v),
-            (_, Some((symbolic, numeric))) => solve::solve(symbolic, numeric, &mut self.vectors, v),
+            (_, Some(symbolic)) => solve::solve(symbolic, &self.numeric, &mut self.vectors, v),
             _ => debug_assert!(false, "solve before factorise"),
         }
+    }
+
+    fn applications_per_factorisation(&self) -> u32 {
+        let (operations, entries) = self.effort();
+        if self.fallen_back || entries == 0 { 0 } else { (operations / (OPERATIONS_PER_ENTRY * entries as f64)) as u32 }
+    }
+
+    fn forget(&mut self) {
+        self.settled = false;
     }
 
     fn symmetric_scaling(&self) -> bool {
@@ -137,9 +158,8 @@ impl Factorisation for Multifrontal {
     }
 
     fn memory_bytes(&self) -> usize {
-        let analysis =
-            self.analysis.as_ref().map_or(0, |(symbolic, numeric)| symbolic.memory_bytes() + numeric.memory_bytes());
-        analysis
+        self.symbolic.as_ref().map_or(0, Symbolic::memory_bytes)
+            + self.numeric.memory_bytes()
             + self.known.memory_bytes()
             + self.vectors.memory_bytes()
             + self.fallback.as_ref().map_or(0, FaerSparse::memory_bytes)

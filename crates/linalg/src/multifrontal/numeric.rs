@@ -36,14 +36,12 @@ struct Part<'a> {
 pub(super) struct NoPivot;
 
 impl Numeric {
-    pub fn new(symbolic: &Symbolic) -> Self {
+    /// Makes room for the factors.
+    pub fn fit(&mut self, symbolic: &Symbolic) {
         let n = symbolic.order.len();
-        Self {
-            factors: vec![0.0; symbolic.factor_len()],
-            pivots: vec![0; n],
-            subdiagonal: vec![0.0; if symbolic.symmetric { n } else { 0 }],
-            ..Self::default()
-        }
+        self.factors.resize(symbolic.factor_len(), 0.0);
+        self.pivots.resize(n, 0);
+        self.subdiagonal.resize(if symbolic.symmetric { n } else { 0 }, 0.0);
     }
 
     /// Heap memory in bytes.

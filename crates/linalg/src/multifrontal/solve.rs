@@ -1,71 +1,184 @@
 //! Substitution with the factors of the fronts, one right-hand side.
+//!
+//! A front takes what its children add to its rows, and after the way back hands them what they need: like the factorisation, so that subtrees are
+//! tasks that share nothing, and the sums are the same for any number of threads.
 
 use super::numeric::Numeric;
 use super::symbolic::{Front, Symbolic};
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
-/// Vectors for the substitution: the right-hand side in the order of elimination, a front's part of it, and scratch.
+/// Vectors for the substitution: the right-hand side in the order of elimination, for each front what passes between it and its parent, and
+/// scratch for each task.
 #[derive(Debug, Default)]
 pub(super) struct Vectors {
     ordered: Vec<f64>,
-    local: Vec<f64>,
-    column: Vec<f64>,
+    passed: Vec<f64>,
+    scratch: Mutex<Vec<Vec<f64>>>,
 }
 
 impl Vectors {
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
-        size_of::<f64>() * (self.ordered.capacity() + self.local.capacity() + self.column.capacity())
+        let pool = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let scratch = pool.iter().map(Vec::capacity).sum::<usize>();
+        size_of::<f64>() * (self.ordered.capacity() + self.passed.capacity() + scratch)
     }
 }
 
 /// Overwrites `v` by the solution for the right-hand side `v`.
 pub(super) fn solve(symbolic: &Symbolic, numeric: &Numeric, vectors: &mut Vectors, v: &mut [f64]) {
-    let (w, r) = symbolic.largest;
-    vectors.local.resize(w + r, 0.0);
-    vectors.column.resize(w, 0.0);
+    let root = symbolic.len();
+    vectors.passed.resize(symbolic.rows.len(), 0.0);
     vectors.ordered.clear();
     vectors.ordered.extend(symbolic.order.iter().map(|&equation| v[equation as usize]));
-    let x = &mut vectors.ordered;
-    for f in 0..symbolic.len() {
-        let front = symbolic.fronts[f];
-        let Front { begin, w, r, offset, .. } = front;
-        let lower = &numeric.factors[offset..offset + (w + r) * w];
-        let t = &mut vectors.local[..w + r];
-        for (t, &p) in t.iter_mut().zip(&numeric.pivots[begin..begin + w]) {
-            *t = x[begin + p as usize];
+    let parallel = rayon::current_num_threads() > 1 && symbolic.fronts[root].shared;
+    for way in [Way::Forward, Way::Backward] {
+        let run = Run { symbolic, numeric, parallel, way, scratch: &vectors.scratch };
+        let part = Part { x: &mut vectors.ordered, passed: &mut vectors.passed };
+        if parallel { run.children(root, part) } else { run.stack(0, root, part) }
+    }
+    for (&equation, x) in symbolic.order.iter().zip(&vectors.ordered) {
+        v[equation as usize] = *x;
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Forward,
+    Backward,
+}
+
+/// What belongs to one subtree.
+struct Part<'a> {
+    x: &'a mut [f64],
+    passed: &'a mut [f64],
+}
+
+struct Run<'a> {
+    symbolic: &'a Symbolic,
+    numeric: &'a Numeric,
+    parallel: bool,
+    way: Way,
+    scratch: &'a Mutex<Vec<Vec<f64>>>,
+}
+
+impl Run<'_> {
+    /// Fronts `first..end`, which are whole subtrees, one after the other.
+    fn stack(&self, first: usize, end: usize, part: Part<'_>) {
+        let mut t = self.take_scratch();
+        if self.way == Way::Forward {
+            (first..end).for_each(|f| self.front(f, first, part.x, part.passed, &mut t));
+        } else {
+            (first..end).rev().for_each(|f| self.front(f, first, part.x, part.passed, &mut t));
         }
-        t[w..].fill(0.0);
-        forward(lower, w, t);
-        x[begin..begin + w].copy_from_slice(&t[..w]);
-        for (&row, t) in symbolic.rows[front.rows()].iter().zip(&t[w..]) {
-            x[row as usize] += t;
+        self.return_scratch(t);
+    }
+
+    fn subtree(&self, f: usize, part: Part<'_>) {
+        let front = self.symbolic.fronts[f];
+        if !(front.shared && self.parallel) {
+            return self.stack(front.first, f + 1, part);
+        }
+        let below = |part: &mut Part<'_>| {
+            let (base, end) = (self.symbolic.fronts[front.first], front);
+            let part =
+                Part { x: &mut part.x[..end.begin - base.begin], passed: &mut part.passed[..end.rows - base.rows] };
+            self.children(f, part);
+        };
+        let mut part = part;
+        if self.way == Way::Forward {
+            below(&mut part);
+        }
+        let mut t = self.take_scratch();
+        self.front(f, front.first, part.x, part.passed, &mut t);
+        self.return_scratch(t);
+        if self.way == Way::Backward {
+            below(&mut part);
         }
     }
-    for f in (0..symbolic.len()).rev() {
-        let front = symbolic.fronts[f];
-        let Front { begin, w, r, offset, .. } = front;
+
+    /// The children of front `f` as parallel tasks.
+    fn children(&self, f: usize, part: Part<'_>) {
+        let (mut x, mut passed) = (part.x, part.passed);
+        let mut tasks = Vec::with_capacity(self.symbolic.children(f).len());
+        for &c in self.symbolic.children(f) {
+            let (child, after) = (self.symbolic.fronts[c as usize], self.symbolic.fronts[c as usize + 1]);
+            let base = self.symbolic.fronts[child.first];
+            let (own_x, rest) = x.split_at_mut(after.begin - base.begin);
+            x = rest;
+            let (own_passed, rest) = passed.split_at_mut(after.rows - base.rows);
+            passed = rest;
+            tasks.push((c as usize, Part { x: own_x, passed: own_passed }));
+        }
+        tasks.into_par_iter().for_each(|(c, part)| self.subtree(c, part));
+    }
+
+    /// One front of a part that begins with front `first`.
+    fn front(&self, f: usize, first: usize, x: &mut [f64], passed: &mut [f64], t: &mut [f64]) {
+        let Self { symbolic, numeric, .. } = self;
+        let base = symbolic.fronts[first];
+        let Front { begin, w, r, offset, rows, .. } = symbolic.fronts[f];
+        let x = &mut x[begin - base.begin..][..w];
+        let (below, own) = passed.split_at_mut(rows - base.rows);
+        let own = &mut own[..r];
+        let children = symbolic.children(f).iter().map(|&c| {
+            let rows = symbolic.fronts[c as usize + 1].rows;
+            let from = symbolic.fronts[c as usize].rows;
+            (from - base.rows..rows - base.rows, &symbolic.places[from..rows])
+        });
         let block = &numeric.factors[offset..symbolic.fronts[f + 1].offset];
         let (lower, upper) = block.split_at((w + r) * w);
-        let t = &mut vectors.local[..w + r];
-        t[..w].copy_from_slice(&x[begin..begin + w]);
-        for (&row, t) in symbolic.rows[front.rows()].iter().zip(&mut t[w..]) {
-            *t = x[row as usize];
+        let pivots = &numeric.pivots[begin..begin + w];
+        let t = &mut t[..w + r];
+        if self.way == Way::Forward {
+            t[..w].copy_from_slice(x);
+            t[w..].fill(0.0);
+            for (range, places) in children {
+                for (&place, value) in places.iter().zip(&below[range]) {
+                    t[place as usize] += value;
+                }
+            }
+            x.copy_from_slice(&t[..w]);
+            for (t, &p) in t.iter_mut().zip(pivots) {
+                *t = x[p as usize];
+            }
+            forward(lower, w, t);
+            x.copy_from_slice(&t[..w]);
+            own.copy_from_slice(&t[w..]);
+            return;
         }
+        t[..w].copy_from_slice(x);
+        t[w..].copy_from_slice(own);
         if symbolic.symmetric {
             divide(lower, w + r, &numeric.subdiagonal[begin..begin + w], &mut t[..w]);
             backward_transposed(lower, w, t);
-            for (t, &p) in t.iter().zip(&numeric.pivots[begin..begin + w]) {
-                x[begin + p as usize] = *t;
+            for (t, &p) in t.iter().zip(pivots) {
+                x[p as usize] = *t;
             }
+            t[..w].copy_from_slice(x);
         } else {
-            let (t, below) = t.split_at_mut(w);
-            subtract(upper, w, below, t);
+            let (t, known) = t.split_at_mut(w);
+            subtract(upper, w, known, t);
             backward(lower, w, w + r, t);
-            x[begin..begin + w].copy_from_slice(t);
+            x.copy_from_slice(t);
+        }
+        for (range, places) in children {
+            for (&place, value) in places.iter().zip(&mut below[range]) {
+                *value = t[place as usize];
+            }
         }
     }
-    for (&equation, x) in symbolic.order.iter().zip(&*x) {
-        v[equation as usize] = *x;
+
+    fn take_scratch(&self) -> Vec<f64> {
+        let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
+        let (w, r) = self.symbolic.largest;
+        scratch.resize(w + r, 0.0);
+        scratch
+    }
+
+    fn return_scratch(&self, scratch: Vec<f64>) {
+        self.scratch.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::node::Node;
 use super::table::Table;
-use crate::{Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
+use crate::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 use std::collections::BTreeMap;
 use stoss_integrators::SCHEMES;
 
@@ -90,12 +90,14 @@ pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {
         table.default("inside_out", InsideOut::Refuse, |n| n.choice(InsideOut::NAMES, InsideOut::from_name));
     let linear =
         table.default("linear", LinearSolver::Auto, |n| n.choice(LinearSolver::NAMES, LinearSolver::from_name));
+    let factors = table.default("factors", Factors::Reused, |n| n.choice(Factors::NAMES, Factors::from_name));
     table.finish();
     Some(Solver {
         relative_tolerance: relative_tolerance?,
         absolute_tolerance: absolute_tolerance?,
         max_iterations: max_iterations?,
         linear: linear?,
+        factors: factors?,
         inside_out: inside_out?,
     })
 }

@@ -25,13 +25,13 @@ use contact::contacts;
 pub use law::{LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use probe::{Probe, ProbeTarget};
 
-use crate::scene::{InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
+use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
 use crate::solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
 use std::path::Path;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_integrators::{SCHEMES, Scheme};
-use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver};
+use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver, SolverOptions};
 use stoss_mesh::Mesh;
 use stoss_newton::{LineSearch, NewtonOptions};
 
@@ -176,15 +176,21 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             InsideOut::Refuse => InsideOutRule::Refuse,
             InsideOut::Warn => InsideOutRule::Warn,
         },
-        solver: linear_solver(solver.linear),
+        solver: linear_solver(solver.linear, solver.factors),
     }
 }
 
-fn linear_solver(choice: LinearChoice) -> Box<dyn LinearSolver> {
+fn linear_solver(choice: LinearChoice, factors: Factors) -> Box<dyn LinearSolver> {
+    let default = SolverOptions::default();
+    let max_nearby_iterations = match factors {
+        Factors::Reused => default.max_nearby_iterations,
+        Factors::New => 0,
+    };
+    let options = SolverOptions { max_nearby_iterations, ..default };
     match choice {
-        LinearChoice::Auto => Box::new(AutoSolver::new()),
-        LinearChoice::Multifrontal => Box::new(MultifrontalSolver::new()),
-        LinearChoice::Faer => Box::new(FaerSolver::new()),
+        LinearChoice::Auto => Box::new(AutoSolver::with_options(options)),
+        LinearChoice::Multifrontal => Box::new(MultifrontalSolver::with_options(options)),
+        LinearChoice::Faer => Box::new(FaerSolver::with_options(options)),
     }
 }
 

@@ -321,6 +321,8 @@ impl ResultFolder {
                 ("factorisations", counts.factorisations),
                 ("solves", counts.solves),
                 ("refinement_steps", counts.refinement_steps),
+                ("nearby_solves", counts.nearby_solves),
+                ("nearby_iterations", counts.nearby_iterations),
                 ("indefinite_fallbacks", counts.indefinite_fallbacks),
                 ("symmetric", counts.symmetric),
                 ("pivoting_fallbacks", counts.pivoting_fallbacks),
