@@ -107,6 +107,20 @@ fn threads_do_not_show() {
     }
 }
 
+/// Storage outlives the analysis: what another matrix of another kind left in it is not read.
+#[test]
+fn left_over_storage_is_not_read() {
+    let mut used = MultifrontalSolver::new();
+    for (size, kind) in
+        [(8, MatrixKind::General), (6, MatrixKind::Symmetric), (9, MatrixKind::Symmetric), (5, MatrixKind::Symmetric)]
+    {
+        let (a, b) = block_pair(size, Setting::new(false));
+        let fresh = solve(&mut MultifrontalSolver::new(), &a, kind, &b).unwrap();
+        assert_eq!(solve(&mut used, &a, kind, &b).unwrap(), fresh, "{size} {kind:?}");
+        used.forget();
+    }
+}
+
 /// The bits do not depend on which patterns and values were seen before.
 #[test]
 fn history_does_not_show() {

@@ -147,6 +147,8 @@ pub fn factorise_ldl_front(
     if work.reserve(w, true).is_err() {
         return false;
     }
+    // Its last entry is not written below.
+    subdiagonal.fill(0.0);
     let (mut square, mut below) = MatMut::from_column_major_slice_mut(block, w + r, w).split_at_row_mut(w);
     ldl::cholesky_in_place(
         square.rb_mut(),
@@ -258,4 +260,36 @@ fn for_rows(matrix: MatMut<'_, f64>, parallel: bool, task: &(impl Fn(MatMut<'_, 
 
 fn acceptable(size: f64) -> bool {
     size >= SMALLEST_PIVOT && size.is_finite()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What was in the vector of off-diagonals before does not matter: the last entry is not written by the library.
+    #[test]
+    fn off_diagonals_need_not_be_cleared() {
+        // [2 1 0; 1 3 1; 0 1 4], of which two equations are eliminated.
+        let factorise = |left_over: f64| {
+            let mut block = [2.0, 1.0, 0.0, 0.0, 3.0, 1.0];
+            let (mut update, mut pivots, mut product) = ([4.0], [0; 2], [0.0; 2]);
+            let mut subdiagonal = [left_over; 2];
+            let (update_, work) = (&mut update, &mut FrontWork::default());
+            let done = factorise_ldl_front(
+                2,
+                1,
+                &mut block,
+                update_,
+                &mut pivots,
+                &mut subdiagonal,
+                &mut product,
+                work,
+                false,
+            );
+            (done, block, update, subdiagonal)
+        };
+        let clean = factorise(0.0);
+        assert!(clean.0 && (clean.2[0] - (4.0 - 1.0 / 2.5)).abs() < 1e-15, "{clean:?}");
+        assert_eq!(factorise(7.0), clean);
+    }
 }
