@@ -89,28 +89,38 @@ impl Equilibration {
             return Err(row);
         }
         self.rows.fill(1.0);
-        self.columns.clear();
-        self.columns.resize(n, 0.0);
         scaled.clear();
         for _ in 0..ROUNDS {
-            let mut changed = false;
+            // The largest entry of each row of `A R`. The lower triangle is enough, and all that is factorised.
+            self.columns.clear();
+            self.columns.resize(n, 0.0);
             for j in 0..n {
                 let range = pattern.column_range(j);
                 let rows = &pattern.row_indices()[range.clone()];
-                let largest =
-                    (rows.iter().zip(&values[range])).fold(0.0, |m: f64, (&i, v)| m.max((v * self.rows[i]).abs()));
-                if largest == 0.0 {
-                    return Err(j);
+                let below = rows.partition_point(|&i| i < j);
+                let (mut largest, factor) = (0.0f64, self.rows[j]);
+                for (&i, v) in rows[below..].iter().zip(&values[range][below..]) {
+                    let v = v.abs();
+                    largest = largest.max(v * self.rows[i]);
+                    self.columns[i] = self.columns[i].max(v * factor);
                 }
-                let factor = power_of_two((-exponent(largest * self.rows[j])).div_euclid(2));
-                self.columns[j] = self.rows[j] * factor;
+                self.columns[j] = self.columns[j].max(largest);
+            }
+            if let Some(row) = self.columns.iter().position(|&largest| largest == 0.0) {
+                return Err(row);
+            }
+            let mut changed = false;
+            for (r, largest) in self.rows.iter_mut().zip(&self.columns) {
+                let factor = power_of_two((-exponent(largest * *r)).div_euclid(2));
+                *r *= factor;
                 changed |= factor != 1.0;
             }
-            std::mem::swap(&mut self.rows, &mut self.columns);
             if !changed {
                 break;
             }
         }
+        self.columns.clear();
+        self.columns.resize(n, 0.0);
         for j in 0..n {
             let range = pattern.column_range(j);
             let c = self.rows[j];

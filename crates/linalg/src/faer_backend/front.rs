@@ -7,7 +7,8 @@ use super::Scratch;
 use crate::LinalgError;
 use faer::diag::DiagMut;
 use faer::dyn_stack::StackReq;
-use faer::linalg::cholesky::lblt::factor as ldl;
+use faer::linalg::cholesky::lblt::factor as pivoted;
+use faer::linalg::cholesky::ldlt::factor as unpivoted;
 use faer::linalg::lu::partial_pivoting::factor as lu;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve as triangular;
@@ -18,6 +19,9 @@ use rayon::prelude::*;
 /// A pivot below this is none: the equilibrated matrix has entries of about 1, and what is left of them after
 /// cancellation is round-off.
 const SMALLEST_PIVOT: f64 = 1e-15;
+
+/// Without pivoting no multiplier may exceed this. Where displacements come before the multipliers of contact they seldom do.
+const LARGEST_MULTIPLIER: f64 = 100.0;
 
 /// Products of fewer floating-point operations are not worth several tasks.
 const SMALLEST_PRODUCT: usize = 4_000_000;
@@ -35,6 +39,8 @@ pub struct FrontWork {
     column: Vec<f64>,
     inverse: Vec<u32>,
     symmetric: bool,
+    /// Lower triangle of a symmetric front's square, in case it has to be factorised again.
+    triangle: Vec<f64>,
 }
 
 impl FrontWork {
@@ -53,7 +59,8 @@ impl FrontWork {
             return Ok(());
         }
         let request: StackReq = if symmetric {
-            ldl::cholesky_in_place_scratch::<u32, f64>(w, Par::Seq, Default::default())
+            pivoted::cholesky_in_place_scratch::<u32, f64>(w, Par::Seq, Default::default())
+                .or(unpivoted::cholesky_in_place_scratch::<f64>(w, Par::Seq, Default::default()))
         } else {
             lu::lu_in_place_scratch::<u32, f64>(w, w, Par::Seq, Default::default())
         };
@@ -66,7 +73,8 @@ impl FrontWork {
 
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
-        self.scratch.bytes + self.column.capacity() * size_of::<f64>() + self.inverse.capacity() * size_of::<u32>()
+        let floats = self.column.capacity() + self.triangle.capacity();
+        self.scratch.bytes + floats * size_of::<f64>() + self.inverse.capacity() * size_of::<u32>()
     }
 }
 
@@ -126,8 +134,8 @@ pub fn factorise_lu_front(
     true
 }
 
-/// `L D L^T` of a symmetric front, of which only the lower triangles are read and written; `block` is the lower panel alone. Pivots are 1 x 1 or
-/// 2 x 2 (Bunch and Kaufman), chosen among the first `w` equations. Afterwards the panel is `P^T L` and has the diagonal of `D`, `subdiagonal` the rest
+/// `L D L^T` of a symmetric front, of which only the lower triangles are read and written; `block` is the lower panel alone. Pivots are taken as they
+/// come while that goes well, else 1 x 1 or 2 x 2 (Bunch and Kaufman), chosen among the first `w` equations. Afterwards the panel is `P^T L` and has the diagonal of `D`, `subdiagonal` the rest
 /// of `D`. `product` (`w r` entries) is scratch.
 ///
 /// The upper triangle of `update` is spoilt.
@@ -147,18 +155,20 @@ pub fn factorise_ldl_front(
     if work.reserve(w, true).is_err() {
         return false;
     }
-    // Its last entry is not written below.
-    subdiagonal.fill(0.0);
     let (mut square, mut below) = MatMut::from_column_major_slice_mut(block, w + r, w).split_at_row_mut(w);
-    ldl::cholesky_in_place(
-        square.rb_mut(),
-        DiagMut::from_slice_mut(subdiagonal),
-        pivots,
-        &mut work.inverse[..w],
-        Par::Seq,
-        work.scratch.stack(),
-        Default::default(),
-    );
+    if !factorise_without_pivoting(square.rb_mut(), pivots, subdiagonal, work) {
+        // The last off-diagonal is not written.
+        subdiagonal.fill(0.0);
+        pivoted::cholesky_in_place(
+            square.rb_mut(),
+            DiagMut::from_slice_mut(subdiagonal),
+            pivots,
+            &mut work.inverse[..w],
+            Par::Seq,
+            work.scratch.stack(),
+            Default::default(),
+        );
+    }
     let square = square.as_ref();
     let mut k = 0;
     while k < w {
@@ -218,6 +228,39 @@ pub fn factorise_ldl_front(
     true
 }
 
+/// `L D L^T` of a square of which the lower triangle is given, if that goes well without exchanges; else the triangle is as before. It is several
+/// times faster than a search for pivots.
+fn factorise_without_pivoting(
+    mut square: MatMut<'_, f64>,
+    pivots: &mut [u32],
+    subdiagonal: &mut [f64],
+    work: &mut FrontWork,
+) -> bool {
+    let w = pivots.len();
+    work.triangle.clear();
+    for k in 0..w {
+        work.triangle.extend(square.rb().col(k).subrows(k, w - k).iter());
+    }
+    let (scratch, options) = (work.scratch.stack(), Default::default());
+    let result = unpivoted::cholesky_in_place(square.rb_mut(), options, Par::Seq, scratch, Default::default());
+    // A NaN is no multiplier.
+    let small = |column: usize| {
+        let multipliers = square.rb().col(column).subrows(column + 1, w - column - 1);
+        multipliers.iter().fold(true, |small, l| small & (l.abs() <= LARGEST_MULTIPLIER))
+    };
+    if result.is_ok() && (0..w).all(|k| acceptable(square[(k, k)].abs()) && small(k)) {
+        subdiagonal.fill(0.0);
+        pivots.iter_mut().zip(0..).for_each(|(pivot, k)| *pivot = k);
+        return true;
+    }
+    let mut from = work.triangle.iter();
+    for k in 0..w {
+        let column = square.rb_mut().col_mut(k).subrows_mut(k, w - k);
+        column.iter_mut().zip(&mut from).for_each(|(x, y)| *x = *y);
+    }
+    false
+}
+
 /// `target -= left right^T` for the lower triangle and parts of the upper one, which nobody reads.
 fn subtract_lower(mut target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
     let n = target.ncols();
@@ -269,9 +312,9 @@ mod tests {
     /// What was in the vector of off-diagonals before does not matter: the last entry is not written by the library.
     #[test]
     fn off_diagonals_need_not_be_cleared() {
-        // [2 1 0; 1 3 1; 0 1 4], of which two equations are eliminated.
+        // [0 1 0; 1 3 1; 0 1 4], of which two equations are eliminated by one 2 x 2 pivot or by exchanging them.
         let factorise = |left_over: f64| {
-            let mut block = [2.0, 1.0, 0.0, 0.0, 3.0, 1.0];
+            let mut block = [0.0, 1.0, 0.0, 0.0, 3.0, 1.0];
             let (mut update, mut pivots, mut product) = ([4.0], [0; 2], [0.0; 2]);
             let mut subdiagonal = [left_over; 2];
             let (update_, work) = (&mut update, &mut FrontWork::default());
@@ -289,7 +332,7 @@ mod tests {
             (done, block, update, subdiagonal)
         };
         let clean = factorise(0.0);
-        assert!(clean.0 && (clean.2[0] - (4.0 - 1.0 / 2.5)).abs() < 1e-15, "{clean:?}");
+        assert!(clean.0 && (clean.2[0] - 4.0).abs() < 1e-15, "{clean:?}");
         assert_eq!(factorise(7.0), clean);
     }
 }
