@@ -83,7 +83,7 @@ impl Equilibration {
         let n = pattern.n();
         self.rows.clear();
         self.rows.resize(n, 0.0);
-        // Values that are not symmetric after all may have a row of zeros without a column of zeros.
+        // Values that are not symmetric after all may have a row or a column of zeros without the other.
         crate::matrix::row_max(pattern, values, &mut self.rows);
         if let Some(row) = self.rows.iter().position(|&m| m == 0.0) {
             return Err(row);
@@ -125,6 +125,9 @@ impl Equilibration {
             let range = pattern.column_range(j);
             let c = self.rows[j];
             let rows = &pattern.row_indices()[range.clone()];
+            if values[range.clone()].iter().all(|&v| v == 0.0) {
+                return Err(j);
+            }
             scaled.extend(rows.iter().zip(&values[range]).map(|(&i, v)| v * self.rows[i] * c));
         }
         self.columns.copy_from_slice(&self.rows);
