@@ -3,7 +3,7 @@
 
 use crate::mass_solve::MassSolver;
 use crate::numbering::Numbering;
-use crate::{LoadKind, Model, StepError};
+use crate::{LoadKind, Model, PhaseTime, StepError};
 use std::sync::Arc;
 use stoss_contact::Auxiliary;
 use stoss_fe_solid::{MassMatrix, TangentTarget, Workspace};
@@ -58,6 +58,8 @@ pub(crate) struct System {
     pub gap_measure: f64,
     /// Sum of the squares of the auxiliaries' force rows in the last evaluation.
     pub auxiliary_square: f64,
+    /// Time of contact contributions since somebody took it.
+    pub contact_time: PhaseTime,
     /// What contact contributions add to the linear equations only; empty as long as none did.
     pub shift: Vec<f64>,
     /// Scratch for weighted local tangents.
@@ -257,6 +259,7 @@ impl System {
             force_scale: 0.0,
             gap_measure: 0.0,
             auxiliary_square: 0.0,
+            contact_time: PhaseTime::default(),
             shift: Vec::new(),
             weighted: Vec::new(),
             mass_solver: None,

@@ -3,7 +3,7 @@
 use crate::assembly::{Iterate, System};
 use crate::diagnosis::linear_error;
 use crate::system::{FeSystem, contact_rule};
-use crate::{Model, Phase, StepError, Timings};
+use crate::{Model, Phase, PhaseTime, StepError, Timings};
 use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
 use stoss_integrators::{ForceRule, Step, evaluate};
 use stoss_linalg::{MatrixKind, NONE, vector};
@@ -71,11 +71,18 @@ impl StepProblem<'_> {
 
     /// Lets contact methods follow the iterate, and the pattern follow them.
     fn renew_contacts(&mut self, want_tangent: bool) -> Result<(), StepError> {
-        let mut changed = false;
-        let Iterate { q, pressures, active, .. } = &*self.iterate;
-        for ((pair, pressures), active) in self.model.contacts.iter_mut().zip(pressures).zip(active) {
-            changed |= pair.method.renew(q, pressures, active, want_tangent)?;
+        if self.model.contacts.is_empty() {
+            return Ok(());
         }
+        let Self { model, system, iterate, .. } = self;
+        let Iterate { q, pressures, active, .. } = &**iterate;
+        let changed = system.contact_time.measure(|| -> Result<bool, StepError> {
+            let mut changed = false;
+            for ((pair, pressures), active) in model.contacts.iter_mut().zip(pressures).zip(active) {
+                changed |= pair.method.renew(q, pressures, active, want_tangent)?;
+            }
+            Ok(changed)
+        })?;
         if changed {
             self.system.renew_pattern(self.model, &self.iterate.active)?;
         }
@@ -84,7 +91,9 @@ impl StepProblem<'_> {
 
     fn measured(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
         let mut timings = std::mem::take(self.timings);
+        self.system.contact_time = PhaseTime::default();
         let norms = timings.measure(Phase::Assembly, || self.evaluate(want_tangent));
+        timings.split(Phase::Assembly, Phase::Contact, self.system.contact_time);
         *self.timings = timings;
         norms
     }
@@ -137,11 +146,13 @@ impl StepProblem<'_> {
             full_increment[component as usize] = *du;
         }
         let configuration = contact_step(step, &iterate.q);
-        for (c, pair) in model.contacts.iter().enumerate() {
-            let (values, active) = (&iterate.auxiliaries[c], &iterate.active[c]);
-            pair.method.recover(configuration, values, active, full_increment, &mut auxiliary_increment[c])?;
-        }
-        Ok(())
+        self.timings.measure(Phase::Contact, || {
+            for (c, pair) in model.contacts.iter().enumerate() {
+                let (values, active) = (&iterate.auxiliaries[c], &iterate.active[c]);
+                pair.method.recover(configuration, values, active, full_increment, &mut auxiliary_increment[c])?;
+            }
+            Ok(())
+        })
     }
 }
 

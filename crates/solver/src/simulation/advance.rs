@@ -4,7 +4,7 @@ use super::{InsideOutRule, Simulation};
 use crate::assembly::{Iterate, no_auxiliaries};
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
-use crate::{Balance, ContactSummary, DecisionKind, Phase, SimulationError, StepError, StepRecord};
+use crate::{Balance, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord};
 use stoss_contact::{ContactWork, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
@@ -49,6 +49,13 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::StepFailed`]; state, balance and records are then those of the last completed step.
     pub fn advance(&mut self) -> Result<StepRecord, SimulationError> {
+        let mut timer = PhaseTime::default();
+        let record = timer.measure(|| self.advance_untimed());
+        self.timings.total.add(timer);
+        record
+    }
+
+    fn advance_untimed(&mut self) -> Result<StepRecord, SimulationError> {
         let first_decision = self.decisions.len();
         loop {
             match self.try_step() {
@@ -298,10 +305,11 @@ impl Simulation {
     }
 
     /// Energy that the contacts store and dissipate in the step.
-    fn contact_work(&self, iterate: &Iterate) -> Result<ContactWork, StepError> {
+    fn contact_work(&mut self, iterate: &Iterate) -> Result<ContactWork, StepError> {
         let mut total = ContactWork::default();
         for (c, pair) in self.model.contacts.iter().enumerate() {
-            let work = pair.method.work(&iterate.q, &iterate.pressures[c], &iterate.active[c])?;
+            let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
+            let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
             total.stored += work.stored;
             total.dissipated += work.dissipated;
         }
@@ -348,14 +356,16 @@ impl Simulation {
             let mut force = [0.0; 3];
             let configuration =
                 ContactStep { q_n: &self.state.q, q_np1: &iterate.q, rule: contact_rule(rule.constraint.rule) };
-            pair.method.assemble(configuration, &iterate.pressures[c], &iterate.active[c], false, &mut |local| {
-                for (node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
-                    if is_slave[*node as usize] {
-                        for i in 0..3 {
-                            force[i] -= residual[i];
+            self.timings.measure(Phase::Contact, || {
+                pair.method.assemble(configuration, &iterate.pressures[c], &iterate.active[c], false, &mut |local| {
+                    for (node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                        if is_slave[*node as usize] {
+                            for i in 0..3 {
+                                force[i] -= residual[i];
+                            }
                         }
                     }
-                }
+                })
             })?;
             for report in &reports {
                 is_slave[report.node as usize] = false;
