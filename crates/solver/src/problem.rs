@@ -39,7 +39,7 @@ impl StepProblem<'_> {
         let mut buffers = std::mem::take(&mut system.buffers);
         let Iterate { pressures, auxiliaries, active, .. } = &**iterate;
         let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
-        let result = evaluate(&mut fe, step, &iterate.q, want_tangent, &mut buffers);
+        let result = evaluate(&mut fe, step, iterate.end_point(), want_tangent, &mut buffers);
         let s = &mut **system;
         s.buffers = buffers;
         result?;
@@ -103,6 +103,7 @@ impl StepProblem<'_> {
     ///
     /// `K_fp du_p` is a central difference of the residual along `du_p`, because the matrix has no columns of prescribed components.
     pub fn predict(&mut self, prescribed: &[(usize, f64)]) -> Result<(), StepError> {
+        let q_n = &self.step.state_n.q;
         let from: Vec<f64> = prescribed.iter().map(|&(component, _)| self.iterate.q[component]).collect();
         let largest = prescribed.iter().zip(&from).map(|((_, to), from)| (to - from).abs()).fold(0.0, f64::max);
         let length = self.model.bodies.iter().map(|b| b.solid.characteristic_length()).fold(f64::INFINITY, f64::min);
@@ -112,14 +113,14 @@ impl StepProblem<'_> {
         let fraction = DIFFERENCE * length / largest;
         let mut rhs_at = |fraction: f64| -> Result<Vec<f64>, StepError> {
             for (&(component, to), from) in prescribed.iter().zip(&from) {
-                self.iterate.q[component] = from + fraction * (to - from);
+                self.iterate.place(component, from + fraction * (to - from), q_n);
             }
             self.measured(false)?;
             Ok(self.system.rhs.clone())
         };
         let (ahead, behind) = (rhs_at(fraction)?, rhs_at(-fraction)?);
         for (&(component, _), from) in prescribed.iter().zip(&from) {
-            self.iterate.q[component] = *from;
+            self.iterate.place(component, *from, q_n);
         }
         self.measured(true)?;
         for ((rhs, ahead), behind) in self.system.rhs.iter_mut().zip(ahead).zip(behind) {
@@ -128,7 +129,7 @@ impl StepProblem<'_> {
         self.solve()?;
         self.update(1.0)?;
         for &(component, to) in prescribed {
-            self.iterate.q[component] = to;
+            self.iterate.place(component, to, q_n);
         }
         Ok(())
     }
@@ -216,7 +217,7 @@ impl NewtonProblem for StepProblem<'_> {
         if let Err(error) = solved {
             return Err(linear_error(self.model, s, self.iterate, self.step.rule.has_inertia(), error));
         }
-        s.base_q.copy_from_slice(&self.iterate.q);
+        s.base_increment.copy_from_slice(&self.iterate.increment);
         for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
             base.copy_from_slice(pressures);
         }
@@ -230,9 +231,10 @@ impl NewtonProblem for StepProblem<'_> {
 
     fn update(&mut self, factor: f64) -> Result<(), StepError> {
         let s = &*self.system;
-        self.iterate.q.copy_from_slice(&s.base_q);
+        let q_n = &self.step.state_n.q;
         for (du, &component) in s.increment.iter().zip(&s.numbering.free) {
-            self.iterate.q[component as usize] += factor * du;
+            let component = component as usize;
+            self.iterate.displace(component, s.base_increment[component] + factor * du, q_n);
         }
         for ((pressures, base), equations) in
             self.iterate.pressures.iter_mut().zip(&s.base_pressures).zip(&s.slot_equation)

@@ -135,12 +135,20 @@ impl Simulation {
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
         self.begin_contact(dt, rule)?;
-        let mut q = self.state.q.clone();
+        let q_n = &self.state.q;
+        let mut start = Iterate {
+            q: q_n.clone(),
+            increment: vec![0.0; q_n.len()],
+            pressures: self.pressures.clone(),
+            auxiliaries: no_auxiliaries(&self.model),
+            active: self.active.clone(),
+        };
         if from == Start::Extrapolation {
             match &self.scheme {
-                Some(scheme) => scheme.predict(&self.state, dt, &mut q),
-                None => vector::axpy(dt, &self.state.v, &mut q),
+                Some(scheme) => scheme.predict(&self.state, dt, &mut start.increment),
+                None => vector::axpy(dt, &self.state.v, &mut start.increment),
             }
+            vector::axpy(1.0, &start.increment, &mut start.q);
         }
         let end = self.clock.next_time();
         let prescribed = (0..self.prescribed.len()).map(|k| self.prescribed_position(k, end));
@@ -149,11 +157,9 @@ impl Simulation {
             predict.extend(prescribed);
         } else {
             for (component, position) in prescribed {
-                q[component] = position;
+                start.place(component, position, q_n);
             }
         }
-        let auxiliaries = no_auxiliaries(&self.model);
-        let start = Iterate { q, pressures: self.pressures.clone(), auxiliaries, active: self.active.clone() };
         let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, predict, newton: self.newton };
         let mut solves = 0;
         let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, &mut solves);
@@ -214,7 +220,7 @@ impl Simulation {
         let Iterate { pressures, auxiliaries, active, .. } = iterate;
         let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
         let step = Step { state_n: state, dt, rule };
-        let result = finish(&mut fe, &step, &mut buffers, &mut next);
+        let result = finish(&mut fe, &step, &iterate.increment, &mut buffers, &mut next);
         if let Ok(true) = result {
             vector::axpy(1.0, &buffers.inertia, &mut buffers.residual);
         }
