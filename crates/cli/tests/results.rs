@@ -117,6 +117,30 @@ fn times_of_frames_and_drifts_are_the_same_bits_after_resuming() {
 }
 
 #[test]
+fn the_summary_says_where_the_time_went() {
+    let folder = folder_with(SCENE);
+    let output = run(folder.path(), "out", &["--until", "0.02"]);
+    run(folder.path(), "out", &["--quiet", "--resume"]);
+    let summary = summary(&folder.path().join("out"));
+    let seconds = |phase: &str, key: &str| summary["seconds"][phase][key].as_f64().unwrap();
+    // The initial state and twenty steps, over both sessions; twenty steps that are never tried again.
+    assert_eq!([seconds("output", "calls"), seconds("total", "calls")], [21.0, 20.0]);
+    for phase in ["search", "contact", "assembly", "factorisation", "solve", "output"] {
+        let [wall, calls] = ["wall", "calls"].map(|key| seconds(phase, key));
+        assert!(wall > 0.0 && calls >= 20.0, "{phase}: {wall} s, {calls} calls");
+        let share = summary["shares"][phase].as_f64().unwrap();
+        assert!((share * seconds("total", "wall") - wall).abs() < 1e-12 * wall, "{phase}: {share}");
+    }
+    let shares: Vec<f64> = summary["shares"].as_object().unwrap().values().map(|v| v.as_f64().unwrap()).collect();
+    assert!(shares.iter().all(|share| (0.0..1.0).contains(share)), "{shares:?}");
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{shares:?}");
+    let contact = summary["contact_share"].as_f64().unwrap();
+    let together = seconds("search", "wall") + seconds("contact", "wall");
+    assert!((contact * seconds("total", "wall") - together).abs() < 1e-12 * together);
+    assert!(stderr(&output).contains("contact altogether"), "{}", stderr(&output));
+}
+
+#[test]
 fn a_run_that_stops_early_says_so_and_shows_its_last_step() {
     let folder = folder_with(&changed(&[("every = 1\n", "every = 4\n")]));
     run(folder.path(), "whole", &["--quiet"]);

@@ -252,7 +252,7 @@ fn wrong_command_lines() {
     }
     let output = stoss(folder.path(), &["run", "scene.toml", "--resume", "--out", "nothing-here"]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stderr(&output).contains("without --resume"), "{}", stderr(&output));
+    assert_eq!(stderr(&output).matches("without --resume").count(), 1, "{}", stderr(&output));
     std::fs::write(folder.path().join("latin1.toml"), b"[scene]\ntitle = \"Sto\xdf\"\n").unwrap();
     let output = stoss(folder.path(), &["check", "latin1.toml"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));

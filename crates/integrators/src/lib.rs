@@ -31,5 +31,5 @@ pub use schemes::{
     Trapezoidal, VariationalMidpoint,
 };
 pub use state::State;
-pub use step::{Buffers, Step, evaluate, finish, start};
+pub use step::{Buffers, EndPoint, Step, evaluate, finish, start};
 pub use system::{SecondOrderSystem, StepConfiguration};

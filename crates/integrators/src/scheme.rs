@@ -31,10 +31,10 @@ pub trait Scheme: std::fmt::Debug + Send + Sync {
     fn augmented(&self) -> bool {
         false
     }
-    /// Predictor of `q_np1`: by default `q_n + dt v_n`.
-    fn predict(&self, state_n: &State, dt: f64, q_np1: &mut [f64]) {
-        for ((out, q), v) in q_np1.iter_mut().zip(&state_n.q).zip(&state_n.v) {
-            *out = q + dt * v;
+    /// Predictor of the increment `q_np1 - q_n`: by default `dt v_n`.
+    fn predict(&self, state_n: &State, dt: f64, increment: &mut [f64]) {
+        for (out, v) in increment.iter_mut().zip(&state_n.v) {
+            *out = dt * v;
         }
     }
 }

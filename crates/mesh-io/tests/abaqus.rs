@@ -119,6 +119,21 @@ fn errors_name_the_line() {
         (replaced("Type=c3d8", "Typ=c3d8"), 13, "needs the parameter TYPE"),
         (add("*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n2,1,2,\n3,4"), 16, "2 elements C3D4"),
         (add("*ELEMENT, TYPE=MASS\n1,1"), 16, "1 elements MASS"),
+        // What refers to elements that are not read is a consequence: the type is named first, at its line, with all elements.
+        (
+            add(
+                "*ELEMENT, TYPE=C3D10, ELSET=Tets\n21,1,2,3,4,5,6,\n7,80,1,2\n*SURFACE, NAME=top\nTets, S2\n*ELSET, ELSET=all\nTets\n*ELEMENT, TYPE=C3D10\n22,1,2,3,4,5,6,\n7,80,1,2",
+            ),
+            16,
+            "2 elements C3D10",
+        ),
+        (
+            replaced("Type=c3d8", "Type=C3D8R") + "*SURFACE, NAME=top\nbody, S2\n*NSET, NSET=foot, ELSET=body\n",
+            13,
+            "1 elements C3D8R",
+        ),
+        (add("*ELEMENT, TYPE=S4, ELSET=shell\n30,1,2,3,4\n*SURFACE, NAME=top\nshell, SPOS"), 16, "1 elements S4"),
+        (add("*ELEMENT, TYPE=S4\n30,1,2,3,4\n*SURFACE, NAME=top\nshell, S1"), 16, "1 elements S4"),
         (add("*INCLUDE, INPUT=more.inp"), 16, "*INCLUDE"),
         (add("*NGEN\n1,3"), 16, "*NGEN"),
         (add("*PART, NAME=a\n*PART, NAME=b"), 17, "a second *PART"),

@@ -3,7 +3,7 @@
 use crate::ModelProblem;
 use crate::dense::Dense;
 use nalgebra::DVector;
-use stoss_integrators::{Buffers, Scheme, Step, evaluate, finish, start};
+use stoss_integrators::{Buffers, EndPoint, Scheme, Step, evaluate, finish, start};
 use stoss_newton::{NewtonFailure, NewtonOptions, NewtonProblem, ResidualNorms, solve};
 
 /// Coordinates beyond this size have left the problem for good.
@@ -109,11 +109,35 @@ pub struct Effort {
     pub restarts: u64,
 }
 
+/// Iterate of a step, see [`EndPoint`].
+struct Motion {
+    q: Vec<f64>,
+    increment: Vec<f64>,
+}
+
+impl Motion {
+    fn end_point(&self) -> EndPoint<'_> {
+        EndPoint { q: &self.q, increment: &self.increment }
+    }
+
+    fn rest(&mut self, q_n: &[f64]) {
+        self.q.copy_from_slice(q_n);
+        self.increment.fill(0.0);
+    }
+
+    fn predict(&mut self, scheme: &dyn Scheme, step: &Step<'_>) {
+        scheme.predict(step.state_n, step.dt, &mut self.increment);
+        for ((q, increment), q_n) in self.q.iter_mut().zip(&self.increment).zip(&step.state_n.q) {
+            *q = q_n + increment;
+        }
+    }
+}
+
 struct StepProblem<'a, 'p> {
     system: &'a mut Dense<'p>,
     step: Step<'a>,
     buffers: &'a mut Buffers,
-    q: &'a mut [f64],
+    end: &'a mut Motion,
     base: (Vec<f64>, Vec<f64>),
     residual: DVector<f64>,
     increment: DVector<f64>,
@@ -122,12 +146,12 @@ struct StepProblem<'a, 'p> {
 
 impl StepProblem<'_, '_> {
     fn evaluate(&mut self, tangent: bool) -> Result<ResidualNorms, ModelError> {
-        evaluate(self.system, &self.step, self.q, tangent, self.buffers)?;
+        evaluate(self.system, &self.step, self.end.end_point(), tangent, self.buffers)?;
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let b = &self.buffers;
         // The inertia of the whole position, not of the step, is what round-off is relative to.
         let rule = &self.step.rule;
-        let inertia = rule.inertia.increment * self.system.mass.amax() * norm(self.q);
+        let inertia = rule.inertia.increment * self.system.mass.amax() * norm(&self.end.q);
         let scale = (rule.force.weight * norm(&b.force)).max(norm(&b.constraint)).max(inertia);
         let n = b.residual.len();
         self.residual.rows_mut(0, n).copy_from_slice(&b.residual);
@@ -148,15 +172,16 @@ impl NewtonProblem for StepProblem<'_, '_> {
     fn solve(&mut self) -> Result<f64, ModelError> {
         let solution = self.system.tangent.clone().lu().solve(&self.residual).ok_or(ModelError::SingularTangent)?;
         self.increment = -solution;
-        self.base = (self.q.to_vec(), self.system.multipliers.clone());
+        self.base = (self.end.increment.clone(), self.system.multipliers.clone());
         self.solves += 1;
-        Ok(self.increment.rows(0, self.q.len()).norm())
+        Ok(self.increment.rows(0, self.end.q.len()).norm())
     }
 
     fn update(&mut self, factor: f64) -> Result<(), ModelError> {
-        let n = self.q.len();
-        for (i, q) in self.q.iter_mut().enumerate() {
-            *q = self.base.0[i] + factor * self.increment[i];
+        let n = self.end.q.len();
+        for (i, q_n) in self.step.state_n.q.iter().enumerate() {
+            self.end.increment[i] = self.base.0[i] + factor * self.increment[i];
+            self.end.q[i] = q_n + self.end.increment[i];
         }
         for (k, p) in self.system.multipliers.iter_mut().enumerate() {
             *p = self.base.1[k] + factor * self.increment[n + k];
@@ -165,7 +190,7 @@ impl NewtonProblem for StepProblem<'_, '_> {
     }
 
     fn iterate_norm(&self) -> f64 {
-        self.q.iter().map(|x| x * x).sum::<f64>().sqrt()
+        self.end.q.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 }
 
@@ -222,10 +247,12 @@ fn run(
     observe(&sample(&system, 0, &state));
     let mut effort = Effort::default();
     let mut next = state.clone();
+    let mut end = Motion { q: vec![0.0; n], increment: vec![0.0; n] };
     for number in 1..=steps {
         let step = Step { state_n: &state, dt, rule };
-        attempt(&mut system, scheme, step, &mut buffers, &mut next.q, number, &mut effort)?;
-        finish(&mut system, &step, &mut buffers, &mut next)?;
+        attempt(&mut system, scheme, step, &mut buffers, &mut end, number, &mut effort)?;
+        next.q.copy_from_slice(&end.q);
+        finish(&mut system, &step, &end.increment, &mut buffers, &mut next)?;
         // Counted, not summed up.
         next.time = number as f64 * dt;
         std::mem::swap(&mut state, &mut next);
@@ -241,51 +268,51 @@ fn run(
     Ok(effort)
 }
 
-/// Solves a step for `q`, active set included.
+/// Solves a step for its end, active set included.
 fn attempt(
     system: &mut Dense<'_>,
     scheme: &dyn Scheme,
     step: Step<'_>,
     buffers: &mut Buffers,
-    q: &mut [f64],
+    end: &mut Motion,
     number: u64,
     effort: &mut Effort,
 ) -> Result<(), ModelError> {
     let time = step.state_n.time;
     for _ in 0..MAX_SET_CHANGES {
         let multipliers = system.multipliers.clone();
-        q.copy_from_slice(&step.state_n.q);
-        let mut reason = newton(system, step, buffers, q, effort)?;
+        end.rest(&step.state_n.q);
+        let mut reason = newton(system, step, buffers, end, effort)?;
         if reason.is_some() {
             effort.restarts += 1;
-            scheme.predict(step.state_n, step.dt, q);
+            end.predict(scheme, &step);
             system.multipliers = multipliers;
-            reason = newton(system, step, buffers, q, effort)?;
+            reason = newton(system, step, buffers, end, effort)?;
         }
         if let Some(reason) = reason {
             return Err(ModelError::Newton { step: number, time, reason });
         }
-        if !system.problem.is_unilateral() || !change_active_set(system, q) {
+        if !system.problem.is_unilateral() || !change_active_set(system, &end.q) {
             return Ok(());
         }
     }
     Err(ModelError::ActiveSet { step: number, time })
 }
 
-/// Newton's method from `q`; the reason if it does not converge.
+/// Newton's method from `end`; the reason if it does not converge.
 fn newton(
     system: &mut Dense<'_>,
     step: Step<'_>,
     buffers: &mut Buffers,
-    q: &mut [f64],
+    end: &mut Motion,
     effort: &mut Effort,
 ) -> Result<Option<String>, ModelError> {
-    let (n, m) = (q.len(), system.rows.len());
+    let (n, m) = (end.q.len(), system.rows.len());
     let mut problem = StepProblem {
         system,
         step,
         buffers,
-        q,
+        end,
         base: (vec![0.0; n], vec![0.0; m]),
         residual: DVector::zeros(n + m),
         increment: DVector::zeros(n + m),

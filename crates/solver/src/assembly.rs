@@ -3,11 +3,11 @@
 
 use crate::mass_solve::MassSolver;
 use crate::numbering::Numbering;
-use crate::{LoadKind, Model, StepError};
+use crate::{LoadKind, Model, PhaseTime, StepError};
 use std::sync::Arc;
 use stoss_contact::Auxiliary;
 use stoss_fe_solid::{MassMatrix, TangentTarget, Workspace};
-use stoss_integrators::Buffers;
+use stoss_integrators::{Buffers, EndPoint};
 use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
 
 /// Everything of fixed size that a step needs, allocated once (contact parts: once a change of the contact pattern).
@@ -58,6 +58,8 @@ pub(crate) struct System {
     pub gap_measure: f64,
     /// Sum of the squares of the auxiliaries' force rows in the last evaluation.
     pub auxiliary_square: f64,
+    /// Time of contact contributions since somebody took it.
+    pub contact_time: PhaseTime,
     /// What contact contributions add to the linear equations only; empty as long as none did.
     pub shift: Vec<f64>,
     /// Scratch for weighted local tangents.
@@ -65,7 +67,7 @@ pub(crate) struct System {
     // Vectors of equations.
     pub rhs: Vec<f64>,
     pub increment: Vec<f64>,
-    pub base_q: Vec<f64>,
+    pub base_increment: Vec<f64>,
     pub base_pressures: Vec<Vec<f64>>,
     /// Auxiliaries of the iterate and their increments (of condensed ones only).
     pub base_auxiliaries: Vec<Vec<f64>>,
@@ -159,11 +161,32 @@ impl Contributions {
 /// Iterate of a step.
 #[derive(Debug, Clone)]
 pub(crate) struct Iterate {
+    /// Positions.
     pub q: Vec<f64>,
+    /// What is added to the positions at the beginning of the step, see [`EndPoint`].
+    pub increment: Vec<f64>,
     pub pressures: Vec<Vec<f64>>,
     /// Further unknowns of the slots; empty for pairs without.
     pub auxiliaries: Vec<Vec<f64>>,
     pub active: Vec<Vec<bool>>,
+}
+
+impl Iterate {
+    /// Puts a component to a place.
+    pub fn place(&mut self, component: usize, position: f64, q_n: &[f64]) {
+        self.q[component] = position;
+        self.increment[component] = position - q_n[component];
+    }
+
+    /// Moves a component by its increment.
+    pub fn displace(&mut self, component: usize, increment: f64, q_n: &[f64]) {
+        self.increment[component] = increment;
+        self.q[component] = q_n[component] + increment;
+    }
+
+    pub fn end_point(&self) -> EndPoint<'_> {
+        EndPoint { q: &self.q, increment: &self.increment }
+    }
 }
 
 /// Zero for every auxiliary of every slot of every contact pair.
@@ -257,12 +280,13 @@ impl System {
             force_scale: 0.0,
             gap_measure: 0.0,
             auxiliary_square: 0.0,
+            contact_time: PhaseTime::default(),
             shift: Vec::new(),
             weighted: Vec::new(),
             mass_solver: None,
             rhs: vec![0.0; n],
             increment: vec![0.0; n],
-            base_q: zeros(),
+            base_increment: zeros(),
             base_pressures: slot_equation.iter().map(|s| vec![0.0; s.len()]).collect(),
             base_auxiliaries: no_auxiliaries(model),
             auxiliary_increment: no_auxiliaries(model),
@@ -304,7 +328,7 @@ impl System {
             + self.mass_values.capacity()
             + self.dead.capacity()
             + self.follower.capacity()
-            + self.base_q.capacity()
+            + self.base_increment.capacity()
             + 2 * self.rhs.capacity();
         8 * floats
             + self.buffers.memory_bytes()

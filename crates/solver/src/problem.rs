@@ -3,7 +3,7 @@
 use crate::assembly::{Iterate, System};
 use crate::diagnosis::linear_error;
 use crate::system::{FeSystem, contact_rule};
-use crate::{Model, Phase, StepError, Timings};
+use crate::{Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
 use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
 use stoss_integrators::{ForceRule, Step, evaluate};
@@ -45,7 +45,7 @@ impl StepProblem<'_> {
         let mut buffers = std::mem::take(&mut system.buffers);
         let Iterate { pressures, auxiliaries, active, .. } = &**iterate;
         let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
-        let result = evaluate(&mut fe, step, &iterate.q, want_tangent, &mut buffers);
+        let result = evaluate(&mut fe, step, iterate.end_point(), want_tangent, &mut buffers);
         let s = &mut **system;
         s.buffers = buffers;
         result?;
@@ -77,11 +77,18 @@ impl StepProblem<'_> {
 
     /// Lets contact methods follow the iterate, and the pattern follow them.
     fn renew_contacts(&mut self, want_tangent: bool) -> Result<(), StepError> {
-        let mut changed = false;
-        let Iterate { q, pressures, active, .. } = &*self.iterate;
-        for ((pair, pressures), active) in self.model.contacts.iter_mut().zip(pressures).zip(active) {
-            changed |= pair.method.renew(q, pressures, active, want_tangent)?;
+        if self.model.contacts.is_empty() {
+            return Ok(());
         }
+        let Self { model, system, iterate, .. } = self;
+        let Iterate { q, pressures, active, .. } = &**iterate;
+        let changed = system.contact_time.measure(|| -> Result<bool, StepError> {
+            let mut changed = false;
+            for ((pair, pressures), active) in model.contacts.iter_mut().zip(pressures).zip(active) {
+                changed |= pair.method.renew(q, pressures, active, want_tangent)?;
+            }
+            Ok(changed)
+        })?;
         if changed {
             self.system.renew_pattern(self.model, &self.iterate.active)?;
         }
@@ -90,7 +97,9 @@ impl StepProblem<'_> {
 
     fn measured(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
         let mut timings = std::mem::take(self.timings);
+        self.system.contact_time = PhaseTime::default();
         let norms = timings.measure(Phase::Assembly, || self.evaluate(want_tangent));
+        timings.split(Phase::Assembly, Phase::Contact, self.system.contact_time);
         *self.timings = timings;
         norms
     }
@@ -100,6 +109,7 @@ impl StepProblem<'_> {
     ///
     /// `K_fp du_p` is a central difference of the residual along `du_p`, because the matrix has no columns of prescribed components.
     pub fn predict(&mut self, prescribed: &[(usize, f64)]) -> Result<(), StepError> {
+        let q_n = &self.step.state_n.q;
         let from: Vec<f64> = prescribed.iter().map(|&(component, _)| self.iterate.q[component]).collect();
         let largest = prescribed.iter().zip(&from).map(|((_, to), from)| (to - from).abs()).fold(0.0, f64::max);
         let length = self.model.bodies.iter().map(|b| b.solid.characteristic_length()).fold(f64::INFINITY, f64::min);
@@ -109,14 +119,14 @@ impl StepProblem<'_> {
         let fraction = DIFFERENCE * length / largest;
         let mut rhs_at = |fraction: f64| -> Result<Vec<f64>, StepError> {
             for (&(component, to), from) in prescribed.iter().zip(&from) {
-                self.iterate.q[component] = from + fraction * (to - from);
+                self.iterate.place(component, from + fraction * (to - from), q_n);
             }
             self.measured(false)?;
             Ok(self.system.rhs.clone())
         };
         let (ahead, behind) = (rhs_at(fraction)?, rhs_at(-fraction)?);
         for (&(component, _), from) in prescribed.iter().zip(&from) {
-            self.iterate.q[component] = *from;
+            self.iterate.place(component, *from, q_n);
         }
         self.measured(true)?;
         for ((rhs, ahead), behind) in self.system.rhs.iter_mut().zip(ahead).zip(behind) {
@@ -125,7 +135,7 @@ impl StepProblem<'_> {
         self.solve()?;
         self.update(1.0)?;
         for &(component, to) in prescribed {
-            self.iterate.q[component] = to;
+            self.iterate.place(component, to, q_n);
         }
         Ok(())
     }
@@ -143,11 +153,13 @@ impl StepProblem<'_> {
             full_increment[component as usize] = *du;
         }
         let configuration = contact_step(step, &iterate.q);
-        for (c, pair) in model.contacts.iter().enumerate() {
-            let (values, active) = (&iterate.auxiliaries[c], &iterate.active[c]);
-            pair.method.recover(configuration, values, active, full_increment, &mut auxiliary_increment[c])?;
-        }
-        Ok(())
+        self.timings.measure(Phase::Contact, || {
+            for (c, pair) in model.contacts.iter().enumerate() {
+                let (values, active) = (&iterate.auxiliaries[c], &iterate.active[c]);
+                pair.method.recover(configuration, values, active, full_increment, &mut auxiliary_increment[c])?;
+            }
+            Ok(())
+        })
     }
 }
 
@@ -224,7 +236,7 @@ impl NewtonProblem for StepProblem<'_> {
         if let Err(error) = solved {
             return Err(linear_error(self.model, s, self.iterate, self.step.rule.has_inertia(), error));
         }
-        s.base_q.copy_from_slice(&self.iterate.q);
+        s.base_increment.copy_from_slice(&self.iterate.increment);
         for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
             base.copy_from_slice(pressures);
         }
@@ -238,9 +250,10 @@ impl NewtonProblem for StepProblem<'_> {
 
     fn update(&mut self, factor: f64) -> Result<(), StepError> {
         let s = &*self.system;
-        self.iterate.q.copy_from_slice(&s.base_q);
+        let q_n = &self.step.state_n.q;
         for (du, &component) in s.increment.iter().zip(&s.numbering.free) {
-            self.iterate.q[component as usize] += factor * du;
+            let component = component as usize;
+            self.iterate.displace(component, s.base_increment[component] + factor * du, q_n);
         }
         for ((pressures, base), equations) in
             self.iterate.pressures.iter_mut().zip(&s.base_pressures).zip(&s.slot_equation)

@@ -153,7 +153,7 @@ pub(crate) fn attempt(
     system.solver.forget();
     if !model.contacts.is_empty() {
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
-        start_auxiliaries(model, &input.step, &mut iterate)?;
+        timings.measure(Phase::Contact, || start_auxiliaries(model, &input.step, &mut iterate))?;
     }
     if !input.predict.is_empty() {
         let (iterate, assembled) = (&mut iterate, None);
@@ -210,7 +210,7 @@ pub(crate) fn attempt(
         assembled = None;
         if look.changes > 0 {
             timings.measure(Phase::Assembly, || system.renew_pattern(model, &iterate.active))?;
-            start_auxiliaries(model, &input.step, &mut iterate)?;
+            timings.measure(Phase::Contact, || start_auxiliaries(model, &input.step, &mut iterate))?;
             loose = !accurate;
         } else if loose {
             // The next iteration starts from what was assembled last.

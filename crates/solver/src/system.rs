@@ -152,7 +152,7 @@ impl SecondOrderSystem for FeSystem<'_> {
         tangent: bool,
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        let (model, s) = (self.model, &mut *self.system);
+        let s = &mut *self.system;
         if tangent {
             s.values.fill(0.0);
             for (value, &at) in s.solid_values.iter().zip(&s.solid_to_global) {
@@ -167,6 +167,24 @@ impl SecondOrderSystem for FeSystem<'_> {
         s.gap_measure = 0.0;
         s.shift.fill(0.0);
         s.auxiliary_square = 0.0;
+        let mut time = s.contact_time;
+        let result = time.measure(|| self.add_contact_elements(step, rule, weight, tangent, out));
+        self.system.contact_time = time;
+        result
+    }
+}
+
+impl FeSystem<'_> {
+    /// The part of [`SecondOrderSystem::add_constraint_force`] that the contact methods have.
+    fn add_contact_elements(
+        &mut self,
+        step: StepConfiguration<'_>,
+        rule: GradientRule,
+        weight: f64,
+        tangent: bool,
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        let (model, s) = (self.model, &mut *self.system);
         let mut k = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
             let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule: contact_rule(rule) };

@@ -1,10 +1,12 @@
-//! `cargo xtask gallery`: pictures drawn from the frames and tables of a run, as small SVG files.
+//! Pictures drawn from the frames and tables of a run, as small SVG texts, for the report and for `cargo xtask gallery`.
 //!
 //! To add one, add a row to [`PICTURES`].
 
 mod camera;
 mod colour;
+mod interface;
 mod picture;
+mod pictures;
 mod surface;
 
 use std::path::{Path, PathBuf};
@@ -15,53 +17,32 @@ use crate::table::Table;
 use crate::vtu::{self, Grid};
 use crate::workspace::{Outcome, Workspace, read, write};
 use camera::Camera;
+pub use interface::{Interface, segments};
 use picture::{Shot, Style};
+use pictures::PICTURES;
+pub use pictures::{Picture, of};
 use surface::Surface;
 
-/// A row of snapshots of one scene.
-struct Picture {
-    /// Name of the scene, and of the picture.
-    scene: &'static str,
-    /// Array that gives the colour; of vectors the length.
-    field: &'static str,
-    /// What the colour bar says.
-    label: &'static str,
-    /// Title above the snapshots.
-    title: &'static str,
-    /// Times of the snapshots; the nearest frames are taken.
-    times: &'static [f64],
-    /// Where it is seen from.
-    camera: Camera,
-    /// Scenes with the same data and another scheme, to compare the energies with; no such chart if there is none.
-    compare: &'static [&'static str],
-}
+/// Widest snapshot of a single row, and widest row, in pixels.
+const SHOT: f64 = 300.0;
+const ROW: f64 = 1260.0;
 
-/// All pictures.
-const PICTURES: &[Picture] = &[Picture {
-    scene: "ball-plate",
-    field: "von_mises",
-    label: "von Mises stress",
-    title: "Hollow ball on plate",
-    times: &[0.0, 0.16, 0.3, 0.6],
-    camera: Camera { azimuth: -58.0, elevation: 24.0 },
-    compare: &["ball-plate-modified", "ball-plate-midpoint"],
-}];
-
-/// Draws all pictures, or that of one scene.
+/// Draws all pictures of `docs/gallery`, or that of one scene.
 pub fn command(workspace: &Workspace, scene: Option<&str>) -> Outcome<bool> {
-    let chosen: Vec<&Picture> =
-        PICTURES.iter().filter(|picture| scene.is_none_or(|scene| scene == picture.scene)).collect();
+    let shipped = || PICTURES.iter().filter_map(|picture| Some((picture, picture.gallery?)));
+    let chosen: Vec<(&Picture, &[&str])> =
+        shipped().filter(|(picture, _)| scene.is_none_or(|scene| scene == picture.scene)).collect();
     if chosen.is_empty() {
-        let known: Vec<&str> = PICTURES.iter().map(|picture| picture.scene).collect();
+        let known: Vec<&str> = shipped().map(|(picture, _)| picture.scene).collect();
         return Err(format!("no picture {scene:?}; there are {known:?}").into());
     }
     let program = Program::build(workspace)?;
-    for picture in chosen {
+    for (picture, compare) in chosen {
         let folder = run(workspace, &program, picture.scene)?;
         save(workspace, picture.scene, &snapshots(picture, &folder)?)?;
-        if !picture.compare.is_empty() {
+        if !compare.is_empty() {
             let mut runs = vec![(picture.scene, folder)];
-            for other in picture.compare {
+            for other in compare {
                 runs.push((other, run(workspace, &program, other)?));
             }
             save(workspace, &format!("{}-energy", picture.scene), &energies(&runs)?)?;
@@ -99,17 +80,41 @@ fn save(workspace: &Workspace, name: &str, svg: &str) -> Outcome<()> {
     Ok(())
 }
 
-fn snapshots(picture: &Picture, folder: &Path) -> Outcome<String> {
+/// A row of snapshots of a run.
+pub fn snapshots(picture: &Picture, folder: &Path) -> Outcome<String> {
     let frames = vtu::collection(&read(&folder.join("frames.pvd"))?)?;
-    let mut shots = Vec::new();
-    for wanted in picture.times {
-        let nearest = frames.iter().min_by(|a, b| (a.0 - wanted).abs().total_cmp(&(b.0 - wanted).abs()));
-        let (time, file) = nearest.ok_or("frames.pvd names no frame")?;
+    let mut shots: Vec<Shot> = Vec::new();
+    for (time, file) in chosen(&frames, picture.times) {
         let surface = Surface::new(&vtu::load(&folder.join(file))?, picture.field)?;
         shots.push(Shot { caption: format!("t = {time:.2}"), surface });
     }
-    let style = Style { title: picture.title, label: picture.label, width: 300.0 };
+    let columns = picture::columns(shots.len());
+    let width = if columns < shots.len() { ROW / columns as f64 } else { SHOT };
+    let style = Style { title: picture.title, label: &picture.field.replace('_', " "), width };
     Ok(picture::draw(&shots, picture.camera, &style))
+}
+
+/// The frame nearest to each time, each once; times beyond the last frame, by more than frames are apart, are left out.
+fn chosen<'a>(frames: &'a [(f64, String)], times: &[f64]) -> Vec<&'a (f64, String)> {
+    let last = frames.last().map_or(0.0, |(time, _)| *time);
+    let apart = frames.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(0.0, f64::max);
+    let mut chosen: Vec<&(f64, String)> = Vec::new();
+    for wanted in times.iter().filter(|time| **time < last + apart) {
+        let nearest = frames.iter().min_by(|a, b| (a.0 - wanted).abs().total_cmp(&(b.0 - wanted).abs()));
+        if let Some(frame) = nearest.filter(|frame| chosen.last().is_none_or(|last| last.0 < frame.0)) {
+            chosen.push(frame);
+        }
+    }
+    chosen
+}
+
+/// The segments between two bodies at the picture's time, if it wants them and the run has come so far.
+pub fn interface(picture: &Picture, folder: &Path) -> Outcome<Option<String>> {
+    let Some(time) = picture.segments else { return Ok(None) };
+    let frames = vtu::collection(&read(&folder.join("frames.pvd"))?)?;
+    let [(time, file)] = chosen(&frames, &[time])[..] else { return Ok(None) };
+    let found = Interface::new(&vtu::load(&folder.join(file))?)?;
+    segments(&format!("Segments from above, t = {time:.2}"), &found).map(Some)
 }
 
 /// Total energy over time, relative to its value at the start.
@@ -122,4 +127,18 @@ fn energies(runs: &[(&str, PathBuf)]) -> Outcome<String> {
         series.push(Series::new(name, balance.column("time")?, total.iter().map(|energy| energy / start)));
     }
     Ok(plot::linear(Labels { title: "Total energy over its value at the start", x: "time", y: "" }, &series))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_chosen_by_time_and_once() {
+        let frames: Vec<(f64, String)> = (0..=3).map(|k| (f64::from(k), format!("{k}"))).collect();
+        let names = |times: &[f64]| chosen(&frames, times).iter().map(|f| f.1.clone()).collect::<String>();
+        assert_eq!(names(&[0.0, 1.2, 2.9]), "013");
+        assert_eq!(names(&[0.0, 0.2, 2.6, 3.4, 9.0]), "03");
+        assert_eq!(chosen(&[], &[1.0]).len(), 0);
+    }
 }

@@ -1,4 +1,4 @@
-//! Snapshots side by side as SVG: visible faces from back to front, coloured, lightly shaded, with thin edges.
+//! Snapshots side by side, in rows if there are many, as SVG: visible faces from back to front, coloured, lightly shaded, with thin edges.
 
 use std::fmt::Write;
 
@@ -48,6 +48,11 @@ struct Face {
 /// Colour and corners of a part of a face.
 type Piece = (String, [[f64; 2]; 4]);
 
+/// Snapshots in a row: all up to four, then as many as make two rows.
+pub fn columns(shots: usize) -> usize {
+    if shots <= 4 { shots.max(1) } else { shots.div_ceil(2) }
+}
+
 /// Draws the snapshots to one scale and with one colour range.
 pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
     let view = camera.view();
@@ -58,8 +63,9 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
     let screen = |x: f64, y: f64| [(x - left) * scale, (high - y) * scale];
     let visible: Vec<Vec<Face>> = shots.iter().map(|shot| uncovered(faces(&shot.surface, &view, screen))).collect();
     let (least, most) = range(visible.iter().flatten().flat_map(|face| face.values));
-    let total =
-        [2.0 * MARGIN + shots.len() as f64 * (style.width + MARGIN) - MARGIN, TITLE + height + CAPTION + BAR + MARGIN];
+    let columns = columns(shots.len());
+    let rows = shots.len().div_ceil(columns) as f64;
+    let total = [MARGIN + columns as f64 * (style.width + MARGIN), TITLE + rows * (height + CAPTION) + BAR + MARGIN];
     let mut out = String::new();
     // Writing to a String does not fail.
     let _ = writeln!(
@@ -70,8 +76,9 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
         total[0], total[1], total[0], total[1], style.title
     );
     for (number, (shot, faces)) in shots.iter().zip(&visible).enumerate() {
-        let x = MARGIN + number as f64 * (style.width + MARGIN);
-        let _ = writeln!(out, "<g transform=\"translate({x:.1} {TITLE:.1})\">");
+        let x = MARGIN + (number % columns) as f64 * (style.width + MARGIN);
+        let y = TITLE + (number / columns) as f64 * (height + CAPTION);
+        let _ = writeln!(out, "<g transform=\"translate({x:.1} {y:.1})\">");
         snapshot(&mut out, faces, (least, most));
         let _ = writeln!(
             out,
@@ -317,6 +324,17 @@ mod tests {
         let faces = |svg: &str| svg.matches("<path d=").count();
         assert_eq!([faces(&one), faces(&two)], [3, 6]);
         assert!(!two.contains("NaN") && !two.contains("inf"));
+    }
+
+    #[test]
+    fn many_snapshots_stand_in_two_rows() {
+        assert_eq!([0, 1, 4, 5, 6, 7].map(columns), [1, 1, 4, 3, 3, 4]);
+        let shots: Vec<Shot> = (0..5).map(|k| Shot { caption: format!("shot {k}"), surface: cube() }).collect();
+        let svg = draw(&shots, CAMERA, &STYLE);
+        let places = |wanted: &str| svg.matches(wanted).count();
+        // Three columns: 14, 228 and 442 pixels from the left, the first two twice.
+        assert_eq!(["translate(14.0 ", "translate(228.0 ", "translate(442.0 "].map(places), [2, 2, 1]);
+        assert_eq!(places(" 38.0)"), 3);
     }
 
     #[test]

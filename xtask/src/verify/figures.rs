@@ -14,7 +14,7 @@ const FLOOR: f64 = 1e-17;
 /// Number of triples shown of a run.
 const TRIPLES: usize = 6;
 
-/// Drifts, energy, Newton residuals and the last frame of one run.
+/// Drifts, energies, forces, Newton residuals of one run; snapshots and segments if the scene is in the table of pictures, else the last frame.
 pub fn section(run: &Run) -> Outcome<Section> {
     let balance = run.balance()?;
     let time = &balance.time;
@@ -35,9 +35,46 @@ pub fn section(run: &Run) -> Outcome<Section> {
         }
     }
     figures.push(plot::linear(Labels { title: "energies", x: "time", y: "" }, &parts));
-    figures.push(gallery::last_frame(&run.last_frame()?)?);
+    figures.extend(forces(run)?);
+    match gallery::of(&run.name) {
+        Some(picture) => {
+            figures.push(gallery::snapshots(picture, &run.folder)?);
+            figures.extend(gallery::interface(picture, &run.folder)?);
+        }
+        None => figures.push(gallery::last_frame(&run.last_frame()?)?),
+    }
     let title = format!("{} {}", run.name, if run.until.is_some() { "(shortened)" } else { "" });
     Ok(Section { title, figures, tables: vec![triples(&run.newton()?)] })
+}
+
+/// Forces over time: of the contact on all slave nodes, if there is contact, and the reaction that the scene's picture names.
+fn forces(run: &Run) -> Outcome<Vec<String>> {
+    let mut charts = Vec::new();
+    let mut chart = |title: &str, file: &str, prefix: &str| -> Outcome<()> {
+        let table = run.table(file)?;
+        let time = table.column("time")?;
+        let mut parts = Vec::new();
+        for axis in ["x", "y", "z"] {
+            let column = table.column(&format!("{prefix}{axis}"))?;
+            parts.push((axis, column, column.iter().fold(0.0_f64, |most, force| most.max(force.abs()))));
+        }
+        let largest = parts.iter().fold(0.0_f64, |most, part| most.max(part.2));
+        // A component that is round-off is no line.
+        let drawn = parts.iter().filter(|part| part.2 > 1e-9 * largest);
+        let series: Vec<Series> =
+            drawn.map(|(axis, column, _)| Series::new(axis, time, column.iter().copied())).collect();
+        if !series.is_empty() {
+            charts.push(plot::linear(Labels { title, x: "time", y: "" }, &series));
+        }
+        Ok(())
+    };
+    if run.folder.join("contact.csv").is_file() {
+        chart("contact force on the slave", "contact.csv", "contact_force_")?;
+    }
+    if let Some(probe) = gallery::of(&run.name).and_then(|picture| picture.reaction) {
+        chart(&format!("reaction at {probe}"), "probes.csv", &format!("{probe}."))?;
+    }
+    Ok(charts)
 }
 
 /// Three consecutive residuals of typical steps.

@@ -17,6 +17,7 @@ mod materials;
 mod models;
 mod mortar;
 mod newton;
+mod origin;
 mod patch;
 mod report;
 mod run;
@@ -190,8 +191,9 @@ pub fn command(workspace: &Workspace, quick: bool, names: &[String]) -> Outcome<
     }
     print!("{}", report::text(&results));
     let html = bench.folder.join("report.html");
-    write(&html, &report::html(&results, quick))?;
-    write(&bench.folder.join("report.json"), &report::json(&results, quick)?)?;
+    let origin = origin::Origin::find(workspace);
+    write(&html, &report::html(&results, quick, &origin))?;
+    write(&bench.folder.join("report.json"), &report::json(&results, quick, &origin)?)?;
     let checks: Vec<&Check> = results.iter().flat_map(|(_, findings)| &findings.checks).collect();
     let short = checks.iter().filter(|check| !check.holds()).count();
     println!(

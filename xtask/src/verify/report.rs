@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
 
 use super::check::{Check, CheckRecord, number};
+use super::origin::Origin;
 use super::{Findings, Suite};
 use crate::workspace::Outcome;
 
@@ -60,15 +61,17 @@ fn row(check: &Check) -> [String; 6] {
 }
 
 /// All checks as data.
-pub fn json(results: &Results, quick: bool) -> Outcome<String> {
+pub fn json(results: &Results, quick: bool, origin: &Origin) -> Outcome<String> {
     #[derive(Serialize)]
     struct Report<'a> {
+        origin: &'a Origin,
         quick: bool,
         passed: bool,
         checks: Vec<CheckRecord<'a>>,
     }
     let checks = results.iter().flat_map(|(suite, found)| found.checks.iter().map(|check| (suite.name(), check)));
     let report = Report {
+        origin,
         quick,
         passed: checks.clone().all(|(_, check)| check.holds()),
         checks: checks.map(|(suite, check)| CheckRecord::new(suite, check)).collect(),
@@ -82,7 +85,7 @@ td.n{font-variant-numeric:tabular-nums;text-align:right}.short{background:#fbdcd
 .figures{display:flex;flex-wrap:wrap;gap:12px}svg{max-width:100%;height:auto}";
 
 /// The report; one file without references to others.
-pub fn html(results: &Results, quick: bool) -> String {
+pub fn html(results: &Results, quick: bool, origin: &Origin) -> String {
     let short = results.iter().flat_map(|(_, findings)| &findings.checks).filter(|check| !check.holds()).count();
     let page = html! {
         (DOCTYPE)
@@ -98,6 +101,7 @@ pub fn html(results: &Results, quick: bool) -> String {
                     @if short == 0 { "Every check holds." } @else { b { (short) " checks fall short." } }
                     @if quick { " Quick mode: long scenes are shortened." }
                 }
+                p { (origin.line()) }
                 @for (suite, findings) in results {
                     h2 { (suite.name()) }
                     p { (suite.about()) }
@@ -160,6 +164,10 @@ mod tests {
         }
     }
 
+    fn origin() -> Origin {
+        Origin { cores: Some(2), ..Origin::default() }
+    }
+
     fn results() -> Vec<(&'static dyn Suite, Findings)> {
         let checks = vec![
             Check::new("a", "drift", 1e-12, Bound::AtMost(1e-10)),
@@ -173,17 +181,20 @@ mod tests {
     fn a_nan_falls_short_in_all_three_forms() {
         let results = results();
         assert!(text(&results).lines().nth(2).unwrap().contains("FALLS SHORT"));
-        let data: serde_json::Value = serde_json::from_str(&json(&results, true).unwrap()).unwrap();
+        let data: serde_json::Value = serde_json::from_str(&json(&results, true, &origin()).unwrap()).unwrap();
         assert_eq!(data["passed"], false);
+        assert_eq!(data["origin"]["cores"], 2);
+        assert!(data["origin"]["commit"].is_null());
         assert!(data["checks"][1]["measured"].is_null());
         assert_eq!(data["checks"][0]["verdict"], "ok");
-        let page = html(&results, false);
+        let page = html(&results, false, &origin());
         assert!(page.contains("class=\"short\"") && page.contains("drift &lt;x&gt;") && page.contains("<svg>"));
+        assert!(page.contains("2 cores"));
     }
 
     #[test]
     fn the_report_refers_to_nothing_outside() {
-        let page = html(&results(), true);
+        let page = html(&results(), true, &origin());
         for reference in ["http:", "https:", "src=", "href="] {
             assert!(!page.contains(reference), "{reference}");
         }

@@ -3,7 +3,6 @@
 use std::f64::consts::PI;
 
 use stoss_contact::ContactSurface;
-use stoss_contact_mortar::{CheckExtent, segment_surfaces};
 use stoss_reference_cases::facets::{Quad, RandomQuad, SQUARE, common_area, flat, reversed};
 use stoss_segmentation::{
     GapRange, LOCAL, MasterFacet, Segment, SlaveFrame, check_coverage, segment_facet, segment_pair,
@@ -14,7 +13,7 @@ use super::check::{Bound, Check};
 use super::report::Section;
 use super::states::Random;
 use super::{Bench, Findings, Suite};
-use crate::plot::{self, Drawn, Labels, Series};
+use crate::gallery::{self, Interface};
 use crate::workspace::Outcome;
 
 /// Pairs, degenerate pairs, surfaces, derivatives.
@@ -289,16 +288,6 @@ fn derivative_error(slave: &Quad, master: &Quad) -> Outcome<(f64, usize)> {
     Ok((worst, compared))
 }
 
-/// Closed lines, one after another with gaps, as one series.
-fn outlines(name: &str, polygons: impl Iterator<Item = Vec<[f64; 2]>>) -> Series {
-    let mut points = Vec::new();
-    for polygon in polygons {
-        points.extend(polygon.iter().chain(polygon.first()).map(|p| (p[0], p[1])));
-        points.push((f64::NAN, f64::NAN));
-    }
-    Series { name: name.to_owned(), points }
-}
-
 /// Two surfaces from above and the segments between them.
 fn picture(title: &str, slave: &[MasterFacet], master: &[MasterFacet]) -> Outcome<String> {
     let count = |f: &[MasterFacet]| f.iter().flat_map(|f| f.nodes).max().map_or(0, |n| n + 1);
@@ -314,38 +303,12 @@ fn picture(title: &str, slave: &[MasterFacet], master: &[MasterFacet]) -> Outcom
     let facets = [place(slave, 0), place(master, first)];
     let [slave, master] =
         [ContactSurface::new("slave", &facets[0], &q)?, ContactSurface::new("master", &facets[1], &q)?];
-    let found = segment_surfaces(&slave, &master, &q, GapRange::ALL)?;
-    let faults = found.check(&master, &q, CheckExtent::Everything)?.faults.len();
+    let interface = Interface { slave, master, q };
+    let faults = interface.coverage()?.faults.len();
     if faults > 0 {
         return Err(format!("{faults} facets of the picture are not covered").into());
     }
-    let corners = |s: &ContactSurface| -> Vec<Vec<[f64; 2]>> {
-        let facets = 0..s.facets().len() as u32;
-        facets.map(|f| s.patch(f, &q).corners.iter().map(|x| [x.x, x.y]).collect()).collect()
-    };
-    let mut triangles = Vec::new();
-    for facet in &found.facets {
-        for segment in &facet.segments {
-            for triangle in segment.triangles() {
-                triangles.push(
-                    triangle
-                        .iter()
-                        .map(|&v| {
-                            let weights = segment.slave_map.weights(segment.vertices()[v].slave);
-                            let x = facet.frame.corners().iter().zip(weights).map(|(x, w)| x * w).sum::<Vector3>();
-                            [x.x, x.y]
-                        })
-                        .collect(),
-                );
-            }
-        }
-    }
-    let series = [
-        outlines(&format!("{} triangles", triangles.len()), triangles.into_iter()),
-        outlines("master facets", corners(&master).into_iter()),
-        outlines("slave facets", corners(&slave).into_iter()),
-    ];
-    Ok(plot::trajectory(Labels { title, x: "x", y: "y" }, &series, Drawn::Lines))
+    gallery::segments(title, &interface)
 }
 
 fn pictures() -> Outcome<Section> {
@@ -378,13 +341,6 @@ mod tests {
             assert!((area - 9.0).abs() < 1e-13);
             assert_eq!(SlaveFrame::new(facets[4].corners).unwrap().normal().z, sign);
         }
-    }
-
-    #[test]
-    fn outlines_are_closed_and_apart() {
-        let series = outlines("a", [vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]].into_iter());
-        assert_eq!((series.points[0], series.points[3], series.points.len()), ((0.0, 0.0), (0.0, 0.0), 5));
-        assert!(series.points[4].0.is_nan());
     }
 
     #[test]

@@ -105,6 +105,14 @@ impl<'a> Reader<'a> {
     }
 
     pub fn read(mut self, text: &str) -> Result<Mesh, MeshIoError> {
+        let result = self.read_lines(text);
+        // Elements of another type are the cause of whatever else may be wrong with the names of such a file.
+        self.refuse_others()?;
+        result?;
+        self.finish()
+    }
+
+    fn read_lines(&mut self, text: &str) -> Result<(), MeshIoError> {
         let mut lines = Lines::new(self.path, text);
         while let Some(item) = next(&mut lines) {
             match item {
@@ -115,8 +123,7 @@ impl<'a> Reader<'a> {
                 Item::Data(data) => self.data(&lines, data)?,
             }
         }
-        self.close_section()?;
-        self.finish()
+        self.close_section()
     }
 
     /// Names at the assembly outside of an instance are the assembly's own.
@@ -196,13 +203,14 @@ impl<'a> Reader<'a> {
     fn element_keyword(&mut self, lines: &Lines, keyword: &Keyword) -> Result<Section, MeshIoError> {
         self.refuse_input(keyword)?;
         let kind = keyword.require(lines, "TYPE")?.to_uppercase();
-        if kind != "C3D8" {
-            self.others.entry(kind.clone()).or_insert((0, keyword.line));
-            return Ok(Section::OtherElement { kind, continued: false });
-        }
         let set = keyword.value("ELSET").map(str::to_owned);
         if let Some(name) = &set {
             self.element_sets.open(name, Level::Part, keyword.line, false);
+        }
+        if kind != "C3D8" {
+            self.others.entry(kind.clone()).or_insert((0, keyword.line));
+            // To the end of the file, so that all of them are counted: what refers to their sets finds them.
+            return Ok(Section::OtherElement { kind, continued: false });
         }
         Ok(Section::Element { set, pending: Vec::with_capacity(9), line: keyword.line })
     }
@@ -382,7 +390,6 @@ impl<'a> Reader<'a> {
     }
 
     fn finish(mut self) -> Result<Mesh, MeshIoError> {
-        self.refuse_others()?;
         self.place()?;
         let path = self.path;
         let conflict = |a: &super::sets::Set, b: &super::sets::Set| {

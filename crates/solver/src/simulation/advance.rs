@@ -4,7 +4,7 @@ use super::{InsideOutRule, Simulation};
 use crate::assembly::{Iterate, no_auxiliaries};
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
-use crate::{Balance, ContactSummary, DecisionKind, Phase, SimulationError, StepError, StepRecord};
+use crate::{Balance, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord};
 use stoss_contact::{ContactWork, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
@@ -49,6 +49,13 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::StepFailed`]; state, balance and records are then those of the last completed step.
     pub fn advance(&mut self) -> Result<StepRecord, SimulationError> {
+        let mut timer = PhaseTime::default();
+        let record = timer.measure(|| self.advance_untimed());
+        self.timings.total.add(timer);
+        record
+    }
+
+    fn advance_untimed(&mut self) -> Result<StepRecord, SimulationError> {
         let first_decision = self.decisions.len();
         loop {
             match self.try_step() {
@@ -128,12 +135,20 @@ impl Simulation {
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
         self.begin_contact(dt, rule)?;
-        let mut q = self.state.q.clone();
+        let q_n = &self.state.q;
+        let mut start = Iterate {
+            q: q_n.clone(),
+            increment: vec![0.0; q_n.len()],
+            pressures: self.pressures.clone(),
+            auxiliaries: no_auxiliaries(&self.model),
+            active: self.active.clone(),
+        };
         if from == Start::Extrapolation {
             match &self.scheme {
-                Some(scheme) => scheme.predict(&self.state, dt, &mut q),
-                None => vector::axpy(dt, &self.state.v, &mut q),
+                Some(scheme) => scheme.predict(&self.state, dt, &mut start.increment),
+                None => vector::axpy(dt, &self.state.v, &mut start.increment),
             }
+            vector::axpy(1.0, &start.increment, &mut start.q);
         }
         let end = self.clock.next_time();
         let prescribed = (0..self.prescribed.len()).map(|k| self.prescribed_position(k, end));
@@ -142,11 +157,9 @@ impl Simulation {
             predict.extend(prescribed);
         } else {
             for (component, position) in prescribed {
-                q[component] = position;
+                start.place(component, position, q_n);
             }
         }
-        let auxiliaries = no_auxiliaries(&self.model);
-        let start = Iterate { q, pressures: self.pressures.clone(), auxiliaries, active: self.active.clone() };
         let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, predict, newton: self.newton };
         let mut solves = 0;
         let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, &mut solves);
@@ -207,7 +220,7 @@ impl Simulation {
         let Iterate { pressures, auxiliaries, active, .. } = iterate;
         let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
         let step = Step { state_n: state, dt, rule };
-        let result = finish(&mut fe, &step, &mut buffers, &mut next);
+        let result = finish(&mut fe, &step, &iterate.increment, &mut buffers, &mut next);
         if let Ok(true) = result {
             vector::axpy(1.0, &buffers.inertia, &mut buffers.residual);
         }
@@ -298,10 +311,11 @@ impl Simulation {
     }
 
     /// Energy that the contacts store and dissipate in the step.
-    fn contact_work(&self, iterate: &Iterate) -> Result<ContactWork, StepError> {
+    fn contact_work(&mut self, iterate: &Iterate) -> Result<ContactWork, StepError> {
         let mut total = ContactWork::default();
         for (c, pair) in self.model.contacts.iter().enumerate() {
-            let work = pair.method.work(&iterate.q, &iterate.pressures[c], &iterate.active[c])?;
+            let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
+            let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
             total.stored += work.stored;
             total.dissipated += work.dissipated;
         }
@@ -348,14 +362,16 @@ impl Simulation {
             let mut force = [0.0; 3];
             let configuration =
                 ContactStep { q_n: &self.state.q, q_np1: &iterate.q, rule: contact_rule(rule.constraint.rule) };
-            pair.method.assemble(configuration, &iterate.pressures[c], &iterate.active[c], false, &mut |local| {
-                for (node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
-                    if is_slave[*node as usize] {
-                        for i in 0..3 {
-                            force[i] -= residual[i];
+            self.timings.measure(Phase::Contact, || {
+                pair.method.assemble(configuration, &iterate.pressures[c], &iterate.active[c], false, &mut |local| {
+                    for (node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                        if is_slave[*node as usize] {
+                            for i in 0..3 {
+                                force[i] -= residual[i];
+                            }
                         }
                     }
-                }
+                })
             })?;
             for report in &reports {
                 is_slave[report.node as usize] = false;

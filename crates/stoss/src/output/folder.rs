@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use stoss_solver::{Checkpoint, DecisionKind, Simulation, StepRecord};
+use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, StepRecord};
 
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
@@ -102,7 +102,7 @@ impl ResultFolder {
         let file = path.join("checkpoint");
         if !file.is_file() {
             let reason = "there is no checkpoint in this folder: name the folder of an earlier run with --out, or run without --resume";
-            return Err(OutputError::Damaged { path: file, reason: reason.into() }.into());
+            return Err(crate::run::RunError::Resume { path: file, reason: reason.into() });
         }
         let checkpoint = Checkpoint::read(&file).map_err(OutputError::from)?;
         let attachments = simulation
@@ -151,15 +151,17 @@ impl ResultFolder {
     /// # Errors
     /// [`OutputError`].
     pub fn write(&mut self, simulation: &mut Simulation, record: &StepRecord) -> Result<(), OutputError> {
-        let started = (Instant::now(), cpu_time::ProcessTime::now());
-        self.write_rows(simulation, record)?;
-        let every = self.settings.every.max(1);
-        if record.step.is_multiple_of(every) || simulation.finished() {
-            self.write_frame(simulation, record.step)?;
-        }
-        let output = &mut simulation.timings_mut().output;
-        output.wall += started.0.elapsed().as_secs_f64();
-        output.cpu += started.1.elapsed().as_secs_f64();
+        let mut time = PhaseTime::default();
+        time.measure(|| -> Result<(), OutputError> {
+            self.write_rows(simulation, record)?;
+            let every = self.settings.every.max(1);
+            if record.step.is_multiple_of(every) || simulation.finished() {
+                self.write_frame(simulation, record.step)?;
+            }
+            Ok(())
+        })?;
+        // Before the checkpoint, in which the seconds are: its own are counted nowhere.
+        simulation.timings_mut().add_output(time);
         if record.step > 0
             && (record.step.is_multiple_of(self.settings.checkpoint_every.max(1)) || simulation.finished())
         {
@@ -254,8 +256,7 @@ impl ResultFolder {
         for &(_, step) in &self.memo.frames {
             let file = self.path.join("frames").join(frame_name(step));
             if !file.is_file() {
-                let reason =
-                    "this frame of the run so far is missing: put it back, or run again without --resume".into();
+                let reason = "this frame of the run so far is missing (put it back if you have it)".into();
                 return Err(OutputError::Damaged { path: file, reason });
             }
         }
@@ -333,6 +334,8 @@ impl ResultFolder {
             max_iterations: self.memo.max_iterations,
             time: simulation.state().time,
             seconds: *simulation.timings(),
+            shares: simulation.timings().shares().into_iter().map(|(k, share)| (k.to_owned(), share)).collect(),
+            contact_share: simulation.timings().contact_share(),
             wall_seconds: self.started.elapsed().as_secs_f64(),
             cpu_seconds: self.cpu.elapsed().as_secs_f64(),
             memory: Memory { peak_resident_bytes: peak_resident_bytes(), system_bytes: plan.memory_bytes },

@@ -71,6 +71,10 @@ pub struct Summary {
     pub time: f64,
     /// Seconds by phase.
     pub seconds: Timings,
+    /// Part of the wall time of the phases' `total` that each takes; `rest` for what belongs to none.
+    pub shares: BTreeMap<String, f64>,
+    /// Part of it that contact takes: search and contact elements together.
+    pub contact_share: f64,
     /// Wall seconds of the whole run (of this session, if resumed).
     pub wall_seconds: f64,
     /// CPU seconds of the whole run (of this session, if resumed).
@@ -98,6 +102,11 @@ impl std::fmt::Display for Summary {
             "{} steps to t = {} in {:.2} s ({:.2} s CPU), {:.2} Newton iterations a step, {} cuts",
             self.steps, self.time, self.wall_seconds, self.cpu_seconds, self.mean_iterations, self.cuts
         )?;
+        write!(f, "time:")?;
+        for (name, share) in self.seconds.shares() {
+            write!(f, "  {name} {:.1} %", 100.0 * share)?;
+        }
+        writeln!(f, "  (contact altogether {:.1} %)", 100.0 * self.contact_share)?;
         write!(f, "largest relative drift:")?;
         for (name, drift) in &self.drift {
             write!(f, "  {} {:.1e}", name.replace('_', " "), drift.relative)?;

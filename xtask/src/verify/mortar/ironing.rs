@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
-use stoss_contact::ContactSurface;
-use stoss_contact_mortar::segmentation::GapRange;
-use stoss_contact_mortar::{CheckExtent, segment_surfaces};
 use toml::{Table, Value};
 
 use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run, newton};
 use super::ITERATIONS;
+use crate::gallery::Interface;
 use crate::plot::{self, Labels, Series};
 use crate::vtu::{self, Grid as Frame};
 use crate::workspace::Outcome;
@@ -181,30 +179,8 @@ fn ironing(run: &Run, findings: &mut Findings, facet: f64, must: Must, smooth: B
 }
 
 /// Number of slave facets whose segments do not tile their overlap, and the part of the slave's area that has no segments.
-/// The slave is the bottom of the first body, the master the top of the second.
 fn coverage(frame: &Frame) -> Outcome<(usize, f64)> {
-    let bodies = frame.cell_data.get("body").ok_or("no numbers of bodies in the frame")?;
-    let displacement = frame.point_data.get("displacement").ok_or("no displacement in the frame")?;
-    let mut facets = [Vec::new(), Vec::new()];
-    let bounds = |body: f64| {
-        let cells = frame.hexahedra.iter().zip(&bodies.values).filter(move |(_, b)| **b == body);
-        let heights = cells.flat_map(|(cell, _)| cell.iter().map(|&node| frame.points[node][2]));
-        heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
-    };
-    let (bottom, top) = (bounds(0.0).0, bounds(1.0).1);
-    for (cell, &body) in frame.hexahedra.iter().zip(&bodies.values) {
-        let (corners, level) = if body == 0.0 { ([0, 3, 2, 1], bottom) } else { ([4, 5, 6, 7], top) };
-        let facet = corners.map(|k| cell[k]);
-        if facet.iter().all(|&node| frame.points[node][2] == level) {
-            facets[usize::from(body != 0.0)].push(facet.map(|node| node as u32));
-        }
-    }
-    let reference: Vec<f64> = frame.points.iter().flatten().copied().collect();
-    let q: Vec<f64> = reference.iter().zip(&displacement.values).map(|(x, u)| x + u).collect();
-    let [slave, master] = &facets;
-    let (slave, master) =
-        (ContactSurface::new("slave", slave, &reference)?, ContactSurface::new("master", master, &reference)?);
-    let report = segment_surfaces(&slave, &master, &q, GapRange::ALL)?.check(&master, &q, CheckExtent::Everything)?;
+    let report = Interface::new(frame)?.coverage()?;
     Ok((report.faults.len(), (1.0 - report.covered / report.area).abs()))
 }
 

@@ -1,0 +1,99 @@
+//! Which scene draws what: the one table for the report and for `docs/gallery`.
+
+use super::camera::Camera;
+
+/// What a scene draws beside its balances.
+#[derive(Clone, Copy, Debug)]
+pub struct Picture {
+    /// Name of the scene, and of the picture.
+    pub scene: &'static str,
+    /// Array that gives the colour; of vectors the length.
+    pub field: &'static str,
+    /// Title above the snapshots.
+    pub title: &'static str,
+    /// Times of the snapshots; the nearest frames are taken, those after the end of a shortened run left out.
+    pub times: &'static [f64],
+    /// Where it is seen from.
+    pub camera: Camera,
+    /// Probe of a reaction, drawn over time.
+    pub reaction: Option<&'static str>,
+    /// Time at which the segments between the upper body's bottom and the lower body's top are drawn.
+    pub segments: Option<f64>,
+    /// Drawn into `docs/gallery` too; the scenes with the same data and another scheme, to compare the energies with.
+    pub gallery: Option<&'static [&'static str]>,
+}
+
+const STRESS: &str = "von_mises";
+
+/// From the front, a little from the right and from above.
+const FRONT: Camera = Camera { azimuth: -70.0, elevation: 22.0 };
+
+/// A picture of the report alone.
+const fn report(scene: &'static str, title: &'static str, times: &'static [f64]) -> Picture {
+    Picture { scene, field: STRESS, title, times, camera: FRONT, reaction: None, segments: None, gallery: None }
+}
+
+/// The tori fly along x and z: seen along y. They meet at 2.5.
+const fn tori(scene: &'static str, title: &'static str) -> Picture {
+    let camera = Camera { azimuth: -80.0, elevation: 12.0 };
+    Picture { camera, ..report(scene, title, &[2.0, 2.5, 3.0, 3.5, 4.0, 5.0]) }
+}
+
+/// Pressed down until 1, then drawn along x.
+const fn ironing(scene: &'static str, title: &'static str) -> Picture {
+    let reaction = Some("indenter");
+    Picture { reaction, segments: Some(5.0), ..report(scene, title, &[0.0, 1.0, 7.0, 14.0, 20.0]) }
+}
+
+/// They meet at 0.05.
+const fn blocks(scene: &'static str, title: &'static str) -> Picture {
+    Picture { segments: Some(0.06), ..report(scene, title, &[0.0, 0.05, 0.08, 0.12, 0.2]) }
+}
+
+/// All pictures.
+pub const PICTURES: &[Picture] = &[
+    Picture {
+        camera: Camera { azimuth: -58.0, elevation: 24.0 },
+        gallery: Some(&["ball-plate-modified", "ball-plate-midpoint"]),
+        ..report("ball-plate", "Hollow ball on plate", &[0.0, 0.16, 0.3, 0.6])
+    },
+    tori("tori", "Two tori without friction"),
+    tori("tori-friction-01", "Two tori, coefficient of friction 0.1"),
+    tori("tori-friction-03", "Two tori, coefficient of friction 0.3"),
+    tori("tori-cat-03", "Two tori, coefficient of friction 0.3, coordinate augmentation"),
+    ironing("ironing-mortar", "Ironing without friction"),
+    ironing("ironing-mortar-friction", "Ironing with friction"),
+    blocks("two-blocks-mortar", "Two blocks without friction"),
+    blocks("two-blocks-mortar-02", "Two blocks, coefficient of friction 0.2"),
+    blocks("two-blocks-mortar-08", "Two blocks, coefficient of friction 0.8"),
+    Picture { segments: Some(1.0), ..report("patch-mortar", "Patch test with an overhang", &[0.0, 1.0]) },
+];
+
+/// The picture of a scene, if it has one.
+pub fn of(scene: &str) -> Option<&'static Picture> {
+    PICTURES.iter().find(|picture| picture.scene == scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_picture_is_of_a_shipped_scene_and_of_its_time() {
+        let workspace = crate::workspace::Workspace::find().unwrap();
+        for picture in PICTURES {
+            let scene: toml::Table = workspace.read(format!("scenes/{}.toml", picture.scene)).unwrap().parse().unwrap();
+            let end = scene["time"]["end"].as_float().unwrap();
+            let times = picture.times.iter().copied().chain(picture.segments);
+            assert!(times.clone().all(|time| (0.0..=end).contains(&time)), "{}", picture.scene);
+            assert!(picture.times.is_sorted(), "{}", picture.scene);
+            if let Some(name) = picture.reaction {
+                let probes = scene["probe"].as_array().unwrap();
+                let probe = probes.iter().find(|probe| probe["name"].as_str() == Some(name)).unwrap();
+                assert_eq!(probe["quantity"].as_str(), Some("reaction"), "{}", picture.scene);
+            }
+            assert_eq!(of(picture.scene).map(|found| found.title), Some(picture.title));
+        }
+        assert!(of("no scene").is_none());
+    }
+}
