@@ -303,9 +303,14 @@ const CASES: &[Case] = &[
     quasi(TURN, "rotation = 90", "rotation = 90", "prescribe[2].rotation"),
     quasi(TURN, "components = [\"x\"]\nfixed = true", "translation", "prescribe[2].translation"),
     quasi("translation = [0, 0, -0.1]", "translation = -0.1", "translation", "prescribe[2].translation"),
-    quasi("translation = [0, 0, -0.1]", "components = [\"z\"]", "components = [\"z\"]", "prescribe[2].components"),
-    quasi("translation = [0, 0, -0.1]", "displacement = [0, 0, 1]", "[0, 0, 1]", "prescribe[2].displacement"),
-    quasi("translation = [0, 0, -0.1]", "fixed = true", "720.0]] } }\nfixed", "prescribe[2].fixed"),
+    quasi(
+        "translation = [0, 0, -0.1]",
+        "components = [\"z\"]",
+        "components = [\"z\"]\n\n[[load",
+        "prescribe[2].components",
+    ),
+    quasi("translation = [0, 0, -0.1]", "displacement = [0, 0, 1]", "displacement = [0", "prescribe[2].displacement"),
+    quasi("translation = [0, 0, -0.1]", "fixed = true", "fixed = true\n\n[[load", "prescribe[2].fixed"),
     // [[load]]
     dynamic("pressure = { table = [[0.0, 0.0], [1.0, 100.0]] }", "", "[[load]]", "load[0].pressure"),
     dynamic(
