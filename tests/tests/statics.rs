@@ -231,7 +231,9 @@ fn external_work_is_of_second_order() {
 /// `top` of a unit block turned about the vertical through its middle in so many steps.
 fn twisted(bottom: &str, degrees: f64, steps: f64) -> Simulation {
     let rotation = |degrees: f64| {
-        format!("rotation = {{ axis = [0, 0, 2], about = [0.5, 0.5, 3], degrees = {{ table = [[0, 0], [1, {degrees:?}]] }} }}")
+        format!(
+            "rotation = {{ axis = [0, 0, 2], about = [0.5, 0.5, 3], degrees = {{ table = [[0, 0], [1, {degrees:?}]] }} }}"
+        )
     };
     let conditions = format!(
         "[[prescribe]]\nset = \"block.top\"\n{}\ntranslation = {{ table = [[0, 0, 0, 0], [1, 0.3, 0, 0]] }}\n\
@@ -273,7 +275,8 @@ fn the_torque_is_the_derivative_of_the_energy() {
     let (at, step) = (40.0, 0.01);
     let energy = |degrees: f64| run(&pure(degrees)).balance().strain;
     let slope = (energy(at + step) - energy(at - step)) / (2.0 * step).to_radians();
-    let built = stoss::build::build(&stoss::scene::parse(&pure(at), "t.toml").unwrap(), std::path::Path::new(".")).unwrap();
+    let built =
+        stoss::build::build(&stoss::scene::parse(&pure(at), "t.toml").unwrap(), std::path::Path::new(".")).unwrap();
     let mut simulation = built.simulation;
     while !simulation.finished() {
         simulation.advance().unwrap();
