@@ -228,6 +228,87 @@ fn external_work_is_of_second_order() {
     assert!(coarse < 0.1 && (coarse / fine - 4.0).abs() < 0.7, "{coarse:e} {fine:e}");
 }
 
+/// `top` of a unit block turned about the vertical through its middle in so many steps.
+fn twisted(bottom: &str, degrees: f64, steps: f64) -> Simulation {
+    let rotation = |degrees: f64| {
+        format!(
+            "rotation = {{ axis = [0, 0, 2], about = [0.5, 0.5, 3], degrees = {{ table = [[0, 0], [1, {degrees:?}]] }} }}"
+        )
+    };
+    let conditions = format!(
+        "[[prescribe]]\nset = \"block.top\"\n{}\ntranslation = {{ table = [[0, 0, 0, 0], [1, 0.3, 0, 0]] }}\n\
+         [[prescribe]]\nset = \"block.bottom\"\n{}\n",
+        rotation(degrees),
+        if bottom == "turned" {
+            format!("{}\ntranslation = {{ table = [[0, 0, 0, 0], [1, 0.3, 0, 0]] }}", rotation(degrees))
+        } else {
+            "components = [\"x\", \"y\", \"z\"]\nfixed = true".to_owned()
+        }
+    );
+    run(&block("quasi-static", &format!("end = 1.0\nstep = {:?}", 1.0 / steps), [3, 3, 3], "", &conditions))
+}
+
+#[test]
+fn a_rigidly_turned_block_stays_free_of_stress() {
+    let simulation = twisted("turned", 250.0, 5.0);
+    assert!(simulation.balance().strain.abs() < 1e-10 * MU, "{}", simulation.balance().strain);
+    let angle = 250.0_f64.to_radians();
+    let (s, c) = angle.sin_cos();
+    for (x, q) in simulation.model().reference.chunks_exact(3).zip(simulation.state().q.chunks_exact(3)) {
+        let (dx, dy) = (x[0] - 0.5, x[1] - 0.5);
+        let exact = [0.8 + c * dx - s * dy, 0.5 + s * dx + c * dy, x[2]];
+        assert!((0..3).all(|i| (q[i] - exact[i]).abs() < 1e-10), "{q:?} {exact:?}");
+    }
+}
+
+/// The torque on the turned side is the derivative of the strain energy by the angle, at a finite angle.
+#[test]
+fn the_torque_is_the_derivative_of_the_energy() {
+    let pure = |degrees: f64| {
+        let conditions = format!(
+            "[[prescribe]]\nset = \"block.top\"\nrotation = {{ axis = [0, 0, 1], degrees = {{ table = [[0, 0], [1, {degrees:?}]] }} }}\n\
+             [[prescribe]]\nset = \"block.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+             [[probe]]\nname = \"m\"\nset = \"block.top\"\nquantity = \"reaction_moment\"\n"
+        );
+        block("quasi-static", "end = 1.0\nstep = 0.25", [2, 2, 2], "", &conditions)
+    };
+    let (at, step) = (40.0, 0.01);
+    let energy = |degrees: f64| run(&pure(degrees)).balance().strain;
+    let slope = (energy(at + step) - energy(at - step)) / (2.0 * step).to_radians();
+    let built =
+        stoss::build::build(&stoss::scene::parse(&pure(at), "t.toml").unwrap(), std::path::Path::new(".")).unwrap();
+    let mut simulation = built.simulation;
+    while !simulation.finished() {
+        simulation.advance().unwrap();
+    }
+    let moment = built.probes[0].value(&simulation);
+    assert!(moment[2] > 0.0 && (moment[2] / slope - 1.0).abs() < 1e-6, "{moment:?} {slope}");
+}
+
+/// In dynamics the supports have the velocity of the circle: a block that spins with both of its ends keeps its speed.
+#[test]
+fn turned_supports_move_with_the_circle() {
+    let ends = ["top", "bottom"].map(|set| {
+        format!("[[prescribe]]\nset = \"block.{set}\"\nrotation = {{ axis = [0, 0, 1], degrees = {{ table = [[0, 0], [1, 90]] }} }}\n")
+    });
+    let omega = std::f64::consts::FRAC_PI_2;
+    let body = format!("density = 1.0\nangular_velocity = [0, 0, {omega:?}]");
+    let time = "end = 0.5\nstep = 0.05\nintegrator = { scheme = \"energy-momentum\" }";
+    let mut simulation = simulation(&block("dynamic", time, [2, 2, 2], &body, &ends.concat()));
+    while !simulation.finished() {
+        simulation.advance().unwrap();
+        let (q, v) = (&simulation.state().q, &simulation.state().v);
+        for n in (0..q.len() / 3).filter(|n| simulation.model().reference[3 * n + 2] != 0.5) {
+            let exact = [-omega * q[3 * n + 1], omega * q[3 * n], 0.0];
+            assert!((0..3).all(|i| (v[3 * n + i] - exact[i]).abs() < 1e-12));
+        }
+    }
+    let corner = node_at(&simulation, [1.0, 0.0, 1.0]);
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    assert!((simulation.state().q[3 * corner] - half).abs() < 1e-14);
+    assert!((simulation.state().q[3 * corner + 1] - half).abs() < 1e-14);
+}
+
 #[test]
 fn absolute_tolerance_is_a_force() {
     // The same press in two units of force: the same iterations.

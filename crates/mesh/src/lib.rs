@@ -2,7 +2,7 @@
 //!
 //! * [`Mesh`], [`Facet`]: the data, sets by name, boundary facets, rigid placement;
 //! * [`Region`]: sets from a box or a plane;
-//! * [`generate`]: block, hexahedron, indenter, hollow ball, hollow torus, L-shaped block;
+//! * [`generate`]: block, hexahedron, indenter, hollow ball, hollow torus, ball, cylinder, L-shaped block;
 //! * [`QualityReport`], [`Mesh::quality`], [`Mesh::check`]: quality, and everything that makes a mesh unusable as a named error.
 //!
 //! # What it is not

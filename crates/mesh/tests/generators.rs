@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 
 use proptest::prelude::*;
-use stoss_mesh::generate::{Block, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock};
+use stoss_mesh::generate::{
+    Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
+};
 use stoss_mesh::{Facet, Mesh, MeshError};
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -82,6 +84,18 @@ fn sides(mesh: &Mesh, [nx, ny, nz]: [usize; 3]) {
         all += count;
     }
     assert_eq!(mesh.boundary_facets().len(), all);
+}
+
+/// Parts of a ball and how many eighths they have.
+const PARTS: [(Part, usize); 4] = [(Part::Full, 8), (Part::Half, 4), (Part::Quarter, 2), (Part::Eighth, 1)];
+
+/// Sets that exist lie in a coordinate plane at `level` to the last bit, and face outwards.
+fn planes(mesh: &Mesh, rows: &[(&str, usize, f64)], level: f64) {
+    for &(name, axis, sign) in rows {
+        let Some(facets) = mesh.facet_sets.get(name) else { continue };
+        assert!(sign * total(mesh, facets)[axis] > 0.0, "{name}");
+        assert!(mesh.nodes_of(name).unwrap().iter().all(|&n| mesh.nodes[n as usize][axis] == level), "{name}");
+    }
 }
 
 proptest! {
@@ -165,6 +179,71 @@ proptest! {
         prop_assert_eq!(named, mesh.boundary_facets().len());
     }
 
+    #[test]
+    fn solid_balls(n in 1usize..5, m in 1usize..5, r in 1usize..4, p in 0usize..4) {
+        let (part, pieces) = PARTS[p];
+        let mesh = Ball { radius: 1.5, part, divisions: [n, m, r], refinement: None }.generate().unwrap();
+        prop_assert_eq!(mesh.elements.len(), pieces * (n * n * m + (n * n + 2 * n * m) * r));
+        battery(&mesh);
+        prop_assert_eq!(mesh.facets_of("outer").unwrap().len(), pieces * (n * n + 2 * n * m));
+        for node in mesh.nodes_of("outer").unwrap() {
+            prop_assert!((norm(mesh.nodes[node as usize]) - 1.5).abs() < 1e-14);
+        }
+        let names: Vec<&str> = mesh.facet_sets.keys().map(String::as_str).collect();
+        let expected: &[&str] =
+            [&["outer"][..], &["outer", "top"], &["left", "outer", "top"], &["front", "left", "outer", "top"]][p];
+        prop_assert_eq!(names, expected);
+        planes(&mesh, &[("top", 2, 1.0), ("left", 0, -1.0), ("front", 1, -1.0)], 0.0);
+    }
+
+    #[test]
+    fn solid_cylinders(n in 1usize..5, m in 1usize..5, r in 1usize..4, l in 1usize..3, p in 0usize..3) {
+        let (part, pieces) = [(Part::Full, 4), (Part::Half, 2), (Part::Quarter, 1)][p];
+        let cylinder = Cylinder { radius: 1.5, length: 0.7, part, divisions: [n, m, r, l], refinement: None };
+        let mesh = cylinder.generate().unwrap();
+        prop_assert_eq!(mesh.elements.len(), pieces * (n * m + (n + m) * r) * l);
+        battery(&mesh);
+        prop_assert_eq!(mesh.facets_of("outer").unwrap().len(), pieces * (n + m) * l);
+        for node in mesh.nodes_of("outer").unwrap() {
+            let [x, _, z] = mesh.nodes[node as usize];
+            prop_assert!((x.hypot(z) - 1.5).abs() < 1e-14);
+        }
+        // Every piece of the section is a fan of triangles, n of one angle and m of another.
+        let fan = |k: usize| 0.5 * 2.25 * k as f64 * (PI / 4.0 / k as f64).sin();
+        let exact = pieces as f64 * (fan(n) + fan(m)) * 0.7;
+        prop_assert!((mesh.quality().volume - exact).abs() < 1e-12 * exact);
+        planes(&mesh, &[("top", 2, 1.0), ("left", 0, -1.0), ("front", 1, -1.0)], 0.0);
+        planes(&mesh, &[("back", 1, 1.0)], 0.7);
+        prop_assert_eq!(mesh.facet_sets.contains_key("left"), part == Part::Quarter);
+        prop_assert_eq!(mesh.facet_sets.contains_key("top"), part != Part::Full);
+    }
+
+    /// Sizes along the surface from the lowest point: equal, then growing; the first element's depth is the same.
+    #[test]
+    fn refined_balls(elements in 1usize..8, beyond in 5usize..10, half_width in 0.01..0.2f64) {
+        let refinement = Some(Refinement { half_width, elements });
+        let n = elements + beyond;
+        let ball = Ball { radius: 1.0, part: Part::Eighth, divisions: [n, 2, 9], refinement };
+        let mesh = ball.generate().unwrap();
+        battery(&mesh);
+        let mut angles: Vec<f64> = (mesh.nodes_of("outer").unwrap().iter())
+            .map(|&k| mesh.nodes[k as usize])
+            .filter(|x| x[1] == 0.0 && x[0] <= -x[2] + 1e-12)
+            .map(|x| x[0].atan2(-x[2]))
+            .collect();
+        angles.sort_by(f64::total_cmp);
+        prop_assert_eq!(angles.len(), n + 1);
+        let sizes: Vec<f64> = angles.windows(2).map(|w| w[1] - w[0]).collect();
+        let size = half_width / elements as f64;
+        prop_assert!(sizes[..elements].iter().all(|s| (s - size).abs() < 1e-12));
+        let ratio = sizes[elements] / size;
+        prop_assert!(sizes[elements..].windows(2).all(|w| (w[1] / w[0] / ratio - 1.0).abs() < 1e-6));
+        let mut depth: Vec<f64> =
+            mesh.nodes.iter().filter(|x| x[0] == 0.0 && x[1] == 0.0).map(|x| 1.0 + x[2]).collect();
+        depth.sort_by(f64::total_cmp);
+        prop_assert!(depth[0].abs() < 1e-15 && (depth[1] - size).abs() < 1e-12);
+    }
+
     /// Bad numbers are errors, never a panic or a bad mesh.
     #[test]
     fn any_parameters_give_a_good_mesh_or_an_error(
@@ -182,6 +261,22 @@ proptest! {
             HollowBall { inner_diameter: a[0], outer_diameter: a[1], divisions: [n0, n1] }.generate(),
             HollowTorus { ring_radius: a[0], tube_outer_radius: a[1], tube_inner_radius: a[2], divisions: d3 }.generate(),
             LBlock { length: [a[0], a[1]], width: a[2], thickness: a[3], divisions: [n0, n1, n2, n3] }.generate(),
+            Ball { radius: a[0], part: Part::Quarter, divisions: d3, refinement: None }.generate(),
+            Ball {
+                radius: a[0],
+                part: Part::Eighth,
+                divisions: d3,
+                refinement: Some(Refinement { half_width: a[1], elements: n3 }),
+            }
+            .generate(),
+            Cylinder {
+                radius: a[0],
+                length: a[2],
+                part: Part::Full,
+                divisions: n,
+                refinement: Some(Refinement { half_width: a[1], elements: n3 }),
+            }
+            .generate(),
         ];
         for mesh in results.into_iter().flatten() {
             prop_assert!(mesh.quality().inverted_elements == 0);
@@ -210,6 +305,49 @@ fn ball_of_the_ball_on_plate_example() {
         };
         assert_eq!(sorted(1.0), sorted(-1.0));
     }
+}
+
+/// Volumes approach those of the round bodies from below at second order, and all parts have their share.
+#[test]
+fn round_volumes_converge() {
+    let ball = |k: usize, part| {
+        Ball { radius: 2.0, part, divisions: [3 * k, 2 * k, 2 * k], refinement: None }
+            .generate()
+            .unwrap()
+            .quality()
+            .volume
+    };
+    for (part, pieces) in PARTS {
+        let exact = 4.0 / 3.0 * PI * 8.0 * pieces as f64 / 8.0;
+        let (coarse, fine) = (1.0 - ball(1, part) / exact, 1.0 - ball(2, part) / exact);
+        assert!(fine > 0.0 && fine < 0.02 && (3.6..4.4).contains(&(coarse / fine)), "{part:?} {coarse} {fine}");
+    }
+    let cylinder = |k: usize| {
+        let cylinder =
+            Cylinder { radius: 2.0, length: 3.0, part: Part::Half, divisions: [3 * k, 2 * k, k, 1], refinement: None };
+        1.0 - cylinder.generate().unwrap().quality().volume / (6.0 * PI)
+    };
+    let (coarse, fine) = (cylinder(1), cylinder(2));
+    assert!(fine > 0.0 && (3.9..4.1).contains(&(coarse / fine)), "{coarse} {fine}");
+}
+
+/// A contact of 0.02 radii in 10 elements: no element is turned over, and what cannot be reached is an error.
+#[test]
+fn strongly_refined_round_bodies() {
+    let refinement = Some(Refinement { half_width: 0.024, elements: 12 });
+    let cylinder = Cylinder { radius: 1.0, length: 0.01, part: Part::Half, divisions: [30, 4, 18, 1], refinement };
+    let mesh = cylinder.generate().unwrap();
+    battery(&mesh);
+    let near = mesh.nodes_of("outer").unwrap().iter().filter(|&&n| mesh.nodes[n as usize][0].abs() < 0.0201).count();
+    assert_eq!(near, 2 * 21);
+    let few = Cylinder { divisions: [14, 4, 18, 1], ..cylinder };
+    assert!(matches!(few.generate(), Err(MeshError::Parameter { parameter: "divisions", .. })));
+    let shallow = Cylinder { divisions: [30, 4, 2, 1], ..cylinder };
+    assert!(matches!(shallow.generate(), Err(MeshError::Parameter { parameter: "divisions", .. })));
+    let many = Cylinder { divisions: [12, 4, 18, 1], ..cylinder };
+    assert!(matches!(many.generate(), Err(MeshError::Parameter { parameter: "elements", .. })));
+    let eighth = Cylinder { part: Part::Eighth, ..cylinder };
+    assert!(matches!(eighth.generate(), Err(MeshError::Parameter { parameter: "part", .. })));
 }
 
 /// Formulation §13.3: 3120 elements of which edges are about 3.06 x 3.77 x 2.25 on the outer middle line.

@@ -269,15 +269,16 @@ impl Series {
     }
 }
 
-/// `[[prescribe]]`: displacement components of a set, given as functions of time. Exactly one of `displacement` and
-/// `fixed = true`.
+/// `[[prescribe]]`: displacement components of a set, given as functions of time, or a rigid motion of the set. Exactly one of `displacement`,
+/// `fixed = true` and `rotation`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Prescribe {
     /// Set of nodes, `body.set`.
     pub set: String,
-    /// Components, each at most once.
+    /// Components, each at most once. Not with a `rotation`, which prescribes all three.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub components: Vec<Component>,
     /// Displacement from the reference position, one value a component.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -285,16 +286,44 @@ pub struct Prescribe {
     /// `true`: the components do not move.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fixed: bool,
+    /// Rotation of the set's reference positions, at any angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<PrescribedRotation>,
+    /// Translation that follows the rotation, three values; none if left out. With a `rotation` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub translation: Option<Series>,
 }
 
 impl Prescribe {
-    /// Rows `[time, value, ...]` with one value a component.
-    pub fn rows(&self) -> Vec<Vec<f64>> {
-        match &self.displacement {
-            Some(series) => series.rows(),
-            None => vec![vec![0.0; 1 + self.components.len()]],
+    /// The prescribed components: all three with a rotation.
+    pub fn prescribed_components(&self) -> Vec<Component> {
+        match &self.rotation {
+            Some(_) => vec![Component::X, Component::Y, Component::Z],
+            None => self.components.clone(),
         }
     }
+
+    /// Rows `[time, value, ...]` with one value a prescribed component: of the displacement, or of the translation after a rotation.
+    pub fn rows(&self) -> Vec<Vec<f64>> {
+        match self.displacement.as_ref().or(self.translation.as_ref()) {
+            Some(series) => series.rows(),
+            None => vec![vec![0.0; 1 + self.prescribed_components().len()]],
+        }
+    }
+}
+
+/// Rotation of a set about an axis that is fixed in space but for the translation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PrescribedRotation {
+    /// Direction of the axis, of any length but zero.
+    pub axis: [f64; 3],
+    /// Angle from the reference position in degrees, positive by the right-hand rule, one value; not limited to a turn.
+    pub degrees: Series,
+    /// A point of the axis; the origin if left out.
+    #[serde(default)]
+    pub about: [f64; 3],
 }
 
 named! {

@@ -31,14 +31,17 @@ mod tie;
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
     BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Load, LoadKind, Normals, PlaneRegion,
-    Prescribe, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
+    Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick, Sticking,
 };
 pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
-pub use mesh::{Block, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource};
+pub use mesh::{
+    Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
+    Part, Refinement,
+};
 pub use names::known;
 pub use problem::{Problem, SceneErrors};
 pub use results::{Expect, ExpectedValue, Field, Interval, Outcome, Output, Probe, Quantity};

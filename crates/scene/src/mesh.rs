@@ -1,5 +1,6 @@
 //! Where a mesh comes from.
 
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -48,6 +49,12 @@ pub enum Generator {
     Hexahedron(Hexahedron),
     /// A block with a spherical bottom that touches z = 0 on its axis. Sets as for `block`.
     Indenter(Indenter),
+    /// A solid ball about the origin, or a part of it, of hexahedra without degenerate ones. Sets: `outer`; of a part also `top` (z = 0), `left`
+    /// (x = 0), `front` (y = 0).
+    Ball(Ball),
+    /// A solid cylinder about the y-axis, from y = 0, or a part of it. Sets: `outer`, `front`, `back` (y); of a part also `top` (z = 0), `left`
+    /// (x = 0).
+    Cylinder(Cylinder),
     /// An L in the x-y plane, its outer corner at the origin. Sets: `left`, `front`, `bottom`, `top`, `end-x`, `end-y`, `notch`.
     LShape(LShape),
 }
@@ -55,7 +62,7 @@ pub enum Generator {
 impl Generator {
     /// Names of all generators.
     pub const NAMES: &'static [&'static str] =
-        &["block", "hollow-ball", "hollow-torus", "hexahedron", "indenter", "l-shape"];
+        &["block", "hollow-ball", "hollow-torus", "hexahedron", "indenter", "ball", "cylinder", "l-shape"];
 }
 
 fn uniform() -> [f64; 3] {
@@ -154,6 +161,74 @@ pub struct Indenter {
     /// As for `block`.
     #[serde(default = "uniform")]
     pub grading: [f64; 3],
+}
+
+named! {
+    /// What is meshed of a round body; the cut surfaces are planes of symmetry.
+    Part {
+        /// Everything.
+        Full = "full",
+        /// z <= 0.
+        Half = "half",
+        /// z <= 0, x >= 0.
+        Quarter = "quarter",
+        /// z <= 0, x >= 0, y >= 0; of a ball only.
+        Eighth = "eighth",
+    }
+}
+
+/// A finer mesh around the lowest point (line) of a round body, for a contact there: elements of equal size within `half_width`, beyond growing
+/// in geometric progression.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Refinement {
+    /// Distance from the lowest point, along the surface, over which the elements have equal size.
+    pub half_width: f64,
+    /// Number of elements over this distance, below the first of the divisions.
+    pub elements: usize,
+}
+
+/// Parameters of the generator `ball`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Ball {
+    /// Radius.
+    pub radius: f64,
+    /// What is meshed; everything if left out.
+    #[serde(default = "Part::default_part")]
+    pub part: Part,
+    /// Elements of an eighth: across (x and y), upwards (z), from the cube in the middle to the surface.
+    pub divisions: [usize; 3],
+    /// A finer mesh at the lowest point; none if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refinement: Option<Refinement>,
+}
+
+/// Parameters of the generator `cylinder`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// Radius.
+    pub radius: f64,
+    /// Length along y.
+    pub length: f64,
+    /// What is meshed; everything if left out. No eighth.
+    #[serde(default = "Part::default_part")]
+    pub part: Part,
+    /// Elements of a quarter: across (x), upwards (z), from the square in the middle to the surface, along y.
+    pub divisions: [usize; 4],
+    /// A finer mesh at the lowest line; none if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refinement: Option<Refinement>,
+}
+
+impl Part {
+    pub(crate) fn default_part() -> Self {
+        Self::Full
+    }
 }
 
 /// Parameters of the generator `l-shape`.

@@ -17,6 +17,8 @@ named! {
         Velocity = "velocity",
         /// Force of the supports on the body; sum over a set's nodes, zero in components that are not prescribed.
         Reaction = "reaction",
+        /// Moment of the same forces about the origin, at the current positions.
+        ReactionMoment = "reaction_moment",
         /// Contact force on the body; sum over a set's nodes.
         ContactForce = "contact_force",
         /// Kinetic plus strain energy of a body, or of all.
@@ -35,7 +37,15 @@ named! {
 impl Quantity {
     /// True if it belongs to nodes (and needs `set`, or `body` and `point`), false if to a body or to everything.
     pub fn is_nodal(self) -> bool {
-        matches!(self, Self::Displacement | Self::Position | Self::Velocity | Self::Reaction | Self::ContactForce)
+        matches!(
+            self,
+            Self::Displacement
+                | Self::Position
+                | Self::Velocity
+                | Self::Reaction
+                | Self::ReactionMoment
+                | Self::ContactForce
+        )
     }
 
     /// True if it has a meaning only with inertia.

@@ -22,6 +22,13 @@ const fn quasi(from: &'static str, to: &'static str, at: &'static str, key: &'st
     Case { base: STATIC, from, to, at, key }
 }
 
+/// A mistake in the rotation of the static scene.
+const fn turn(from: &'static str, to: &'static str, key: &'static str) -> Case {
+    Case { base: STATIC, from, to, at: "rotation = {", key }
+}
+
+const TURN: &str =
+    "rotation = { axis = [0, 0, 1], about = [0, 0, 2], degrees = { table = [[0.0, 0.0], [1.0, 720.0]] } }";
 const VELOCITY: &str = "velocity = [0.0, 1.0, -1.0]";
 const BALL: &str =
     "mesh = { generator = \"hollow-ball\", inner_diameter = 0.8, outer_diameter = 1.0, divisions = [6, 2] }";
@@ -113,6 +120,18 @@ const CASES: &[Case] = &[
     quasi("height = 1.5", "height = 0.5", "height = 0.5", "body[2].mesh.height"),
     quasi("length = [4, 3]", "length = [4, 1]", "length = [4, 1]", "body[3].mesh.length"),
     quasi(", [0, 1, 1]]", "]", "corners", "body[4].mesh.corners"),
+    quasi("part = \"quarter\"", "part = \"third\"", "third", "body[5].mesh.part"),
+    quasi("radius = 1, part", "radius = -1, part", "quarter", "body[5].mesh.radius"),
+    quasi("half_width = 0.1", "half_width = 0.8", "0.8", "body[5].mesh.refinement.half_width"),
+    quasi("half_width = 0.1", "half_width = 0.0", "quarter", "body[5].mesh.refinement.half_width"),
+    quasi("half_width = 0.1", "width = 1, half_width = 0.1", "quarter", "body[5].mesh.refinement.width"),
+    quasi(", elements = 4 }", " }", "quarter", "body[5].mesh.refinement.elements"),
+    quasi(", elements = 4 }", ", elements = 8 }", "quarter", "body[5].mesh.refinement.elements"),
+    quasi("divisions = [8, 3, 6]", "divisions = [8, 0, 6]", "quarter", "body[5].mesh.divisions[1]"),
+    quasi("divisions = [8, 3, 6]", "divisions = [8000, 8000, 6]", "quarter", "body[5].mesh.divisions"),
+    quasi("length = 0.5", "length = 0", "cylinder", "body[6].mesh.length"),
+    quasi("length = 0.5", "length = 0.5, part = \"eighth\"", "cylinder", "body[6].mesh.part"),
+    quasi("length = 0.5", "length = 0.5, refinement = 3", "cylinder", "body[6].mesh.refinement"),
     // materials
     dynamic("law = \"ogden\"", "law = \"hooke\"", "hooke", "body[0].material.law"),
     dynamic("law = \"ogden\", ", "", "mu = [", "body[0].material.law"),
@@ -272,6 +291,26 @@ const CASES: &[Case] = &[
     dynamic("[\"y\"]", "[]", "components = []", "prescribe[1].components"),
     dynamic("[\"y\"]", "[\"y\", \"y\"]", "\"y\", \"y\"", "prescribe[1].components"),
     dynamic("[\"y\"]", "[\"z\"]", "[\"z\"]", "prescribe[1].components"),
+    // rotations
+    turn("axis = [0, 0, 1]", "axis = [0, 0, 0]", "prescribe[2].rotation.axis"),
+    turn("axis = [0, 0, 1], ", "", "prescribe[2].rotation.axis"),
+    turn("axis = [0, 0, 1]", "axis = \"z\"", "prescribe[2].rotation.axis"),
+    turn("about = [0, 0, 2]", "about = [0, nan, 2]", "prescribe[2].rotation.about[1]"),
+    turn("about = [0, 0, 2]", "point = [0, 0, 2]", "prescribe[2].rotation.point"),
+    turn(", degrees = { table = [[0.0, 0.0], [1.0, 720.0]] }", "", "prescribe[2].rotation.degrees"),
+    turn("{ table = [[0.0, 0.0], [1.0, 720.0]] }", "[0, 90]", "prescribe[2].rotation.degrees"),
+    turn("[1.0, 720.0]", "[1.0, 720.0, 1.0]", "prescribe[2].rotation.degrees.table[1]"),
+    quasi(TURN, "rotation = 90", "rotation = 90", "prescribe[2].rotation"),
+    quasi(TURN, "components = [\"x\"]\nfixed = true", "translation", "prescribe[2].translation"),
+    quasi("translation = [0, 0, -0.1]", "translation = -0.1", "translation", "prescribe[2].translation"),
+    quasi(
+        "translation = [0, 0, -0.1]",
+        "components = [\"z\"]",
+        "components = [\"z\"]\n\n[[load",
+        "prescribe[2].components",
+    ),
+    quasi("translation = [0, 0, -0.1]", "displacement = [0, 0, 1]", "displacement = [0", "prescribe[2].displacement"),
+    quasi("translation = [0, 0, -0.1]", "fixed = true", "fixed = true\n\n[[load", "prescribe[2].fixed"),
     // [[load]]
     dynamic("pressure = { table = [[0.0, 0.0], [1.0, 100.0]] }", "", "[[load]]", "load[0].pressure"),
     dynamic(

@@ -103,8 +103,14 @@ fn values_arrive_where_they_belong() {
     assert_eq!(scene.body_index("plate"), Some(1));
     let scene = read(STATIC, "quasi-static.toml");
     assert!(!scene.is_dynamic());
-    assert!(matches!(&scene.bodies[5].mesh, MeshSource::File(mesh) if mesh.file == "part.msh"));
+    assert!(matches!(&scene.bodies[7].mesh, MeshSource::File(mesh) if mesh.file == "part.msh"));
     assert_eq!(scene.loads[1].kind().unwrap().1.columns(), 1);
+    let turn = &scene.prescriptions[2];
+    assert_eq!(turn.rows(), [[0.0, 0.0, 0.0, -0.1]]);
+    assert_eq!(turn.prescribed_components().len(), 3);
+    let rotation = turn.rotation.as_ref().unwrap();
+    assert_eq!((rotation.axis, rotation.about), ([0.0, 0.0, 1.0], [0.0, 0.0, 2.0]));
+    assert_eq!(rotation.degrees.rows(), [[0.0, 0.0], [1.0, 720.0]]);
 }
 
 #[test]

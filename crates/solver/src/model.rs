@@ -1,6 +1,6 @@
 //! What is to be simulated.
 
-use crate::{Load, SimulationError, Table};
+use crate::{AxisRotation, Load, SimulationError, Table};
 use std::ops::Range;
 use stoss_contact::ContactMethod;
 use stoss_fe_solid::{MassKind, SolidBody};
@@ -18,15 +18,34 @@ pub struct Body {
     pub mass_kind: MassKind,
 }
 
-/// Displacement components given as functions of time.
+/// Displacement components given as functions of time, or a rigid motion.
 #[derive(Clone, Debug)]
 pub struct Prescription {
     /// Global node numbers.
     pub nodes: Vec<u32>,
-    /// Components (0, 1, 2), one a column of the table.
+    /// Components (0, 1, 2), one a column of the table; with a rotation all three in this order.
     pub components: Vec<u8>,
-    /// Displacement from the reference position, a length each.
+    /// Displacement from the reference position, a length each; with a rotation the translation that follows it.
     pub displacement: Table,
+    /// Rotation of the reference positions before the translation.
+    pub rotation: Option<AxisRotation>,
+}
+
+impl Prescription {
+    /// Position (a length) of component `column` of a node with this reference position: `X + u(t)`, with a rotation
+    /// `c + R(t) (X - c) + u(t)`, without linearisation.
+    pub(crate) fn position(&self, reference: [f64; 3], time: f64, column: usize) -> f64 {
+        let component = usize::from(self.components[column]);
+        let turn = self.rotation.as_ref().map_or(0.0, |rotation| rotation.displacement(reference, time)[component]);
+        reference[component] + (turn + self.displacement.value(time, column))
+    }
+
+    /// Velocity (a length per time) of the same component just after a time: `u'(t)`, with a rotation `+ n x R(t) (X - c) angle'(t)`.
+    pub(crate) fn velocity(&self, reference: [f64; 3], time: f64, column: usize) -> f64 {
+        let component = usize::from(self.components[column]);
+        let turn = self.rotation.as_ref().map_or(0.0, |rotation| rotation.velocity(reference, time)[component]);
+        turn + self.displacement.slope(time, column)
+    }
 }
 
 /// A contact method with the factor of its complementarity function.
@@ -74,6 +93,13 @@ impl Model {
         let mut list = Vec::new();
         let mut seen = vec![false; self.reference.len()];
         for (p, prescription) in self.prescriptions.iter().enumerate() {
+            if prescription.displacement.columns() != prescription.components.len()
+                || prescription.rotation.is_some() && prescription.components != [0, 1, 2]
+            {
+                return Err(SimulationError::Model(format!(
+                    "prescription {p} needs one column a component, and with a rotation the components 0, 1, 2"
+                )));
+            }
             for &node in &prescription.nodes {
                 for (column, &component) in prescription.components.iter().enumerate() {
                     let index = 3 * node as usize + component as usize;

@@ -213,8 +213,8 @@ impl Simulation {
 
     fn set_prescribed_velocities(&self, time: f64, v: &mut [f64]) {
         for &(component, p, column) in &self.prescribed {
-            let table = &self.model.prescriptions[p as usize].displacement;
-            v[component as usize] = table.slope(time, column as usize);
+            let prescription = &self.model.prescriptions[p as usize];
+            v[component as usize] = prescription.velocity(self.reference_of(component), time, column as usize);
         }
     }
 
@@ -251,8 +251,14 @@ impl Simulation {
 
     fn prescribed_position(&self, k: usize, time: f64) -> (usize, f64) {
         let (component, p, column) = self.prescribed[k];
-        let table = &self.model.prescriptions[p as usize].displacement;
-        (component as usize, self.model.reference[component as usize] + table.value(time, column as usize))
+        let prescription = &self.model.prescriptions[p as usize];
+        (component as usize, prescription.position(self.reference_of(component), time, column as usize))
+    }
+
+    /// Reference position of the node that a component belongs to.
+    fn reference_of(&self, component: u32) -> [f64; 3] {
+        let first = component as usize / 3 * 3;
+        std::array::from_fn(|i| self.model.reference[first + i])
     }
 
     /// The model.

@@ -70,9 +70,12 @@ impl Suite for Scenes {
     }
 }
 
-/// Scenes of minutes or hours, which quick mode leaves out: the tori.
+/// Scenes of minutes or hours, which quick mode leaves out: the tori, the ball on a plane, the rotating indenter (suite `mortar` has a short form of it).
 fn is_large(scene: &Path) -> bool {
-    scene.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("tori"))
+    scene.file_stem().is_some_and(|name| {
+        let name = name.to_string_lossy();
+        ["tori", "hertz-ball", "rotating-indenter"].iter().any(|large| name.starts_with(large))
+    })
 }
 
 /// One expectation; the list of probes is several.

@@ -7,6 +7,8 @@
 //! |---|---|
 //! | [`Block`], [`Hexahedron`], [`Indenter`] | `left` (x-), `right` (x+), `front` (y-), `back` (y+), `bottom` (z-), `top` (z+) |
 //! | [`HollowBall`], [`HollowTorus`] | `outer`, `inner` |
+//! | [`Ball`] | `outer`; of a part also `top` (z = 0), `left` (x = 0), `front` (y = 0) |
+//! | [`Cylinder`] | `outer`, `front`, `back` (ends along y); of a part also `top` (z = 0), `left` (x = 0) |
 //! | [`LBlock`] | `left`, `front`, `bottom`, `top`, `end-x`, `end-y`, `notch`; elements `corner`, `arm-x`, `arm-y` |
 //!
 //! Unstructured meshing is not here; use a mesher and `stoss-mesh-io`.
@@ -20,12 +22,14 @@ mod ball;
 mod block;
 mod grid;
 mod l_block;
+mod round;
 mod torus;
 mod validate;
 
 pub use ball::HollowBall;
 pub use block::{Block, Hexahedron, Indenter};
 pub use l_block::LBlock;
+pub use round::{Ball, Cylinder, Part, Refinement};
 pub use torus::HollowTorus;
 
 use crate::{Mesh, MeshError};

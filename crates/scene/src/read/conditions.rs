@@ -7,7 +7,7 @@ use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
     BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Kind, Load, LoadKind, Multipliers, Normals,
-    PlaneRegion, Prescribe, Quadrature, Reduction, Series, SetDefinition, split_set,
+    PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -262,8 +262,16 @@ fn rows(node: &Node<'_>, columns: usize) -> Option<Vec<Vec<f64>>> {
 
 pub(super) fn prescribe(table: &Table<'_>, world: &World) -> Option<Prescribe> {
     let set = table.required("set", "set = \"plate.rim\"", |n| set_reference(n, world));
+    if table.has("rotation") {
+        return rigid_motion(table, set);
+    }
     let components = table.required("components", "components = [\"x\", \"z\"]", components);
     let count = components.as_ref().map(Vec::len);
+    let translation: Option<()> = if table.has("translation") {
+        table.fail("translation", "belongs to a `rotation`", "call it `displacement`, or add a `rotation`")
+    } else {
+        Some(())
+    };
     let fixed = table.default("fixed", false, Node::boolean);
     let displacement = table.optional("displacement", |n| series(n, count?));
     let one_kind = match (fixed, table.has("displacement")) {
@@ -279,7 +287,48 @@ pub(super) fn prescribe(table: &Table<'_>, world: &World) -> Option<Prescribe> {
     };
     table.finish();
     one_kind?;
-    Some(Prescribe { set: set?, components: components?, displacement: displacement?, fixed: fixed? })
+    translation?;
+    Some(Prescribe {
+        set: set?,
+        components: components?,
+        displacement: displacement?,
+        fixed: fixed?,
+        rotation: None,
+        translation: None,
+    })
+}
+
+/// A rotation with or without a translation.
+fn rigid_motion(table: &Table<'_>, set: Option<String>) -> Option<Prescribe> {
+    let rotation = table.required("rotation", "", |n| {
+        let inner = n.table()?;
+        let axis = inner.required("axis", "axis = [0, 0, 1]", Node::direction);
+        let degrees = inner.required("degrees", "degrees = { table = [[0.0, 0.0], [1.0, 90.0]] }", |n| series(n, 1));
+        let about = inner.default("about", [0.0; 3], Node::vector);
+        inner.finish();
+        Some(PrescribedRotation { axis: axis?, degrees: degrees?, about: about? })
+    });
+    let translation = table.optional("translation", |n| series(n, 3));
+    let mut alone = Some(());
+    for (key, remedy) in [
+        ("components", "remove it: a rotation prescribes all three components"),
+        ("displacement", "call it `translation`, with three values"),
+        ("fixed", "remove it, or the rotation"),
+    ] {
+        if table.has(key) {
+            alone = table.fail(key, "excludes `rotation`", remedy);
+        }
+    }
+    table.finish();
+    alone?;
+    Some(Prescribe {
+        set: set?,
+        components: Vec::new(),
+        displacement: None,
+        fixed: false,
+        rotation: Some(rotation?),
+        translation: translation?,
+    })
 }
 
 fn components(node: &Node<'_>) -> Option<Vec<Component>> {

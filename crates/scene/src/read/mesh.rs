@@ -2,7 +2,10 @@
 
 use super::node::Node;
 use super::table::Table;
-use crate::{Block, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource};
+use crate::{
+    Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
+    Part, Refinement,
+};
 
 /// More elements in one mesh than this are a mistake in `divisions`.
 const MAX_ELEMENTS: f64 = 2e7;
@@ -22,6 +25,8 @@ pub(super) fn mesh(node: &Node<'_>) -> Option<MeshSource> {
                 "hollow-torus" => Some(hollow_torus),
                 "hexahedron" => Some(hexahedron),
                 "indenter" => Some(indenter),
+                "ball" => Some(ball),
+                "cylinder" => Some(cylinder),
                 "l-shape" => Some(l_shape),
                 _ => None,
             });
@@ -185,6 +190,62 @@ fn indenter(table: &Table<'_>) -> Option<Generator> {
         );
     }
     Some(Generator::Indenter(Indenter { size, height, radius, divisions: divisions?, grading: grading? }))
+}
+
+/// Refinement of a round body with this radius and this first entry of the divisions.
+fn refinement(table: &Table<'_>, radius: Option<f64>, across: Option<usize>) -> Option<Option<Refinement>> {
+    table.optional("refinement", |n| {
+        let inner = n.table()?;
+        let half_width = inner.required("half_width", "half_width = 0.03", Node::positive);
+        let elements = inner.required("elements", "elements = 8", Node::count);
+        inner.finish();
+        let (half_width, elements) = (half_width?, elements? as usize);
+        if let Some(arc) = radius.map(|r| std::f64::consts::FRAC_PI_4 * r)
+            && half_width >= arc
+        {
+            let message = format!("must be smaller than an eighth of the circle, {arc}");
+            return inner.fail("half_width", message, "reduce it, or leave out the refinement");
+        }
+        if let Some(across) = across
+            && elements >= across
+        {
+            let message = format!("must be below the first of the divisions, {across}");
+            return inner.fail("elements", message, "reduce it, or use more divisions");
+        }
+        Some(Refinement { half_width, elements })
+    })
+}
+
+fn part(table: &Table<'_>) -> Option<Part> {
+    table.default("part", Part::default_part(), |n| n.choice(Part::NAMES, Part::from_name))
+}
+
+fn ball(table: &Table<'_>) -> Option<Generator> {
+    let radius = table.required("radius", "radius = 1", Node::positive);
+    let part = part(table);
+    let divisions = divisions(table, "divisions = [6, 4, 6]", [1; 3], |[across, up, out]| {
+        8.0 * (across * across * up + (across * across + 2.0 * across * up) * out)
+    });
+    let refinement = refinement(table, radius, divisions.map(|d| d[0]));
+    Some(Generator::Ball(Ball { radius: radius?, part: part?, divisions: divisions?, refinement: refinement? }))
+}
+
+fn cylinder(table: &Table<'_>) -> Option<Generator> {
+    let radius = table.required("radius", "radius = 1", Node::positive);
+    let length = table.required("length", "length = 1", Node::positive);
+    let part = table.default("part", Part::default_part(), |n| {
+        let part = n.choice(Part::NAMES, Part::from_name)?;
+        if part == Part::Eighth {
+            return n.fail("is a part of a ball only", "choose \"quarter\", \"half\" or \"full\"");
+        }
+        Some(part)
+    });
+    let divisions = divisions(table, "divisions = [6, 4, 6, 1]", [1; 4], |[across, up, out, along]| {
+        4.0 * (across * up + (across + up) * out) * along
+    });
+    let refinement = refinement(table, radius, divisions.map(|d| d[0]));
+    let (radius, length) = (radius?, length?);
+    Some(Generator::Cylinder(Cylinder { radius, length, part: part?, divisions: divisions?, refinement: refinement? }))
 }
 
 fn l_shape(table: &Table<'_>) -> Option<Generator> {

@@ -17,7 +17,7 @@ pub(super) fn probe(table: &Table<'_>, world: &World) -> (Option<Probe>, Option<
         if quantity == Quantity::ContactForce && !world.has_contact && !world.has_tie {
             return n.fail("needs contact, and the scene has none", "add a [[contact]] or choose another quantity");
         }
-        if quantity == Quantity::Reaction && !world.has_support {
+        if matches!(quantity, Quantity::Reaction | Quantity::ReactionMoment) && !world.has_support {
             return n.fail(
                 "needs prescribed motion, and the scene has none",
                 "add a [[prescribe]] or choose another quantity",

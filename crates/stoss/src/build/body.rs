@@ -1,14 +1,19 @@
 //! Meshes, laws, densities, initial velocities.
 
 use super::{OwnLaws, ParameterError, Placed, Problems};
-use crate::scene::{Body, Generator, Mass, Material, MeshSource, Rotation as SceneRotation, Scene};
+use crate::scene::{
+    Body, Generator, Mass, Material, MeshSource, Part as ScenePart, Refinement as SceneRefinement,
+    Rotation as SceneRotation, Scene,
+};
 use crate::solver::Model;
 use std::path::Path;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
-use stoss_mesh::generate::{Block, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock};
+use stoss_mesh::generate::{
+    Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
+};
 use stoss_mesh::{Mesh, MeshError, Region, Rotation};
 
 /// Adds all bodies to the model; bodies with problems are left out.
@@ -123,10 +128,38 @@ fn generate(generator: &Generator) -> Result<Mesh, MeshError> {
             Indenter { width: g.size, height: g.height, radius: g.radius, divisions: g.divisions, grading: g.grading }
                 .generate()
         }
+        Generator::Ball(g) => Ball {
+            radius: g.radius,
+            part: part(g.part),
+            divisions: g.divisions,
+            refinement: g.refinement.map(refinement),
+        }
+        .generate(),
+        Generator::Cylinder(g) => Cylinder {
+            radius: g.radius,
+            length: g.length,
+            part: part(g.part),
+            divisions: g.divisions,
+            refinement: g.refinement.map(refinement),
+        }
+        .generate(),
         Generator::LShape(g) => {
             LBlock { length: g.length, width: g.width, thickness: g.thickness, divisions: g.divisions }.generate()
         }
     }
+}
+
+fn part(part: ScenePart) -> Part {
+    match part {
+        ScenePart::Full => Part::Full,
+        ScenePart::Half => Part::Half,
+        ScenePart::Quarter => Part::Quarter,
+        ScenePart::Eighth => Part::Eighth,
+    }
+}
+
+fn refinement(zone: SceneRefinement) -> Refinement {
+    Refinement { half_width: zone.half_width, elements: zone.elements }
 }
 
 /// A body's mesh in its place, with the scene's sets.

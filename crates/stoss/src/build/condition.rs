@@ -2,7 +2,7 @@
 
 use super::{Placed, Problems};
 use crate::scene::{LoadKind as SceneLoad, Scene, known, split_set};
-use crate::solver::{Load, LoadKind, Model, Prescription, Table};
+use crate::solver::{AxisRotation, Load, LoadKind, Model, Prescription, Table};
 use stoss_mesh::{Mesh, MeshError, SetKind};
 
 /// Facets of a set in global node numbers.
@@ -71,9 +71,26 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
     for (p, item) in scene.prescriptions.iter().enumerate() {
         let key = format!("prescribe[{p}]");
         let found = resolve(scene, placed, &format!("{key}.set"), &item.set, problems, nodes);
-        let table = table(format!("{key}.displacement"), &item.rows(), item.components.len(), problems);
-        let (Some((_, nodes)), Some(displacement)) = (found, table) else { continue };
-        let components: Vec<u8> = item.components.iter().map(|c| c.index() as u8).collect();
+        let components: Vec<u8> = item.prescribed_components().iter().map(|c| c.index() as u8).collect();
+        let values = if item.rotation.is_some() { "translation" } else { "displacement" };
+        let displacement = table(format!("{key}.{values}"), &item.rows(), components.len(), problems);
+        let rotation = match &item.rotation {
+            Some(rotation) => {
+                let Some(degrees) = table(format!("{key}.rotation.degrees"), &rotation.degrees.rows(), 1, problems)
+                else {
+                    continue;
+                };
+                let turn = AxisRotation::new(rotation.axis, rotation.about, degrees);
+                if turn.is_none() {
+                    let remedy = "give a direction, for instance [0, 0, 1]";
+                    problems.add(format!("{key}.rotation.axis"), "", "the axis must be finite and not zero", remedy);
+                    continue;
+                }
+                turn
+            }
+            None => None,
+        };
+        let (Some((_, nodes)), Some(displacement)) = (found, displacement) else { continue };
         let clash = nodes.iter().find_map(|&n| {
             components.iter().find_map(|&c| owner[3 * n as usize + c as usize].map(|other| (n, c, other)))
         });
@@ -89,7 +106,7 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
                 owner[3 * n as usize + c as usize] = Some(p);
             }
         }
-        model.prescriptions.push(Prescription { nodes, components, displacement });
+        model.prescriptions.push(Prescription { nodes, components, displacement, rotation });
     }
 }
 

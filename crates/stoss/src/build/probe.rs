@@ -16,7 +16,7 @@ pub enum ProbeTarget {
     Model,
 }
 
-/// A probe: one or three numbers a step. Displacement, position and velocity are means over the nodes, reaction and contact
+/// A probe: one or three numbers a step. Displacement, position and velocity are means over the nodes, reaction, its moment and contact
 /// force are sums; energies and momenta are those of a body or of the whole model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
@@ -51,6 +51,7 @@ impl Probe {
             Quantity::LinearMomentum => balance.linear_momentum,
             Quantity::AngularMomentum => balance.angular_momentum,
             Quantity::Reaction => self.sum(simulation.reactions()),
+            Quantity::ReactionMoment => self.moment(simulation.reactions(), &simulation.state().q),
             Quantity::ContactForce => self.sum(simulation.contact_force()),
             Quantity::Position => self.mean(&simulation.state().q),
             Quantity::Velocity => self.mean(&simulation.state().v),
@@ -75,6 +76,21 @@ impl Probe {
             for &node in self.nodes() {
                 for (i, s) in sum.iter_mut().enumerate() {
                     *s += vector[3 * node as usize + i];
+                }
+            }
+        }
+        sum
+    }
+
+    /// Sum of `q x f` over the nodes; zero if the forces do not exist in this model.
+    fn moment(&self, force: &[f64], q: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        if !force.is_empty() {
+            for &node in self.nodes() {
+                let first = 3 * node as usize;
+                for (i, s) in sum.iter_mut().enumerate() {
+                    let (j, k) = (first + (i + 1) % 3, first + (i + 2) % 3);
+                    *s += q[j] * force[k] - q[k] * force[j];
                 }
             }
         }

@@ -1,9 +1,11 @@
-//! What the mortar method promises beyond the patch test: transfer of fields, momenta, an impact, ironing, ties.
+//! What the mortar method promises beyond the patch test: transfer of fields, momenta, an impact, ironing, a rotating indenter, Hertz, ties.
 
 mod cantilever;
 mod fields;
+mod hertz;
 mod ironing;
 mod momenta;
+mod rotating;
 
 use std::path::Path;
 
@@ -11,7 +13,7 @@ use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 
-/// Fields, momenta, impact, ironing, tied cantilever.
+/// Fields, momenta, impact, ironing, rotating indenter, Hertz, tied cantilever.
 pub struct Mortar;
 
 const MOMENTUM: f64 = 1e-11;
@@ -24,7 +26,7 @@ impl Suite for Mortar {
     }
 
     fn about(&self) -> &'static str {
-        "Transfer of fields between surfaces, resultants of the contact forces, impact of two blocks, ironing, order of a tied cantilever."
+        "Transfer of fields between surfaces, resultants of the contact forces, impact of two blocks, ironing, a rotating indenter, Hertz, order of a tied cantilever."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
@@ -34,6 +36,8 @@ impl Suite for Mortar {
         impact(bench, &mut findings)?;
         cantilever::measure(bench, &mut findings)?;
         ironing::measure(bench, &mut findings)?;
+        rotating::measure(bench, &mut findings)?;
+        hertz::measure(bench, &mut findings)?;
         Ok(findings)
     }
 }
