@@ -2,7 +2,7 @@
 
 use crate::workspace::Outcome;
 use stoss_integrators::{ForceRule, GradientRule, entry};
-use stoss_scene::{LoadKind, MeshSource, Scene};
+use stoss_scene::{ContactMethod, LoadKind, MeshSource, Scene};
 use stoss_solver::{PhaseTime, Simulation};
 
 /// Everything that a run may or may not have. Asked for and found are both of this type, so that they can be compared
@@ -164,6 +164,8 @@ struct SchemeNeeds {
     accelerations: bool,
     history: History,
     mass_solver: bool,
+    /// New positions are not known beforehand.
+    equations: bool,
 }
 
 /// Needs of a scheme by name, with a look-up of its parameters; `None` for a scheme that is not listed here yet.
@@ -175,6 +177,7 @@ fn scheme_needs(name: &str, parameter: impl Fn(&str) -> f64) -> Option<SchemeNee
         accelerations: false,
         history: History::Never,
         mass_solver: false,
+        equations: true,
     };
     // Of generalised-alpha: forces at n + 1 - alpha_f, constraint forces averaged with the old ones.
     let alpha = |alpha_f: f64| SchemeNeeds {
@@ -193,7 +196,9 @@ fn scheme_needs(name: &str, parameter: impl Fn(&str) -> f64) -> Option<SchemeNee
         "variational-midpoint" => {
             SchemeNeeds { mass_solver: true, ..plain(at(parameter("alpha")), GradientRule::StartPoint) }
         }
-        "forward-euler" => SchemeNeeds { mass_solver: true, ..plain(at(0.0), GradientRule::StartPoint) },
+        "forward-euler" => {
+            SchemeNeeds { mass_solver: true, equations: false, ..plain(at(0.0), GradientRule::StartPoint) }
+        }
         "trapezoidal" => SchemeNeeds { history: History::Always, ..plain(at(1.0), GradientRule::EndPointMean) },
         "backward-euler" => plain(at(1.0), GradientRule::EndPoint),
         "generalised-alpha" => alpha(parameter("rho_inf") / (1.0 + parameter("rho_inf"))),
@@ -233,6 +238,7 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
             accelerations: false,
             history: History::Never,
             mass_solver: false,
+            equations: true,
         },
     };
     let contact = !scene.contacts.is_empty();
@@ -253,8 +259,8 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
     let called = Called {
         search: contact,
         assembly: true,
-        factorisation: true,
-        solve: true,
+        factorisation: needs.equations,
+        solve: needs.equations,
         // Nobody asked for files.
         output: false,
         stress: stress_words(needs.stress),
@@ -266,10 +272,11 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
 /// Features of the facade without which the scene does not run.
 pub fn features(scene: &Scene) -> Vec<&'static str> {
     let from_file = scene.bodies.iter().any(|body| matches!(body.mesh, MeshSource::File(_)));
+    let mortar = |contact: &stoss_scene::Contact| contact.method == ContactMethod::Mortar;
     let wanted = [
         ("scene", true),
-        ("nts", !scene.contacts.is_empty()),
-        ("mortar", !scene.ties.is_empty()),
+        ("nts", scene.contacts.iter().any(|contact| !mortar(contact))),
+        ("mortar", !scene.ties.is_empty() || scene.contacts.iter().any(mortar)),
         ("mesh-files", from_file),
     ];
     wanted.iter().filter(|(_, wanted)| *wanted).map(|(feature, _)| *feature).collect()
