@@ -9,9 +9,9 @@ use crate::slot::Slot;
 use stoss_contact::LocalContribution;
 
 /// Fraction of the reference area of a slave node below which its constraint gives way.
-const PARTLY_COVERED: f64 = 0.3;
+const PARTLY_COVERED: f64 = 0.5;
 /// Compliance against the mean pressure, in edge lengths over Young's modulus, for a support that vanishes.
-const COMPLIANCE: f64 = 0.1;
+const COMPLIANCE: f64 = 0.3;
 
 /// Blend of one slot: its row is `-(constraint * Phi + compliance * (p - mean))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl Blend {
 }
 
 impl MortarContact {
-    /// The same contact with a compliance for slave nodes of which less than three tenths are covered, where integrals move with the iterate
+    /// The same contact with a compliance for slave nodes of which less than half is covered, where integrals move with the iterate
     /// (backward Euler, statics). `stiffness` is a traction per length, Young's modulus over an edge length, say; it decides on how a node fades
     /// when its support does, not on the rest. Without it such nodes hand their multiplier over below a twentieth, all at once.
     #[must_use]
