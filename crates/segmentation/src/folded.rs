@@ -40,9 +40,7 @@ fn cut(polygon: &[Corner], a: [f64; 2], b: [f64; 2]) -> [Vec<Corner>; 2] {
 }
 
 fn area(polygon: &[Corner]) -> f64 {
-    let twice = |k: usize| {
-        cross(sub(polygon[k].image, polygon[0].image), sub(polygon[k + 1].image, polygon[0].image))
-    };
+    let twice = |k: usize| cross(sub(polygon[k].image, polygon[0].image), sub(polygon[k + 1].image, polygon[0].image));
     (1..polygon.len().saturating_sub(1)).map(|k| 0.5 * twice(k)).sum()
 }
 

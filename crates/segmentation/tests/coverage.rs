@@ -206,10 +206,7 @@ fn a_part_covered_by_both_sides_of_a_fold_goes_to_the_nearer() {
         let a = [flat(-1.0, -1.0, 0.3), flat(-1.0, 1.0, 0.3), flat(0.2, 1.0, 0.3), flat(0.2, -1.0, 0.3)];
         // Crosses its edge with `a`; what is seen of it from below is a triangle that reaches under `a`.
         let b = [flat(0.2, -1.0, 0.3), flat(0.2, 1.0, 0.3), flat(-0.4, 0.4, height), flat(0.9, -0.6, height)];
-        [
-            MasterFacet { id: 0, nodes: [0, 1, 2, 3], corners: a },
-            MasterFacet { id: 1, nodes: [3, 2, 4, 5], corners: b },
-        ]
+        [MasterFacet { id: 0, nodes: [0, 1, 2, 3], corners: a }, MasterFacet { id: 1, nodes: [3, 2, 4, 5], corners: b }]
     };
     let part = |found: &FacetSegmentation, id: u32| -> f64 {
         found.segments.iter().filter(|s| s.master_facet == id).map(|s| s.parametric_area()).sum()
