@@ -47,6 +47,7 @@ mod multiplier;
 mod points;
 mod slip;
 mod slot;
+mod softening;
 mod surfaces;
 mod tangential;
 pub mod tie;

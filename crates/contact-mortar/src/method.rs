@@ -3,6 +3,7 @@
 use crate::frictional::SurfaceFriction;
 use crate::segment_surfaces;
 use crate::slot::{NormalField, Slot, Work};
+use crate::softening::Softening;
 use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
@@ -89,6 +90,7 @@ pub struct MortarContact {
     /// Weighted gap at `q_n` with the integrals of the step over the support, a length each.
     gap_n: Vec<f64>,
     pub(crate) friction: Option<SurfaceFriction>,
+    pub(crate) softening: Option<Softening>,
 }
 
 fn segmentation_error(error: &MortarError) -> ContactError {
@@ -122,6 +124,7 @@ impl MortarContact {
             derivatives: vec![false; count],
             gap_n: vec![0.0; count],
             friction: None,
+            softening: None,
             slave,
             master,
             options,
@@ -183,7 +186,7 @@ impl MortarContact {
         GapRange { min: -DEPTH * h, max: reach + MARGIN * h }
     }
 
-    fn moves_integrals(&self) -> bool {
+    pub(crate) fn moves_integrals(&self) -> bool {
         self.rule == ContactRule::EndPoint && self.options.constraint == WeightedConstraint::Standard
     }
 
@@ -314,7 +317,9 @@ impl ContactMethod for MortarContact {
         // No memory of the last step: a run that is resumed has none.
         self.handed_over.fill(false);
         self.integrated = Some(self.integrate(q_n, &[], &[], measure)?);
-        if self.hand_over_small_supports() > 0 {
+        if self.is_soft() {
+            self.begin_softening();
+        } else if self.hand_over_small_supports() > 0 {
             self.integrated = Some(self.integrate(q_n, &[], &[], measure)?);
         }
         let (directors, mut work) = (self.directors(), Work::default());
@@ -335,6 +340,7 @@ impl ContactMethod for MortarContact {
         want_tangent: bool,
     ) -> Result<bool, ContactError> {
         let changed = self.moves_integrals() && self.follow(q_np1, active, want_tangent)?;
+        self.follow_softening(pressures, active);
         if want_tangent {
             self.follow_friction(q_np1, pressures, active);
         }
@@ -342,8 +348,12 @@ impl ContactMethod for MortarContact {
     }
 
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        let mut slots = Vec::new();
         for (k, slot) in self.slots().iter().enumerate().filter(|(k, _)| active[*k]) {
-            visit(&slot.nodes, &[k as u32]);
+            slots.clear();
+            slots.push(k as u32);
+            self.push_partners(k, active, &mut slots);
+            visit(&slot.nodes, &slots);
         }
     }
 
@@ -360,6 +370,7 @@ impl ContactMethod for MortarContact {
         for (k, slot) in self.slots().iter().enumerate().filter(|(k, _)| active[*k]) {
             out.slots.clear();
             out.slots.push(k as u32);
+            self.push_partners(k, active, &mut out.slots);
             out.nodes.clear();
             out.nodes.extend_from_slice(&slot.nodes);
             out.reset(want_tangent);
@@ -368,7 +379,8 @@ impl ContactMethod for MortarContact {
                 let (n, weight) = (3 * slot.nodes.len(), self.slot_weight(k));
                 out.residual[n] = -weight * pressures[k];
                 if want_tangent {
-                    out.tangent[n * (n + 1) + n] = -weight;
+                    let diagonal = n * out.dim() + n;
+                    out.tangent[diagonal] = -weight;
                 }
             } else {
                 let reference = match self.options.constraint {
@@ -380,6 +392,7 @@ impl ContactMethod for MortarContact {
                 if !there {
                     return Err(ContactError::NoNormal { node: slot.nodes[0] });
                 }
+                self.soften(k, slot, pressures, active, want_tangent, &mut out);
             }
             visit(&out);
         }
@@ -391,7 +404,8 @@ impl ContactMethod for MortarContact {
         let directors = self.directors();
         let modified = self.options.constraint == WeightedConstraint::Modified;
         for (k, (slot, out)) in self.slots().iter().zip(out).enumerate() {
-            *out = slot.gap(q_np1, directors, &mut work).map_or(f64::INFINITY, |g| g / slot.support);
+            let gap = slot.gap(q_np1, directors, &mut work);
+            *out = gap.map_or(f64::INFINITY, |g| self.soft_gap(k, g, slot.support));
             if modified && self.gap_n[k].is_finite() {
                 // A node that was released while it kept a negative gap must not be caught by that.
                 *out -= if active[k] { self.gap_n[k] } else { self.gap_n[k].min(0.0) };
@@ -401,7 +415,7 @@ impl ContactMethod for MortarContact {
     }
 
     fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        let changes = if self.moves_integrals() { self.hand_over_small_supports() } else { 0 };
+        let changes = if self.moves_integrals() && !self.is_soft() { self.hand_over_small_supports() } else { 0 };
         if changes > 0 {
             self.at.clear();
             self.follow(q_np1, active, true)?;

@@ -177,6 +177,22 @@ impl Slot {
         Some(sum)
     }
 
+    /// Visits (component of the nodes, derivative of the support), if there are derivatives; a component may come more than once.
+    pub fn for_each_support_derivative(&self, mut visit: impl FnMut(usize, f64)) {
+        let columns = 3 * self.nodes.len();
+        for group in self.groups.iter().filter(|group| !group.derivative.is_empty()) {
+            let mut rows: Vec<usize> = group.corners.iter().flatten().copied().collect();
+            rows.sort_unstable();
+            rows.dedup();
+            // The weights of the slave's nodes add up to the support.
+            for k in rows {
+                for (column, &d) in group.derivative[k * columns..][..columns].iter().enumerate() {
+                    visit(column, d);
+                }
+            }
+        }
+    }
+
     /// Unit normal at `q` from master to slave, zero if there is none.
     pub fn normal(&self, q: &[f64]) -> [f64; 3] {
         let mut c = Vector3::zeros();
@@ -270,7 +286,7 @@ impl Slot {
 
     fn add(&self, group: &Group, q: &[f64], p: f64, want_tangent: bool, work: &mut Work, out: &mut LocalContribution) {
         let n = 3 * self.nodes.len();
-        let dim = n + 1;
+        let dim = out.dim();
         let Work { force, end, motion, product, .. } = work;
         let tangent_too = want_tangent;
         out.residual[n] -= end.value;

@@ -199,7 +199,8 @@ impl NodeFriction<'_> {
     ) {
         let at_end = step.rule == ContactRule::EndPoint;
         let n = 3 * slot.nodes.len();
-        let dim = n + 1;
+        // Of the row of a force: coordinates and the pressure.
+        let (dim, stride) = (n + 1, out.dim());
         let (by_node, by_pressure) = self.by_node(work, state, at_end);
         let Scratch { arguments, start, motion, traction, product } = work;
         motion.clear();
@@ -244,7 +245,7 @@ impl NodeFriction<'_> {
             Slot::for_each_coefficient(group, |a, k, c| {
                 for i in 0..3 {
                     let row = &product[(3 * a + i) * dim..][..dim];
-                    let to = &mut out.tangent[(3 * k + i) * dim..][..dim];
+                    let to = &mut out.tangent[(3 * k + i) * stride..][..dim];
                     to.iter_mut().zip(row).for_each(|(t, p)| *t += c * p);
                 }
             });
@@ -252,7 +253,7 @@ impl NodeFriction<'_> {
                 for (k, row) in group.derivative.chunks_exact(n).enumerate() {
                     for i in 0..3 {
                         let on_gap = force[0][i].value;
-                        let to = &mut out.tangent[(3 * k + i) * dim..][..n];
+                        let to = &mut out.tangent[(3 * k + i) * stride..][..n];
                         to.iter_mut().zip(row).for_each(|(t, d)| *t += on_gap * d);
                     }
                 }

@@ -31,6 +31,51 @@ proptest! {
         }
     }
 
+    /// Partly covered nodes, some of them with next to nothing.
+    #[test]
+    fn tangents_of_fading_constraints_are_derivatives(
+        d in warp(), e in warp(), p in pressures(), shift in 0.0f64..1.4, dual in any::<bool>(), averaged in any::<bool>(),
+    ) {
+        let mut q_n = moved(&d);
+        (0..SLAVE).for_each(|k| q_n[3 * k] += 0.8 * shift);
+        let mut q: Vec<f64> = q_n.iter().zip(&e).map(|(x, e)| x + 0.3 * e).collect();
+        (0..SLAVE).for_each(|k| q[3 * k] += 0.2 * shift);
+        let mut method = method(options(dual, averaged)).with_softening(20.0);
+        if let Some(error) = tangent_error(&mut method, ContactRule::EndPoint, &q_n, &q, &p) {
+            prop_assert!(error < 1e-7, "dual {dual} averaged {averaged}: {error:e}");
+        }
+    }
+
+    /// Touching flat sheets under one pressure: the rows of all nodes that have carrying neighbours vanish, however little of them is covered.
+    #[test]
+    fn fading_constraints_keep_constant_pressures(shift in 0.0f64..0.6, pressure in 0.1f64..9.0, dual in any::<bool>()) {
+        let mut q = base();
+        for k in 0..SLAVE {
+            q[3 * k] += shift;
+            q[3 * k + 2] = 1.0;
+        }
+        let mut method = method(options(dual, true)).with_softening(20.0);
+        method.set_rule(ContactRule::EndPoint, 0.1);
+        method.begin_step(&q, 0.5).unwrap();
+        let carries: Vec<bool> = (0..SLAVE).map(|k| method.supports()[k] >= 0.5 * method.slot_weight(k)).collect();
+        let beside = |k: usize| {
+            let (i, j) = (k % 3, k / 3);
+            (0..SLAVE).any(|m| m != k && (m % 3).abs_diff(i) <= 1 && (m / 3).abs_diff(j) <= 1 && carries[m])
+        };
+        let active: Vec<bool> = method.supports().iter().map(|s| *s > 0.0).collect();
+        let p: Vec<f64> = active.iter().map(|a| if *a { pressure } else { 0.0 }).collect();
+        method.renew(&q, &p, &active, false).unwrap();
+        let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPoint };
+        let rows = assemble(&method, step, &p, &active).residual;
+        let all_carry = |k: usize| {
+            let (i, j) = (k % 3, k / 3);
+            (0..SLAVE).filter(|m| (m % 3).abs_diff(i) <= 1 && (m / 3).abs_diff(j) <= 1 && carries[*m]).all(|m| active[m])
+        };
+        for k in (0..SLAVE).filter(|&k| active[k] && (carries[k] || beside(k)) && all_carry(k)) {
+            prop_assert!(rows[3 * NODES + k].abs() < 1e-14, "node {k}: {}", rows[3 * NODES + k]);
+        }
+    }
+
     #[test]
     fn forces_have_neither_resultant_nor_moment(
         d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual in any::<bool>(), averaged in any::<bool>(),

@@ -132,6 +132,15 @@ impl ActiveSetControl {
         &self.flipping
     }
 
+    /// Applies the rule ([`update`]) to an iterate that is no solution yet; returns how many slots changed. Such sets are not remembered: they may
+    /// come back.
+    pub fn follow(&mut self, active: &mut [bool], pressures: &[f64], gaps: &[f64], c: &[f64]) -> usize {
+        self.proposed.resize(active.len(), false);
+        let (closed, opened) = update(active, pressures, gaps, c, self.tolerance, &mut self.proposed);
+        active.copy_from_slice(&self.proposed);
+        closed + opened
+    }
+
     /// Applies the rule ([`update`]) to the converged values of the present set and changes `active` in place.
     pub fn propose(&mut self, active: &mut [bool], pressures: &[f64], gaps: &[f64], c: &[f64]) -> ActiveSetOutcome {
         let slots = active.len();

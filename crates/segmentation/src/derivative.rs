@@ -107,7 +107,7 @@ impl Segment {
             for k in 0..LOCAL {
                 let r = [b[0][k], b[1][k]];
                 let (slave, foot) = match v.provenance {
-                    Provenance::Slave(_) => ([0.0; 2], solve(t2, r)),
+                    Provenance::Slave(_) | Provenance::Cut => ([0.0; 2], solve(t2, r)),
                     Provenance::Master(_) => (solve(t1, [-r[0], -r[1]]), [0.0; 2]),
                     Provenance::Intersection { slave_edge, master_edge } => {
                         let (u1, u2) = (edge_direction(slave_edge), edge_direction(master_edge));

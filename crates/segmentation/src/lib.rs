@@ -37,6 +37,7 @@ mod clip;
 mod coverage;
 mod derivative;
 mod error;
+mod folded;
 mod frame;
 mod overlap;
 mod segment;

@@ -26,6 +26,8 @@ pub enum Provenance {
         /// Edge of the master.
         master_edge: u8,
     },
+    /// Where a nearer facet of a folded master begins; its place on the slave counts as fixed in derivatives.
+    Cut,
 }
 
 /// A vertex of a segment.
@@ -77,6 +79,25 @@ impl Segment {
     /// Fan of triangles from the first vertex: indices into [`Segment::vertices`].
     pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
         (1..self.count - 1).map(|k| [0, k, k + 1])
+    }
+
+    /// A triangle of it.
+    pub(crate) fn part(&self, triangle: &[Vertex; 3]) -> Self {
+        let mut part = Self { count: 3, ..self.clone() };
+        part.vertices[..3].copy_from_slice(triangle);
+        part
+    }
+
+    /// Smallest and largest coordinates of the image.
+    pub(crate) fn bounds(&self) -> [[f64; 2]; 2] {
+        let mut range = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for v in self.vertices() {
+            for k in 0..2 {
+                range[0][k] = range[0][k].min(v.image[k]);
+                range[1][k] = range[1][k].max(v.image[k]);
+            }
+        }
+        range
     }
 
     /// Twice the signed area of a triangle in the slave's coordinates: `det d xi / d eta`.
@@ -138,7 +159,7 @@ fn between(corners: [u8; 2], fraction: f64) -> [f64; 2] {
 }
 
 /// Coordinates of a point that is known to lie in the closed facet: round-off may not take it out.
-fn inside(xi: [f64; 2]) -> [f64; 2] {
+pub(crate) fn inside(xi: [f64; 2]) -> [f64; 2] {
     xi.map(|x| x.clamp(-1.0, 1.0))
 }
 

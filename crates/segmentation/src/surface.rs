@@ -1,5 +1,6 @@
 //! One slave facet against a master surface.
 
+use crate::folded::unfold;
 use crate::overlap::common_area;
 use crate::{Segment, SegmentationError, SlaveFrame, segment_pair};
 use nalgebra::Vector3;
@@ -66,7 +67,8 @@ impl FacetSegmentation {
 /// Segments a slave facet against the candidates of a master surface.
 ///
 /// Two sheets (sets of candidates connected over edges) that cover the same part of the slave are no contact of both:
-/// the one whose mean gap is smaller in size stays, the other is listed as hidden.
+/// the one whose mean gap is smaller in size stays, the other is listed as hidden. Where one sheet is folded, each point of the slave belongs to
+/// the nearer facet: the other's segment is cut ([`crate::Provenance::Cut`]).
 ///
 /// # Errors
 /// Those of [`SlaveFrame::new`] and [`segment_pair`].
@@ -97,6 +99,7 @@ pub fn segment_facet(
     }
     let mut found = FacetSegmentation { frame, segments, hidden: Vec::new() };
     hide(&mut found, candidates, &seen, &owner);
+    unfold(&mut found, candidates);
     Ok(found)
 }
 

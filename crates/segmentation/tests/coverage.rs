@@ -47,6 +47,11 @@ fn slave_quad() -> impl Strategy<Value = [Vector3<f64>; 4]> {
     })
 }
 
+/// Facets of a surface whose nodes are moved so far that it folds over itself.
+fn folded(moves: &[Vector3<f64>]) -> Vec<MasterFacet> {
+    surface(3, 2.0, |k, x, y| Vector3::new(x, y, 0.4) + moves[k])
+}
+
 /// How many triangles have the point, and its distance to the closest side in the slave's coordinates.
 fn cover(found: &FacetSegmentation, xi: [f64; 2]) -> (i32, f64) {
     let (mut count, mut distance) = (0, f64::INFINITY);
@@ -112,6 +117,30 @@ proptest! {
         }
     }
 
+    /// However a sheet is folded, no part of the slave is covered twice, and what is covered belongs to the facet that is as near as any.
+    #[test]
+    fn folded_sheets_cover_no_part_twice(
+        slave in slave_quad(),
+        moves in prop::collection::vec(vector(1.1), 16),
+    ) {
+        let master = folded(&moves);
+        let found = segment_facet(slave, &master, GapRange::ALL);
+        prop_assume!(found.is_ok());
+        let found = found.unwrap();
+        let report = check_coverage(&found, &master, GapRange::ALL).unwrap();
+        prop_assert!(report.double < 1e-12, "{report:?}");
+        let (image, whole): (f64, f64) = (found.segments.iter().map(|s| s.image_area()).sum(), found.frame.image_area());
+        prop_assert!(found.frame.is_split() || image <= whole * (1.0 + 1e-12), "{image} of {whole}");
+        for segment in &found.segments {
+            let corners = master[segment.master_facet as usize].corners;
+            for v in segment.vertices() {
+                // Both sides of a vertex have the same image, cut or not.
+                let foot = segment.project(&found.frame, &corners, v.slave);
+                prop_assert!((foot.gap - v.gap).abs() < 1e-7, "{v:?} {foot:?}");
+            }
+        }
+    }
+
     #[test]
     fn crumpled_surfaces_leave_no_gap(
         slave in slave_quad(),
@@ -166,6 +195,36 @@ fn overhang_is_uncovered_but_not_opposite() {
     let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
     assert!((report.uncovered - 2.0).abs() < 1e-14);
     assert!(report.is_tiling(1e-14));
+}
+
+/// Two facets with a common edge, one crossing itself so that it lies over a part of the other: the union is covered once, and where both
+/// are, the nearer one stays whole.
+#[test]
+fn a_part_covered_by_both_sides_of_a_fold_goes_to_the_nearer() {
+    let flat = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
+    let fold = |height: f64| {
+        let a = [flat(-1.0, -1.0, 0.3), flat(-1.0, 1.0, 0.3), flat(0.2, 1.0, 0.3), flat(0.2, -1.0, 0.3)];
+        // Crosses its edge with `a`; what is seen of it from below is a triangle that reaches under `a`.
+        let b = [flat(0.2, -1.0, 0.3), flat(0.2, 1.0, 0.3), flat(-0.4, 0.4, height), flat(0.9, -0.6, height)];
+        [MasterFacet { id: 0, nodes: [0, 1, 2, 3], corners: a }, MasterFacet { id: 1, nodes: [3, 2, 4, 5], corners: b }]
+    };
+    let part = |found: &FacetSegmentation, id: u32| -> f64 {
+        found.segments.iter().filter(|s| s.master_facet == id).map(|s| s.parametric_area()).sum()
+    };
+    let alone = |facet: &MasterFacet| {
+        segment_facet(square(), std::slice::from_ref(facet), GapRange::ALL).unwrap().parametric_area()
+    };
+    for height in [0.1, 0.9] {
+        let master = fold(height);
+        let areas = [alone(&master[0]), alone(&master[1])];
+        let found = segment_facet(square(), &master, GapRange::ALL).unwrap();
+        let report = check_coverage(&found, &master, GapRange::ALL).unwrap();
+        assert!(report.is_tiling(1e-12), "{report:?}");
+        let nearer = if height < 0.3 { 1 } else { 0 };
+        let far = 1 - nearer;
+        assert!((part(&found, nearer as u32) - areas[nearer]).abs() < 1e-12);
+        assert!(part(&found, far as u32) < areas[far] - 1e-3, "they do not overlap: {areas:?}");
+    }
 }
 
 #[test]

@@ -81,14 +81,25 @@ impl Simulation {
         self.set_dead_loads(time + rule.force.rule.load_fraction() * dt);
         let (start, other) = self.starts(dt);
         match self.try_from(start, dt, rule) {
-            Err(cause @ (StepError::Solid(_) | StepError::Singular { .. }))
-                if other.is_some() && (start == Start::Linear || matches!(cause, StepError::Solid(_))) =>
-            {
+            Err(cause) if other.is_some() && self.may_start_elsewhere(start, &cause) => {
                 let reason = format!("from the predictor: {cause}");
                 self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
                 self.try_from(other.unwrap_or(start), dt, rule)
             }
             result => result,
+        }
+    }
+
+    /// Whether a step that failed from `start` may well succeed from elsewhere. In statics the last increment may lead far from the solution where
+    /// surfaces slide from one facet to the next; a shorter step costs more than another start.
+    fn may_start_elsewhere(&self, start: Start, cause: &StepError) -> bool {
+        match cause {
+            StepError::Solid(_) => true,
+            StepError::Singular { .. } => start == Start::Linear,
+            StepError::NotConverged { .. } | StepError::Cycling { .. } | StepError::ActiveSet { .. } => {
+                self.scheme.is_none() && start == Start::Extrapolation
+            }
+            _ => false,
         }
     }
 

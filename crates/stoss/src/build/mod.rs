@@ -154,6 +154,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
 fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
     let default = NewtonOptions::default();
     let solver = &scene.solver;
+    let tolerance = solver.relative_tolerance.unwrap_or(DEFAULT_TOLERANCE);
     Settings {
         control: StepControl {
             step: scene.time.step,
@@ -166,7 +167,11 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             Kind::Dynamic => scheme,
         },
         newton: NewtonOptions {
-            relative_tolerance: solver.relative_tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            relative_tolerance: tolerance,
+            round_off_level: match scene.header.kind {
+                Kind::QuasiStatic => default.round_off_level.max(FAR_BELOW * tolerance),
+                Kind::Dynamic => default.round_off_level,
+            },
             absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
             max_iterations: solver.max_iterations.unwrap_or(default.max_iterations),
             line_search: LineSearch::backtracking(),
@@ -197,3 +202,6 @@ fn linear_solver(choice: LinearChoice, factors: Factors) -> Box<dyn LinearSolver
 /// Relative residual at which Newton stops. One more iteration follows if it still pays (`NewtonOptions::polish`), which
 /// brings the residual to round-off: balances are exact only as far as the residual is.
 pub const DEFAULT_TOLERANCE: f64 = 1.0e-9;
+
+/// Statics has no balances that add up step after step: a residual that came out this far below the tolerance is not polished.
+const FAR_BELOW: f64 = 1.0e-3;

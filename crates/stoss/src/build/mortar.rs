@@ -52,6 +52,7 @@ pub(super) fn contact(
         Ok(method) => {
             let mut method = method.with_crosspoints(|n| fixed.get(&n).is_some_and(|c| c.iter().all(|f| *f)));
             let complementarity = pair.prepare(&mut method, model, problems, warnings);
+            method = method.with_softening(complementarity);
             if let Some(friction) = &item.friction {
                 let slip = match friction.slip() {
                     Some(Slip::Direct) => SlipMeasure::Direct,

@@ -1,0 +1,163 @@
+//! Slave nodes of which little is covered, where the integrals move with the iterate.
+//!
+//! A constraint on a sliver of a support needs a pressure out of all proportion, of either sign, and the slivers change with the iterate. Below a
+//! fraction of the reference area the constraint is blended, smoothly in the covered area, with the equation that the node has the mean pressure of
+//! its neighbours: its function then belongs to theirs, and constant pressures stay exact.
+
+use crate::method::MortarContact;
+use crate::slot::Slot;
+use stoss_contact::LocalContribution;
+
+/// Fraction of the reference area of a slave node below which its constraint gives way.
+const PARTLY_COVERED: f64 = 0.5;
+/// Compliance against the mean pressure, in edge lengths over Young's modulus, for a support that vanishes.
+const COMPLIANCE: f64 = 0.3;
+
+/// Blend of one slot: its row is `-(constraint * Phi + compliance * (p - mean))`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Blend {
+    /// Without unit; 1 for a support that is large enough.
+    constraint: f64,
+    /// Volume per traction; 0 for a support that is large enough.
+    compliance: f64,
+    /// Derivatives with respect to the support.
+    d_constraint: f64,
+    d_compliance: f64,
+    /// An area by which the row becomes a length.
+    area: f64,
+}
+
+/// What the method knows of the supports at the start of a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Softening {
+    /// Traction per length.
+    stiffness: f64,
+    /// Slots whose mean pressure a slot with little support takes, for each slot.
+    partners: Vec<Vec<u32>>,
+    /// Pressures of the iterate.
+    pressures: Vec<f64>,
+}
+
+impl Blend {
+    fn new(support: f64, area: f64, stiffness: f64) -> Option<Self> {
+        let fraction = support / area;
+        if fraction >= PARTLY_COVERED {
+            return None;
+        }
+        let part = fraction / PARTLY_COVERED;
+        let largest = COMPLIANCE * area * PARTLY_COVERED / stiffness;
+        let by_support = 1.0 / (area * PARTLY_COVERED);
+        Some(Self {
+            constraint: part,
+            compliance: largest * (1.0 - part) * (1.0 - part),
+            d_constraint: by_support,
+            d_compliance: -2.0 * largest * (1.0 - part) * by_support,
+            area: area * PARTLY_COVERED * (COMPLIANCE + (1.0 - COMPLIANCE) * part),
+        })
+    }
+}
+
+impl MortarContact {
+    /// The same contact with a compliance for slave nodes of which less than half is covered, where integrals move with the iterate
+    /// (backward Euler, statics). `stiffness` is a traction per length, Young's modulus over an edge length, say; it decides on how a node fades
+    /// when its support does, not on the rest. Without it such nodes hand their multiplier over below a twentieth, all at once.
+    #[must_use]
+    pub fn with_softening(mut self, stiffness: f64) -> Self {
+        let valid = stiffness > 0.0 && stiffness.is_finite();
+        let partners = vec![Vec::new(); self.without.len()];
+        self.softening = valid.then(|| Softening { stiffness, partners, pressures: vec![0.0; self.without.len()] });
+        self
+    }
+
+    pub(crate) fn is_soft(&self) -> bool {
+        self.softening.is_some() && self.moves_integrals()
+    }
+
+    /// Chooses the partners of a step by the supports at its start.
+    pub(crate) fn begin_softening(&mut self) {
+        let supports = self.supports();
+        let (slave, without) = (&self.slave, &self.without);
+        let Some(softening) = &mut self.softening else { return };
+        softening.pressures.fill(0.0);
+        let carries = |n: u32| {
+            let n = n as usize;
+            !without[n] && supports.get(n).is_some_and(|s| *s >= PARTLY_COVERED * slave.nodal_areas()[n])
+        };
+        for (node, partners) in softening.partners.iter_mut().enumerate() {
+            partners.clear();
+            let beside = slave.facets_around(node).iter().flat_map(|&f| slave.local_facets()[f as usize]);
+            partners.extend(beside.filter(|&other| other as usize != node && carries(other)));
+            partners.sort_unstable();
+            partners.dedup();
+        }
+    }
+
+    pub(crate) fn follow_softening(&mut self, pressures: &[f64], active: &[bool]) {
+        let Some(softening) = &mut self.softening else { return };
+        for ((to, p), active) in softening.pressures.iter_mut().zip(pressures).zip(active) {
+            *to = if *active { *p } else { 0.0 };
+        }
+    }
+
+    fn blend(&self, slot: usize) -> Option<(Blend, &Softening)> {
+        let softening = self.softening.as_ref().filter(|_| self.moves_integrals())?;
+        let support = self.slots().get(slot)?.support;
+        Some((Blend::new(support, self.slave.nodal_areas()[slot], softening.stiffness)?, softening))
+    }
+
+    /// Appends the slots whose pressures the row of a slot may depend on.
+    pub(crate) fn push_partners(&self, slot: usize, active: &[bool], slots: &mut Vec<u32>) {
+        if !self.is_soft() {
+            return;
+        }
+        let partners = self.softening.iter().flat_map(|s| &s.partners[slot]);
+        slots.extend(partners.filter(|&&p| active[p as usize]));
+    }
+
+    /// Mean pressure of a slot's partners.
+    fn mean(softening: &Softening, slot: usize, pressure: impl Fn(usize) -> f64) -> f64 {
+        let partners = &softening.partners[slot];
+        let sum: f64 = partners.iter().map(|&p| pressure(p as usize)).sum();
+        if partners.is_empty() { 0.0 } else { sum / partners.len() as f64 }
+    }
+
+    /// Blends the row of a slot, which `out` holds with all its derivatives.
+    pub(crate) fn soften(
+        &self,
+        slot: usize,
+        present: &Slot,
+        pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        out: &mut LocalContribution,
+    ) {
+        let Some((blend, softening)) = self.blend(slot) else { return };
+        let (n, dim) = (3 * out.nodes.len(), out.dim());
+        let mean = Self::mean(softening, slot, |p| if active[p] { pressures[p] } else { 0.0 });
+        let excess = pressures[slot] - mean;
+        let row = out.residual[n];
+        out.residual[n] = blend.constraint * row - blend.compliance * excess;
+        if !want_tangent {
+            return;
+        }
+        let tangent = &mut out.tangent[n * dim..][..dim];
+        tangent.iter_mut().for_each(|t| *t *= blend.constraint);
+        let by_support = blend.d_constraint * row - blend.d_compliance * excess;
+        present.for_each_support_derivative(|column, d| tangent[column] += by_support * d);
+        tangent[n] -= blend.compliance;
+        let share = blend.compliance / softening.partners[slot].len().max(1) as f64;
+        tangent[n + 1..].iter_mut().for_each(|t| *t += share);
+    }
+
+    /// What stands for the gap of a slot with weighted gap `phi` in the rule of the active set.
+    pub(crate) fn soft_gap(&self, slot: usize, phi: f64, support: f64) -> f64 {
+        match self.blend(slot) {
+            None => phi / support,
+            Some((blend, softening)) => {
+                let mean = Self::mean(softening, slot, |p| softening.pressures[p]);
+                let excess = softening.pressures[slot] - mean;
+                (blend.constraint * phi + blend.compliance * excess) / blend.area
+            }
+        }
+    }
+}
