@@ -366,6 +366,24 @@ fn rows(out: &Path) -> usize {
     std::fs::read_to_string(out.join("balance.csv")).map_or(0, |text| text.lines().count())
 }
 
+/// A matrix pattern that grows within a step, an ordering, factors: nothing of what earlier steps left in the linear solver shows.
+#[test]
+fn a_large_system_resumes_with_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/ironing-mortar.toml");
+    let text = std::fs::read_to_string(scene).unwrap();
+    write(folder.path(), "scene.toml", &text);
+    let run = |arguments: &[&str]| {
+        let output = stoss(folder.path(), &[&["run", "scene.toml", "--quiet"], arguments].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    };
+    run(&["--out", "whole", "--until", "2.6"]);
+    run(&["--out", "parts", "--until", "2.2"]);
+    run(&["--out", "parts", "--until", "2.6", "--resume"]);
+    assert_eq!(summary(&folder.path().join("parts"))["linear_solver"], "multifrontal");
+    assert_same_results(&folder.path().join("whole"), &folder.path().join("parts"));
+}
+
 #[test]
 fn a_killed_run_resumes_with_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();

@@ -22,6 +22,10 @@ pub enum WeightedConstraint {
     /// `Phi_np1 = Phi_n`, both with the integrals of the step: energy is exact, nodes float and bounce. Not with
     /// [`ContactRule::EndPoint`].
     Modified,
+    /// `Phi_np1 = min(Phi_n, 0)`, both with the integrals of the step. When integrals are renewed at the start of a step, a closed node has a small gap
+    /// of either sign; to set it to zero costs energy if it is open and *gives* energy if it is not. The latter is left out, so that sliding contact
+    /// never gains energy; penetrations stay at what the renewals add up to. Not with [`ContactRule::EndPoint`].
+    OneSided,
 }
 
 /// Options of the method.
@@ -184,6 +188,17 @@ impl MortarContact {
     fn range_for(&self, reach: f64) -> GapRange {
         let h = self.slave.length_scale().max(self.master.length_scale());
         GapRange { min: -DEPTH * h, max: reach + MARGIN * h }
+    }
+
+    /// The gap that a node keeps in the step, a length.
+    fn kept_gap(&self, slot: usize, active: bool) -> f64 {
+        let gap_n = Some(self.gap_n[slot]).filter(|gap| gap.is_finite()).unwrap_or(0.0);
+        match self.options.constraint {
+            WeightedConstraint::Standard => 0.0,
+            WeightedConstraint::Modified if active => gap_n,
+            // A node that was released while it kept a negative gap must not be caught by that.
+            WeightedConstraint::Modified | WeightedConstraint::OneSided => gap_n.min(0.0),
+        }
     }
 
     pub(crate) fn moves_integrals(&self) -> bool {
@@ -383,10 +398,7 @@ impl ContactMethod for MortarContact {
                     out.tangent[diagonal] = -weight;
                 }
             } else {
-                let reference = match self.options.constraint {
-                    WeightedConstraint::Modified if self.gap_n[k].is_finite() => self.gap_n[k] * slot.support,
-                    _ => 0.0,
-                };
+                let reference = self.kept_gap(k, true) * slot.support;
                 let there = slot.contribute(step, pressures[k], reference, want_tangent, &mut work, &mut out)
                     && self.add_friction(k, step, pressures[k], want_tangent, &mut scratch, &mut out);
                 if !there {
@@ -402,14 +414,10 @@ impl ContactMethod for MortarContact {
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
         let mut work = Work::default();
         let directors = self.directors();
-        let modified = self.options.constraint == WeightedConstraint::Modified;
         for (k, (slot, out)) in self.slots().iter().zip(out).enumerate() {
             let gap = slot.gap(q_np1, directors, &mut work);
             *out = gap.map_or(f64::INFINITY, |g| self.soft_gap(k, g, slot.support));
-            if modified && self.gap_n[k].is_finite() {
-                // A node that was released while it kept a negative gap must not be caught by that.
-                *out -= if active[k] { self.gap_n[k] } else { self.gap_n[k].min(0.0) };
-            }
+            *out -= self.kept_gap(k, active[k]);
         }
         Ok(())
     }

@@ -183,6 +183,29 @@ fn crosspoints_keep_the_area() {
     }
 }
 
+/// The one-sided constraint keeps penetrations of the start of the step and closes open gaps.
+#[test]
+fn the_one_sided_constraint_keeps_penetrations_only() {
+    let mut method = method(MortarOptions { constraint: WeightedConstraint::OneSided, ..options(false, true) });
+    method.set_rule(ContactRule::EnergyMomentum, 0.1);
+    let lifted = |by: f64| {
+        let mut q = base();
+        (0..SLAVE).for_each(|k| q[3 * k + 2] += by);
+        q
+    };
+    let mut gaps_from = |start: f64, end: f64| {
+        method.begin_step(&lifted(start), 0.5).unwrap();
+        let mut gaps = [0.0; SLAVE];
+        method.complementarity_gaps(&lifted(end), &[true; SLAVE], &mut gaps).unwrap();
+        gaps.into_iter().filter(|g| g.is_finite()).collect::<Vec<f64>>()
+    };
+    // A node is then as far away as it is above what it is to keep. The surfaces are rough: lifted by 0.3 all are open, lowered by 0.3 all penetrate.
+    let (open, deep) = (gaps_from(0.3, 0.3), gaps_from(-0.3, -0.3));
+    assert!(!open.is_empty() && open.iter().all(|g| *g > 0.05), "{open:?}");
+    assert!(!deep.is_empty() && deep.iter().all(|g| g.abs() < 1e-14), "{deep:?}");
+    assert!(gaps_from(-0.3, -0.28).iter().all(|g| (g - 0.02).abs() < 1e-2), "pushed out by 0.02");
+}
+
 /// The modified constraint refers to the gap at the start of the step.
 #[test]
 fn the_modified_constraint_keeps_the_gap() {

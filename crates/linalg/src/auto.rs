@@ -85,7 +85,10 @@ impl LinearSolver for AutoSolver {
     }
 
     fn forget(&mut self) {
-        self.active().forget();
+        // A pattern of another size may have been another solver's in between.
+        self.dense.forget();
+        self.sparse.forget();
+        self.multifrontal.forget();
     }
 
     fn memory_bytes(&self) -> usize {

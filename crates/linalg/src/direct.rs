@@ -50,9 +50,6 @@ pub trait Factorisation: Send + Debug {
         0
     }
 
-    /// What follows must not depend on what came before (see [`LinearSolver::forget`]); the factors will not be used again.
-    fn forget(&mut self) {}
-
     /// Whether the equilibration has to keep the values' symmetry.
     fn symmetric_scaling(&self) -> bool {
         false
@@ -308,7 +305,6 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
 
     fn forget(&mut self) {
         self.factorised = false;
-        self.factorisation.forget();
     }
 
     fn memory_bytes(&self) -> usize {

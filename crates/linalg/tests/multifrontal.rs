@@ -121,6 +121,18 @@ fn left_over_storage_is_not_read() {
     }
 }
 
+/// The order is that of the pattern at hand, not of one that has grown to it.
+#[test]
+fn a_pattern_that_has_grown_leaves_no_trace() {
+    let (small, b) = tori([12, 6, 1], 8, Setting::new(true));
+    let (large, c) = tori([12, 6, 1], 16, Setting::new(true));
+    assert!(large.n() > small.n());
+    let mut used = MultifrontalSolver::new();
+    solve(&mut used, &small, MatrixKind::General, &b).unwrap();
+    let grown = solve(&mut used, &large, MatrixKind::General, &c).unwrap();
+    assert_eq!(grown, solve(&mut MultifrontalSolver::new(), &large, MatrixKind::General, &c).unwrap());
+}
+
 /// The bits do not depend on which patterns and values were seen before.
 #[test]
 fn history_does_not_show() {

@@ -64,6 +64,9 @@ named! {
         /// The gap keeps its value in the step: conserves energy, while nodes float at the gap that they had. Frictionless
         /// dynamics only.
         Modified = "modified",
+        /// Mortar in dynamics only: a gap that is open at the start of a step is closed, a penetration keeps its value. Where surfaces slide, integrals
+        /// that are renewed turn closed nodes into slightly open or penetrating ones; so they do no positive work.
+        OneSided = "one-sided",
     }
 }
 

@@ -171,6 +171,7 @@ const CASES: &[Case] = &[
     dynamic("master = \"plate.top\"", "master = \"plte.top\"", "plte.top", "contact[0].master"),
     dynamic("slave = \"ball.outer\"", "slave = \"outer\"", "slave = \"outer\"", "contact[0].slave"),
     dynamic("slave = \"ball.outer\"\n", "", "[[contact]]", "contact[0].slave"),
+    dynamic("constraint = \"modified\"", "constraint = \"one-sided\"", "one-sided", "contact[0].constraint"),
     dynamic("constraint = \"modified\"", "constraint = \"soft\"", "soft", "contact[0].constraint"),
     dynamic("constraint = \"modified\"", "enforcement = 1e5", "enforcement", "contact[0].enforcement"),
     dynamic("constraint = \"modified\"", "enforcement = \"penalty\"", "enforcement", "contact[0].enforcement"),

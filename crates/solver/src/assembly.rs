@@ -387,15 +387,18 @@ impl System {
             }
         }
         let n = next as usize;
-        // A pressure and its auxiliaries belong to the node of the slot, the first one of its contribution.
+        // A pressure and its auxiliaries belong to the node of the slot, the first one of the contribution that names the slot first. Others may depend on
+        // it, and name it later.
         let mut groups = self.numbering.nodes();
         groups.resize(n, NONE);
-        for (pair, nodes, slots) in contributions.iter() {
-            for &slot in slots {
-                let first = self.slot_equation[pair][slot as usize] as usize;
-                for group in &mut groups[first..first + self.slot_width[pair] as usize] {
-                    if *group == NONE {
-                        *group = nodes.first().copied().unwrap_or(NONE);
+        for own in [true, false] {
+            for (pair, nodes, slots) in contributions.iter() {
+                for &slot in if own { &slots[..slots.len().min(1)] } else { slots } {
+                    let first = self.slot_equation[pair][slot as usize] as usize;
+                    for group in &mut groups[first..first + self.slot_width[pair] as usize] {
+                        if *group == NONE {
+                            *group = nodes.first().copied().unwrap_or(NONE);
+                        }
                     }
                 }
             }

@@ -167,8 +167,10 @@ fn quick_end(scene: &toml::Table) -> Option<f64> {
     let time = scene.get("time")?;
     let number = |key: &str| time.get(key).and_then(|value| value.as_float().or(value.as_integer().map(|n| n as f64)));
     let (end, step) = (number("end")?, number("step")?);
+    // What is to be seen in contact needs contact.
+    let contact = scene.get("expect").and_then(|expect| expect.get("first_contact")?.get("to")?.as_float());
     // Rounded, so that the table and the command line show a short number.
-    let shortened = (QUICK_STEPS * step * 1e9).round() / 1e9;
+    let shortened = ((contact.unwrap_or(0.0) + QUICK_STEPS * step) * 1e9).round() / 1e9;
     (shortened < end).then_some(shortened)
 }
 
@@ -214,6 +216,9 @@ mod tests {
         let end = |text: &str| quick_end(&text.parse().unwrap());
         assert_eq!(end("[time]\nend = 1.0\nstep = 0.01"), Some(0.6));
         assert_eq!(end("[time]\nend = 1\nstep = 0.5"), None);
+        let contact = "[expect]\nfirst_contact = { from = 0.1, to = 0.2 }";
+        assert_eq!(end(&format!("[time]\nend = 1.0\nstep = 0.01\n{contact}")), Some(0.8));
+        assert_eq!(end(&format!("[time]\nend = 0.7\nstep = 0.01\n{contact}")), None);
         assert_eq!(end("[scene]\ntitle = \"a\""), None);
     }
 

@@ -48,8 +48,6 @@ pub struct Multifrontal {
     numeric: Numeric,
     /// The last ordering and the graph that it belongs to: multipliers that come and go inside their groups leave it as it is.
     ordered: Option<(ordering::Graph, Vec<u32>)>,
-    /// The ordering was made since the last [`Factorisation::forget`]: a pattern that has grown since keeps it.
-    settled: bool,
     vectors: solve::Vectors,
     /// In use instead of the multifrontal factors if `fallen_back`.
     fallback: Option<FaerSparse>,
@@ -63,18 +61,14 @@ impl Multifrontal {
         self.symbolic = None;
         let groups = self.known.groups();
         let graph = groups.graph(pattern);
-        let keeps = |(known, order): &(ordering::Graph, Vec<u32>)| {
-            *known == graph || self.settled && order.len() == graph.len()
-        };
-        let (known, order) = match self.ordered.take().filter(keeps) {
-            // With the graph that the order belongs to.
-            Some(ordered) => ordered,
-            None => (graph.clone(), ordering::nested_dissection(&graph)?),
+        // A function of the graph alone: what was ordered before must not show in the bits.
+        let order = match self.ordered.take() {
+            Some((known, order)) if known == graph => order,
+            _ => ordering::nested_dissection(&graph)?,
         };
         let weights: Vec<usize> = (0..groups.len()).map(|g| groups.members(g).len()).collect();
         let nodes = tree::fronts(&graph, &weights, &order);
-        self.ordered = Some((known, order));
-        self.settled = true;
+        self.ordered = Some((graph, order));
         let symbolic = Symbolic::new(pattern, &groups, &nodes, self.kind != MatrixKind::General)?;
         self.numeric.fit(&symbolic);
         self.symbolic = Some(symbolic);
@@ -147,10 +141,6 @@ impl Factorisation for Multifrontal {
     fn applications_per_factorisation(&self) -> u32 {
         let (operations, entries) = self.effort();
         if self.fallen_back || entries == 0 { 0 } else { (operations / (OPERATIONS_PER_ENTRY * entries as f64)) as u32 }
-    }
-
-    fn forget(&mut self) {
-        self.settled = false;
     }
 
     fn symmetric_scaling(&self) -> bool {

@@ -88,8 +88,11 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
     let master = table.required("master", "master = \"plate.top\"", |n| set_reference(n, world));
     let constraint = table.default("constraint", Constraint::Standard, |n| {
         let constraint = n.choice(Constraint::NAMES, Constraint::from_name)?;
-        if constraint == Constraint::Modified && world.kind == Some(Kind::QuasiStatic) {
+        if constraint != Constraint::Standard && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("is for dynamic scenes only", "use \"standard\", which closes the gap");
+        }
+        if constraint == Constraint::OneSided && matches!(method, Some(ContactMethod::Nts | ContactMethod::Cat)) {
+            return n.fail("\"one-sided\" is for method = \"mortar\" only", "use \"standard\" or \"modified\"");
         }
         Some(constraint)
     });

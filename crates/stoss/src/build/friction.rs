@@ -15,8 +15,9 @@ fn law(item: &scene::Friction) -> Result<Arc<dyn FrictionLaw>, ContactError> {
     })
 }
 
-/// Name of the scene's scheme if it evaluates contact where there is no friction (formulation §4: statics, backward Euler, midpoint).
-fn scheme_without_friction(scene: &Scene) -> Option<&str> {
+/// Name of the scene's scheme if it evaluates contact where there is neither friction nor coordinate augmentation (formulation §4, §5: statics,
+/// end point, midpoint).
+pub(super) fn scheme_elsewhere(scene: &Scene) -> Option<&str> {
     let integrator = scene.time.integrator.as_ref()?;
     // A scheme that cannot be made is reported where it is named.
     let rule = integrator.make().ok()?.rule(scene.time.step).constraint.rule;
@@ -37,7 +38,7 @@ pub(super) fn friction(
     problems: &mut Problems<'_>,
 ) -> Option<Friction> {
     let key = format!("{key}.friction");
-    if let Some(scheme) = scheme_without_friction(scene) {
+    if let Some(scheme) = scheme_elsewhere(scene) {
         let message = format!("contact with friction is not available with the scheme `{scheme}`");
         problems.add(key, "", message, "use `energy-momentum`, `midpoint` or `backward-euler`, or remove the friction");
         return None;

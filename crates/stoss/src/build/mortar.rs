@@ -38,6 +38,7 @@ pub(super) fn contact(
         constraint: match item.constraint {
             Constraint::Standard => WeightedConstraint::Standard,
             Constraint::Modified => WeightedConstraint::Modified,
+            Constraint::OneSided => WeightedConstraint::OneSided,
         },
     };
     let [slave, master] = pair.facets;

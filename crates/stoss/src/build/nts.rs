@@ -3,7 +3,7 @@
 use super::Problems;
 use super::contact::PairInput;
 use super::friction::DEFAULT_TANGENTIAL_STIFFNESS;
-use crate::scene::{Constraint, Enforcement as Enforced, Scene};
+use crate::scene::{Constraint, Enforcement as Enforced};
 use crate::solver::{ContactPair, Model};
 use stoss_contact::{ContactMethod, Enforcement};
 use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
@@ -17,7 +17,8 @@ pub(super) fn contact(
 ) {
     let item = pair.item;
     let constraint = match item.constraint {
-        Constraint::Standard => ConstraintForm::Standard,
+        // A scene with `OneSided` and without mortar does not pass the reader.
+        Constraint::Standard | Constraint::OneSided => ConstraintForm::Standard,
         Constraint::Modified => ConstraintForm::Modified,
     };
     let enforcement = match item.enforcement {
@@ -46,7 +47,7 @@ pub(super) fn contact(
     }
     let method: Box<dyn ContactMethod> = match item.method {
         crate::scene::ContactMethod::Cat => {
-            if let Some(scheme) = scheme_without_augmentation(pair.scene) {
+            if let Some(scheme) = super::friction::scheme_elsewhere(pair.scene) {
                 let message = format!("is not available with the scheme `{scheme}`");
                 let key = format!("{}.method", pair.key);
                 return problems.add(key, "cat", message, "use `midpoint` or `backward-euler`, or `nts`");
@@ -70,14 +71,4 @@ fn augmentation(item: &crate::scene::Contact) -> stoss_contact_nts::AugmentedOpt
         drop_gap_term: item.drop_gap_term,
         drop_gap_slope: item.drop_gap_slope,
     }
-}
-
-/// Name of the scene's scheme if it evaluates contact where there is no coordinate augmentation (formulation §5: end point, midpoint).
-fn scheme_without_augmentation(scene: &Scene) -> Option<&str> {
-    use stoss_integrators::GradientRule;
-    let integrator = scene.time.integrator.as_ref()?;
-    // A scheme that cannot be made is reported where it is named.
-    let rule = integrator.make().ok()?.rule(scene.time.step).constraint.rule;
-    let fits = matches!(rule, GradientRule::EndPoint | GradientRule::Midpoint | GradientRule::DiscreteGradient);
-    (!fits).then_some(integrator.scheme.as_str())
 }

@@ -224,6 +224,8 @@ impl Shown {
         row("outermost node that carries, over the radius", ratios[2], Bound::Told);
         row("iterations a step", newton::mean_iterations(&run.newton()?), Bound::Told);
         row("step cuts", run.summary_number("cuts")?, Bound::Told);
+        let fallbacks = run.summary()?["linear_solver_counts"]["pivoting_fallbacks"].as_f64().unwrap_or(f64::NAN);
+        row("matrices without pivots inside the fronts", fallbacks, Bound::AtMost(0.0));
         let mut cells = vec![run.name.clone(), number(force)];
         cells.extend(ratios.iter().map(|ratio| format!("{ratio:.4}")));
         self.rows.push(cells);
