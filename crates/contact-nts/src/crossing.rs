@@ -39,7 +39,7 @@ pub struct Crossing<'a> {
 }
 
 /// Local node of each of the five nodes of a facet's [`Gap`].
-fn spread(facet: &[usize; 4]) -> [usize; 5] {
+pub(crate) fn spread(facet: &[usize; 4]) -> [usize; 5] {
     [0, facet[0], facet[1], facet[2], facet[3]]
 }
 

@@ -14,7 +14,7 @@
 //!   into the new tangent plane by the smallest rotation (§10.3 projects instead). Lengths do not change, so no stored energy
 //!   is lost over an edge.
 
-use crate::crossing::MAX_NODES;
+use crate::crossing::{MAX_NODES, spread};
 use crate::dual::{Dual, Scalar};
 use crate::kinematics::{Gap, LOCAL, LocalMatrix};
 use nalgebra::Vector3;
@@ -357,11 +357,6 @@ impl FrictionElement<'_> {
         }
         out
     }
-}
-
-/// Local nodes of the five nodes of a facet's [`Gap`].
-fn spread(facet: &[usize; 4]) -> [usize; 5] {
-    [0, facet[0], facet[1], facet[2], facet[3]]
 }
 
 /// Component of the element for a component of a [`Gap`].

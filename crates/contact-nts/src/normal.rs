@@ -1,12 +1,11 @@
 //! The normal part behind [`Enforcement`]: row of a slot, multipliers of the augmented Lagrangian, energy of the springs.
 
 use crate::method::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions, position};
+use stoss_contact::friction::MAX_AUGMENTATIONS;
 use stoss_contact::{ContactError, ContactRule, Enforcement, NormalRow};
 
 /// A closed node has this gap at most, in multiples of a master edge, once its multiplier has settled, or what round-off of the positions is.
 const CLOSED: f64 = 1.0e-13;
-/// Rounds of augmentation in one step. What has not settled then is taken as it is.
-const MAX_ROUNDS: u32 = 12;
 
 /// Enforcement of a whole surface.
 #[derive(Clone, Debug)]
@@ -107,7 +106,7 @@ impl NodeToSurface {
         pressures: &[f64],
         active: &[bool],
     ) -> Result<usize, ContactError> {
-        if self.normal.multipliers.is_empty() || self.normal.rounds >= MAX_ROUNDS {
+        if self.normal.multipliers.is_empty() || self.normal.rounds >= MAX_AUGMENTATIONS {
             return Ok(0);
         }
         self.normal.rounds += 1;

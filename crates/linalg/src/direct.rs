@@ -73,7 +73,7 @@ const SUSPICIOUS_GROWTH: f64 = 1e7;
 /// A solution with a larger row-wise backward error is worth a second factorisation with safer pivoting.
 const GOOD_BACKWARD_ERROR: f64 = 1e-13;
 
-/// Fewer iterations than these are not worth a try: each keeps a digit at best.
+/// Fewer iterations than these are not worth a try: each gains a digit at best.
 const FEWEST_NEARBY_ITERATIONS: u32 = 6;
 
 /// A [`LinearSolver`] made of a [`Factorisation`].

@@ -58,16 +58,8 @@ mod tests {
     use super::*;
 
     fn table(rows: &[[f64; 2]]) -> Table {
-        Table::from_rows(&rows.map_rows(), 1).unwrap()
-    }
-
-    trait Rows {
-        fn map_rows(&self) -> Vec<Vec<f64>>;
-    }
-    impl Rows for [[f64; 2]] {
-        fn map_rows(&self) -> Vec<Vec<f64>> {
-            self.iter().map(|row| row.to_vec()).collect()
-        }
+        let rows: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
+        Table::from_rows(&rows, 1).unwrap()
     }
 
     fn close(a: [f64; 3], b: [f64; 3], tolerance: f64) {

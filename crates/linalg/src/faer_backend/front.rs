@@ -135,7 +135,8 @@ pub fn factorise_lu_front(
 }
 
 /// `L D L^T` of a symmetric front, of which only the lower triangles are read and written; `block` is the lower panel alone. Pivots are taken as they
-/// come while that goes well, else 1 x 1 or 2 x 2 (Bunch and Kaufman), chosen among the first `w` equations. Afterwards the panel is `P^T L` and has the diagonal of `D`, `subdiagonal` the rest
+/// come while that goes well, else 1 x 1 or 2 x 2 (Bunch and Kaufman), chosen among the first `w` equations. Afterwards the panel is `P^T L` and
+/// has the diagonal of `D`, `subdiagonal` the rest
 /// of `D`. `product` (`w r` entries) is scratch.
 ///
 /// The upper triangle of `update` is spoilt.

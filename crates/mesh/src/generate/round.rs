@@ -12,6 +12,9 @@ const CORE: f64 = 0.45;
 /// Largest ratio of neighbouring elements beyond the refined zone.
 const LARGEST_RATIO: f64 = 4.0;
 
+/// Corners of a facet of the lattice, counter-clockwise.
+const RING: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
+
 /// What is meshed of a ball or cylinder. The cut surfaces are planes of symmetry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
@@ -205,9 +208,8 @@ impl Lines {
         };
         let [nx, ny, nz] = divisions;
         for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
-            let ring = [[0, 0], [1, 0], [1, 1], [0, 1]];
             let nodes = std::array::from_fn(|a| {
-                let [di, dj] = ring[a % 4];
+                let [di, dj] = RING[a % 4];
                 number(&mut mesh, [i + di, j + dj, k + a / 4], 0)
             });
             mesh.elements.push(nodes);
@@ -217,9 +219,8 @@ impl Lines {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
             for layer in 0..self.layers.len() - 1 {
                 for (j, i) in (0..divisions[v]).flat_map(|j| (0..divisions[u]).map(move |i| (j, i))) {
-                    let ring = [[0, 0], [1, 0], [1, 1], [0, 1]];
                     let nodes = std::array::from_fn(|a| {
-                        let [di, dj] = ring[a % 4];
+                        let [di, dj] = RING[a % 4];
                         let mut lattice = [0; 3];
                         (lattice[axis], lattice[u], lattice[v]) = (divisions[axis], i + di, j + dj);
                         number(&mut mesh, lattice, layer + a / 4)

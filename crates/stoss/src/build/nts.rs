@@ -17,9 +17,13 @@ pub(super) fn contact(
 ) {
     let item = pair.item;
     let constraint = match item.constraint {
-        // A scene with `OneSided` and without mortar does not pass the reader.
-        Constraint::Standard | Constraint::OneSided => ConstraintForm::Standard,
+        Constraint::Standard => ConstraintForm::Standard,
         Constraint::Modified => ConstraintForm::Modified,
+        // The reader refuses it; a scene that was made in memory comes here.
+        Constraint::OneSided => {
+            let message = "`one-sided` is for mortar contact only";
+            return problems.add(format!("{}.constraint", pair.key), "", message, "use `standard` or `modified`");
+        }
     };
     let enforcement = match item.enforcement {
         Enforced::Multiplier => Enforcement::Multiplier,
