@@ -33,8 +33,10 @@ struct PointHistory {
     slid: f64,
     /// Covered area that the committed traction belongs to.
     support: f64,
-    /// Traction (or multiplier) that the step starts with.
+    /// Traction (or augmented multiplier) that the step starts with.
     start: [f64; 2],
+    /// What the multipliers of [`Stick::Multiplier`] add to it.
+    multiplier: [f64; 2],
     /// Of this step.
     iteration: PointIteration,
 }
@@ -106,14 +108,15 @@ impl MortarContact {
         Ok(())
     }
 
-    fn node_friction(&self, slot: usize, pressure: f64) -> Option<NodeFriction<'_>> {
+    fn node_friction(&self, slot: usize, pressure: f64, multiplier: [f64; 2]) -> Option<NodeFriction<'_>> {
         let surface = self.friction.as_ref()?;
         let (point, start) = (surface.points[slot], surface.start.get(slot)?);
         Some(NodeFriction {
             friction: &surface.friction,
             measure: surface.measure,
             start,
-            history: point.start,
+            history: [0, 1].map(|i| point.start[i] + multiplier[i]),
+            weight: self.slave.nodal_areas()[slot],
             slid: point.slid,
             stiffening: point.iteration.stiffening(),
             step_size: surface.step_size,
@@ -128,20 +131,37 @@ impl MortarContact {
         slot: usize,
         step: StepConfiguration<'_>,
         pressure: f64,
+        multiplier: [f64; 2],
         want_tangent: bool,
         work: &mut Scratch,
         out: &mut LocalContribution,
     ) -> bool {
-        let node = self.node_friction(slot, pressure);
+        let node = self.node_friction(slot, pressure, multiplier);
         node.is_none_or(|node| node.contribute(&self.slots()[slot], step, want_tangent, work, out))
     }
 
     /// State of a slot at the end of the present step; `None` without friction or partner.
     fn friction_state(&self, slot: usize, q_np1: &[f64], pressure: f64, work: &mut Scratch) -> Option<FrictionState> {
         let present = self.slots().get(slot).filter(|s| s.support > 0.0)?;
-        let q_n = &self.friction.as_ref()?.q_n;
-        let step = StepConfiguration { q_n, q_np1, rule: self.rule };
-        self.node_friction(slot, pressure)?.state(present, step, work)
+        let surface = self.friction.as_ref()?;
+        let step = StepConfiguration { q_n: &surface.q_n, q_np1, rule: self.rule };
+        self.node_friction(slot, pressure, surface.points[slot].multiplier)?.state(present, step, work)
+    }
+
+    /// Whether the traction of each slot is a pair of unknowns.
+    pub(crate) fn has_stick_multipliers(&self) -> bool {
+        self.friction.as_ref().is_some_and(|surface| surface.friction.stick() == Stick::Multiplier)
+    }
+
+    /// Keeps the multipliers of an iterate.
+    pub(crate) fn keep_multipliers(&mut self, auxiliaries: &[f64]) {
+        if !self.has_stick_multipliers() {
+            return;
+        }
+        let points = self.friction.iter_mut().flat_map(|surface| &mut surface.points);
+        for (point, values) in points.zip(auxiliaries.chunks_exact(2)) {
+            point.multiplier = [values[0], values[1]];
+        }
     }
 
     /// Looks where the nodes slide at an iterate that is linearised.

@@ -8,8 +8,8 @@ use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
 use stoss_contact::{
-    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
-    StepConfiguration,
+    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
+    StepConfiguration, clear_inactive, multipliers_of,
 };
 use stoss_segmentation::{FacetSegmentation, GapRange};
 
@@ -351,9 +351,11 @@ impl ContactMethod for MortarContact {
         &mut self,
         q_np1: &[f64],
         pressures: &[f64],
+        auxiliaries: &[f64],
         active: &[bool],
         want_tangent: bool,
     ) -> Result<bool, ContactError> {
+        self.keep_multipliers(auxiliaries);
         let changed = self.moves_integrals() && self.follow(q_np1, active, want_tangent)?;
         self.follow_softening(pressures, active);
         if want_tangent {
@@ -380,7 +382,37 @@ impl ContactMethod for MortarContact {
         want_tangent: bool,
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
-        let mut out = LocalContribution::default();
+        self.assemble_with(step, pressures, &[], active, want_tangent, visit)
+    }
+
+    /// Two multipliers of the friction, if stick is enforced by them: components in the frame of the node of what they add to the traction
+    /// at the start.
+    fn auxiliaries(&self) -> &[Auxiliary] {
+        if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
+    }
+
+    fn start_auxiliaries(
+        &self,
+        _step: StepConfiguration<'_>,
+        _pressures: &[f64],
+        active: &[bool],
+        out: &mut [f64],
+    ) -> Result<(), ContactError> {
+        clear_inactive(active, self.auxiliaries().len(), out);
+        Ok(())
+    }
+
+    fn assemble_with(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        auxiliaries: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let further = self.auxiliaries().len();
+        let mut out = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
         let (mut work, mut scratch) = (Work::default(), Scratch::default());
         for (k, slot) in self.slots().iter().enumerate().filter(|(k, _)| active[*k]) {
             out.slots.clear();
@@ -389,18 +421,22 @@ impl ContactMethod for MortarContact {
             out.nodes.clear();
             out.nodes.extend_from_slice(&slot.nodes);
             out.reset(want_tangent);
+            let multiplier = multipliers_of(k, further, auxiliaries);
             if slot.support <= 0.0 {
                 // The row `-A p = 0` keeps the system regular until the slot opens.
                 let (n, weight) = (3 * slot.nodes.len(), self.slot_weight(k));
+                let (dim, first) = (out.dim(), n + out.slots.len());
                 out.residual[n] = -weight * pressures[k];
-                if want_tangent {
-                    let diagonal = n * out.dim() + n;
-                    out.tangent[diagonal] = -weight;
+                for (row, value) in out.residual[first..].iter_mut().zip(&multiplier[..further]) {
+                    *row = -weight * value;
+                }
+                for row in std::iter::once(n).chain(first..first + further).filter(|_| want_tangent) {
+                    out.tangent[row * dim + row] = -weight;
                 }
             } else {
                 let reference = self.kept_gap(k, true) * slot.support;
                 let there = slot.contribute(step, pressures[k], reference, want_tangent, &mut work, &mut out)
-                    && self.add_friction(k, step, pressures[k], want_tangent, &mut scratch, &mut out);
+                    && self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out);
                 if !there {
                     return Err(ContactError::NoNormal { node: slot.nodes[0] });
                 }

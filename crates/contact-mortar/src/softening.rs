@@ -146,7 +146,7 @@ impl MortarContact {
         present.for_each_support_derivative(|column, d| tangent[column] += by_support * d);
         tangent[n] -= blend.compliance;
         let share = blend.compliance / softening.partners[slot].len().max(1) as f64;
-        tangent[n + 1..].iter_mut().for_each(|t| *t += share);
+        tangent[n + 1..n + out.slots.len()].iter_mut().for_each(|t| *t += share);
     }
 
     /// What stands for the gap of a slot with weighted gap `phi` in the rule of the active set.

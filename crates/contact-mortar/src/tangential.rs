@@ -31,8 +31,10 @@ pub(crate) struct NodeFriction<'a> {
     pub measure: SlipMeasure,
     /// The slot as it was at the start of the step.
     pub start: &'a Slot,
-    /// Components of the traction there.
+    /// Components of the traction there, with the multipliers of [`stoss_contact::friction::Stick::Multiplier`].
     pub history: [f64; 2],
+    /// Area of the node, for the rows of the multipliers.
+    pub weight: f64,
     pub slid: f64,
     pub stiffening: f64,
     pub step_size: f64,
@@ -47,10 +49,22 @@ pub(crate) struct FrictionState {
     pub step: FrictionStep,
     /// Slip in the frame of the node, a length.
     pub slip: [f64; 2],
+    /// `(history - traction) / stiffness`, a length: zero where a multiplier has converged.
+    mismatch: [f64; 2],
     /// Traction in the equations.
     traction: V3<f64>,
     /// Which the equations are linearised on if it is not `step`, and what that adds to the traction.
     branch: Option<(FrictionStep, V3<f64>)>,
+}
+
+/// Derivatives of a node's traction (of normal, line and slip vector inside the dual numbers) and of the mismatch of its multipliers.
+struct ByNode {
+    traction: V3<Dual<9>>,
+    of_pressure: V3<f64>,
+    of_multipliers: [V3<f64>; 2],
+    mismatch: [Dual<9>; 2],
+    mismatch_of_pressure: [f64; 2],
+    mismatch_of_multipliers: [[f64; 2]; 2],
 }
 
 /// Frame of a node and its slip there, from normal direction, material line and weighted slip.
@@ -91,6 +105,11 @@ impl Slot {
 }
 
 impl NodeFriction<'_> {
+    /// Without a partner at the start of the step.
+    fn is_new(&self) -> bool {
+        self.start.support <= 0.0
+    }
+
     /// Evaluates the step of a slot with a partner; `None` if the node has no tangent plane.
     pub fn state(&self, slot: &Slot, step: StepConfiguration<'_>, work: &mut Scratch) -> Option<FrictionState> {
         let at_end = step.rule == ContactRule::EndPoint;
@@ -130,7 +149,10 @@ impl NodeFriction<'_> {
             let branch = self.friction.sticking_step(at_end, &point);
             (branch, node.vector([0, 1].map(|i| branch.force[i] - done.force[i])))
         });
-        Some(FrictionState { step: done, slip: node.slip, traction: node.vector(done.force), branch })
+        // Nothing is known of the slip of a node without a partner at the start: it has the traction of the start, which is zero.
+        let settled = if self.is_new() { [0.0; 2] } else { done.force };
+        let mismatch = [0, 1].map(|i| (history[i] - settled[i]) / self.friction.penalty());
+        Some(FrictionState { step: done, slip: node.slip, mismatch, traction: node.vector(done.force), branch })
     }
 
     /// Adds force and tangent of a slot; false if the node has no tangent plane.
@@ -151,10 +173,19 @@ impl NodeFriction<'_> {
                 }
             });
         }
-        if let Some((_, shift)) = state.branch {
+        // Rows of the multipliers, if there are such.
+        let first = 3 * slot.nodes.len() + out.slots.len();
+        for k in 0..out.auxiliaries {
+            out.residual[first + k] += self.weight * state.mismatch[k];
+        }
+        if let Some((branch, shift)) = &state.branch {
             out.shift.resize(out.dim(), 0.0);
+            for k in (0..out.auxiliaries).filter(|_| !self.is_new()) {
+                let more = branch.force[k] - state.step.force[k];
+                out.shift[first + k] -= self.weight * more / self.friction.penalty();
+            }
             for (group, x) in slot.facets().iter().zip(&work.arguments) {
-                let force = self.measure.force(&[x[0], x[1], x[2]], shift);
+                let force = self.measure.force(&[x[0], x[1], x[2]], *shift);
                 Slot::for_each_coefficient(group, |a, k, c| {
                     for i in 0..3 {
                         out.shift[3 * k + i] += c * force[a][i];
@@ -168,8 +199,8 @@ impl NodeFriction<'_> {
         true
     }
 
-    /// Traction with its derivatives with respect to normal, line and slip vector, and its derivative with respect to the pressure.
-    fn by_node(&self, work: &Scratch, state: &FrictionState, at_end: bool) -> (V3<Dual<9>>, V3<f64>) {
+    /// Traction and mismatch with their derivatives.
+    fn by_node(&self, work: &Scratch, state: &FrictionState, at_end: bool) -> ByNode {
         let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
         for (x, start) in work.arguments.iter().zip(&work.start) {
             normal = add(normal, normal_part(x));
@@ -185,8 +216,19 @@ impl NodeFriction<'_> {
             Dual { value: state.step.force[i], partial }
         });
         let [e_1, e_2] = node.tangents.map(|e| e.map(|x| x.value));
-        let [d_1, d_2] = step.d_pressure;
-        (node.vector(components), std::array::from_fn(|i| d_1 * e_1[i] + d_2 * e_2[i]))
+        let vector = |[d_1, d_2]: [f64; 2]| -> V3<f64> { std::array::from_fn(|i| d_1 * e_1[i] + d_2 * e_2[i]) };
+        let column = |k: usize| [step.d_history[0][k], step.d_history[1][k]];
+        let per = 1.0 / self.friction.penalty();
+        let of_force = if self.is_new() { 0.0 } else { -per };
+        ByNode {
+            traction: node.vector(components),
+            of_pressure: vector(step.d_pressure),
+            of_multipliers: [0, 1].map(|k| vector(column(k))),
+            mismatch: components.map(|c| c.scale(of_force)),
+            mismatch_of_pressure: step.d_pressure.map(|d| of_force * d),
+            mismatch_of_multipliers: [0, 1]
+                .map(|i| [0, 1].map(|k| if i == k { per } else { 0.0 } + of_force * step.d_history[i][k])),
+        }
     }
 
     fn add_tangent(
@@ -201,12 +243,18 @@ impl NodeFriction<'_> {
         let n = 3 * slot.nodes.len();
         // Of the row of a force: coordinates and the pressure.
         let (dim, stride) = (n + 1, out.dim());
-        let (by_node, by_pressure) = self.by_node(work, state, at_end);
+        let of = self.by_node(work, state, at_end);
+        let multipliers = out.auxiliaries.min(2);
+        // Where their rows and columns begin.
+        let first = n + out.slots.len();
+        let rows = 3 + multipliers;
+        let [a, b, c] = of.traction;
+        let by_node = [a, b, c, of.mismatch[0], of.mismatch[1]];
         let Scratch { arguments, start, motion, traction, product } = work;
         motion.clear();
         motion.resize(FACET * n * arguments.len(), 0.0);
         traction.clear();
-        traction.resize(3 * n, 0.0);
+        traction.resize(rows * n, 0.0);
         for (f, (x, start)) in arguments.iter().zip(start.iter()).enumerate() {
             let motion = &mut motion[FACET * n * f..][..FACET * n];
             self.move_arguments(slot, f, step, motion);
@@ -214,7 +262,7 @@ impl NodeFriction<'_> {
             let x: Facet<Dual<FACET>> =
                 std::array::from_fn(|a| std::array::from_fn(|i| Dual::variable(x[a][i], 3 * a + i)));
             let (normal, slip) = (normal_part(&x), self.measure.slip(at_end, &x, start));
-            for (row, by_node) in traction.chunks_exact_mut(n).zip(&by_node) {
+            for (row, by_node) in traction.chunks_exact_mut(n).zip(&by_node[..rows]) {
                 for (k, from) in motion.chunks_exact(n).enumerate() {
                     let mut d = if f == 0 && (3..6).contains(&k) { by_node.partial[k] } else { 0.0 };
                     for i in 0..3 {
@@ -226,6 +274,16 @@ impl NodeFriction<'_> {
                 }
             }
         }
+        let (traction, mismatch) = traction.split_at(3 * n);
+        for k in 0..multipliers {
+            let to = &mut out.tangent[(first + k) * stride..][..stride];
+            to[..n].iter_mut().zip(&mismatch[k * n..]).for_each(|(t, m)| *t += self.weight * m);
+            to[n] += self.weight * of.mismatch_of_pressure[k];
+            for m in 0..2 {
+                to[first + m] += self.weight * of.mismatch_of_multipliers[k][m];
+            }
+        }
+        let width = dim + multipliers;
         for (f, (group, x)) in slot.facets().iter().zip(arguments.iter()).enumerate() {
             let motion = &motion[FACET * n * f..][..FACET * n];
             let v = |v: V3<f64>, first: usize| -> V3<Dual<FACET>> {
@@ -233,20 +291,25 @@ impl NodeFriction<'_> {
             };
             let force = self.measure.force(&[v(x[0], 0), v(x[1], 3), v(x[2], 6)], v(state.traction, 9));
             product.clear();
-            product.resize(9 * dim, 0.0);
-            for (to, force) in product.chunks_exact_mut(dim).zip(force.iter().flatten()) {
+            product.resize(9 * width, 0.0);
+            for (to, force) in product.chunks_exact_mut(width).zip(force.iter().flatten()) {
                 let (by_x, by_traction) = force.partial.split_at(9);
                 let rows = motion.chunks_exact(n).zip(by_x).chain(traction.chunks_exact(n).zip(by_traction));
                 for (from, &d) in rows.filter(|(_, d)| **d != 0.0) {
                     to.iter_mut().zip(from).for_each(|(t, m)| *t += d * m);
                 }
-                to[n] = dot([by_traction[0], by_traction[1], by_traction[2]], by_pressure);
+                let by_traction = [by_traction[0], by_traction[1], by_traction[2]];
+                to[n] = dot(by_traction, of.of_pressure);
+                for m in 0..multipliers {
+                    to[dim + m] = dot(by_traction, of.of_multipliers[m]);
+                }
             }
             Slot::for_each_coefficient(group, |a, k, c| {
                 for i in 0..3 {
-                    let row = &product[(3 * a + i) * dim..][..dim];
-                    let to = &mut out.tangent[(3 * k + i) * stride..][..dim];
-                    to.iter_mut().zip(row).for_each(|(t, p)| *t += c * p);
+                    let row = &product[(3 * a + i) * width..][..width];
+                    let to = &mut out.tangent[(3 * k + i) * stride..][..stride];
+                    to[..dim].iter_mut().zip(row).for_each(|(t, p)| *t += c * p);
+                    to[first..].iter_mut().zip(&row[dim..]).for_each(|(t, p)| *t += c * p);
                 }
             });
             if at_end {

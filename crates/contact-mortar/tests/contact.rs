@@ -64,7 +64,7 @@ proptest! {
         };
         let active: Vec<bool> = method.supports().iter().map(|s| *s > 0.0).collect();
         let p: Vec<f64> = active.iter().map(|a| if *a { pressure } else { 0.0 }).collect();
-        method.renew(&q, &p, &active, false).unwrap();
+        method.renew(&q, &p, &[], &active, false).unwrap();
         let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPoint };
         let rows = assemble(&method, step, &p, &active).residual;
         let all_carry = |k: usize| {
@@ -93,7 +93,7 @@ proptest! {
             let mut method = method(options(dual, averaged));
             method.set_rule(rule, 0.1);
             method.begin_step(&q_n, 0.5).unwrap();
-            method.renew(&q, &[], &active, true).unwrap();
+            method.renew(&q, &[], &[], &active, true).unwrap();
             let r = assemble(&method, StepConfiguration { q_n: &q_n, q_np1: &q, rule }, &p, &active).residual;
             let size = r[..3 * NODES].iter().map(|x| x.abs()).sum::<f64>().max(1.0);
             let (force, moment) = resultants(&r, about.unwrap_or(&q));
@@ -135,7 +135,7 @@ proptest! {
             method.begin_step(&q_n, 0.5).unwrap();
             let (mut before, mut after) = ([0.0; SLAVE], [0.0; SLAVE]);
             method.complementarity_gaps(&q_n, &active, &mut before).unwrap();
-            method.renew(&q, &[], &active, false).unwrap();
+            method.renew(&q, &[], &[], &active, false).unwrap();
             method.complementarity_gaps(&q, &active, &mut after).unwrap();
             for (a, b) in before.iter().zip(&after) {
                 prop_assert!(a == b || (a - b).abs() < 1e-12, "{rule:?}: {a} {b}");

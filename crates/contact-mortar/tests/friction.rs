@@ -35,7 +35,18 @@ fn with(
     averaged: bool,
     measure: SlipMeasure,
 ) -> MortarContact {
-    let friction = Friction::new(law, PENALTY, Stick::Penalty, midpoint).unwrap();
+    with_stick(law, Stick::Penalty, midpoint, dual, averaged, measure)
+}
+
+fn with_stick(
+    law: Arc<dyn FrictionLaw>,
+    stick: Stick,
+    midpoint: MidpointFriction,
+    dual: bool,
+    averaged: bool,
+    measure: SlipMeasure,
+) -> MortarContact {
+    let friction = Friction::new(law, PENALTY, stick, midpoint).unwrap();
     method(options(dual, averaged)).with_friction(friction, measure).unwrap()
 }
 
@@ -69,7 +80,7 @@ fn begin(method: &mut MortarContact, rule: ContactRule, q_n: &[f64]) {
 /// Does a whole step with given positions and pressures.
 fn go(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) {
     begin(method, rule, q_n);
-    method.renew(q, &[], &set(p), false).unwrap();
+    method.renew(q, &[], &[], &set(p), false).unwrap();
     method.commit(q, p, &set(p));
 }
 
@@ -86,7 +97,7 @@ fn friction_force(
     let mut plain = sheets::method(options(dual, averaged));
     begin(&mut plain, rule, q_n);
     let residual = |m: &mut MortarContact| {
-        m.renew(q, &[], &set(p), true).unwrap();
+        m.renew(q, &[], &[], &set(p), true).unwrap();
         assemble(m, StepConfiguration { q_n, q_np1: q, rule }, p, &set(p)).residual
     };
     let without = residual(&mut plain);
@@ -101,16 +112,16 @@ fn directional_error(
     q_n: &[f64],
     q: &[f64],
     p: &[f64],
-    v: &[f64],
-    w: &[f64],
+    [v, w, y]: [&[f64]; 3],
+    multipliers: &[f64],
 ) -> Option<f64> {
     let active = set(p);
     begin(method, rule, q_n);
     let mut at = |s: f64| {
-        let (x, p) = (plus(q, s, v), plus(p, s, w));
-        method.renew(&x, &[], &active, true).unwrap();
+        let (x, p, m) = (plus(q, s, v), plus(p, s, w), plus(multipliers, s, y));
+        method.renew(&x, &[], &m, &active, true).unwrap();
         let kinds = sheets::kinds(method);
-        (assemble(method, StepConfiguration { q_n, q_np1: &x, rule }, &p, &active), kinds)
+        (sheets::assemble_with(method, StepConfiguration { q_n, q_np1: &x, rule }, &p, &m, &active), kinds)
     };
     let exact = at(0.0);
     let h = 1e-4;
@@ -119,15 +130,16 @@ fn directional_error(
         return None;
     }
     let size = exact.0.tangent.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
-    let direction: Vec<f64> = v.iter().chain(w).copied().collect();
+    let direction: Vec<f64> = [v, w, y].concat();
+    let n = direction.len();
     let mut worst = 0.0_f64;
-    for row in 0..sheets::ALL {
+    for row in 0..n {
         let [near, far] = [(&a, &b), (&c, &d)].map(|(x, y)| x.0.residual[row] - y.0.residual[row]);
         let derivative = (8.0 * near - far) / (12.0 * h);
         if (derivative - near / (2.0 * h)).abs() > 1e-6 * size {
             return None;
         }
-        let product: f64 = (0..sheets::ALL).map(|k| exact.0.tangent[row * sheets::ALL + k] * direction[k]).sum();
+        let product: f64 = (0..n).map(|k| exact.0.tangent[row * n + k] * direction[k]).sum();
         worst = worst.max((derivative - product).abs());
     }
     Some(worst / size)
@@ -139,19 +151,23 @@ proptest! {
     #[test]
     fn tangents_are_derivatives(
         d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, averaged: bool, rule in 0usize..3, of in 0usize..3,
-        kind in 0usize..4, midpoint in 0usize..3,
+        kind in 0usize..4, midpoint in 0usize..3, exact: bool, m in prop::collection::vec(-0.05f64..0.05, 2 * SLAVE),
         v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)],
     ) {
         let rule = RULES[rule];
         let midpoint = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C][midpoint];
-        let mut method = with(law(kind), midpoint, dual, averaged, measure(of, rule));
+        let stick = if exact { Stick::Multiplier } else { Stick::Penalty };
+        let mut method = with_stick(law(kind), stick, midpoint, dual, averaged, measure(of, rule));
         let (q_0, q_n) = (moved(&f), moved(&d));
         // Another pressure before: stepping `C` has a kink where the history lies on the cone.
         let p_0: Vec<f64> = p.iter().map(|p| before * p).collect();
         go(&mut method, rule, &q_0, &q_n, &p_0);
         let q = plus(&q_n, 0.3, &e);
         let w: Vec<f64> = w.iter().zip(&p).map(|(w, p)| if *p == 0.0 { 0.0 } else { *w }).collect();
-        let error = directional_error(&mut method, rule, &q_n, &q, &p, &v, &w);
+        // A law without stick has no multipliers.
+        let count = if method.auxiliaries().is_empty() { 0 } else { m.len() };
+        let y: Vec<f64> = (0..count).map(|k| if p[k / 2] == 0.0 { 0.0 } else { 0.1 * (k as f64).sin() }).collect();
+        let error = directional_error(&mut method, rule, &q_n, &q, &p, [&v, &w, &y], &m[..count]);
         prop_assume!(error.is_some());
         if let Some(error) = error {
             prop_assert!(error < 1e-8, "{rule:?} dual {dual} averaged {averaged} kind {kind}: {error:e}");
@@ -229,7 +245,7 @@ proptest! {
         let at_rest = method.work(&q_1, &p, &set(&p)).unwrap();
         prop_assert!(at_rest.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
         let q_2 = rotated(&q_1, Vector3::new(1.0, 2.0, -0.5));
-        method.renew(&q_2, &[], &set(&p), false).unwrap();
+        method.renew(&q_2, &[], &[], &set(&p), false).unwrap();
         let turned = method.work(&q_2, &p, &set(&p)).unwrap();
         prop_assert!((turned.stored - at_rest.stored).abs() < 1e-11 * (1.0 + at_rest.stored));
         prop_assert!(turned.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));

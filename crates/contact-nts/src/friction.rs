@@ -56,8 +56,10 @@ pub(crate) struct PointHistory {
     pub slid: f64,
     /// Foot at `n` on the facet that the slot starts from.
     pub foot: [f64; 2],
-    /// Traction (or multiplier) in the frame there.
+    /// Traction (or augmented multiplier) in the frame there.
     pub start: [f64; 2],
+    /// What the multipliers of [`stoss_contact::friction::Stick::Multiplier`] add to it.
+    pub multiplier: [f64; 2],
     /// Of this step.
     pub iteration: PointIteration,
 }
@@ -130,6 +132,8 @@ pub(crate) struct FrictionState {
     pub step: FrictionStep,
     /// Which the equations are linearised on, if it is not `step`.
     pub branch: Option<FrictionStep>,
+    /// `(history - traction) / stiffness`, a length: zero where a multiplier has converged.
+    pub mismatch: [f64; 2],
     /// Slip in the frame of the foot.
     pub slip: [f64; 2],
     /// History in the frame of the foot.
@@ -152,18 +156,32 @@ struct Resolved<T> {
 }
 
 impl<T: Scalar> Arguments<T> {
-    fn resolve(&self, start: [f64; 2]) -> Resolved<T> {
+    fn resolve(&self, point: &PointHistory) -> Resolved<T> {
         let (foot, old) = (frame(self.0), frame(self.1));
-        let zero = [T::constant(0.0); 2];
+        let start: [f64; 2] = std::array::from_fn(|i| point.start[i] + point.multiplier[i]);
         let history = if start == [0.0; 2] { None } else { transport(start.map(T::constant), &old, &foot) };
         let slip = [foot[0], foot[1]].map(|e| dot(e, self.2));
-        Resolved { foot, old, history: history.unwrap_or(zero), slip }
+        Resolved { foot, old, history: history.unwrap_or(point.multiplier.map(T::constant)), slip }
     }
 
     /// Covariant components of a traction.
     fn covariant(&self, foot: &[V3<T>; 3], traction: [T; 2]) -> [T; 2] {
         self.0.map(|a| traction[0] * dot(foot[0], a) + traction[1] * dot(foot[1], a))
     }
+}
+
+/// Derivatives of a scalar of a slot.
+pub(crate) struct Slope {
+    /// With respect to the 15 components of [`Arguments`].
+    pub by_arguments: Dual,
+    pub by_pressure: f64,
+    pub by_multiplier: [f64; 2],
+}
+
+/// What the equations need of the derivatives of the friction.
+pub(crate) struct Slopes {
+    pub tau: [Slope; 2],
+    pub mismatch: [Slope; 2],
 }
 
 impl FrictionElement<'_> {
@@ -202,15 +220,20 @@ impl FrictionElement<'_> {
         FrictionPoint { history, slip, pressure: self.pressure, step_size: self.step_size, slid: *slid, stiffening }
     }
 
+    fn mismatch(&self, history: [f64; 2], step: &FrictionStep) -> [f64; 2] {
+        std::array::from_fn(|i| (history[i] - step.force[i]) / self.friction.penalty())
+    }
+
     /// Traction, slip, energies.
     pub fn state(&self) -> FrictionState {
         let arguments = self.arguments();
-        let Resolved { foot, old, history, slip } = arguments.resolve(self.history.start);
+        let Resolved { foot, old, history, slip } = arguments.resolve(self.history);
         let point = self.point(history, slip);
         let step = self.friction.step(self.at_end, &point);
         let branch = self.history.iteration.is_reversed().then(|| self.friction.sticking_step(self.at_end, &point));
         let carried = transport(step.end, &foot, &old).unwrap_or([0.0; 2]);
-        FrictionState { tau: arguments.covariant(&foot, step.force), step, branch, slip, history, carried }
+        let mismatch = self.mismatch(history, &step);
+        FrictionState { tau: arguments.covariant(&foot, step.force), step, branch, mismatch, slip, history, carried }
     }
 
     /// Adds `weight * tau_a D^a` to `residual`.
@@ -222,38 +245,36 @@ impl FrictionElement<'_> {
         }
     }
 
-    /// What the branch of the linearisation adds to the covariant traction.
-    pub fn shift(&self, state: &FrictionState) -> Option<[f64; 2]> {
+    /// What the branch of the linearisation adds to the covariant traction, and to the mismatch.
+    pub fn shift(&self, state: &FrictionState) -> Option<[[f64; 2]; 2]> {
         let branch = state.branch.as_ref()?;
         let difference = std::array::from_fn(|i| branch.force[i] - state.step.force[i]);
         let arguments = self.arguments();
-        Some(arguments.covariant(&frame(arguments.0), difference))
+        let mismatch = difference.map(|d| -d / self.friction.penalty());
+        Some([arguments.covariant(&frame(arguments.0), difference), mismatch])
     }
 
-    /// Adds `weight` times the derivative of `tau_a D^a` with respect to the positions at `n+1` (the first `n` columns) and the pressure
-    /// (the column after them) to the first rows of a row-major matrix with `n + 1` columns.
-    pub fn add_tangent(&self, weight: f64, state: &FrictionState, matrix: &mut [f64]) {
+    /// Adds `weight` times the derivative of `tau_a D^a` to the first rows of a row-major matrix, and that of the mismatch to the two rows after that of
+    /// the pressure if there are `columns` for multipliers. Columns are the positions at `n+1`, the pressure, then the multipliers.
+    pub fn add_tangent(&self, weight: f64, state: &FrictionState, columns: usize, matrix: &mut [f64]) {
         let n = self.q.len();
-        let columns = n + 1;
         let gap = self.at.0;
         let blocks = spread(self.at.1);
         let second = gap.xi_hessian();
         // The law at the level of its 15 arguments.
-        let (tau, foot) = self.dual_tau(state);
-        let slope = self.argument_slopes(&second);
-        let mut d_tau = [[0.0; 3 * MAX_NODES]; 2];
-        for (d_tau, tau) in d_tau.iter_mut().zip(&tau) {
-            for (partial, row) in tau.partial.iter().zip(&slope) {
-                for (d, s) in d_tau[..n].iter_mut().zip(row) {
+        let slopes = self.slopes(state);
+        let arguments = self.argument_slopes(&second);
+        let by_position = |dual: &Dual| {
+            let mut out = [0.0; 3 * MAX_NODES];
+            for (partial, row) in dual.partial.iter().zip(&arguments) {
+                for (d, s) in out[..n].iter_mut().zip(row) {
                     *d += partial * s;
                 }
             }
-        }
-        let step = state.branch.as_ref().unwrap_or(&state.step);
-        let d_pressure: [f64; 2] = gap.tangents.map(|a| {
-            let a: V3<f64> = a.into();
-            step.d_pressure[0] * dot(foot[0], a) + step.d_pressure[1] * dot(foot[1], a)
-        });
+            out
+        };
+        let d_tau = [0, 1].map(|al| by_position(&slopes.tau[al].by_arguments));
+        let has_multipliers = columns == n + 3;
         let factor = self.factor();
         for i in 0..LOCAL {
             let row = &mut matrix[at(&blocks, i) * columns..][..columns];
@@ -262,16 +283,33 @@ impl FrictionElement<'_> {
                 for (entry, d_tau) in row[..n].iter_mut().zip(&d_tau[al]) {
                     *entry += d * d_tau;
                 }
-                row[n] += d * d_pressure[al];
+                row[n] += d * slopes.tau[al].by_pressure;
+                if has_multipliers {
+                    for k in 0..2 {
+                        row[n + 1 + k] += d * slopes.tau[al].by_multiplier[k];
+                    }
+                }
                 for j in 0..LOCAL {
                     row[at(&blocks, j)] += weight * factor * state.tau[al] * second[al][i][j];
                 }
             }
         }
+        if has_multipliers {
+            for (i, slope) in slopes.mismatch.iter().enumerate() {
+                let row = &mut matrix[(n + 1 + i) * columns..][..columns];
+                for (entry, d) in row[..n].iter_mut().zip(&by_position(&slope.by_arguments)) {
+                    *entry += weight * d;
+                }
+                row[n] += weight * slope.by_pressure;
+                for k in 0..2 {
+                    row[n + 1 + k] += weight * slope.by_multiplier[k];
+                }
+            }
+        }
     }
 
-    /// Covariant traction with its derivatives with respect to the arguments, and the frame at the foot.
-    pub fn dual_tau(&self, state: &FrictionState) -> ([Dual; 2], [V3<f64>; 3]) {
+    /// Derivatives of the covariant traction and of the mismatch.
+    pub fn slopes(&self, state: &FrictionState) -> Slopes {
         let values = self.arguments();
         let variable =
             |first: usize, v: V3<f64>| -> V3<Dual> { std::array::from_fn(|i| Dual::variable(v[i], first + i)) };
@@ -280,17 +318,47 @@ impl FrictionElement<'_> {
             [variable(6, values.1[0]), variable(9, values.1[1])],
             variable(12, values.2),
         );
-        let resolved = arguments.resolve(self.history.start);
+        let resolved = arguments.resolve(self.history);
         let step = state.branch.as_ref().unwrap_or(&state.step);
-        let traction: [Dual; 2] = std::array::from_fn(|i| {
+        // `by_history history + by_slip slip`, of which only the derivative is wanted.
+        let chain = |by_history: [f64; 2], by_slip: [f64; 2]| {
             let mut sum = Dual::constant(0.0);
             for j in 0..2 {
-                sum = sum + resolved.history[j].scale(step.d_history[i][j]) + resolved.slip[j].scale(step.d_slip[i][j]);
+                sum = sum + resolved.history[j].scale(by_history[j]) + resolved.slip[j].scale(by_slip[j]);
             }
-            Dual { value: state.step.force[i], partial: sum.partial }
+            sum.partial
+        };
+        let traction: [Dual; 2] = std::array::from_fn(|i| Dual {
+            value: state.step.force[i],
+            partial: chain(step.d_history[i], step.d_slip[i]),
         });
+        // Of the history by the multipliers: they turn with it.
+        let old = resolved.old.map(|e| e.map(|x| x.value));
         let foot = resolved.foot.map(|e| e.map(|x| x.value));
-        (arguments.covariant(&resolved.foot, traction), foot)
+        let turned = [[1.0, 0.0], [0.0, 1.0]].map(|unit| transport(unit, &old, &foot).unwrap_or(unit));
+        let by_multiplier = |by_history: [f64; 2]| turned.map(|t| by_history[0] * t[0] + by_history[1] * t[1]);
+        let force_by_multiplier = step.d_history.map(by_multiplier);
+        let tau = arguments.covariant(&resolved.foot, traction);
+        let tau = std::array::from_fn(|al| {
+            let along = [0, 1].map(|k| dot(foot[k], values.0[al]));
+            Slope {
+                by_arguments: tau[al],
+                by_pressure: along[0] * step.d_pressure[0] + along[1] * step.d_pressure[1],
+                by_multiplier: [0, 1]
+                    .map(|m| along[0] * force_by_multiplier[0][m] + along[1] * force_by_multiplier[1][m]),
+            }
+        });
+        let per = 1.0 / self.friction.penalty();
+        let mismatch = std::array::from_fn(|i| {
+            let by_history = std::array::from_fn(|j| f64::from(u8::from(i == j)) - step.d_history[i][j]);
+            let partial = chain(by_history, step.d_slip[i].map(|d| -d)).map(|d| per * d);
+            Slope {
+                by_arguments: Dual { value: state.mismatch[i], partial },
+                by_pressure: -per * step.d_pressure[i],
+                by_multiplier: by_multiplier(by_history).map(|d| per * d),
+            }
+        });
+        Slopes { tau, mismatch }
     }
 
     /// Derivatives of the 15 arguments with respect to the element's positions at `n+1`.

@@ -86,9 +86,11 @@ impl NodeToSurface {
         end: &Gap,
         step: StepConfiguration<'_>,
         pressure: f64,
+        multiplier: [f64; 2],
         evaluate: impl FnOnce(&FrictionElement<'_>) -> R,
     ) -> Result<Option<R>, ContactError> {
         let Some(surface) = &self.friction else { return Ok(None) };
+        let history = PointHistory { multiplier, ..surface.points[slot] };
         let placed = self.place(slot, element, pairing, end, step)?;
         let n = 3 * element.count;
         let at = match &placed.mid {
@@ -105,7 +107,7 @@ impl NodeToSurface {
             q: &placed.q[..n],
             at,
             start: &element.start,
-            history: &surface.points[slot],
+            history: &history,
             slip,
             pressure,
             step_size: surface.step_size,
@@ -121,22 +123,45 @@ impl NodeToSurface {
         end: &Gap,
         step: StepConfiguration<'_>,
         pressure: f64,
+        multiplier: [f64; 2],
         want_tangent: bool,
         contribution: &mut LocalContribution,
     ) -> Result<(), ContactError> {
         let weight = self.slave.nodal_areas()[slot];
-        self.with_element(slot, element, pairing, end, step, pressure, |friction| {
+        self.with_element(slot, element, pairing, end, step, pressure, multiplier, |friction| {
             let state = friction.state();
+            let rows = 3 * element.count + 1..contribution.dim();
+            let add = |rows: &mut [f64], mismatch: [f64; 2]| {
+                rows.iter_mut().zip(mismatch).for_each(|(row, m)| *row += weight * m);
+            };
             friction.add_residual(weight, state.tau, &mut contribution.residual);
-            if let Some(shift) = friction.shift(&state) {
+            add(&mut contribution.residual[rows.clone()], state.mismatch);
+            if let Some([tau, mismatch]) = friction.shift(&state) {
                 contribution.shift.resize(contribution.dim(), 0.0);
-                friction.add_residual(weight, shift, &mut contribution.shift);
+                friction.add_residual(weight, tau, &mut contribution.shift);
+                add(&mut contribution.shift[rows], mismatch);
             }
             if want_tangent {
-                friction.add_tangent(weight, &state, &mut contribution.tangent);
+                friction.add_tangent(weight, &state, contribution.dim(), &mut contribution.tangent);
             }
         })?;
         Ok(())
+    }
+
+    /// Whether the traction of each slot is a pair of unknowns.
+    pub(crate) fn has_stick_multipliers(&self) -> bool {
+        self.friction.as_ref().is_some_and(|surface| surface.friction.stick() == Stick::Multiplier)
+    }
+
+    /// Keeps the multipliers of an iterate: the first two of the `count` auxiliaries of each slot.
+    pub(crate) fn keep_multipliers(&mut self, auxiliaries: &[f64], count: usize) {
+        if !self.has_stick_multipliers() {
+            return;
+        }
+        let points = self.friction.iter_mut().flat_map(|surface| &mut surface.points);
+        for (point, values) in points.zip(auxiliaries.chunks_exact(count)) {
+            point.multiplier = [values[0], values[1]];
+        }
     }
 
     /// State of an active, paired slot at the end of the present step.
@@ -145,7 +170,8 @@ impl NodeToSurface {
         let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
         let end = self.gap(slot, pairing.end, q_np1)?;
         let step = StepConfiguration { q_n: &self.q_n, q_np1, rule: surface.rule };
-        self.with_element(slot, &element, pairing, &end, step, pressure, |friction| friction.state())
+        let multiplier = surface.points[slot].multiplier;
+        self.with_element(slot, &element, pairing, &end, step, pressure, multiplier, |friction| friction.state())
     }
 
     /// The traction with which a slot begins its step: that of the last one, on the facet that it starts from now.

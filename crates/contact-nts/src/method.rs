@@ -9,8 +9,8 @@ use crate::normal::Normal;
 use crate::slot::{ElementNodes, Pairing, Slot};
 use nalgebra::Vector3;
 use stoss_contact::{
-    ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, LocalContribution,
-    MasterSearch, SearchOptions, SlotReport, StepConfiguration,
+    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, LocalContribution,
+    MasterSearch, SearchOptions, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
 use stoss_geometry::BilinearPatch;
 
@@ -127,20 +127,24 @@ impl NodeToSurface {
     }
 
     /// An active slot that found no facet (the union of sets of the active-set control can ask for one): the row `-A p = 0`, which keeps
-    /// the system regular until the slot opens, its gap being infinite.
+    /// the system regular until the slot opens, its gap being infinite. Auxiliaries of the contribution are zero likewise.
     pub(crate) fn without_partner(
         &self,
         slot: usize,
         pressure: f64,
+        auxiliaries: &[f64],
         want_tangent: bool,
         contribution: &mut LocalContribution,
     ) {
         contribution.nodes.push(self.node(slot));
         contribution.reset(want_tangent);
-        let weight = self.slot_weight(slot);
+        let (weight, dim) = (self.slot_weight(slot), contribution.dim());
         contribution.residual[3] = -weight * pressure;
-        if want_tangent {
-            contribution.tangent[15] = -weight;
+        for (row, value) in contribution.residual[4..].iter_mut().zip(auxiliaries) {
+            *row = weight * value;
+        }
+        for k in (3..dim).filter(|_| want_tangent) {
+            contribution.tangent[k * dim + k] = if k == 3 { -weight } else { weight };
         }
     }
 }
@@ -226,9 +230,11 @@ impl ContactMethod for NodeToSurface {
         &mut self,
         q_np1: &[f64],
         pressures: &[f64],
+        auxiliaries: &[f64],
         active: &[bool],
         want_tangent: bool,
     ) -> Result<bool, ContactError> {
+        self.keep_multipliers(auxiliaries, 2);
         if want_tangent {
             self.follow_friction(q_np1, pressures, active)?;
         }
@@ -264,14 +270,45 @@ impl ContactMethod for NodeToSurface {
         want_tangent: bool,
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
-        let mut contribution = LocalContribution::default();
+        self.assemble_with(step, pressures, &[], active, want_tangent, visit)
+    }
+
+    /// Two multipliers of the friction, if stick is enforced by them: components in the frame of the old foot of what they add to the
+    /// traction at the start.
+    fn auxiliaries(&self) -> &[Auxiliary] {
+        if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
+    }
+
+    fn start_auxiliaries(
+        &self,
+        _step: StepConfiguration<'_>,
+        _pressures: &[f64],
+        active: &[bool],
+        out: &mut [f64],
+    ) -> Result<(), ContactError> {
+        clear_inactive(active, self.auxiliaries().len(), out);
+        Ok(())
+    }
+
+    fn assemble_with(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        auxiliaries: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let further = self.auxiliaries().len();
+        let mut contribution = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
         let mut work = Work::new();
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             contribution.slots.clear();
             contribution.slots.push(slot as u32);
             contribution.nodes.clear();
+            let multiplier = multipliers_of(slot, further, auxiliaries);
             let Some(pairing) = self.slots[slot].pairing else {
-                self.without_partner(slot, pressures[slot], want_tangent, &mut contribution);
+                self.without_partner(slot, pressures[slot], &multiplier, want_tangent, &mut contribution);
                 visit(&contribution);
                 continue;
             };
@@ -288,7 +325,7 @@ impl ContactMethod for NodeToSurface {
             let row = self.normal_row(slot, step.rule, end.gap, pressure);
             contribution.residual[n] = -weight * row.value;
             if want_tangent {
-                let dim = n + 1;
+                let dim = contribution.dim();
                 for i in 0..n {
                     for j in 0..n {
                         contribution.tangent[i * dim + j] = -weight * pressure * work.tangent[i * n + j];
@@ -302,7 +339,17 @@ impl ContactMethod for NodeToSurface {
                 contribution.tangent[n * dim + n] = -weight * row.d_pressure;
             }
             if self.friction.is_some() {
-                self.add_friction(slot, &element, pairing, &end, step, pressure, want_tangent, &mut contribution)?;
+                self.add_friction(
+                    slot,
+                    &element,
+                    pairing,
+                    &end,
+                    step,
+                    pressure,
+                    multiplier,
+                    want_tangent,
+                    &mut contribution,
+                )?;
             }
             visit(&contribution);
         }

@@ -25,8 +25,10 @@ struct Path {
     mu: Option<f64>,
     drop_gap_term: bool,
     drop_gap_slope: bool,
+    /// Stick by multipliers, not by springs.
+    exact: bool,
     /// Off the foot by so much, and multipliers beside those of the reductions.
-    off: [f64; 4],
+    off: [f64; 6],
 }
 
 fn path() -> impl Strategy<Value = Path> {
@@ -37,11 +39,11 @@ fn path() -> impl Strategy<Value = Path> {
         (-0.15..0.15_f64, -0.15..0.15_f64),
         (prop_oneof![0.05..0.15_f64, 0.9..1.1_f64, 3.9..4.1_f64], 0.05..0.15_f64, -0.25..-0.15_f64),
         (prop::sample::select(&RULES[..]), prop::sample::select(vec![None, Some(0.02), Some(1e3)])),
-        (any::<bool>(), any::<bool>(), proptest::array::uniform4(-0.2..0.2_f64)),
+        (any::<bool>(), any::<bool>(), any::<bool>(), proptest::array::uniform6(-0.2..0.2_f64)),
     )
-        .prop_map(|(noise, (x, y, z), (dx, dy), (slide, side, depth), (rule, mu), (term, slope, off))| {
+        .prop_map(|(noise, (x, y, z), (dx, dy), (slide, side, depth), (rule, mu), (term, slope, exact, off))| {
             let q = path_of(FACETS, [&noise.0, &noise.1, &noise.2], [x, y, z], [dx, dy], [slide, side, depth]);
-            Path { q, rule, mu, drop_gap_term: term, drop_gap_slope: slope, off }
+            Path { q, rule, mu, drop_gap_term: term, drop_gap_slope: slope, exact, off }
         })
 }
 
@@ -51,7 +53,8 @@ impl Path {
         match self.mu {
             Some(mu) => {
                 let law = Arc::new(Coulomb::new(mu).unwrap());
-                direct.with_friction(Friction::new(law, 40.0, Stick::Penalty, MidpointFriction::C).unwrap()).unwrap()
+                let stick = if self.exact { Stick::Multiplier } else { Stick::Penalty };
+                direct.with_friction(Friction::new(law, 40.0, stick, MidpointFriction::C).unwrap()).unwrap()
             }
             None => direct,
         }
@@ -112,11 +115,11 @@ proptest! {
     fn condensed_tangents_are_derivatives_along_the_foot(path in path()) {
         // On the foot the condensed system is the system in which the coordinates are the projection.
         let m = path.augmented(Reduction::Second);
-        let mut at = path.q[2].clone();
-        at.push(PRESSURE);
+        let at = unknowns(&path, &m, &path.off);
         let n = at.len();
         let step = |x: &[f64], want: bool| {
-            let on_foot = Path { off: [0.0; 4], q: [path.q[0].clone(), path.q[1].clone(), x[..n - 1].to_vec()], ..path.clone() };
+            let q = [path.q[0].clone(), path.q[1].clone(), x[..3 * NODES].to_vec()];
+            let on_foot = Path { off: [0.0; 6], q, ..path.clone() };
             dense(&m, &on_foot, x, &on_foot.start(&m), want)
         };
         let (_, tangent) = step(&at, true);
@@ -126,7 +129,7 @@ proptest! {
 
     #[test]
     fn reductions_are_schur_complements(path in path()) {
-        let path = Path { drop_gap_slope: false, ..path };
+        let path = Path { drop_gap_slope: false, exact: false, ..path };
         let (full, first, second) =
             (path.augmented(Reduction::None), path.augmented(Reduction::First), path.augmented(Reduction::Second));
         // Off the foot, but with the multipliers that belong to it: found by solving the linear balance of the full system.
@@ -185,10 +188,12 @@ proptest! {
     #[test]
     fn at_the_end_point_it_is_the_direct_form(path in path()) {
         let path = Path { rule: ContactRule::EndPoint, ..path };
-        let expected = assembled(&path.run(path.direct()), &path.q[1], &path.q[2], PRESSURE, path.rule, true);
         let m = path.augmented(Reduction::Second);
-        let path = Path { off: [0.0; 4], ..path };
-        let found = dense(&m, &path, &unknowns(&path, &m, &[]), &path.start(&m), true);
+        let x = unknowns(&path, &m, &path.off);
+        let multipliers = [path.off, [0.0; 6]].concat();
+        let expected = assembled_with(&path.run(path.direct()), &path.q[1], path.rule, &x, &multipliers, true);
+        let path = Path { off: [0.0; 6], ..path };
+        let found = dense(&m, &path, &x, &path.start(&m), true);
         for (a, b) in [(expected.0, found.0), (expected.1, found.1)] {
             let size = a.iter().fold(1.0_f64, |s, a| s.max(a.abs()));
             for (a, b) in a.iter().zip(&b) {

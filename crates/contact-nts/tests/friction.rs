@@ -120,6 +120,52 @@ proptest! {
     }
 
     #[test]
+    fn tangents_with_multipliers_are_the_derivatives(
+        path in path(),
+        law in 0..3_usize,
+        multiplier in proptest::array::uniform2(-0.5..0.5_f64),
+    ) {
+        let law: Arc<dyn FrictionLaw> = match law {
+            0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
+            k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
+        };
+        let m = path.run(with_law(law, Stick::Multiplier, path.stepping));
+        let x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE]).chain(&multiplier).copied().collect();
+        let (n, auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
+        let (_, tangent) = assembled_with(&m, &path.q[1], path.rule, &x, &auxiliaries, true);
+        let numeric = central_difference_jacobian(
+            |x, out| out.copy_from_slice(&assembled_with(&m, &path.q[1], path.rule, x, &auxiliaries, false).0),
+            &x, 2e-4, n,
+        );
+        assert_jacobian_close(&tangent, &numeric, n, 1e-7, "tangent with multipliers");
+    }
+
+    /// Newton's method for the two multipliers alone, in a step that slides: the traction has the size that the law says and the direction of the slip, so
+    /// that its work is proportional to the coefficient.
+    #[test]
+    fn a_multiplier_is_the_traction_of_the_law(path in path(), mu in 0.01..0.25_f64) {
+        let dissipated = |mu: f64| {
+            let mut m = path.run(with_law(Arc::new(Coulomb::new(mu).unwrap()), Stick::Multiplier, path.stepping));
+            let mut x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE, 0.0, 0.0]).copied().collect();
+            let (n, mut auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
+            for _ in 0..40 {
+                let (r, k) = assembled_with(&m, &path.q[1], path.rule, &x, &auxiliaries, true);
+                let of = |i: usize, j: usize| k[(n - 2 + i) * n + n - 2 + j];
+                let det = of(0, 0) * of(1, 1) - of(0, 1) * of(1, 0);
+                x[n - 2] -= (of(1, 1) * r[n - 2] - of(0, 1) * r[n - 1]) / det;
+                x[n - 1] -= (of(0, 0) * r[n - 1] - of(1, 0) * r[n - 2]) / det;
+            }
+            auxiliaries[..2].copy_from_slice(&x[n - 2..]);
+            m.renew(&path.q[2], &[PRESSURE, 0.0, 0.0, 0.0], &auxiliaries, &ACTIVE, false).unwrap();
+            let work = work(&m, &path.q[2], PRESSURE, &ACTIVE);
+            assert_eq!(work.stored, 0.0);
+            work.dissipated
+        };
+        let (once, twice) = (dissipated(mu), dissipated(2.0 * mu));
+        prop_assert!(once > 0.0 && (twice / once - 2.0).abs() < 1e-10, "{once} {twice}");
+    }
+
+    #[test]
     fn friction_has_no_resultant_and_no_moment(path in path(), stick: bool) {
         let m = path.run(with_coulomb(coefficient(stick), path.stepping));
         let forces = path.friction(&m);

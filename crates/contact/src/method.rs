@@ -57,6 +57,22 @@ impl Auxiliary {
     }
 }
 
+/// Sets the auxiliaries of slots that are not active to zero and leaves the others, `count` each: a start for multipliers that are counted from what
+/// the last step ended with.
+pub fn clear_inactive(active: &[bool], count: usize, auxiliaries: &mut [f64]) {
+    for (values, active) in auxiliaries.chunks_exact_mut(count.max(1)).zip(active) {
+        if !active {
+            values.fill(0.0);
+        }
+    }
+}
+
+/// The first two of the `count` auxiliaries of a slot, zero where there are none: multipliers of the friction.
+pub fn multipliers_of(slot: usize, count: usize, auxiliaries: &[f64]) -> [f64; 2] {
+    let own = auxiliaries.get(slot * count..slot * count + count).unwrap_or_default();
+    [0, 1].map(|k| own.get(k).copied().unwrap_or(0.0))
+}
+
 /// One dense contribution: unknowns are the three components of each of `nodes`, then one pressure for each of `slots`, then
 /// `auxiliaries` further ones for each of `slots`, slot by slot.
 ///
@@ -157,11 +173,13 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     /// master in the step (candidates farther away need no pairing).
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
     /// Renews what follows the iterate by itself, for instance integrals over moving overlaps; called before every `assemble` with its
-    /// `q_np1` and pressures. Returns whether the stencils of active slots changed. `want_tangent` tells whether derivatives will be needed.
+    /// `q_np1`, pressures and auxiliaries. What `augment`, `work` and `commit` need of the last ones the method keeps. Returns whether the stencils
+    /// of active slots changed. `want_tangent` tells whether derivatives will be needed.
     fn renew(
         &mut self,
         _q_np1: &[f64],
         _pressures: &[f64],
+        _auxiliaries: &[f64],
         _active: &[bool],
         _want_tangent: bool,
     ) -> Result<bool, ContactError> {
@@ -187,7 +205,7 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
         &[]
     }
     /// Values from which the iteration starts, for every active slot: at the start of an attempt and after every change of the active set or
-    /// the pairings. `out` has `slot_count() * auxiliaries().len()` entries.
+    /// the pairings. `out` has `slot_count() * auxiliaries().len()` entries; it comes with the values so far, at the start of an attempt zeros.
     fn start_auxiliaries(
         &self,
         _step: StepConfiguration<'_>,

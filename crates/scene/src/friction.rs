@@ -12,6 +12,8 @@ named! {
         Penalty = "penalty",
         /// Exactly, by an augmented Lagrangian: a few more solutions a step, the result does not depend on `penalty`.
         Augmented = "augmented",
+        /// Exactly, by two multipliers a node, unknowns of the step: one Newton method, the result does not depend on `penalty`.
+        Multiplier = "multiplier",
     }
 }
 
@@ -20,9 +22,9 @@ named! {
     MidpointFriction {
         /// Return at the midpoint, the end traction extrapolated: it leaves the cone and alternates.
         A = "a",
-        /// Return over the step, its result in the equations: robust, damps stick. The default.
+        /// Return over the step, its result in the equations: robust, damps stick.
         B = "b",
-        /// Mean of the tractions at both ends: too small where the pressure alternates from step to step.
+        /// Mean of the tractions at both ends, of second order; too small where the pressure alternates from step to step. The default.
         C = "c",
     }
 }
@@ -64,23 +66,22 @@ impl Friction {
 /// Tangential stiffness, stick and stepping of the laws that can stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sticking {
-    /// Tangential stiffness (traction per length), positive; `None`: ten times Young's modulus over an edge.
+    /// Tangential stiffness (traction per length), positive; `None`: ten times Young's modulus over an edge. Multipliers have none.
     pub penalty: Option<f64>,
-    /// How stick is enforced.
-    pub stick: Stick,
-    /// Which traction the midpoint schemes take.
+    /// How stick is enforced; `None`: by multipliers, or by springs if a `penalty` is given.
+    pub stick: Option<Stick>,
+    /// Which traction the midpoint schemes take. Multipliers leave no choice.
     pub midpoint: MidpointFriction,
 }
 
 impl Sticking {
-    /// Stick if left out.
-    pub const DEFAULT_STICK: Stick = Stick::Penalty;
+    /// How stick is enforced.
+    pub fn stick(&self) -> Stick {
+        let left_out = if self.penalty.is_some() { Stick::Penalty } else { Stick::Multiplier };
+        self.stick.unwrap_or(left_out)
+    }
     /// Stepping if left out.
-    pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::B;
-}
-
-fn default_stick() -> Stick {
-    Sticking::DEFAULT_STICK
+    pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::C;
 }
 
 fn default_midpoint() -> MidpointFriction {
@@ -94,12 +95,13 @@ fn default_midpoint() -> MidpointFriction {
 pub struct CoulombFriction {
     /// Coefficient, not negative.
     pub mu: f64,
-    /// Tangential stiffness (traction per length), positive; ten times Young's modulus of the softer body over an edge if left out.
+    /// Tangential stiffness (traction per length), positive, not for `multiplier`; ten times Young's modulus of the softer body over an edge if left
+    /// out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penalty: Option<f64>,
-    /// How stick is enforced.
-    #[serde(default = "default_stick")]
-    pub stick: Stick,
+    /// How stick is enforced; by multipliers if left out, or by springs if a `penalty` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stick: Option<Stick>,
     /// Which traction the midpoint schemes take.
     #[serde(default = "default_midpoint")]
     pub midpoint: MidpointFriction,
@@ -119,12 +121,13 @@ pub struct StaticDynamicFriction {
     pub mu_dynamic: f64,
     /// Speed of the transition (length per time), positive.
     pub speed: f64,
-    /// Tangential stiffness (traction per length), positive; ten times Young's modulus of the softer body over an edge if left out.
+    /// Tangential stiffness (traction per length), positive, not for `multiplier`; ten times Young's modulus of the softer body over an edge if left
+    /// out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penalty: Option<f64>,
-    /// How stick is enforced.
-    #[serde(default = "default_stick")]
-    pub stick: Stick,
+    /// How stick is enforced; by multipliers if left out, or by springs if a `penalty` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stick: Option<Stick>,
     /// Which traction the midpoint schemes take.
     #[serde(default = "default_midpoint")]
     pub midpoint: MidpointFriction,

@@ -81,11 +81,11 @@ impl StepProblem<'_> {
             return Ok(());
         }
         let Self { model, system, iterate, .. } = self;
-        let Iterate { q, pressures, active, .. } = &**iterate;
+        let Iterate { q, pressures, auxiliaries, active, .. } = &**iterate;
         let changed = system.contact_time.measure(|| -> Result<bool, StepError> {
             let mut changed = false;
-            for ((pair, pressures), active) in model.contacts.iter_mut().zip(pressures).zip(active) {
-                changed |= pair.method.renew(q, pressures, active, want_tangent)?;
+            for (c, pair) in model.contacts.iter_mut().enumerate() {
+                changed |= pair.method.renew(q, &pressures[c], &auxiliaries[c], &active[c], want_tangent)?;
             }
             Ok(changed)
         })?;

@@ -50,7 +50,7 @@ pub fn options(dual: bool, averaged: bool) -> MortarOptions {
     }
 }
 
-/// Residual and tangent in all coordinates and pressures.
+/// Residual and tangent in all coordinates and pressures, then all auxiliaries.
 pub struct Global {
     pub residual: Vec<f64>,
     pub tangent: Vec<f64>,
@@ -59,16 +59,29 @@ pub struct Global {
 pub const ALL: usize = 3 * NODES + SLAVE;
 
 pub fn assemble(method: &MortarContact, step: StepConfiguration<'_>, p: &[f64], active: &[bool]) -> Global {
-    let mut out = Global { residual: vec![0.0; ALL], tangent: vec![0.0; ALL * ALL] };
+    assemble_with(method, step, p, &[], active)
+}
+
+pub fn assemble_with(
+    method: &MortarContact,
+    step: StepConfiguration<'_>,
+    p: &[f64],
+    auxiliaries: &[f64],
+    active: &[bool],
+) -> Global {
+    let n = ALL + auxiliaries.len();
+    let mut out = Global { residual: vec![0.0; n], tangent: vec![0.0; n * n] };
     method
-        .assemble(step, p, active, true, &mut |local: &LocalContribution| {
+        .assemble_with(step, p, auxiliaries, active, true, &mut |local: &LocalContribution| {
             let mut index: Vec<usize> =
                 local.nodes.iter().flat_map(|&n| (0..3).map(move |i| 3 * n as usize + i)).collect();
             index.extend(local.slots.iter().map(|&s| 3 * NODES + s as usize));
+            let further = local.auxiliaries;
+            index.extend(local.slots.iter().flat_map(|&s| (0..further).map(move |k| ALL + further * s as usize + k)));
             for (i, &row) in index.iter().enumerate() {
                 out.residual[row] += local.residual[i];
                 for (j, &column) in index.iter().enumerate() {
-                    out.tangent[row * ALL + column] += local.tangent[i * local.dim() + j];
+                    out.tangent[row * n + column] += local.tangent[i * local.dim() + j];
                 }
             }
         })
@@ -89,7 +102,7 @@ pub fn tangent_error(method: &mut MortarContact, rule: ContactRule, q_n: &[f64],
     method.set_rule(rule, 0.1);
     method.begin_step(q_n, 0.1).unwrap();
     let mut at = |x: &[f64], p: &[f64]| {
-        method.renew(x, &[], &active, true).unwrap();
+        method.renew(x, &[], &[], &active, true).unwrap();
         let kind = kinds(method);
         (assemble(method, StepConfiguration { q_n, q_np1: x, rule }, p, &active), kind)
     };

@@ -7,8 +7,8 @@ use crate::friction::{FrictionElement, FrictionState, inside};
 use crate::kinematics::{Gap, LOCAL};
 use stoss_reference_element::quad4;
 
-/// Most unknowns: positions, pressure, two coordinates, two multipliers.
-pub(crate) const MOST: usize = 3 * MAX_NODES + 5;
+/// Most unknowns: positions, pressure, two multipliers of the friction, two coordinates, two multipliers.
+pub(crate) const MOST: usize = 3 * MAX_NODES + 7;
 
 /// Solution of a 2x2 system; `None` if it is singular to working precision.
 pub(crate) fn solve_2(m: [[f64; 2]; 2], rhs: [f64; 2]) -> Option<[f64; 2]> {
@@ -20,60 +20,71 @@ pub(crate) fn solve_2(m: [[f64; 2]; 2], rhs: [f64; 2]) -> Option<[f64; 2]> {
     Some([(m[1][1] * rhs[0] - m[0][1] * rhs[1]) / det, (m[0][0] * rhs[1] - m[1][0] * rhs[0]) / det])
 }
 
-/// Covariant traction `tau_a` with its derivatives.
+/// A scalar of the friction with its derivatives.
+#[derive(Clone, Debug)]
+pub(crate) struct Sloped {
+    pub value: f64,
+    /// With respect to the element's positions at `n+1`, the coordinates at `n+1`, the pressure, the multipliers of the friction.
+    pub by_q: [f64; 3 * MAX_NODES],
+    pub by_f: [f64; 2],
+    pub by_pressure: f64,
+    pub by_multiplier: [f64; 2],
+}
+
+impl Sloped {
+    const ZERO: Self =
+        Self { value: 0.0, by_q: [0.0; 3 * MAX_NODES], by_f: [0.0; 2], by_pressure: 0.0, by_multiplier: [0.0; 2] };
+}
+
+/// Friction of a slot.
 #[derive(Clone, Debug)]
 pub(crate) struct Traction {
-    pub tau: [f64; 2],
-    /// What the branch of the linearisation adds to it.
-    pub shift: Option<[f64; 2]>,
-    /// With respect to the element's positions at `n+1`, the coordinates at `n+1`, the pressure.
-    pub by_q: [[f64; 3 * MAX_NODES]; 2],
-    pub by_f: [[f64; 2]; 2],
-    pub by_pressure: [f64; 2],
+    /// Covariant traction `tau_a`.
+    pub tau: [Sloped; 2],
+    /// What is zero at the right multipliers of the friction, a length; used if there are such.
+    pub mismatch: [Sloped; 2],
+    /// What the branch of the linearisation adds to `tau` and `mismatch`.
+    pub shift: Option<[[f64; 2]; 2]>,
 }
 
 impl Traction {
-    pub const NONE: Self = Self {
-        tau: [0.0; 2],
-        shift: None,
-        by_q: [[0.0; 3 * MAX_NODES]; 2],
-        by_f: [[0.0; 2]; 2],
-        by_pressure: [0.0; 2],
-    };
+    pub const NONE: Self = Self { tau: [Sloped::ZERO; 2], mismatch: [Sloped::ZERO; 2], shift: None };
 
     /// `end`: kinematics at the coordinates of `n+1`, `facet`: local numbers of that facet.
     pub fn new(element: &FrictionElement<'_>, end: &Gap, facet: &[usize; 4], want_tangent: bool) -> Self {
         let state: FrictionState = element.state();
-        let mut out = Self { tau: state.tau, shift: element.shift(&state), ..Self::NONE };
+        let mut out = Self { shift: element.shift(&state), ..Self::NONE };
+        for k in 0..2 {
+            (out.tau[k].value, out.mismatch[k].value) = (state.tau[k], state.mismatch[k]);
+        }
         if !want_tangent {
             return out;
         }
-        let (tau, foot) = element.dual_tau(&state);
-        let step = state.branch.as_ref().unwrap_or(&state.step);
+        let slopes = element.slopes(&state);
         let factor = if element.at_end { 1.0 } else { 0.5 };
         let at = element.at.0;
         let old = element.history.foot;
         let (old_shape, old_gradient) = (quad4::shape(old), quad4::shape_gradient(inside(old)));
         let tangents = element.patch(facet).tangents(end.xi);
-        for (row, tau) in tau.iter().enumerate() {
+        let all = out.tau.iter_mut().zip(&slopes.tau).chain(out.mismatch.iter_mut().zip(&slopes.mismatch));
+        for (out, slope) in all {
             // Two tangents, two old tangents, slip.
-            let d = |block: usize, i: usize| tau.partial[3 * block + i];
+            let d = |block: usize, i: usize| slope.by_arguments.partial[3 * block + i];
             for i in 0..3 {
                 for k in 0..4 {
-                    let here = &mut out.by_q[row][3 * facet[k] + i];
+                    let here = &mut out.by_q[3 * facet[k] + i];
                     *here += factor * (at.shape_gradient[k][0] * d(0, i) + at.shape_gradient[k][1] * d(1, i));
                     *here += factor * end.shape[k] * d(4, i);
-                    let there = &mut out.by_q[row][3 * element.start[k] + i];
+                    let there = &mut out.by_q[3 * element.start[k] + i];
                     *there += factor * (old_gradient[k][0] * d(2, i) + old_gradient[k][1] * d(3, i));
                     *there -= factor * old_shape[k] * d(4, i);
                 }
                 for be in 0..2 {
-                    out.by_f[row][be] += factor * at.a_12[i] * d(1 - be, i) + tangents[be][i] * d(4, i);
+                    out.by_f[be] += factor * at.a_12[i] * d(1 - be, i) + tangents[be][i] * d(4, i);
                 }
             }
-            let a = at.tangents[row];
-            out.by_pressure[row] =
-                (0..2).map(|k| step.d_pressure[k] * (0..3).map(|i| foot[k][i] * a[i]).sum::<f64>()).sum();
+            out.by_pressure = slope.by_pressure;
+            out.by_multiplier = slope.by_multiplier;
         }
         out
     }
@@ -95,10 +106,13 @@ pub(crate) struct Equations<'a> {
     pub length: f64,
     /// Position components of the element.
     pub n: usize,
+    /// Multipliers of the friction, 0 or 2.
+    pub frictional: usize,
     pub options: AugmentedOptions,
 }
 
-/// Residual and row-major tangent with `n + 5` unknowns: positions, pressure, coordinates, multipliers.
+/// Residual and row-major tangent with `n + 5` unknowns (positions, pressure, coordinates, multipliers) and two more after the pressure, the
+/// multipliers of the friction, if there are such.
 pub(crate) struct Dense {
     pub residual: [f64; MOST],
     pub tangent: Vec<f64>,
@@ -109,20 +123,21 @@ impl Equations<'_> {
     pub fn multipliers(&self) -> Option<[f64; 2]> {
         let b = self.force.gap_by_coordinates();
         let p = if self.options.drop_gap_term { 0.0 } else { self.pressure };
-        solve_2(self.force.foot_by_coordinates(), [0, 1].map(|k| b[k] * p - self.traction.tau[k]))
+        solve_2(self.force.foot_by_coordinates(), [0, 1].map(|k| b[k] * p - self.traction.tau[k].value))
     }
 
     /// The full system at given multipliers; the tangent is overwritten if wanted.
     pub fn full(&self, lambda: [f64; 2], want_tangent: bool, out: &mut Dense) {
-        let Self { force, end, traction, pressure, weight, n, .. } = *self;
-        let dim = n + 5;
+        let Self { force, end, traction, pressure, weight, n, frictional, .. } = *self;
+        let dim = self.dim();
+        let first = self.coordinates();
         let pressure_of_f = if self.options.drop_gap_term { 0.0 } else { pressure };
         // Rows and columns are divided by these.
-        let scale = |k: usize| if k > n { self.length } else { 1.0 };
-        let slot = |u: usize| if u < LOCAL { u } else { n + 1 + (u - LOCAL) };
+        let scale = |k: usize| if k >= first { self.length } else { 1.0 };
+        let slot = |u: usize| if u < LOCAL { u } else { first + (u - LOCAL) };
         out.residual[..dim].fill(0.0);
         for u in 0..UNKNOWNS {
-            let (p, tau) = if u < LOCAL { (pressure, 0.0) } else { (pressure_of_f, traction.tau[u - LOCAL]) };
+            let (p, tau) = if u < LOCAL { (pressure, 0.0) } else { (pressure_of_f, traction.tau[u - LOCAL].value) };
             out.residual[slot(u)] = weight
                 * (tau + lambda[0] * force.foot_gradient[0][u] + lambda[1] * force.foot_gradient[1][u]
                     - p * force.gap_gradient[u])
@@ -130,7 +145,10 @@ impl Equations<'_> {
         }
         out.residual[n] = -weight * (end.gap - self.reference);
         for al in 0..2 {
-            out.residual[n + 3 + al] = weight * end.foot[al] / self.length;
+            out.residual[first + 2 + al] = weight * end.foot[al] / self.length;
+        }
+        for k in 0..frictional {
+            out.residual[n + 1 + k] = weight * traction.mismatch[k].value;
         }
         if !want_tangent {
             return;
@@ -153,24 +171,38 @@ impl Equations<'_> {
             }
             add(n, slot(u), -end.gap_gradient[u]);
             for al in 0..2 {
-                add(slot(u), n + 3 + al, force.foot_gradient[al][u]);
-                add(n + 3 + al, slot(u), end.foot_gradient[al][u]);
+                add(slot(u), first + 2 + al, force.foot_gradient[al][u]);
+                add(first + 2 + al, slot(u), end.foot_gradient[al][u]);
             }
         }
-        for al in 0..2 {
+        let of_friction = traction.mismatch.iter().take(frictional).enumerate().map(|(k, m)| (n + 1 + k, m));
+        for (row, slope) in of_friction.chain([(first, &traction.tau[0]), (first + 1, &traction.tau[1])]) {
             for j in 0..n {
-                add(n + 1 + al, j, traction.by_q[al][j]);
+                add(row, j, slope.by_q[j]);
             }
-            add(n + 1 + al, n, traction.by_pressure[al]);
+            add(row, n, slope.by_pressure);
             for be in 0..2 {
-                add(n + 1 + al, n + 1 + be, traction.by_f[al][be]);
+                add(row, first + be, slope.by_f[be]);
+            }
+            for k in 0..frictional {
+                add(row, n + 1 + k, slope.by_multiplier[k]);
             }
         }
     }
 
+    /// Number of the first coordinate.
+    fn coordinates(&self) -> usize {
+        self.n + 1 + self.frictional
+    }
+
+    /// Number of all unknowns.
+    pub fn dim(&self) -> usize {
+        self.coordinates() + 4
+    }
+
     /// The system of a reduction: `out` is compressed to its unknowns. `None` if the elimination is singular (a focal point).
     pub fn reduced(&self, lambda: [f64; 2], want_tangent: bool, out: &mut Dense) -> Option<()> {
-        let n = self.n;
+        let (dim, f) = (self.dim(), self.coordinates());
         match self.options.reduction {
             Reduction::None => {
                 self.full(lambda, want_tangent, out);
@@ -178,20 +210,19 @@ impl Equations<'_> {
             Reduction::First => {
                 self.full(self.multipliers()?, want_tangent, out);
                 if want_tangent {
-                    out.eliminate(n, n + 1, n + 3)?;
+                    out.eliminate(dim, f, f + 2)?;
                 }
                 // Rows of the foot constraint take the place of the rows of the coordinates.
-                out.move_rows(n, want_tangent);
+                out.move_rows(dim, want_tangent);
             }
             Reduction::Second => {
                 // The tangent is a part of the residual: R_q + K_qf s.
                 self.full(self.multipliers()?, true, out);
                 if self.options.drop_gap_slope {
-                    let dim = n + 5;
-                    out.tangent[n * dim + n + 1..n * dim + n + 3].fill(0.0);
+                    out.tangent[self.n * dim + f..self.n * dim + f + 2].fill(0.0);
                 }
-                out.eliminate(n, n + 1, n + 3)?;
-                out.eliminate(n, n + 3, n + 1)?;
+                out.eliminate(dim, f, f + 2)?;
+                out.eliminate(dim, f + 2, f)?;
             }
         }
         Some(())
@@ -204,8 +235,7 @@ impl Dense {
     }
 
     /// Eliminates two unknowns (`columns` and the next) by two equations (`rows` and the next) from all others.
-    fn eliminate(&mut self, n: usize, rows: usize, columns: usize) -> Option<()> {
-        let dim = n + 5;
+    fn eliminate(&mut self, dim: usize, rows: usize, columns: usize) -> Option<()> {
         let k = |i: usize, j: usize| i * dim + j;
         let block = [0, 1].map(|a| [0, 1].map(|b| self.tangent[k(rows + a, columns + b)]));
         for i in (0..dim).filter(|&i| i != rows && i != rows + 1) {
@@ -225,11 +255,10 @@ impl Dense {
     }
 
     /// Puts the last two rows in the place of the two before them.
-    fn move_rows(&mut self, n: usize, tangent: bool) {
-        let dim = n + 5;
-        self.residual.copy_within(n + 3..n + 5, n + 1);
+    fn move_rows(&mut self, dim: usize, tangent: bool) {
+        self.residual.copy_within(dim - 2..dim, dim - 4);
         if tangent {
-            self.tangent.copy_within((n + 3) * dim..(n + 5) * dim, (n + 1) * dim);
+            self.tangent.copy_within((dim - 2) * dim..dim * dim, (dim - 4) * dim);
         }
     }
 }

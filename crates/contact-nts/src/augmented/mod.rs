@@ -20,7 +20,7 @@
 mod constraints;
 mod element;
 
-use crate::friction::{FrictionElement, Slip};
+use crate::friction::{FrictionElement, PointHistory, Slip};
 use crate::kinematics::{Gap, LOCAL, Local, points};
 use crate::method::{NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
@@ -127,6 +127,7 @@ impl CoordinateAugmented {
         step: StepConfiguration<'_>,
         f: [f64; 2],
         pressure: f64,
+        multiplier: [f64; 2],
         want_tangent: bool,
     ) -> Result<Evaluated, ContactError> {
         let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
@@ -153,13 +154,14 @@ impl CoordinateAugmented {
             let at = Gap::at(&x, &patch, f_force).ok_or_else(failed)?;
             let (x, patch) = points(&q_end);
             let at_np1 = Gap::at(&x, &patch, f).ok_or_else(failed)?;
+            let history = PointHistory { multiplier, ..surface.points[slot] };
             let friction = FrictionElement {
                 friction: &surface.friction,
                 at_end,
                 q: &q[..3 * element.count],
                 at: (&at, &element.end),
                 start: &element.start,
-                history: &surface.points[slot],
+                history: &history,
                 slip: Slip::Feet(&at_np1, &element.end),
                 pressure,
                 step_size: surface.step_size,
@@ -196,27 +198,21 @@ impl CoordinateAugmented {
             weight: self.slot_weight(slot),
             length: self.inner.length,
             n: 3 * element.count,
+            frictional: self.frictional(),
             options: self.options,
         }
     }
 
-    /// A slot without a facet: its auxiliaries are zero.
-    fn without_partner(&self, slot: usize, pressure: f64, values: &[f64], want: bool, out: &mut LocalContribution) {
-        self.inner.without_partner(slot, pressure, want, out);
-        let further = Auxiliary::equations(self.auxiliaries());
-        if further == 0 {
-            return;
-        }
-        let (row, weight) = (out.residual[3], self.slot_weight(slot));
-        out.auxiliaries = further;
-        out.reset(want);
-        out.residual[3] = row;
-        let dim = out.dim();
-        for (k, value) in values.iter().enumerate() {
-            out.residual[4 + k] = weight * value;
-        }
-        for k in (3..dim).filter(|_| want) {
-            out.tangent[k * dim + k] = if k == 3 { -weight } else { weight };
+    /// Number of multipliers of the friction, the first auxiliaries of each slot.
+    fn frictional(&self) -> usize {
+        if self.inner.has_stick_multipliers() { 2 } else { 0 }
+    }
+
+    /// Multipliers of the friction and all other auxiliaries of one slot.
+    fn split<'a>(&self, values: &'a [f64]) -> ([f64; 2], &'a [f64]) {
+        match values {
+            [a, b, rest @ ..] if self.frictional() == 2 => ([*a, *b], rest),
+            _ => ([0.0; 2], values),
         }
     }
 }
@@ -248,10 +244,15 @@ impl ContactMethod for CoordinateAugmented {
         &mut self,
         q_np1: &[f64],
         pressures: &[f64],
+        auxiliaries: &[f64],
         active: &[bool],
         want_tangent: bool,
     ) -> Result<bool, ContactError> {
-        self.inner.renew(q_np1, pressures, active, want_tangent)
+        self.inner.keep_multipliers(auxiliaries, self.auxiliaries().len());
+        if want_tangent {
+            self.inner.follow_friction(q_np1, pressures, active)?;
+        }
+        Ok(false)
     }
 
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
@@ -276,15 +277,19 @@ impl ContactMethod for CoordinateAugmented {
         self.assemble_with(step, pressures, &auxiliaries, active, want_tangent, visit)
     }
 
-    /// Coordinates and multipliers times a master edge `L`, so that the former are lengths and the latter tractions; their rows are divided
+    /// Multipliers of the friction, if stick is enforced by them; coordinates and multipliers times a master edge `L`, so that the former are lengths and the latter tractions; their rows are divided
     /// by `L`.
     fn auxiliaries(&self) -> &[Auxiliary] {
         use Auxiliary::{Balance, Condensed, Constraint};
-        match self.options.reduction {
-            Reduction::None => &[Balance, Balance, Constraint, Constraint],
-            Reduction::First => &[Constraint, Constraint],
-            Reduction::Second => &[Condensed, Condensed],
-        }
+        const NONE: [Auxiliary; 6] = [Constraint, Constraint, Balance, Balance, Constraint, Constraint];
+        const FIRST: [Auxiliary; 4] = [Constraint; 4];
+        const SECOND: [Auxiliary; 4] = [Constraint, Constraint, Condensed, Condensed];
+        let all: &[Auxiliary] = match self.options.reduction {
+            Reduction::None => &NONE,
+            Reduction::First => &FIRST,
+            Reduction::Second => &SECOND,
+        };
+        &all[2 - self.frictional()..]
     }
 
     fn start_auxiliaries(
@@ -296,13 +301,17 @@ impl ContactMethod for CoordinateAugmented {
     ) -> Result<(), ContactError> {
         let length = self.inner.length;
         for (slot, values) in out.chunks_exact_mut(self.auxiliaries().len()).enumerate() {
-            values.fill(0.0);
-            let Some(pairing) = self.inner.slots[slot].pairing.filter(|_| active[slot]) else { continue };
+            let Some(pairing) = self.inner.slots[slot].pairing.filter(|_| active[slot]) else {
+                values.fill(0.0);
+                continue;
+            };
+            let (multiplier, _) = self.split(values);
+            let values = &mut values[self.frictional()..];
             let f = self.inner.gap(slot, pairing.end, step.q_np1)?.xi;
             values[..2].copy_from_slice(&f.map(|f| f * length));
             if self.options.reduction == Reduction::None {
                 let element = self.element(slot, pairing);
-                let of = self.evaluate(slot, &element, pairing, step, f, pressures[slot], false)?;
+                let of = self.evaluate(slot, &element, pairing, step, f, pressures[slot], multiplier, false)?;
                 let equations = self.equations(slot, &element, Self::rule(step.rule)?, &of, pressures[slot]);
                 let lambda = equations.multipliers().unwrap_or_default();
                 values[2..].copy_from_slice(&lambda.map(|l| l * length));
@@ -332,15 +341,16 @@ impl ContactMethod for CoordinateAugmented {
             let values = self.values(slot, auxiliaries);
             let pressure = pressures[slot];
             let Some(pairing) = self.inner.slots[slot].pairing else {
-                self.without_partner(slot, pressure, values, want_tangent, &mut contribution);
+                self.inner.without_partner(slot, pressure, values, want_tangent, &mut contribution);
                 visit(&contribution);
                 continue;
             };
             let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
             let element = self.element(slot, pairing);
+            let (multiplier, values) = self.split(values);
             let f = [values[0] / length, values[1] / length];
             let wants = want_tangent || self.options.reduction == Reduction::Second;
-            let of = self.evaluate(slot, &element, pairing, step, f, pressure, wants)?;
+            let of = self.evaluate(slot, &element, pairing, step, f, pressure, multiplier, wants)?;
             let equations = self.equations(slot, &element, at_end, &of, pressure);
             let lambda = match values {
                 [_, _, a, b] => [a / length, b / length],
@@ -350,22 +360,25 @@ impl ContactMethod for CoordinateAugmented {
             contribution.nodes.extend_from_slice(element.list());
             contribution.auxiliaries = further;
             contribution.reset(want_tangent);
-            let (dim, all) = (contribution.dim(), equations.n + 5);
+            let (dim, all) = (contribution.dim(), equations.dim());
             contribution.residual.copy_from_slice(&dense.residual[..dim]);
             if want_tangent {
                 for (row, from) in contribution.tangent.chunks_exact_mut(dim).zip(dense.tangent.chunks_exact(all)) {
                     row.copy_from_slice(&from[..dim]);
                 }
             }
-            if let Some(shift) = of.traction.shift {
+            if let Some([tau, mismatch]) = of.traction.shift {
                 // The residual is linear in the traction.
-                let traction =
-                    Traction { tau: [0, 1].map(|al| of.traction.tau[al] + shift[al]), ..of.traction.clone() };
+                let mut traction = of.traction.clone();
+                for k in 0..2 {
+                    traction.tau[k].value += tau[k];
+                    traction.mismatch[k].value += mismatch[k];
+                }
                 let branch = Equations { traction: &traction, ..equations };
                 branch.reduced(lambda, false, &mut dense).ok_or_else(failed)?;
                 contribution.shift.extend(dense.residual.iter().zip(&contribution.residual).map(|(b, r)| b - r));
             }
-            if further == 0 {
+            if self.options.reduction == Reduction::Second {
                 let [a, b] = of.end.foot;
                 contribution.violation = a.abs().max(b.abs()) / (length * length);
             }
@@ -386,12 +399,12 @@ impl ContactMethod for CoordinateAugmented {
             return Ok(());
         }
         let length = self.inner.length;
-        for (slot, out) in out.chunks_exact_mut(2).enumerate() {
+        for (slot, out) in out.chunks_exact_mut(self.auxiliaries().len()).enumerate() {
             out.fill(0.0);
             let Some(pairing) = self.inner.slots[slot].pairing.filter(|_| active[slot]) else { continue };
             let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
             let element = self.element(slot, pairing);
-            let values = self.values(slot, auxiliaries);
+            let (_, values) = self.split(self.values(slot, auxiliaries));
             let f = [values[0] / length, values[1] / length];
             let end = Constraints::new(&self.local(&element, step.q_np1), f).ok_or_else(failed)?;
             let du = self.local(&element, increment);
@@ -401,7 +414,7 @@ impl ContactMethod for CoordinateAugmented {
                 -(end.foot[al] + change)
             });
             let df = solve_2(end.foot_by_coordinates(), rhs).ok_or_else(failed)?;
-            out.copy_from_slice(&df.map(|d| d * length));
+            out[self.frictional()..].copy_from_slice(&df.map(|d| d * length));
         }
         Ok(())
     }

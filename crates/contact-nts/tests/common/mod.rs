@@ -129,9 +129,9 @@ pub fn resultants(forces: &[f64], q_n: &[f64], q_1: &[f64], rule: ContactRule) -
     (norm(force), norm(moment))
 }
 
-/// Residual and tangent of the augmented method over positions, the pressure and the auxiliaries of the first slot, all of which `x` holds.
+/// Residual and tangent of a method with auxiliaries over positions, the pressure and the auxiliaries of the first slot, all of which `x` holds.
 pub fn assembled_with(
-    m: &CoordinateAugmented,
+    m: &impl ContactMethod,
     q_n: &[f64],
     rule: ContactRule,
     x: &[f64],

@@ -11,13 +11,13 @@ pub enum MidpointFriction {
     /// Return at the midpoint; the end traction is extrapolated (Armero and Petoecz). It leaves the cone and alternates.
     A,
     /// Return over the whole step; that traction is force and history. Dissipates in stick too, where it is of first order; in slip the force is
-    /// exactly that of the law with the pressure of the step. The default: pressures of conserving schemes alternate from step to step,
-    /// and the other two then make less of the friction than the law says.
-    #[default]
+    /// exactly that of the law with the pressure of the step. For springs under the energy-momentum scheme: pressures of conserving schemes alternate
+    /// from step to step, and the other two then make less of the friction than the law says.
     B,
     /// Return at the end, the force is the mean of both ends. The traction at the start is brought into the cone of the step's pressure first,
     /// our addition: without it the mean could leave the cone, and dissipation be negative, when the pressure falls. Second order where
-    /// the pressure is smooth.
+    /// the pressure is smooth. The default.
+    #[default]
     C,
 }
 
@@ -28,10 +28,13 @@ pub enum Stick {
     /// stiffness, no farther: no creep.
     #[default]
     Penalty,
-    /// Augmented Lagrangian: the traction becomes the history of the same step until a sticking point does not move. Chosen before two further
-    /// unknowns for each point, because the loop around the iterations that it needs is that of the active set, and because the
-    /// matrix keeps its size when points begin to slip. The tangential stiffness decides on the number of rounds, not on the result.
+    /// Augmented Lagrangian: the traction becomes the history of the same step until a sticking point does not move. The matrix keeps its size; the
+    /// step is solved several times. The tangential stiffness decides on the number of rounds, not on the result.
     Augmented,
+    /// Two multipliers a point, unknowns of the step beside its pressure: the traction `t` is that for which `t = return(t + stiffness slip)`, so
+    /// that the slip of a sticking point is zero and the traction of a sliding one is the law's. Solved together with all other equations by one
+    /// (semi-smooth) Newton method. The tangential stiffness weighs traction against slip in the decision between the two; no result depends on it.
+    Multiplier,
 }
 
 /// A law with all that its time stepping needs.
@@ -46,7 +49,7 @@ pub struct Friction {
 /// One point at the start of its step, and what the iteration says of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionPoint {
-    /// Traction at the start, in the frame of the step. With [`Stick::Augmented`] the multiplier.
+    /// Traction at the start, in the frame of the step. With [`Stick::Augmented`] and [`Stick::Multiplier`] the multiplier.
     pub history: Plane,
     /// Slip in the step, a length.
     pub slip: Plane,
@@ -142,7 +145,7 @@ impl Friction {
     /// Does a step. `at_end`: the equations are those of the end point (statics, backward Euler), otherwise of the midpoint.
     ///
     /// With `w = work`, `s` the stored energies: `w = s_np1 - s_n + dissipated`, and `dissipated >= 0` under every stepping for every law that keeps
-    /// what [`FrictionLaw`] asks for, from any traction at the start. An augmented multiplier has `dissipated = w`, which is not negative once it has
+    /// what [`FrictionLaw`] asks for, from any traction at the start. A multiplier has `dissipated = w`, which is not negative once it has
     /// converged.
     pub fn step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
         self.step_with(at_end, point, false)
@@ -173,8 +176,8 @@ impl Friction {
         };
         let elastic = self.law.is_elastic();
         let penalty = point.stiffening * self.penalty;
-        let stepping =
-            if at_end || !elastic || self.stick == Stick::Augmented { MidpointFriction::B } else { self.midpoint };
+        let is_exact = self.stick != Stick::Penalty;
+        let stepping = if at_end || !elastic || is_exact { MidpointFriction::B } else { self.midpoint };
         let trial = |from: Plane, stiffness: f64| std::array::from_fn(|i| from[i] + stiffness * point.slip[i]);
         let h = point.history;
         let out = match stepping {

@@ -30,11 +30,21 @@ pub(super) fn friction(node: &Node<'_>, mortar: Option<bool>) -> Option<Friction
 
 fn sticking(table: &Table<'_>) -> Option<Sticking> {
     let penalty = table.optional("penalty", Node::positive);
-    let stick = table.default("stick", Sticking::DEFAULT_STICK, |n| n.choice(Stick::NAMES, Stick::from_name));
-    let midpoint = table.default("midpoint", Sticking::DEFAULT_MIDPOINT, |n| {
-        n.choice(MidpointFriction::NAMES, MidpointFriction::from_name)
-    });
-    Some(Sticking { penalty: penalty?, stick: stick?, midpoint: midpoint? })
+    let stick = table.optional("stick", |n| n.choice(Stick::NAMES, Stick::from_name));
+    let midpoint = table.optional("midpoint", |n| n.choice(MidpointFriction::NAMES, MidpointFriction::from_name));
+    let (penalty, stick, midpoint) = (penalty?, stick?, midpoint?);
+    let sticking = Sticking { penalty, stick, midpoint: midpoint.unwrap_or(Sticking::DEFAULT_MIDPOINT) };
+    if sticking.stick() == Stick::Multiplier {
+        let useless = [("penalty", penalty.is_some()), ("midpoint", midpoint.is_some())];
+        for (key, _) in useless.into_iter().filter(|(_, given)| *given) {
+            return table.fail(
+                key,
+                "has no effect on stick by multipliers, which is exact",
+                "remove it, or set stick = \"penalty\"",
+            );
+        }
+    }
+    Some(sticking)
 }
 
 fn coulomb(table: &Table<'_>) -> Option<Friction> {

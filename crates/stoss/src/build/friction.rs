@@ -25,8 +25,9 @@ pub(super) fn scheme_elsewhere(scene: &Scene) -> Option<&str> {
     (!fits).then_some(integrator.scheme.as_str())
 }
 
-/// Tangential stiffness of friction in multiples of Young's modulus over an edge, if the scene gives none: a sticking node moves by a tenth of
-/// what the elements beside it yield, and Newton's method still gets over the kink between stick and slip.
+/// Tangential stiffness of friction in multiples of Young's modulus over an edge, if the scene gives none: as a spring, a sticking node moves by a tenth
+/// of what the elements beside it yield, and Newton's method still gets over the kink between stick and slip. Multipliers are weighed against slips
+/// with it.
 pub(super) const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
 
 /// The friction of `contact[c]`; reports what is wrong and returns `None` then. `stiffness`: tangential stiffness if none is given.
@@ -44,12 +45,13 @@ pub(super) fn friction(
         return None;
     }
     let (penalty, stick, midpoint) = match item.sticking() {
-        Some(s) => (s.penalty, s.stick, s.midpoint),
-        None => (None, scene::Sticking::DEFAULT_STICK, scene::Sticking::DEFAULT_MIDPOINT),
+        Some(s) => (s.penalty, s.stick(), s.midpoint),
+        None => (None, scene::Stick::Penalty, scene::Sticking::DEFAULT_MIDPOINT),
     };
     let stick = match stick {
         scene::Stick::Penalty => Stick::Penalty,
         scene::Stick::Augmented => Stick::Augmented,
+        scene::Stick::Multiplier => Stick::Multiplier,
     };
     let midpoint = match midpoint {
         scene::MidpointFriction::A => MidpointFriction::A,

@@ -81,7 +81,7 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
             let active = [true; SLAVE];
             method.set_rule(rule, 0.1);
             method.begin_step(&q_n, 0.5)?;
-            method.renew(&q, &[], &active, true)?;
+            method.renew(&q, &[], &[], &active, true)?;
             let mut force = vec![0.0; 3 * NODES];
             let step = StepConfiguration { q_n: &q_n, q_np1: &q, rule };
             method.assemble(step, &pressures, &active, false, &mut |local: &LocalContribution| {
