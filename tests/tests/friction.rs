@@ -72,8 +72,12 @@ const MU: f64 = 0.3;
 /// tan = 0.99 mu: after the first steps nothing moves, for a thousand steps.
 #[test]
 fn a_block_sticks_below_the_friction_angle() {
-    for (stick, bound) in [("penalty", 1e-10), ("augmented", 1e-12)] {
-        let friction = format!(r#"{{ law = "coulomb", mu = {MU}, penalty = 1e6, stick = "{stick}" }}"#);
+    for (stick, bound) in [
+        (r#"penalty = 1e6, stick = "penalty""#, 1e-10),
+        (r#"penalty = 1e6, stick = "augmented""#, 1e-12),
+        (r#"stick = "multiplier""#, 1e-12),
+    ] {
+        let friction = format!(r#"{{ law = "coulomb", mu = {MU}, {stick} }}"#);
         let mut s =
             block("end = 51.0\nstep = 0.05\nintegrator = { scheme = \"backward-euler\" }", 0.99 * MU, 0.0, &friction);
         for _ in 0..20 {
@@ -90,34 +94,47 @@ fn a_block_sticks_below_the_friction_angle() {
     }
 }
 
-/// tan = 1.01 mu: it slides with the acceleration g (sin - mu cos), a hundredth of the friction. The energy-momentum scheme keeps all the vibrations
-/// of the block: it starts with a speed, so that hardly a node ever slips backwards, and the bound is half a per cent of the friction.
+/// tan = 1.01 mu: it slides with the acceleration g (sin - mu cos), a hundredth of the friction. The weight grows for one unit of time, so that the
+/// schemes that keep all vibrations have hardly any to keep. (Much smaller steps resolve how a sliding elastic block begins to flutter.)
 #[test]
 fn a_block_slides_above_the_friction_angle() {
-    for (scheme, speed, end, tolerance) in [("backward-euler", 0.0, 8.0, 1e-3), ("energy-momentum", 1.0, 2.0, 0.5)] {
-        let tangent = 1.01 * MU;
-        let friction = format!(r#"{{ law = "coulomb", mu = {MU}, penalty = 1e6 }}"#);
-        let time = format!("end = {end:?}\nstep = 0.02\nintegrator = {{ scheme = \"{scheme}\" }}");
-        let mut s = block(&time, tangent, speed, &friction);
-        let mut at = Vec::new();
-        while !s.finished() {
-            s.advance().unwrap();
-            at.push((s.state().time, place(&s).1));
+    let tangent = 1.01 * MU;
+    let weight = DENSITY * GRAVITY / (1.0 + tangent * tangent).sqrt();
+    let load = format!("{{ table = [[0, 0, 0, 0], [1, {}, 0, {}]] }}", weight * tangent, -weight);
+    let expected = GRAVITY * (tangent - MU) / (1.0 + tangent * tangent).sqrt();
+    for scheme in ["backward-euler", "midpoint", "energy-momentum"] {
+        for stick in
+            [r#"stick = "multiplier""#, r#"penalty = 1e6, midpoint = "b""#, r#"penalty = 1e6, stick = "augmented""#]
+        {
+            let contact = format!("method = \"nts\"\nfriction = {{ law = \"coulomb\", mu = {MU}, {stick} }}");
+            let time = format!("end = 5.0\nstep = 0.05\nintegrator = {{ scheme = \"{scheme}\" }}");
+            let mut s = loaded_block(&time, &load, 0.0, &contact);
+            let mut at = Vec::new();
+            while !s.finished() {
+                s.advance().unwrap();
+                at.push((s.state().time, place(&s).1));
+            }
+            let (early, late) = (at[2 * at.len() / 5], at[at.len() - 1]);
+            let found = (late.1 - early.1) / (late.0 - early.0);
+            let error = found / expected - 1.0;
+            println!("{scheme} {stick}: {error:e}");
+            assert!(error.abs() < 1e-3, "{scheme} {stick}: acceleration {found} against {expected}");
         }
-        let expected = GRAVITY * (tangent - MU) / (1.0 + tangent * tangent).sqrt();
-        let (early, late) = (at[at.len() / 4], at[at.len() - 1]);
-        let found = (late.1 - early.1) / (late.0 - early.0);
-        assert!((found / expected - 1.0).abs() < tolerance, "{scheme}: acceleration {found} against {expected}");
     }
 }
 
 /// A block with the speed 1 stops after v^2 / (2 mu g) and stays.
 #[test]
 fn a_block_stops_at_the_analytic_distance() {
-    for (scheme, stick) in
-        [("backward-euler", "penalty"), ("backward-euler", "augmented"), ("energy-momentum", "penalty")]
-    {
-        let friction = format!(r#"{{ law = "coulomb", mu = {MU}, penalty = 1e6, stick = "{stick}" }}"#);
+    for (scheme, stick) in [
+        ("backward-euler", r#"penalty = 1e6"#),
+        ("backward-euler", r#"penalty = 1e6, stick = "augmented""#),
+        ("backward-euler", r#"stick = "multiplier""#),
+        ("midpoint", r#"stick = "multiplier""#),
+        ("energy-momentum", r#"stick = "multiplier""#),
+        ("energy-momentum", r#"penalty = 1e6, midpoint = "b""#),
+    ] {
+        let friction = format!(r#"{{ law = "coulomb", mu = {MU}, {stick} }}"#);
         let time = format!("end = 0.5\nstep = 0.001\nintegrator = {{ scheme = \"{scheme}\" }}");
         let mut s = block(&time, 0.0, 1.0, &friction);
         let kinetic = s.balance().kinetic;
@@ -135,8 +152,8 @@ fn a_block_stops_at_the_analytic_distance() {
         let distance = place(&s).0 - 0.5;
         assert!((distance / expected - 1.0).abs() < 5e-3, "{scheme} {stick}: {distance} against {expected}");
         assert!((place(&s).0 - at_04).abs() < 1e-3 * expected, "{scheme} {stick}: it stays");
-        // All of the kinetic energy has gone into friction, but for what the energy-momentum scheme keeps in vibrations and loses in closings.
-        let rest = if scheme == "energy-momentum" { 2e-2 } else { 5e-3 };
+        // All of the kinetic energy has gone into friction, but for what the conserving schemes keep in vibrations and lose in closings.
+        let rest = if scheme == "backward-euler" { 5e-3 } else { 2e-2 };
         assert!((dissipation / kinetic - 1.0).abs() < rest, "{scheme} {stick}: {dissipation} of {kinetic}");
     }
 }
@@ -169,8 +186,13 @@ fn mechanical(b: &Balance) -> f64 {
 /// for the steps in which nodes close.
 #[test]
 fn two_blocks_energy_momentum() {
-    for midpoint in ["a", "b", "c"] {
-        let friction = format!(r#"{{ law = "coulomb", mu = 0.5, penalty = 1e4, midpoint = "{midpoint}" }}"#);
+    for stick in [
+        r#"penalty = 1e4, midpoint = "a""#,
+        r#"penalty = 1e4, midpoint = "b""#,
+        r#"penalty = 1e4, midpoint = "c""#,
+        r#"stick = "multiplier""#,
+    ] {
+        let friction = format!(r#"{{ law = "coulomb", mu = 0.5, {stick} }}"#);
         let mut s = impact("energy-momentum", 0.1, 20.0, &friction);
         let rows = run(&mut s);
         let linear: Vec<_> = rows.iter().map(|r| r.0.linear_momentum).collect();
@@ -200,9 +222,9 @@ fn two_blocks_energy_momentum() {
 /// The midpoint rule keeps the momenta; its energy does not rise in the impact; the upper block loses momentum along its slip.
 #[test]
 fn two_blocks_midpoint() {
-    let friction = r#"{ law = "coulomb", mu = 0.5, penalty = 1e4 }"#;
-    for step in [0.05, 0.2] {
-        let mut s = impact("midpoint", step, 20.0, friction);
+    for (step, stick) in [(0.05, "penalty = 1e4"), (0.2, "penalty = 1e4"), (0.2, r#"stick = "multiplier""#)] {
+        let friction = format!(r#"{{ law = "coulomb", mu = 0.5, {stick} }}"#);
+        let mut s = impact("midpoint", step, 20.0, &friction);
         let rows = run(&mut s);
         let linear: Vec<_> = rows.iter().map(|r| r.0.linear_momentum).collect();
         let angular: Vec<_> = rows.iter().map(|r| r.0.angular_momentum).collect();
@@ -220,17 +242,19 @@ fn two_blocks_midpoint() {
 #[test]
 fn schemes_agree_on_the_impact() {
     let upper = |scheme: &str, step: f64, rest: &str| {
-        let friction = format!(r#"{{ law = "coulomb", mu = 0.5, penalty = 1e4{rest} }}"#);
+        let friction = format!(r#"{{ law = "coulomb", mu = 0.5, {rest} }}"#);
         let mut s = impact(scheme, step, 6.0, &friction);
         run(&mut s);
         s.body_balance(0).linear_momentum.map(|p| p / 1000.0)
     };
-    let exact = ", stick = \"augmented\"";
+    let (exact, augmented) = ("stick = \"multiplier\"", "penalty = 1e4, stick = \"augmented\"");
     let fine = upper("backward-euler", 0.005, exact);
     // Friction has turned part of the velocity along y, 0.1, into a motion of the lower block.
     assert!(fine[1] < 0.08, "{fine:?}");
     for (scheme, step, rest, tolerance) in [
-        ("backward-euler", 0.005, "", 6e-3),
+        ("backward-euler", 0.005, "penalty = 1e4", 6e-3),
+        ("midpoint", 0.02, augmented, 5e-3),
+        ("energy-momentum", 0.1, augmented, 5e-3),
         ("midpoint", 0.2, exact, 5e-3),
         ("midpoint", 0.02, exact, 5e-3),
         ("energy-momentum", 0.1, exact, 5e-3),
@@ -287,7 +311,14 @@ fn two_blocks_by_augmented_lagrangian() {
 /// The residuals of the steps in contact fall quadratically. (Last digits: round-off.)
 #[test]
 fn newton_is_quadratic() {
-    let mut s = impact("energy-momentum", 0.1, 6.0, r#"{ law = "coulomb", mu = 0.5, penalty = 1e4 }"#);
+    for stick in [r#"penalty = 1e4, midpoint = "b""#, r#"stick = "multiplier""#] {
+        newton_is_quadratic_with(stick);
+    }
+}
+
+fn newton_is_quadratic_with(stick: &str) {
+    let friction = format!(r#"{{ law = "coulomb", mu = 0.5, {stick} }}"#);
+    let mut s = impact("energy-momentum", 0.1, 6.0, &friction);
     let (mut orders, mut most) = (Vec::new(), 0);
     while !s.finished() {
         let record = s.advance().unwrap();
@@ -303,7 +334,7 @@ fn newton_is_quadratic() {
         }
     }
     orders.sort_by(f64::total_cmp);
-    println!("orders {orders:?}, at most {most} iterations");
+    println!("{stick}: orders {orders:?}, at most {most} iterations");
     assert!(orders.len() > 3 && orders[0] > 1.7, "{orders:?}");
 }
 
@@ -361,18 +392,18 @@ fn slip_and_stick_in_turn_need_no_cut() {
     for (method, scheme) in
         methods.iter().flat_map(|m| ["backward-euler", "midpoint", "energy-momentum"].map(|s| (m, s)))
     {
-        for penalty in ["1e4", "1e5", "1e7"] {
+        for stick in ["penalty = 1e4", "penalty = 1e5", "penalty = 1e7", "stick = \"multiplier\""] {
             let time = format!("end = 0.8\nstep = 0.02\nintegrator = {{ scheme = \"{scheme}\" }}");
-            let contact = format!("{method}\nfriction = {{ law = \"coulomb\", mu = {MU}, penalty = {penalty} }}");
+            let contact = format!("{method}\nfriction = {{ law = \"coulomb\", mu = {MU}, {stick} }}");
             let mut s = loaded_block(&time, &force, 0.0, &contact);
             let mut dissipation = 0.0;
             while !s.finished() {
                 let now = s.advance().unwrap().balance.dissipation;
-                assert!(now >= dissipation - 1e-12, "{method} {scheme} {penalty}: dissipation falls");
+                assert!(now >= dissipation - 1e-12, "{method} {scheme} {stick}: dissipation falls");
                 dissipation = now;
             }
-            assert!(place(&s).0 > 0.5 + 1e-3, "{method} {scheme} {penalty}: it slides");
-            assert_eq!(cuts(&s), 0, "{method} {scheme} {penalty}");
+            assert!(place(&s).0 > 0.5 + 1e-3, "{method} {scheme} {stick}: it slides");
+            assert_eq!(cuts(&s), 0, "{method} {scheme} {stick}");
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::method::{MortarContact, WeightedConstraint};
 use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
-use stoss_contact::friction::{Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, Stick};
+use stoss_contact::friction::{Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, STICK_COMPLIANCE, Stick};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
@@ -22,6 +22,8 @@ pub(crate) struct SurfaceFriction {
     /// Positions and slots at the start of the step.
     q_n: Vec<f64>,
     start: Vec<Slot>,
+    /// Of the stick of each node, in multiples of one over the stiffness.
+    compliance: Vec<f64>,
 }
 
 /// History of one slot. Tractions have the components that they had at the start: the frame follows the slave's material.
@@ -60,9 +62,22 @@ impl MortarContact {
             return Err(ContactError::FrictionUnavailable { what: "the modified constraint".into() });
         }
         let points = vec![PointHistory::default(); self.without.len()];
-        let (q_n, start) = (Vec::new(), Vec::new());
-        self.friction = Some(SurfaceFriction { friction, measure, step_size: 0.0, rounds: 0, points, q_n, start });
+        let (q_n, start, compliance) = (Vec::new(), Vec::new(), vec![0.0; self.without.len()]);
+        let (step_size, rounds) = (0.0, 0);
+        self.friction = Some(SurfaceFriction { friction, measure, step_size, rounds, points, q_n, start, compliance });
         Ok(self)
+    }
+
+    /// Lets the multipliers of the friction yield by [`STICK_COMPLIANCE`] at slave nodes of which `is_held` says that supports or other contacts
+    /// may determine their motion; to be called after [`Self::with_friction`].
+    #[must_use]
+    pub fn with_compliant_stick(mut self, is_held: impl Fn(u32) -> bool) -> Self {
+        if let Some(surface) = &mut self.friction {
+            for (compliance, &node) in surface.compliance.iter_mut().zip(self.slave.nodes()) {
+                *compliance = if is_held(node) { STICK_COMPLIANCE } else { 0.0 };
+            }
+        }
+        self
     }
 
     pub(crate) fn set_friction_step(&mut self, step_size: f64) {
@@ -93,9 +108,11 @@ impl MortarContact {
         surface.q_n.extend_from_slice(q_n);
         surface.start.clear();
         surface.start.extend(self.integrated.iter().flat_map(|i| &i.slots).cloned());
-        for (point, slot) in surface.points.iter_mut().zip(&surface.start) {
+        for ((point, slot), &compliance) in surface.points.iter_mut().zip(&surface.start).zip(&surface.compliance) {
             // The springs of an area that has grown must not hold more energy than before; what a part that was uncovered held is lost.
-            let stores = surface.friction.stored(point.committed) > 0.0 && slot.support > point.support;
+            let stored =
+                surface.friction.stored(point.committed) + surface.friction.stored_by(compliance, point.committed);
+            let stores = stored > 0.0 && slot.support > point.support;
             let factor = if stores { (point.support / slot.support).sqrt() } else { 1.0 };
             *point = PointHistory {
                 start: point.committed.map(|t| factor * t),
@@ -115,7 +132,9 @@ impl MortarContact {
             friction: &surface.friction,
             measure: surface.measure,
             start,
-            history: [0, 1].map(|i| point.start[i] + multiplier[i]),
+            history: point.start,
+            multiplier,
+            compliance: surface.compliance[slot],
             weight: self.slave.nodal_areas()[slot],
             slid: point.slid,
             stiffening: point.iteration.stiffening(),
@@ -210,7 +229,8 @@ impl MortarContact {
         let Some(surface) = &self.friction else { return total };
         let mut work = Scratch::default();
         for (slot, point) in surface.points.iter().enumerate() {
-            let before = point.support * surface.friction.stored(point.committed);
+            let held = |traction| surface.friction.stored_by(surface.compliance[slot], traction);
+            let before = point.support * (surface.friction.stored(point.committed) + held(point.committed));
             let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot], &mut work) } else { None };
             let Some(FrictionState { step, .. }) = state else {
                 // What a released spring held is lost.
@@ -219,9 +239,10 @@ impl MortarContact {
             };
             let (support, at_n) = (self.slots()[slot].support, surface.start[slot].support);
             // Multipliers of an augmented Lagrangian store nothing.
-            let started = surface.friction.stored(point.start);
-            total.stored += support * step.stored;
-            total.dissipated += support * (step.work + started - step.stored) + (before - at_n * started);
+            let started = surface.friction.stored(point.start) + held(point.start);
+            let stored = step.stored + held(step.end);
+            total.stored += support * stored;
+            total.dissipated += support * (step.work + started - stored) + (before - at_n * started);
         }
         total
     }

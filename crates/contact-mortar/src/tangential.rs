@@ -31,8 +31,12 @@ pub(crate) struct NodeFriction<'a> {
     pub measure: SlipMeasure,
     /// The slot as it was at the start of the step.
     pub start: &'a Slot,
-    /// Components of the traction there, with the multipliers of [`stoss_contact::friction::Stick::Multiplier`].
+    /// Components of the traction there.
     pub history: [f64; 2],
+    /// What the multipliers of [`stoss_contact::friction::Stick::Multiplier`] add to it.
+    pub multiplier: [f64; 2],
+    /// Of the stick, in multiples of one over the stiffness.
+    pub compliance: f64,
     /// Area of the node, for the rows of the multipliers.
     pub weight: f64,
     pub slid: f64,
@@ -142,8 +146,9 @@ impl NodeFriction<'_> {
         if !regular {
             return None;
         }
-        let Self { history, pressure, step_size, slid, stiffening, .. } = *self;
-        let point = FrictionPoint { history, slip: node.slip, pressure, step_size, slid, stiffening };
+        let Self { history, multiplier, pressure, step_size, slid, stiffening, .. } = *self;
+        let trial = [0, 1].map(|i| history[i] + (1.0 - self.compliance) * multiplier[i]);
+        let point = FrictionPoint { history: trial, slip: node.slip, pressure, step_size, slid, stiffening };
         let done = self.friction.step(at_end, &point);
         let branch = self.reversed.then(|| {
             let branch = self.friction.sticking_step(at_end, &point);
@@ -151,7 +156,7 @@ impl NodeFriction<'_> {
         });
         // Nothing is known of the slip of a node without a partner at the start: it has the traction of the start, which is zero.
         let settled = if self.is_new() { [0.0; 2] } else { done.force };
-        let mismatch = [0, 1].map(|i| (history[i] - settled[i]) / self.friction.penalty());
+        let mismatch = [0, 1].map(|i| (history[i] + multiplier[i] - settled[i]) / self.friction.penalty());
         Some(FrictionState { step: done, slip: node.slip, mismatch, traction: node.vector(done.force), branch })
     }
 
@@ -217,7 +222,8 @@ impl NodeFriction<'_> {
         });
         let [e_1, e_2] = node.tangents.map(|e| e.map(|x| x.value));
         let vector = |[d_1, d_2]: [f64; 2]| -> V3<f64> { std::array::from_fn(|i| d_1 * e_1[i] + d_2 * e_2[i]) };
-        let column = |k: usize| [step.d_history[0][k], step.d_history[1][k]];
+        let share = 1.0 - self.compliance;
+        let column = |k: usize| [share * step.d_history[0][k], share * step.d_history[1][k]];
         let per = 1.0 / self.friction.penalty();
         let of_force = if self.is_new() { 0.0 } else { -per };
         ByNode {
@@ -227,7 +233,7 @@ impl NodeFriction<'_> {
             mismatch: components.map(|c| c.scale(of_force)),
             mismatch_of_pressure: step.d_pressure.map(|d| of_force * d),
             mismatch_of_multipliers: [0, 1]
-                .map(|i| [0, 1].map(|k| if i == k { per } else { 0.0 } + of_force * step.d_history[i][k])),
+                .map(|i| [0, 1].map(|k| if i == k { per } else { 0.0 } + of_force * share * step.d_history[i][k])),
         }
     }
 

@@ -38,12 +38,14 @@ pub(crate) struct SurfaceFriction {
     pub points: Vec<PointHistory>,
     /// Rounds of augmentation in this step.
     pub rounds: u32,
+    /// Of the stick of each point, in multiples of one over the stiffness.
+    pub compliance: Vec<f64>,
 }
 
 impl SurfaceFriction {
     pub fn new(friction: Friction, slots: usize) -> Self {
         let points = vec![PointHistory::default(); slots];
-        Self { friction, rule: ContactRule::EndPoint, step_size: 0.0, points, rounds: 0 }
+        Self { friction, rule: ContactRule::EndPoint, step_size: 0.0, points, rounds: 0, compliance: vec![0.0; slots] }
     }
 }
 
@@ -122,6 +124,8 @@ pub(crate) struct FrictionElement<'a> {
     /// Local node numbers of the facet at `n`.
     pub start: &'a [usize; 4],
     pub history: &'a PointHistory,
+    /// Of the stick by multipliers.
+    pub compliance: f64,
     pub slip: Slip<'a>,
     pub pressure: f64,
     pub step_size: f64,
@@ -152,16 +156,24 @@ struct Resolved<T> {
     foot: [V3<T>; 3],
     old: [V3<T>; 3],
     history: [T; 2],
+    /// The history less the slip that a compliance allows, as a traction.
+    trial: [T; 2],
     slip: [T; 2],
 }
 
 impl<T: Scalar> Arguments<T> {
-    fn resolve(&self, point: &PointHistory) -> Resolved<T> {
+    fn resolve(&self, point: &PointHistory, compliance: f64) -> Resolved<T> {
         let (foot, old) = (frame(self.0), frame(self.1));
-        let start: [f64; 2] = std::array::from_fn(|i| point.start[i] + point.multiplier[i]);
-        let history = if start == [0.0; 2] { None } else { transport(start.map(T::constant), &old, &foot) };
+        let carried = |share: f64| {
+            let own = point.multiplier.map(|m| share * m);
+            let start: [f64; 2] = std::array::from_fn(|i| point.start[i] + own[i]);
+            let carried = if start == [0.0; 2] { None } else { transport(start.map(T::constant), &old, &foot) };
+            carried.unwrap_or(own.map(T::constant))
+        };
+        let history = carried(1.0);
+        let trial = if compliance == 0.0 { history } else { carried(1.0 - compliance) };
         let slip = [foot[0], foot[1]].map(|e| dot(e, self.2));
-        Resolved { foot, old, history: history.unwrap_or(point.multiplier.map(T::constant)), slip }
+        Resolved { foot, old, history, trial, slip }
     }
 
     /// Covariant components of a traction.
@@ -227,8 +239,8 @@ impl FrictionElement<'_> {
     /// Traction, slip, energies.
     pub fn state(&self) -> FrictionState {
         let arguments = self.arguments();
-        let Resolved { foot, old, history, slip } = arguments.resolve(self.history);
-        let point = self.point(history, slip);
+        let Resolved { foot, old, history, trial, slip } = arguments.resolve(self.history, self.compliance);
+        let point = self.point(trial, slip);
         let step = self.friction.step(self.at_end, &point);
         let branch = self.history.iteration.is_reversed().then(|| self.friction.sticking_step(self.at_end, &point));
         let carried = transport(step.end, &foot, &old).unwrap_or([0.0; 2]);
@@ -318,26 +330,22 @@ impl FrictionElement<'_> {
             [variable(6, values.1[0]), variable(9, values.1[1])],
             variable(12, values.2),
         );
-        let resolved = arguments.resolve(self.history);
+        let resolved = arguments.resolve(self.history, self.compliance);
         let step = state.branch.as_ref().unwrap_or(&state.step);
-        // `by_history history + by_slip slip`, of which only the derivative is wanted.
-        let chain = |by_history: [f64; 2], by_slip: [f64; 2]| {
+        let traction: [Dual; 2] = std::array::from_fn(|i| {
             let mut sum = Dual::constant(0.0);
             for j in 0..2 {
-                sum = sum + resolved.history[j].scale(by_history[j]) + resolved.slip[j].scale(by_slip[j]);
+                sum = sum + resolved.trial[j].scale(step.d_history[i][j]) + resolved.slip[j].scale(step.d_slip[i][j]);
             }
-            sum.partial
-        };
-        let traction: [Dual; 2] = std::array::from_fn(|i| Dual {
-            value: state.step.force[i],
-            partial: chain(step.d_history[i], step.d_slip[i]),
+            Dual { value: state.step.force[i], partial: sum.partial }
         });
         // Of the history by the multipliers: they turn with it.
         let old = resolved.old.map(|e| e.map(|x| x.value));
         let foot = resolved.foot.map(|e| e.map(|x| x.value));
         let turned = [[1.0, 0.0], [0.0, 1.0]].map(|unit| transport(unit, &old, &foot).unwrap_or(unit));
-        let by_multiplier = |by_history: [f64; 2]| turned.map(|t| by_history[0] * t[0] + by_history[1] * t[1]);
-        let force_by_multiplier = step.d_history.map(by_multiplier);
+        let force_by_multiplier = step
+            .d_history
+            .map(|by_history| turned.map(|t| (1.0 - self.compliance) * (by_history[0] * t[0] + by_history[1] * t[1])));
         let tau = arguments.covariant(&resolved.foot, traction);
         let tau = std::array::from_fn(|al| {
             let along = [0, 1].map(|k| dot(foot[k], values.0[al]));
@@ -350,12 +358,13 @@ impl FrictionElement<'_> {
         });
         let per = 1.0 / self.friction.penalty();
         let mismatch = std::array::from_fn(|i| {
-            let by_history = std::array::from_fn(|j| f64::from(u8::from(i == j)) - step.d_history[i][j]);
-            let partial = chain(by_history, step.d_slip[i].map(|d| -d)).map(|d| per * d);
+            // In stick the history cancels: compliance and slip are left.
+            let (history, force): (&Dual, &Dual) = (&resolved.history[i], &traction[i]);
+            let partial = std::array::from_fn(|k| per * (history.partial[k] - force.partial[k]));
             Slope {
                 by_arguments: Dual { value: state.mismatch[i], partial },
                 by_pressure: -per * step.d_pressure[i],
-                by_multiplier: by_multiplier(by_history).map(|d| per * d),
+                by_multiplier: [0, 1].map(|m| per * (turned[m][i] - force_by_multiplier[i][m])),
             }
         });
         Slopes { tau, mismatch }

@@ -6,7 +6,7 @@ use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, Surfac
 use crate::kinematics::{Gap, LOCAL, Local, points};
 use crate::method::{ConstraintForm, NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
-use stoss_contact::friction::{Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, Stick};
+use stoss_contact::friction::{Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, STICK_COMPLIANCE, Stick};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid.
@@ -36,6 +36,18 @@ impl NodeToSurface {
         }
         self.friction = Some(SurfaceFriction::new(friction, self.slots.len()));
         Ok(self)
+    }
+
+    /// Lets the multipliers of the friction yield by [`STICK_COMPLIANCE`] at slave nodes of which `is_held` says that supports or other contacts
+    /// may determine their motion; to be called after [`Self::with_friction`].
+    #[must_use]
+    pub fn with_compliant_stick(mut self, is_held: impl Fn(u32) -> bool) -> Self {
+        if let Some(surface) = &mut self.friction {
+            for (compliance, &node) in surface.compliance.iter_mut().zip(self.slave.nodes()) {
+                *compliance = if is_held(node) { STICK_COMPLIANCE } else { 0.0 };
+            }
+        }
+        self
     }
 
     fn place(
@@ -108,6 +120,7 @@ impl NodeToSurface {
             at,
             start: &element.start,
             history: &history,
+            compliance: surface.compliance[slot],
             slip,
             pressure,
             step_size: surface.step_size,
@@ -282,10 +295,11 @@ impl NodeToSurface {
         let Some(surface) = &self.friction else { return Ok(total) };
         for (slot, point) in surface.points.iter().enumerate() {
             let weight = self.slave.nodal_areas()[slot];
-            let before = surface.friction.stored(point.committed);
+            let held = |traction| surface.friction.stored_by(surface.compliance[slot], traction);
+            let before = surface.friction.stored(point.committed) + held(point.committed);
             let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot])? } else { None };
             // What a released spring held is lost.
-            let (work, stored) = state.map_or((0.0, 0.0), |s| (s.step.work, s.step.stored));
+            let (work, stored) = state.map_or((0.0, 0.0), |s| (s.step.work, s.step.stored + held(s.step.end)));
             total.stored += weight * stored;
             total.dissipated += weight * (work + before - stored);
         }

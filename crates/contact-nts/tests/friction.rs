@@ -124,12 +124,13 @@ proptest! {
         path in path(),
         law in 0..3_usize,
         multiplier in proptest::array::uniform2(-0.5..0.5_f64),
+        compliant: bool,
     ) {
         let law: Arc<dyn FrictionLaw> = match law {
             0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
             k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
         };
-        let m = path.run(with_law(law, Stick::Multiplier, path.stepping));
+        let m = path.run(with_law(law, Stick::Multiplier, path.stepping).with_compliant_stick(|_| compliant));
         let x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE]).chain(&multiplier).copied().collect();
         let (n, auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
         let (_, tangent) = assembled_with(&m, &path.q[1], path.rule, &x, &auxiliaries, true);

@@ -162,6 +162,7 @@ impl CoordinateAugmented {
                 at: (&at, &element.end),
                 start: &element.start,
                 history: &history,
+                compliance: surface.compliance[slot],
                 slip: Slip::Feet(&at_np1, &element.end),
                 pressure,
                 step_size: surface.step_size,

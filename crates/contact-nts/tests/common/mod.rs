@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use stoss_contact::{Auxiliary, ContactMethod, ContactRule, Enforcement, SearchOptions, StepConfiguration};
-use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
+use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
 pub const ACTIVE: [bool; 4] = [true, false, false, false];
 pub const OPEN: [bool; 4] = [false; 4];

@@ -37,6 +37,11 @@ pub enum Stick {
     Multiplier,
 }
 
+/// Compliance of the stick of multipliers, in multiples of one over the tangential stiffness, where supports or other contacts may hold a
+/// node already: rows that contradict nothing but repeat what others say would make the equations singular. It keeps the condition below that of
+/// the rest; slips of such nodes are a millionth of those of springs.
+pub const STICK_COMPLIANCE: f64 = 1.0e-6;
+
 /// A law with all that its time stepping needs.
 #[derive(Clone, Debug)]
 pub struct Friction {
@@ -132,6 +137,14 @@ impl Friction {
     /// Stepping under the midpoint rules.
     pub fn midpoint(&self) -> MidpointFriction {
         self.midpoint
+    }
+
+    /// Energy in the tangential spring of a multiplier with a compliance (see [`STICK_COMPLIANCE`]), per area.
+    pub fn stored_by(&self, compliance: f64, traction: [f64; 2]) -> f64 {
+        match self.stick() {
+            Stick::Multiplier => 0.5 * compliance * dot(traction, traction) / self.penalty,
+            _ => 0.0,
+        }
     }
 
     /// Energy in the tangential spring at a traction, per area; zero without one.

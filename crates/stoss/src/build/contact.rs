@@ -4,6 +4,7 @@ use super::condition::{facets, not_built_in, resolve};
 use super::{Placed, Problems};
 use crate::scene::{ContactMethod, Scene};
 use crate::solver::Model;
+use std::collections::BTreeSet;
 use stoss_mesh::Mesh;
 
 pub(super) fn contacts(
@@ -14,6 +15,7 @@ pub(super) fn contacts(
     warnings: &mut Vec<String>,
 ) {
     let mut seen: Vec<(Vec<[u32; 4]>, Vec<[u32; 4]>, String)> = Vec::new();
+    let held = held_nodes(scene, placed, model);
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
         let slave = resolve(scene, placed, &format!("{key}.slave"), &item.slave, problems, facets);
@@ -31,7 +33,8 @@ pub(super) fn contacts(
             problems.add(key, item.label(), message, "remove the contact, or free one of the surfaces");
             continue;
         }
-        let pair = PairInput { scene, placed, key, item, bodies: [slave_body, master_body], facets: [&slave, &master] };
+        let bodies = [slave_body, master_body];
+        let pair = PairInput { scene, placed, key, item, bodies, facets: [&slave, &master], held: &held };
         match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),
@@ -52,6 +55,8 @@ pub(super) struct PairInput<'a> {
     /// Slave and master.
     pub bodies: [usize; 2],
     pub facets: [&'a [[u32; 4]]; 2],
+    /// Nodes whose motion may be determined without the friction of this contact.
+    pub held: &'a BTreeSet<u32>,
 }
 
 impl PairInput<'_> {
@@ -115,9 +120,26 @@ fn overlap(label: &str, [(slave, slave_mesh), (master, master_mesh)]: [(&String,
     })
 }
 
+/// Nodes with a prescribed component, and those on the surfaces of more than one contact or tie: there stick may repeat what is known already.
+fn held_nodes(scene: &Scene, placed: &[Placed], model: &Model) -> BTreeSet<u32> {
+    // Sets that are not there are reported where contacts and ties are made.
+    let mut ignored = Problems { scene, list: Vec::new() };
+    let surfaces = scene.contacts.iter().map(|item| [&item.slave, &item.master]);
+    let surfaces = surfaces.chain(scene.ties.iter().map(|item| [&item.slave, &item.master]));
+    let mut held: BTreeSet<u32> = model.prescriptions.iter().flat_map(|p| p.nodes.iter().copied()).collect();
+    let mut seen = BTreeSet::new();
+    for surface in surfaces {
+        let resolved = surface.iter().filter_map(|set| resolve(scene, placed, "", set, &mut ignored, facets));
+        let nodes: BTreeSet<u32> = resolved.flat_map(|(_, facets)| facets.into_iter().flatten()).collect();
+        held.extend(nodes.intersection(&seen));
+        seen.extend(nodes);
+    }
+    held
+}
+
 /// True if all components of all nodes of a surface are prescribed.
 fn is_prescribed(model: &Model, facets: &[[u32; 4]]) -> bool {
-    let mut prescribed = std::collections::BTreeSet::new();
+    let mut prescribed = BTreeSet::new();
     for prescription in &model.prescriptions {
         for &node in &prescription.nodes {
             prescribed.extend(prescription.components.iter().map(|&component| (node, component)));

@@ -72,7 +72,7 @@ pub(super) fn contact(
                 let friction = super::friction::friction(pair.scene, &pair.key, friction, stiffness, problems);
                 let Some(friction) = friction else { return };
                 method = match method.with_friction(friction, slip) {
-                    Ok(method) => method,
+                    Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node)),
                     Err(error) => {
                         let key = format!("{}.friction", pair.key);
                         return problems.add(key, "", error.to_string(), "use the standard constraint");
