@@ -4,7 +4,9 @@ use crate::method::{MortarContact, WeightedConstraint};
 use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
-use stoss_contact::friction::{Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, STICK_COMPLIANCE, Stick};
+use stoss_contact::friction::{
+    Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, STICK_COMPLIANCE, Stick,
+};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
@@ -197,16 +199,22 @@ impl MortarContact {
     }
 
     /// Makes the present tractions the multipliers of the step; returns how many were not settled.
-    pub(crate) fn augment_friction(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> usize {
-        match &mut self.friction {
-            Some(surface) if surface.friction.stick() == Stick::Augmented && surface.rounds < MAX_AUGMENTATIONS => {
+    pub(crate) fn augment_friction(
+        &mut self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        active: &[bool],
+    ) -> Result<usize, ContactError> {
+        let is_last = match &mut self.friction {
+            Some(surface) if surface.friction.stick() == Stick::Augmented => {
                 surface.rounds += 1;
+                surface.rounds > MAX_AUGMENTATIONS
             }
-            _ => return 0,
-        }
+            _ => return Ok(0),
+        };
         let edge = self.slave.length_scale();
         let mut work = Scratch::default();
-        let mut unsettled = 0;
+        let (mut unsettled, mut far_off) = (0, 0);
         for slot in (0..active.len()).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
             let far = at(q_np1, self.slave.nodes()[slot]).norm();
@@ -220,8 +228,9 @@ impl MortarContact {
                 Augmentation::Reset => point.start = [0.0; 2],
             }
             unsettled += 1;
+            far_off += usize::from(!PointIteration::is_close(&state.step, &converged));
         }
-        unsettled
+        PointIteration::decide(is_last, unsettled, far_off)
     }
 
     pub(crate) fn friction_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> ContactWork {

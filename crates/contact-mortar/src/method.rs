@@ -468,7 +468,7 @@ impl ContactMethod for MortarContact {
     }
 
     fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        Ok(self.augment_friction(q_np1, pressures, active))
+        self.augment_friction(q_np1, pressures, active)
     }
 
     fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {

@@ -6,7 +6,9 @@ use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, Surfac
 use crate::kinematics::{Gap, LOCAL, Local, points};
 use crate::method::{ConstraintForm, NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
-use stoss_contact::friction::{Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, STICK_COMPLIANCE, Stick};
+use stoss_contact::friction::{
+    Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, STICK_COMPLIANCE, Stick,
+};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid.
@@ -257,13 +259,14 @@ impl NodeToSurface {
         pressures: &[f64],
         active: &[bool],
     ) -> Result<usize, ContactError> {
-        match &mut self.friction {
-            Some(surface) if surface.friction.stick() == Stick::Augmented && surface.rounds < MAX_AUGMENTATIONS => {
+        let is_last = match &mut self.friction {
+            Some(surface) if surface.friction.stick() == Stick::Augmented => {
                 surface.rounds += 1;
+                surface.rounds > MAX_AUGMENTATIONS
             }
             _ => return Ok(0),
-        }
-        let mut unsettled = 0;
+        };
+        let (mut unsettled, mut far_off) = (0, 0);
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
             let at = ConvergedPoint {
@@ -281,8 +284,9 @@ impl NodeToSurface {
                 Augmentation::Reset => point.start = [0.0; 2],
             }
             unsettled += 1;
+            far_off += usize::from(!PointIteration::is_close(&state.step, &at));
         }
-        Ok(unsettled)
+        PointIteration::decide(is_last, unsettled, far_off)
     }
 
     pub(crate) fn friction_work(

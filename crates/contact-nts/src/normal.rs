@@ -6,6 +6,8 @@ use stoss_contact::{ContactError, ContactRule, Enforcement, NormalRow};
 
 /// A closed node has this gap at most, in multiples of a master edge, once its multiplier has settled, or what round-off of the positions is.
 const CLOSED: f64 = 1.0e-13;
+/// A gap that may be left when it has not settled after all rounds, in multiples of a master edge.
+const CLOSE: f64 = 1.0e-8;
 
 /// Enforcement of a whole surface.
 #[derive(Clone, Debug)]
@@ -106,11 +108,12 @@ impl NodeToSurface {
         pressures: &[f64],
         active: &[bool],
     ) -> Result<usize, ContactError> {
-        if self.normal.multipliers.is_empty() || self.normal.rounds >= MAX_AUGMENTATIONS {
+        if self.normal.multipliers.is_empty() {
             return Ok(0);
         }
         self.normal.rounds += 1;
-        let mut unsettled = 0;
+        let is_last = self.normal.rounds > MAX_AUGMENTATIONS;
+        let (mut unsettled, mut far_off) = (0, 0);
         for slot in 0..self.slots.len() {
             let Some(pairing) = self.slots[slot].pairing.filter(|_| active[slot]) else {
                 self.normal.multipliers[slot] = 0.0;
@@ -121,8 +124,16 @@ impl NodeToSurface {
             if end.abs() > CLOSED * self.length + 4.0 * f64::EPSILON * far {
                 self.normal.multipliers[slot] = pressures[slot].max(0.0);
                 unsettled += 1;
+                far_off += usize::from(end.abs() > CLOSE * self.length);
             }
         }
-        Ok(unsettled)
+        match is_last {
+            false => Ok(unsettled),
+            true if far_off == 0 => Ok(0),
+            true => {
+                let (what, rounds) = ("gap", MAX_AUGMENTATIONS);
+                Err(ContactError::Augmentation { what, unsettled: far_off, rounds })
+            }
+        }
     }
 }

@@ -4,6 +4,19 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactError {
+    /// Multipliers of an augmented Lagrangian do not settle.
+    #[error(
+        "{unsettled} multipliers of the augmented Lagrangian ({what}) have not settled after {rounds} rounds; smaller steps, a larger stiffness \
+         or multipliers as unknowns help"
+    )]
+    Augmentation {
+        /// Friction or gap.
+        what: &'static str,
+        /// How many are far from it.
+        unsettled: usize,
+        /// Rounds of augmentation.
+        rounds: u32,
+    },
     /// A projection did not converge.
     #[error("closest-point projection of slave node {node} on master facet {facet} did not converge")]
     Projection {

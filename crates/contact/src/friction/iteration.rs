@@ -2,9 +2,13 @@
 
 use super::law::Plane;
 use super::step::{Friction, FrictionStep};
+use crate::ContactError;
 
-/// Rounds of augmentation in one step. What has not settled then is taken as it is: its stick is as accurate as the last round left it.
-pub const MAX_AUGMENTATIONS: u32 = 12;
+/// Rounds of augmentation in one step. What has not settled then is taken if [`PointIteration::is_close`], else the step has failed.
+pub const MAX_AUGMENTATIONS: u32 = 16;
+/// A sticking point that moves by less than this times an edge may be left, and one that slides whose multiplier changes relatively by less than the
+/// root of it.
+const CLOSE: f64 = 1.0e-8;
 /// A sticking point moves by less than this times an edge once its multiplier has settled, or by what round-off of the positions is.
 const STUCK: f64 = 1.0e-13;
 /// Relative change of the multiplier of a sliding point (its direction, that is) that counts as settled.
@@ -79,6 +83,31 @@ impl PointIteration {
         let against = self.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
         self.reversed = !step.sticks && against;
         self.sliding = (!step.sticks && !against).then_some(now);
+    }
+
+    /// Whether a multiplier that has not settled after all rounds may be left as it is.
+    pub fn is_close(step: &FrictionStep, at: &ConvergedPoint) -> bool {
+        let norm = |v: Plane| v[0].hypot(v[1]);
+        if step.sticks {
+            return norm(at.slip) <= CLOSE * at.edge;
+        }
+        let change = norm([0, 1].map(|i| step.end[i] - at.multiplier[i]));
+        step.work >= 0.0 && change <= CLOSE.sqrt() * norm(step.end)
+    }
+
+    /// What a round of augmentation of a surface comes to: how many multipliers have not settled, none after the last round if all are close.
+    ///
+    /// # Errors
+    /// [`ContactError::Augmentation`] if some are far off after the last round.
+    pub fn decide(is_last: bool, unsettled: usize, far_off: usize) -> Result<usize, ContactError> {
+        match is_last {
+            false => Ok(unsettled),
+            true if far_off == 0 => Ok(0),
+            true => {
+                let (what, rounds) = ("friction", MAX_AUGMENTATIONS);
+                Err(ContactError::Augmentation { what, unsettled: far_off, rounds })
+            }
+        }
     }
 
     /// Decides on the multiplier after a converged iteration (augmented Lagrangian), and on the stiffness of the next one.

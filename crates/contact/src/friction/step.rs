@@ -39,8 +39,8 @@ pub enum Stick {
 
 /// Compliance of the stick of multipliers, in multiples of one over the tangential stiffness, where supports or other contacts may hold a
 /// node already: rows that contradict nothing but repeat what others say would make the equations singular. It keeps the condition below that of
-/// the rest; slips of such nodes are a millionth of those of springs.
-pub const STICK_COMPLIANCE: f64 = 1.0e-6;
+/// the rest; slips of such nodes are a hundred-millionth of those of springs.
+pub const STICK_COMPLIANCE: f64 = 1.0e-8;
 
 /// A law with all that its time stepping needs.
 #[derive(Clone, Debug)]

@@ -87,7 +87,7 @@ const MULTIPLIERS: &str = r#"
 method = "nts"
 slave = "upper.bottom"
 master = "lower.top"
-friction = { law = "coulomb", mu = 0.5, penalty = 1e4, stick = "augmented" }
+friction = { law = "coulomb", mu = 0.5, stick = "multiplier" }
 "#;
 
 /// What is between the bodies.

@@ -1,4 +1,4 @@
-//! Friction: coefficients and tangential stiffnesses over many decades, slides over many facets in a step, and stick and slip that
+//! Friction: coefficients over two decades with stick by multipliers, tangential stiffnesses over many decades, slides over many facets in a step, and stick and slip that
 //! alternate from step to step.
 
 use super::super::case::{Case, Oracle, Touch, Word};
@@ -44,7 +44,7 @@ fn on_plate(scheme: &str, [step, edge]: [f64; 2], steps: u32, speed: f64, travel
         .fixed("lower.top", &["x", "y", "z"])
         .also(&format!("\n[[load]]\nbody = \"upper\"\nbody_force = {force}\n"))
         .contact("upper.bottom", "lower.top", "standard")
-        .also(&format!("friction = {{ law = \"coulomb\", mu = {MU}, penalty = 1e5 }}\n"))
+        .also(&format!("friction = {{ law = \"coulomb\", mu = {MU} }}\n"))
 }
 
 /// A supported case against a closed form.
@@ -115,6 +115,14 @@ pub fn cases() -> Vec<Case> {
         for penalty in ["1e7", "1e6", "1e5", "1e4", "1e3", "1e2", "1e1"] {
             let case = oblique("friction, stiffness", scheme, &format!("mu = 0.3, penalty = {penalty}"));
             cases.push(case.named(format!("{scheme} penalty {penalty}")));
+        }
+        for penalty in ["1e6", "1e4", "1e2"] {
+            let case = oblique(
+                "friction, augmented stick",
+                scheme,
+                &format!("mu = 0.3, penalty = {penalty}, stick = \"augmented\""),
+            );
+            cases.push(case.named(format!("{scheme} augmented, penalty {penalty}")));
         }
         for facets in [10.0, 100.0, 1.0] {
             cases.push(slide(scheme, facets));
