@@ -85,6 +85,7 @@ impl MortarContact {
     pub(crate) fn set_friction_step(&mut self, step_size: f64) {
         if let Some(surface) = &mut self.friction {
             surface.step_size = step_size;
+            surface.friction.begin(step_size);
         }
     }
 

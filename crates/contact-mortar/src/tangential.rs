@@ -147,7 +147,7 @@ impl NodeFriction<'_> {
             return None;
         }
         let Self { history, multiplier, pressure, step_size, slid, stiffening, .. } = *self;
-        let trial = [0, 1].map(|i| history[i] + (1.0 - self.compliance) * multiplier[i]);
+        let trial = [0, 1].map(|i| history[i] + self.friction.share(self.compliance) * multiplier[i]);
         let point = FrictionPoint { history: trial, slip: node.slip, pressure, step_size, slid, stiffening };
         let done = self.friction.step(at_end, &point);
         let branch = self.reversed.then(|| {
@@ -156,7 +156,7 @@ impl NodeFriction<'_> {
         });
         // Nothing is known of the slip of a node without a partner at the start: it has the traction of the start, which is zero.
         let settled = if self.is_new() { [0.0; 2] } else { done.force };
-        let mismatch = [0, 1].map(|i| (history[i] + multiplier[i] - settled[i]) / self.friction.penalty());
+        let mismatch = [0, 1].map(|i| (history[i] + multiplier[i] - settled[i]) / self.friction.stiffness());
         Some(FrictionState { step: done, slip: node.slip, mismatch, traction: node.vector(done.force), branch })
     }
 
@@ -187,7 +187,7 @@ impl NodeFriction<'_> {
             out.shift.resize(out.dim(), 0.0);
             for k in (0..out.auxiliaries).filter(|_| !self.is_new()) {
                 let more = branch.force[k] - state.step.force[k];
-                out.shift[first + k] -= self.weight * more / self.friction.penalty();
+                out.shift[first + k] -= self.weight * more / self.friction.stiffness();
             }
             for (group, x) in slot.facets().iter().zip(&work.arguments) {
                 let force = self.measure.force(&[x[0], x[1], x[2]], *shift);
@@ -222,9 +222,9 @@ impl NodeFriction<'_> {
         });
         let [e_1, e_2] = node.tangents.map(|e| e.map(|x| x.value));
         let vector = |[d_1, d_2]: [f64; 2]| -> V3<f64> { std::array::from_fn(|i| d_1 * e_1[i] + d_2 * e_2[i]) };
-        let share = 1.0 - self.compliance;
+        let share = self.friction.share(self.compliance);
         let column = |k: usize| [share * step.d_history[0][k], share * step.d_history[1][k]];
-        let per = 1.0 / self.friction.penalty();
+        let per = 1.0 / self.friction.stiffness();
         let of_force = if self.is_new() { 0.0 } else { -per };
         ByNode {
             traction: node.vector(components),

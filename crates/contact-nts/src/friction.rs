@@ -162,7 +162,7 @@ struct Resolved<T> {
 }
 
 impl<T: Scalar> Arguments<T> {
-    fn resolve(&self, point: &PointHistory, compliance: f64) -> Resolved<T> {
+    fn resolve(&self, point: &PointHistory, share: f64) -> Resolved<T> {
         let (foot, old) = (frame(self.0), frame(self.1));
         let carried = |share: f64| {
             let own = point.multiplier.map(|m| share * m);
@@ -171,7 +171,7 @@ impl<T: Scalar> Arguments<T> {
             carried.unwrap_or(own.map(T::constant))
         };
         let history = carried(1.0);
-        let trial = if compliance == 0.0 { history } else { carried(1.0 - compliance) };
+        let trial = if share == 1.0 { history } else { carried(share) };
         let slip = [foot[0], foot[1]].map(|e| dot(e, self.2));
         Resolved { foot, old, history, trial, slip }
     }
@@ -233,13 +233,14 @@ impl FrictionElement<'_> {
     }
 
     fn mismatch(&self, history: [f64; 2], step: &FrictionStep) -> [f64; 2] {
-        std::array::from_fn(|i| (history[i] - step.force[i]) / self.friction.penalty())
+        std::array::from_fn(|i| (history[i] - step.force[i]) / self.friction.stiffness())
     }
 
     /// Traction, slip, energies.
     pub fn state(&self) -> FrictionState {
         let arguments = self.arguments();
-        let Resolved { foot, old, history, trial, slip } = arguments.resolve(self.history, self.compliance);
+        let Resolved { foot, old, history, trial, slip } =
+            arguments.resolve(self.history, self.friction.share(self.compliance));
         let point = self.point(trial, slip);
         let step = self.friction.step(self.at_end, &point);
         let branch = self.history.iteration.is_reversed().then(|| self.friction.sticking_step(self.at_end, &point));
@@ -262,7 +263,7 @@ impl FrictionElement<'_> {
         let branch = state.branch.as_ref()?;
         let difference = std::array::from_fn(|i| branch.force[i] - state.step.force[i]);
         let arguments = self.arguments();
-        let mismatch = difference.map(|d| -d / self.friction.penalty());
+        let mismatch = difference.map(|d| -d / self.friction.stiffness());
         Some([arguments.covariant(&frame(arguments.0), difference), mismatch])
     }
 
@@ -330,7 +331,7 @@ impl FrictionElement<'_> {
             [variable(6, values.1[0]), variable(9, values.1[1])],
             variable(12, values.2),
         );
-        let resolved = arguments.resolve(self.history, self.compliance);
+        let resolved = arguments.resolve(self.history, self.friction.share(self.compliance));
         let step = state.branch.as_ref().unwrap_or(&state.step);
         let traction: [Dual; 2] = std::array::from_fn(|i| {
             let mut sum = Dual::constant(0.0);
@@ -343,9 +344,9 @@ impl FrictionElement<'_> {
         let old = resolved.old.map(|e| e.map(|x| x.value));
         let foot = resolved.foot.map(|e| e.map(|x| x.value));
         let turned = [[1.0, 0.0], [0.0, 1.0]].map(|unit| transport(unit, &old, &foot).unwrap_or(unit));
-        let force_by_multiplier = step
-            .d_history
-            .map(|by_history| turned.map(|t| (1.0 - self.compliance) * (by_history[0] * t[0] + by_history[1] * t[1])));
+        let force_by_multiplier = step.d_history.map(|by_history| {
+            turned.map(|t| self.friction.share(self.compliance) * (by_history[0] * t[0] + by_history[1] * t[1]))
+        });
         let tau = arguments.covariant(&resolved.foot, traction);
         let tau = std::array::from_fn(|al| {
             let along = [0, 1].map(|k| dot(foot[k], values.0[al]));
@@ -356,7 +357,7 @@ impl FrictionElement<'_> {
                     .map(|m| along[0] * force_by_multiplier[0][m] + along[1] * force_by_multiplier[1][m]),
             }
         });
-        let per = 1.0 / self.friction.penalty();
+        let per = 1.0 / self.friction.stiffness();
         let mismatch = std::array::from_fn(|i| {
             // In stick the history cancels: compliance and slip are left.
             let (history, force): (&Dual, &Dual) = (&resolved.history[i], &traction[i]);

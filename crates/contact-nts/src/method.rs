@@ -177,6 +177,7 @@ impl ContactMethod for NodeToSurface {
         if let Some(friction) = &mut self.friction {
             friction.rule = rule;
             friction.step_size = step_size;
+            friction.friction.begin(step_size);
         }
     }
 

@@ -9,7 +9,7 @@ pub enum LineSearch {
     /// A full step is tried first, and assembled at once, so that the line search costs nothing while it is not needed.
     /// If the step is not admissible or the residual grows too much, the step is shortened until both are fine.
     Backtracking {
-        /// A step is accepted if the residual is at most this times the previous one. At contact a residual may well
+        /// A step is accepted if the residual is at most this times the previous one, or this times a tenth of the scale. At contact a residual may well
         /// grow in one iteration; 1 would suffocate the iteration there.
         max_growth: f64,
         /// Factor between two trials, in (0, 1).

@@ -53,12 +53,13 @@ pub struct PointIteration {
     last_slip: f64,
     /// Traction at the last iterate, if the point slid there.
     sliding: Option<Plane>,
+    looked: bool,
     reversed: bool,
 }
 
 impl Default for PointIteration {
     fn default() -> Self {
-        Self { stiffening: 1.0, last_slip: f64::INFINITY, sliding: None, reversed: false }
+        Self { stiffening: 1.0, last_slip: f64::INFINITY, sliding: None, looked: false, reversed: false }
     }
 }
 
@@ -68,7 +69,7 @@ impl PointIteration {
         self.stiffening
     }
 
-    /// The point slides against the direction of the last iterate: to be linearised on [`Friction::sticking_step`].
+    /// To be linearised on [`Friction::sticking_step`] although it slides, see [`Self::follow`].
     pub fn is_reversed(&self) -> bool {
         self.reversed
     }
@@ -78,10 +79,15 @@ impl PointIteration {
     /// A point that slides against the direction of the iterate before would be sent back by the tangent of the sliding branch, and so on for ever:
     /// the solution is a stick between them, on a branch as short as its stiffness is large. Such a point is linearised once as if it stuck; the next
     /// iterate tells whether it does. That is the rule of the primal-dual active set, for friction.
+    ///
+    /// So is a point that has no traction yet because it has no pressure, at the first iterate of a step: that it slides says nothing. With the tangent
+    /// of the sliding branch a coefficient far above 1 would send it back with a multiple of the pressure, the other way.
     pub fn follow(&mut self, step: &FrictionStep) {
         let now = step.returned;
         let against = self.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
-        self.reversed = !step.sticks && against;
+        let is_unknown = !self.looked && now == [0.0; 2];
+        self.looked = true;
+        self.reversed = !step.sticks && (against || is_unknown);
         self.sliding = (!step.sticks && !against).then_some(now);
     }
 

@@ -47,6 +47,9 @@ pub const STICK_COMPLIANCE: f64 = 1.0e-8;
 pub struct Friction {
     law: Arc<dyn FrictionLaw>,
     penalty: f64,
+    /// Mass per area of what sticks, and the stiffness that multipliers are weighed with in the present step.
+    inertia: f64,
+    stiffness: f64,
     stick: Stick,
     midpoint: MidpointFriction,
 }
@@ -119,7 +122,33 @@ impl Friction {
         stick: Stick,
         midpoint: MidpointFriction,
     ) -> Result<Self, ContactError> {
-        Ok(Self { law, penalty: check("penalty", penalty, penalty > 0.0, "positive")?, stick, midpoint })
+        let penalty = check("penalty", penalty, penalty > 0.0, "positive")?;
+        Ok(Self { law, penalty, inertia: 0.0, stiffness: penalty, stick, midpoint })
+    }
+
+    /// The same for bodies with inertia, of which the elements behind the surface have the mass `density` an area: in a small step `h` it is `density / h^2`
+    /// that tells which slip goes with which traction. For multipliers only; no result depends on it.
+    #[must_use]
+    pub fn with_inertia(mut self, density: f64) -> Self {
+        self.inertia = if density > 0.0 && density.is_finite() { density } else { 0.0 };
+        self
+    }
+
+    /// Begins a step of a size.
+    pub fn begin(&mut self, step_size: f64) {
+        let inertia = self.inertia / (step_size * step_size);
+        let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
+        self.stiffness = if weighs { self.penalty + inertia } else { self.penalty };
+    }
+
+    /// What multiplies slips in the present step, traction per length.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// The share of a multiplier in its own trial if it has a compliance.
+    pub fn share(&self, compliance: f64) -> f64 {
+        1.0 - compliance * self.stiffness / self.penalty
     }
 
     /// The law.
@@ -188,7 +217,7 @@ impl Friction {
             }
         };
         let elastic = self.law.is_elastic();
-        let penalty = point.stiffening * self.penalty;
+        let penalty = point.stiffening * self.stiffness;
         let is_exact = self.stick != Stick::Penalty;
         let stepping = if at_end || !elastic || is_exact { MidpointFriction::B } else { self.midpoint };
         let trial = |from: Plane, stiffness: f64| std::array::from_fn(|i| from[i] + stiffness * point.slip[i]);

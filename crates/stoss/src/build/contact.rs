@@ -106,6 +106,13 @@ impl PairInput<'_> {
     }
 }
 
+impl PairInput<'_> {
+    /// Mass per area of the elements behind the surfaces: the larger one, zero in statics.
+    pub fn inertia(&self, model: &Model, length: f64) -> f64 {
+        self.bodies.iter().filter_map(|&b| model.bodies[b].density).fold(0.0, f64::max) * length
+    }
+}
+
 /// A warning if two bodies lie in each other: what is deeper behind a surface than the search looks has no partner there.
 fn overlap(label: &str, [(slave, slave_mesh), (master, master_mesh)]: [(&String, &Mesh); 2]) -> Option<String> {
     use super::overlap::Locator;

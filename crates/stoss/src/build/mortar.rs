@@ -6,6 +6,7 @@ use super::friction::DEFAULT_TANGENTIAL_STIFFNESS;
 use crate::scene::{Constraint, Multipliers, Normals, Quadrature as Points, Scene, Slip};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
+use stoss_contact::ContactMethod;
 use stoss_contact_mortar::{
     MortarContact, MortarOptions, MultiplierSpace, NormalField, Quadrature, SlipMeasure, TriangleRule,
     WeightedConstraint,
@@ -71,6 +72,7 @@ pub(super) fn contact(
                 let stiffness = DEFAULT_TANGENTIAL_STIFFNESS * complementarity;
                 let friction = super::friction::friction(pair.scene, &pair.key, friction, stiffness, problems);
                 let Some(friction) = friction else { return };
+                let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
                 method = match method.with_friction(friction, slip) {
                     Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node)),
                     Err(error) => {

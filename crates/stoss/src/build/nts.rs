@@ -41,6 +41,7 @@ pub(super) fn contact(
         let stiffness = DEFAULT_TANGENTIAL_STIFFNESS * complementarity;
         let friction = super::friction::friction(pair.scene, &pair.key, friction, stiffness, problems);
         let Some(friction) = friction else { return };
+        let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
         method = match method.with_friction(friction) {
             Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node)),
             Err(error) => {
