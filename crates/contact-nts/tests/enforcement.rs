@@ -3,6 +3,7 @@
 mod common;
 use common::*;
 use proptest::prelude::*;
+use stoss_contact::friction::MAX_AUGMENTATIONS;
 use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, SearchOptions};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
@@ -119,7 +120,7 @@ fn augmented_multipliers_close_exactly() {
             if m.augment(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE).unwrap() == 0 {
                 break;
             }
-            assert!(round < 14, "the rounds are limited");
+            assert!(round < MAX_AUGMENTATIONS, "the rounds are limited");
         }
         assert!(z.abs() < 1e-8 && (p - push).abs() < 1e-7, "{z:e} {p}");
         assert_eq!(m.work(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE).unwrap(), ContactWork::default());
