@@ -225,6 +225,15 @@ impl TryFrom<AnyFriction> for OwnFriction {
     }
 }
 
+impl OwnFriction {
+    /// One of the keys of stick that is given, if any is.
+    pub fn sticking_key(&self) -> Option<&'static str> {
+        [("penalty", self.penalty.is_some()), ("stick", self.stick.is_some()), ("midpoint", self.midpoint.is_some())]
+            .into_iter()
+            .find_map(|(key, given)| given.then_some(key))
+    }
+}
+
 impl Friction {
     /// Stick and its stiffness; `None` for a law of the catalogue that cannot stick.
     pub fn sticking(&self) -> Option<Sticking> {

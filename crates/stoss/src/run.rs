@@ -143,7 +143,7 @@ fn scheme_name(scene: &Scene) -> String {
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
     let (scene, built, scene_hash) = load(path, &options.laws)?;
-    let Built { mut simulation, probes, warnings, .. } = built;
+    let Built { mut simulation, probes, warnings, contacts, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
         return Err(RunError::Option(format!(
@@ -162,6 +162,10 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         checkpoint_every: u64::from(scene.output.checkpoint_every),
         fields: scene.output.fields.clone(),
         probes,
+        scales: scene.expect.as_ref().map_or([None; 3], |expect| {
+            [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
+        }),
+        contacts,
     };
     report(Event::Start {
         title: &scene.header.title,
@@ -205,6 +209,21 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     Ok(folder.summarise(&simulation, outcome)?)
 }
 
+/// How many pressures, further unknowns of contact and tie multipliers there may be.
+fn constraint_unknowns(built: &Built, slots: usize) -> String {
+    let pressures: u64 = built.contacts.iter().map(|contact| contact.slots).sum();
+    let all: u64 = built.contacts.iter().map(|contact| contact.slots * contact.unknowns_per_slot).sum();
+    let mut text = format!(", up to {pressures} contact pressures");
+    if all > pressures {
+        text += &format!(" and {} further unknowns of contact", all - pressures);
+    }
+    let ties = slots as u64 - pressures;
+    if ties > 0 {
+        text += &format!(", {ties} tie multipliers");
+    }
+    text
+}
+
 /// The plan of a run, for people.
 #[derive(Clone, Debug)]
 pub struct PlanReport {
@@ -234,20 +253,15 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
     let plan = built.simulation.plan();
     let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
     lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));
-    for contact in &scene.contacts {
-        lines.push(format!(
-            "  contact {}: {}, {} constraint",
-            contact.label(),
-            contact.method.name(),
-            contact.constraint.name()
-        ));
-    }
+    lines.extend(built.contacts.iter().map(|contact| format!("  contact {contact}")));
     for tie in &scene.ties {
         lines.push(format!("  tie {}: {} form, {} multipliers", tie.label(), tie.form, tie.multipliers));
     }
     lines.push(format!(
-        "  unknowns: {} free and {} prescribed displacement components, up to {} contact pressures",
-        plan.free_components, plan.prescribed_components, plan.slots
+        "  unknowns: {} free and {} prescribed displacement components{}",
+        plan.free_components,
+        plan.prescribed_components,
+        constraint_unknowns(&built, plan.slots)
     ));
     lines.push(format!("  matrix: {} entries without contact", plan.matrix_entries));
     let used = |yes: bool| if yes { "used" } else { "not used, not built" };
