@@ -1,7 +1,7 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
 use crate::build::{Built, OwnLaws, build_with};
-use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder};
+use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder, SystemWriter};
 use crate::scene::{Scene, SceneErrors};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -20,6 +20,9 @@ pub struct RunOptions {
     pub resume: bool,
     /// Laws beside the catalogue that the scene may name.
     pub laws: OwnLaws,
+    /// Writes so many linear systems, the first ones that are factorised, into the folder `systems` of the results
+    /// ([`stoss_linalg::matrix_market`]). Zero: none.
+    pub systems: u32,
 }
 
 /// Why a run was not done or not finished.
@@ -179,11 +182,18 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     } else {
         ResultFolder::create(&options.out, settings, &mut simulation)?
     };
+    let systems = match options.systems {
+        0 => None,
+        count => Some(SystemWriter::attach(&options.out.join("systems"), count, &mut simulation)?),
+    };
     // The grid of steps is the scene's; stopping early only stops.
     while !simulation.finished() && simulation.state().time < end * (1.0 - 1.0e-12) {
         match simulation.advance() {
             Ok(record) => {
                 folder.write(&mut simulation, &record)?;
+                if let Some(systems) = &systems {
+                    systems.check()?;
+                }
                 report(Event::Step { record: &record, end });
             }
             Err(source) => {

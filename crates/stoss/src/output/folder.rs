@@ -329,6 +329,7 @@ impl ResultFolder {
                 ("refinement_steps", counts.refinement_steps),
                 ("nearby_solves", counts.nearby_solves),
                 ("nearby_iterations", counts.nearby_iterations),
+                ("nearby_given_up", counts.nearby_given_up),
                 ("indefinite_fallbacks", counts.indefinite_fallbacks),
                 ("symmetric", counts.symmetric),
                 ("pivoting_fallbacks", counts.pivoting_fallbacks),
