@@ -151,7 +151,8 @@ fn a_run_with_an_own_law_of_friction_resumes_and_names_it() {
     assert!(plan.contains("by default"), "{plan}");
     let run = |out: &str, until: Option<f64>, resume: bool| {
         let out = folder.path().join(out);
-        run_scene(&path, &RunOptions { out, until, resume, laws: laws(), ..RunOptions::default() }, &mut |_| {}).unwrap()
+        run_scene(&path, &RunOptions { out, until, resume, laws: laws(), ..RunOptions::default() }, &mut |_| {})
+            .unwrap()
     };
     run("whole", None, false);
     run("parts", Some(0.2), false);

@@ -236,7 +236,10 @@ fn the_plan_and_the_summary_show_contact_with_its_friction() {
         (String::from_utf8_lossy(&plan.stdout).into_owned(), folder)
     };
     let (plan, _) = check("method = \"nts\"");
-    assert!(plan.contains("standard constraint by multiplier, 9 slave points with 1 unknown each; no friction"), "{plan}");
+    assert!(
+        plan.contains("standard constraint by multiplier, 9 slave points with 1 unknown each; no friction"),
+        "{plan}"
+    );
     let (plan, folder) = check("method = \"nts\"\nfriction = { law = \"coulomb\", mu = 0.3, penalty = 1e4 }");
     assert!(plan.contains("friction coulomb (mu = 0.3), stick = penalty, tangential stiffness 1.0000e4"), "{plan}");
     assert!(!plan.contains("by default"), "{plan}");

@@ -34,7 +34,8 @@ pub use conditions::{
     Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{
-    CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick, Sticking,
+    CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
+    Sticking,
 };
 pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};

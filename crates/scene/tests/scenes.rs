@@ -4,7 +4,8 @@ mod support;
 
 use std::path::PathBuf;
 use stoss_scene::{
-    Friction, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter, Problem, Scene, Series, json_schema, parse, parse_with,
+    Friction, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter, Problem, Scene, Series, json_schema, parse,
+    parse_with,
 };
 use support::schema;
 

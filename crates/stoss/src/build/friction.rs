@@ -34,7 +34,9 @@ pub(super) fn scheme_elsewhere(scene: &Scene) -> Option<&str> {
 pub(super) fn schemes_that_fit() -> String {
     let all = || SCHEMES.iter().filter_map(|entry| Some((entry.name, entry.with([]).ok()?)));
     let fit = || {
-        all().filter(|(_, scheme)| scheme.claims().constraints && fits(scheme.rule(1.0).constraint.rule) && !scheme.augmented())
+        all().filter(|(_, scheme)| {
+            scheme.claims().constraints && fits(scheme.rule(1.0).constraint.rule) && !scheme.augmented()
+        })
     };
     let names = |gains: bool| {
         let list: Vec<String> = fit()
