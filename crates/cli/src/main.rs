@@ -39,6 +39,9 @@ enum Command {
         /// Continue from the checkpoint in the folder.
         #[arg(long)]
         resume: bool,
+        /// Write the first N linear systems that are factorised into the folder `systems` of the results, as Matrix Market files.
+        #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+        systems: u32,
         /// Print nothing but errors.
         #[arg(long)]
         quiet: bool,
@@ -54,7 +57,7 @@ enum Command {
 
 fn main() -> ExitCode {
     match Arguments::parse().command {
-        Command::Run { scene, out, threads, until, resume, quiet } => {
+        Command::Run { scene, out, threads, until, resume, systems, quiet } => {
             if let Some(threads) = threads
                 && let Err(error) = stoss::run::set_threads(usize::from(threads))
             {
@@ -62,7 +65,7 @@ fn main() -> ExitCode {
                 return ExitCode::from(1);
             }
             let out = out.unwrap_or_else(|| default_folder(&scene));
-            run(&scene, RunOptions { out, until, resume, ..RunOptions::default() }, quiet)
+            run(&scene, RunOptions { out, until, resume, systems, ..RunOptions::default() }, quiet)
         }
         Command::Check { scene } => check(&scene),
         Command::Schema => tell(&stoss::scene::json_schema()),

@@ -213,6 +213,45 @@ fn frames_agree_on_which_gaps_are_shown() {
 }
 
 #[test]
+fn linear_systems_are_written_on_request() {
+    let folder = folder_with(SCENE);
+    let arguments = ["run", "scene.toml", "--until", "0.04", "--systems", "2"];
+    assert_eq!(stoss(folder.path(), &arguments).status.code(), Some(0));
+    let systems = folder.path().join("scene.out/systems");
+    let mut names: Vec<_> =
+        std::fs::read_dir(&systems).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.retain(|name| !name.contains("groups") && !name.contains("rhs"));
+    names.sort();
+    assert_eq!(names.len(), 2, "{names:?}");
+    let text = std::fs::read_to_string(systems.join(&names[1])).unwrap();
+    assert!(text.starts_with("%%MatrixMarket matrix coordinate real general\n"), "{}", &text[..60]);
+}
+
+#[test]
+fn the_plan_and_the_summary_show_contact_with_its_friction() {
+    let check = |contact: &str| {
+        let folder = folder_with(&changed(&[("method = \"nts\"", contact)]));
+        let plan = stoss(folder.path(), &["check", "scene.toml"]);
+        assert_eq!(plan.status.code(), Some(0), "{}", stderr(&plan));
+        (String::from_utf8_lossy(&plan.stdout).into_owned(), folder)
+    };
+    let (plan, _) = check("method = \"nts\"");
+    assert!(
+        plan.contains("standard constraint by multiplier, 9 slave points with 1 unknown each; no friction"),
+        "{plan}"
+    );
+    let (plan, folder) = check("method = \"nts\"\nfriction = { law = \"coulomb\", mu = 0.3, penalty = 1e4 }");
+    assert!(plan.contains("friction coulomb (mu = 0.3), stick = penalty, tangential stiffness 1.0000e4"), "{plan}");
+    assert!(!plan.contains("by default"), "{plan}");
+    assert_eq!(stoss(folder.path(), &["run", "scene.toml", "--until", "0.02"]).status.code(), Some(0));
+    let summary = std::fs::read_to_string(folder.path().join("scene.out/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let friction = &summary["contacts"][0]["friction"];
+    assert_eq!((friction["law"].as_str(), friction["parameters"]["mu"].as_f64()), (Some("coulomb"), Some(0.3)));
+    assert_eq!((friction["stiffness"].as_f64(), friction["stick"].as_str()), (Some(1e4), Some("penalty")));
+}
+
+#[test]
 fn bodies_in_the_same_place_are_noticed() {
     let folder = folder_with(SCENE);
     let plan = stoss(folder.path(), &["check", "scene.toml"]);

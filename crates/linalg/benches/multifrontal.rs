@@ -4,6 +4,9 @@
 //!     cargo bench -p stoss-linalg --bench multifrontal [-- NAME ...]
 //!     cargo bench -p stoss-linalg --bench multifrontal -- pairs [NAME ...]
 //!
+//! A NAME is one of the systems made here, or the file of a system that a run has written (`stoss run SCENE --systems N`), for instance
+//! `tori.out/systems/system-000003.mtx`; LDL' is for those whose names end in `symmetric`.
+//!
 //! `pairs` runs LU, LDL' and both numbers of threads in turn in one process, so that a drift of the machine's speed shows in all of them: CPU time of
 //! LDL' over LU (median of the rounds), wall time of two threads over one (of the fastest rounds).
 
@@ -12,8 +15,10 @@ mod common;
 
 use common::tangents::{Setting, block_pair, tori};
 use cpu_time::ProcessTime;
+use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
+use stoss_linalg::matrix_market::read_system;
 use stoss_linalg::{FaerSolver, LinearSolver, MatrixKind, MultifrontalSolver, SparseMatrix};
 
 const SYSTEMS: [&str; 8] = [
@@ -29,8 +34,25 @@ const SYSTEMS: [&str; 8] = [
 const SOLVERS: [(&str, &str); 4] =
     [("faer LU", "1"), ("multifrontal LU", "1"), ("multifrontal LU", "2"), ("multifrontal LDL'", "1")];
 
+fn is_symmetric(name: &str) -> bool {
+    name.trim_end_matches(".mtx").ends_with("symmetric")
+}
+
+/// The names given, in this order, or all systems made here.
+fn chosen(names: &[String]) -> Vec<String> {
+    match names {
+        [] => SYSTEMS.map(str::to_owned).to_vec(),
+        names => names.to_vec(),
+    }
+}
+
 fn system(name: &str) -> (SparseMatrix, Vec<f64>) {
-    let mut setting = Setting::new(!name.ends_with("symmetric"));
+    if name.ends_with(".mtx") {
+        let file = read_system(Path::new(name)).unwrap();
+        return (file.matrix, file.rhs);
+    }
+    assert!(SYSTEMS.contains(&name), "no system {name}; there are {SYSTEMS:?} and files");
+    let mut setting = Setting::new(!is_symmetric(name));
     if name.contains("scaled") {
         setting = Setting { contrast: 1e6, penalty: 1e7, inertia: 1.0, ..setting };
     }
@@ -104,7 +126,7 @@ fn pairs(name: &str, rounds: usize) {
     let pools = [1, 2].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
     let (matrix, _) = system(name);
     let kinds = [MatrixKind::General, MatrixKind::Symmetric];
-    let kinds = if name.ends_with("symmetric") { &kinds[..] } else { &kinds[..1] };
+    let kinds = if is_symmetric(name) { &kinds[..] } else { &kinds[..1] };
     let mut solvers: Vec<MultifrontalSolver> = kinds.iter().map(|_| MultifrontalSolver::new()).collect();
     for (solver, kind) in solvers.iter_mut().zip(kinds) {
         solver.analyse(&matrix.pattern, *kind).unwrap();
@@ -154,8 +176,8 @@ fn main() {
             "| system | kind | CPU, 1 thread | over LU | wall, 1 thread | wall, 2 threads | 2 over 1 | CPU, 2 over 1 |"
         );
         println!("|---|---|---|---|---|---|---|---|");
-        for name in SYSTEMS.iter().filter(|name| names.is_empty() || names.iter().any(|n| n == *name)) {
-            pairs(name, 9);
+        for name in chosen(names) {
+            pairs(&name, 9);
         }
         return;
     }
@@ -163,14 +185,14 @@ fn main() {
         "| system | solver | threads | analyse | factorise | ratio | wall | solve | MB | ratio | backward error | steps | fallbacks |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-    for name in SYSTEMS.iter().filter(|name| args.is_empty() || args.iter().any(|a| a == *name)) {
+    for name in chosen(&args) {
         let mut reference: Option<Vec<f64>> = None;
         for (solver, threads) in SOLVERS {
-            if solver.ends_with("LDL'") && !name.ends_with("symmetric") {
+            if solver.ends_with("LDL'") && !is_symmetric(&name) {
                 continue;
             }
             let output = Command::new(std::env::current_exe().unwrap())
-                .args(["measure", name, solver, threads])
+                .args(["measure", &name, solver, threads])
                 .output()
                 .unwrap();
             let text = String::from_utf8_lossy(&output.stdout);

@@ -5,7 +5,7 @@ use crate::gmres::Gmres;
 use crate::matrix::multiply;
 use crate::refinement::{Refinement, check_finite, check_length};
 use crate::scaling::Equilibration;
-use crate::vector::norm_inf;
+use crate::vector::{norm_inf, norm2};
 use crate::{
     LinalgError, LinearSolver, MatrixKind, Place, SolveReport, SolverOptions, SolverStatistics, SparsityPattern,
 };
@@ -73,8 +73,12 @@ const SUSPICIOUS_GROWTH: f64 = 1e7;
 /// A solution with a larger row-wise backward error is worth a second factorisation with safer pivoting.
 const GOOD_BACKWARD_ERROR: f64 = 1e-13;
 
-/// Fewer iterations than these are not worth a try: each gains a digit at best.
+/// Fewer iterations than these are not worth a try. (Two tori with friction, 28 000 equations: the seldom solution takes fewer than six to a
+/// relative residual of 1e-6, ten on average, while a factorisation is worth about forty.)
 const FEWEST_NEARBY_ITERATIONS: u32 = 6;
+
+/// The residual of a solution by iteration may be this many times what was asked for.
+const TRUE_RESIDUAL: f64 = 2.0;
 
 /// A [`LinearSolver`] made of a [`Factorisation`].
 #[derive(Debug, Default)]
@@ -295,10 +299,19 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
         );
         self.statistics.nearby_iterations += u64::from(report.iterations);
         // A NaN is no solution.
-        if report.residual.is_nan() || report.residual > tolerance {
+        let mut good = report.residual <= tolerance;
+        equilibration.scale_solution(solution);
+        if good {
+            // What the recurrence says is true as far as the basis is orthogonal.
+            multiply(pattern, values, solution, scratch);
+            scratch.iter_mut().zip(rhs).for_each(|(r, b)| *r = b - *r);
+            equilibration.scale_rhs(scratch);
+            good = norm2(scratch) <= TRUE_RESIDUAL * tolerance * norm2(&self.scaled_rhs);
+        }
+        if !good {
+            self.statistics.nearby_given_up += 1;
             return Ok(None);
         }
-        equilibration.scale_solution(solution);
         self.statistics.nearby_solves += 1;
         Ok(Some(report.iterations))
     }

@@ -11,6 +11,7 @@
 //! degree of parallelism; the multifrontal solver has tasks of its own, whose shapes and sums do not depend on the number of threads.
 
 pub mod faer_backend;
+pub mod matrix_market;
 pub mod multifrontal;
 pub mod vector;
 
@@ -20,6 +21,7 @@ mod error;
 mod gmres;
 mod matrix;
 mod pattern;
+mod recording;
 mod refinement;
 mod scaling;
 mod scatter;
@@ -32,5 +34,6 @@ pub use faer_backend::{DenseSolver, FaerSolver};
 pub use matrix::SparseMatrix;
 pub use multifrontal::MultifrontalSolver;
 pub use pattern::{NONE, SparsityPattern};
+pub use recording::{Recorder, RecordingSolver, SolvedSystem};
 pub use scatter::ScatterMap;
 pub use solver::{LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics};

@@ -55,6 +55,8 @@ pub struct SolverStatistics {
     pub nearby_solves: u64,
     /// Iterations of [`Self::nearby_solves`] and of those that were given up.
     pub nearby_iterations: u64,
+    /// Solutions by iteration that were begun and given up: too many iterations, or a residual that was not what the iteration said.
+    pub nearby_given_up: u64,
     /// Matrices announced as positive definite that were not, and were factorised by LU instead.
     pub indefinite_fallbacks: u64,
     /// Matrices for which the pivots inside the fronts were not good enough, so that they were factorised again with full
@@ -74,6 +76,7 @@ impl std::ops::Add for SolverStatistics {
             refinement_steps: self.refinement_steps + other.refinement_steps,
             nearby_solves: self.nearby_solves + other.nearby_solves,
             nearby_iterations: self.nearby_iterations + other.nearby_iterations,
+            nearby_given_up: self.nearby_given_up + other.nearby_given_up,
             indefinite_fallbacks: self.indefinite_fallbacks + other.indefinite_fallbacks,
             pivoting_fallbacks: self.pivoting_fallbacks + other.pivoting_fallbacks,
         }
@@ -137,7 +140,8 @@ pub trait LinearSolver: Send + Debug {
     fn solve(&mut self, rhs: &[f64], solution: &mut [f64]) -> Result<SolveReport, LinalgError>;
 
     /// Solves `A x = b` for other values than those factorised, which are the preconditioner of an iteration that ends when the equilibrated residual
-    /// has fallen to `tolerance` times the equilibrated right-hand side, both in the Euclidean norm. Returns the number of iterations.
+    /// has fallen to `tolerance` times the equilibrated right-hand side, both in the Euclidean norm; the residual of the solution is computed
+    /// once more at the end and may be twice that. Returns the number of iterations.
     ///
     /// `None`, and a meaningless `solution`, if there are no factors of this pattern, if that many iterations would cost more than a
     /// factorisation of the new values, or if the solver does not offer it (default): the caller then factorises.

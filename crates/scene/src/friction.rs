@@ -1,9 +1,11 @@
 //! Friction of a contact (formulation §1.4, §10).
 
+use crate::Parameter;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 named! {
     /// How stick is enforced.
@@ -45,7 +47,7 @@ named! {
 ///
 /// # How to add one
 /// A variant with a struct of parameters here, its reading in `read/friction.rs`, its arm in the facade.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Friction {
@@ -56,11 +58,40 @@ pub enum Friction {
     StaticDynamic(StaticDynamicFriction),
     /// Coulomb's law without stick: traction `mu p v / sqrt(v^2 + speed^2)`.
     Regularised(RegularisedFriction),
+    /// A law that the program brings with it; see [`crate::parse_with`]. Not in the schema, which knows the catalogue only.
+    #[serde(untagged)]
+    #[cfg_attr(feature = "schema", schemars(skip))]
+    Own(OwnFriction),
 }
 
 impl Friction {
-    /// Names of the laws.
+    /// Names of the laws of the catalogue.
     pub const NAMES: &'static [&'static str] = &["coulomb", "static-dynamic", "regularised"];
+
+    /// Name of the law in a scene.
+    pub fn law(&self) -> &str {
+        match self {
+            Self::Coulomb(_) => "coulomb",
+            Self::StaticDynamic(_) => "static-dynamic",
+            Self::Regularised(_) => "regularised",
+            Self::Own(own) => &own.law,
+        }
+    }
+
+    /// Parameters of the law by key, without those of stick and slip.
+    pub fn parameters(&self) -> BTreeMap<String, Parameter> {
+        let numbers = |list: &[(&str, f64)]| {
+            list.iter().map(|&(key, value)| (key.to_owned(), Parameter::Number(value))).collect()
+        };
+        match self {
+            Self::Coulomb(p) => numbers(&[("mu", p.mu)]),
+            Self::StaticDynamic(p) => {
+                numbers(&[("mu_static", p.mu_static), ("mu_dynamic", p.mu_dynamic), ("speed", p.speed)])
+            }
+            Self::Regularised(p) => numbers(&[("mu", p.mu), ("speed", p.speed)]),
+            Self::Own(own) => own.parameters.clone(),
+        }
+    }
 }
 
 /// Tangential stiffness, stick and stepping of the laws that can stick.
@@ -150,8 +181,64 @@ pub struct RegularisedFriction {
     pub slip: Option<Slip>,
 }
 
+/// A law of friction that is not in the catalogue, with whatever parameters stand beside its name. The four keys below belong to the contact.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "AnyFriction")]
+pub struct OwnFriction {
+    /// Name of the law.
+    pub law: String,
+    /// Tangential stiffness (traction per length), positive; ten times Young's modulus of the softer body over an edge if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub penalty: Option<f64>,
+    /// How stick is enforced, if given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stick: Option<Stick>,
+    /// Which traction the midpoint schemes take, if given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub midpoint: Option<MidpointFriction>,
+    /// Slip of `mortar`; `objective` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slip: Option<Slip>,
+    /// Parameters of the law by key.
+    #[serde(flatten)]
+    pub parameters: BTreeMap<String, Parameter>,
+}
+
+/// As [`OwnFriction`], before it is known that the law is not one of the catalogue with parameters that do not fit.
+#[derive(Deserialize)]
+struct AnyFriction {
+    law: String,
+    penalty: Option<f64>,
+    stick: Option<Stick>,
+    midpoint: Option<MidpointFriction>,
+    slip: Option<Slip>,
+    #[serde(flatten)]
+    parameters: BTreeMap<String, Parameter>,
+}
+
+impl TryFrom<AnyFriction> for OwnFriction {
+    type Error = String;
+
+    fn try_from(friction: AnyFriction) -> Result<Self, String> {
+        let AnyFriction { law, penalty, stick, midpoint, slip, parameters } = friction;
+        if Friction::NAMES.contains(&law.as_str()) {
+            return Err(format!("the parameters do not fit the law {law}"));
+        }
+        Ok(Self { law, penalty, stick, midpoint, slip, parameters })
+    }
+}
+
+impl OwnFriction {
+    /// One of the keys of stick that is given, if any is.
+    pub fn sticking_key(&self) -> Option<&'static str> {
+        [("penalty", self.penalty.is_some()), ("stick", self.stick.is_some()), ("midpoint", self.midpoint.is_some())]
+            .into_iter()
+            .find_map(|(key, given)| given.then_some(key))
+    }
+}
+
 impl Friction {
-    /// Stick and its stiffness; `None` for a law that cannot stick.
+    /// Stick and its stiffness; `None` for a law of the catalogue that cannot stick.
     pub fn sticking(&self) -> Option<Sticking> {
         match *self {
             Self::Coulomb(CoulombFriction { penalty, stick, midpoint, .. })
@@ -159,6 +246,9 @@ impl Friction {
                 Some(Sticking { penalty, stick, midpoint })
             }
             Self::Regularised(_) => None,
+            Self::Own(OwnFriction { penalty, stick, midpoint, .. }) => {
+                Some(Sticking { penalty, stick, midpoint: midpoint.unwrap_or(Sticking::DEFAULT_MIDPOINT) })
+            }
         }
     }
 
@@ -168,6 +258,7 @@ impl Friction {
             Self::Coulomb(p) => p.slip,
             Self::StaticDynamic(p) => p.slip,
             Self::Regularised(p) => p.slip,
+            Self::Own(p) => p.slip,
         }
     }
 
@@ -176,6 +267,7 @@ impl Friction {
             Self::Coulomb(p) => p.slip = slip,
             Self::StaticDynamic(p) => p.slip = slip,
             Self::Regularised(p) => p.slip = slip,
+            Self::Own(p) => p.slip = slip,
         }
         self
     }

@@ -34,7 +34,8 @@ pub use conditions::{
     Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{
-    CoulombFriction, Friction, MidpointFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick, Sticking,
+    CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
+    Sticking,
 };
 pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
@@ -139,14 +140,24 @@ impl Scene {
 /// All problems of the scene: those of TOML's syntax if there are any, otherwise unknown keys, wrong types, missing keys, values
 /// out of range and contradictions.
 pub fn parse(text: &str, file: &str) -> Result<Scene, SceneErrors> {
-    read::scene(text, file, &[])
+    read::scene(text, file, &OwnNames::default())
+}
+
+/// Names of laws beside the catalogues.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OwnNames<'a> {
+    /// Hyperelastic laws.
+    pub materials: Vec<&'a str>,
+    /// Laws of friction.
+    pub friction: Vec<&'a str>,
 }
 
 /// As [`parse`] for a program with laws of its own: `material = { law = "mine", ... }` with a name from `own_laws` is read as
-/// [`Material::Own`], with any keys whose values are numbers or lists of numbers. A name of the catalogue stays the catalogue's.
+/// [`Material::Own`], with any keys whose values are numbers or lists of numbers; so is `friction = { law = "mine", ... }` as
+/// [`Friction::Own`]. A name of the catalogue stays the catalogue's.
 ///
 /// # Errors
 /// As [`parse`].
-pub fn parse_with(text: &str, file: &str, own_laws: &[&str]) -> Result<Scene, SceneErrors> {
+pub fn parse_with(text: &str, file: &str, own_laws: &OwnNames<'_>) -> Result<Scene, SceneErrors> {
     read::scene(text, file, own_laws)
 }

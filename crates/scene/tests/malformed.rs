@@ -212,6 +212,12 @@ const CASES: &[Case] = &[
         "contact[0].friction.slip",
     ),
     dynamic("constraint = \"modified\"", "friction = 0.3", "friction", "contact[0].friction"),
+    dynamic(
+        "method = \"nts\"",
+        "method = \"cat\"\nreduction = \"first\"\ndrop_gap_slope = true",
+        "drop_gap_slope",
+        "contact[0].drop_gap_slope",
+    ),
     dynamic("constraint = \"modified\"", "friction = { mu = 0.3 }", "friction", "contact[0].friction.law"),
     dynamic("constraint = \"modified\"", "friction = { law = \"coulom\" }", "friction", "contact[0].friction.law"),
     dynamic("constraint = \"modified\"", "friction = { law = \"coulomb\" }", "friction", "contact[0].friction.mu"),

@@ -4,7 +4,8 @@ mod support;
 
 use std::path::PathBuf;
 use stoss_scene::{
-    Kind, LoadKind, Material, MeshSource, Parameter, Problem, Scene, Series, json_schema, parse, parse_with,
+    Friction, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter, Problem, Scene, Series, json_schema, parse,
+    parse_with,
 };
 use support::schema;
 
@@ -134,18 +135,51 @@ fn laws_of_a_program_are_read_only_if_it_names_them() {
     let text = DYNAMIC.replacen(from, "{ law = \"mine\", stiffness = 3, exponents = [1, 2.5] }", 1);
     let problems = parse(&text, "x").unwrap_err();
     assert_eq!(problems.problems()[0].key, "body[0].material.law");
-    let scene = parse_with(&text, "x", &["mine"]).unwrap();
+    let names = OwnNames { materials: vec!["mine"], friction: Vec::new() };
+    let scene = parse_with(&text, "x", &names).unwrap();
     let Material::Own(own) = &scene.bodies[0].material else { panic!("{:?}", scene.bodies[0].material) };
     assert_eq!(own.law, "mine");
     assert_eq!(own.parameters["stiffness"], Parameter::Number(3.0));
     assert_eq!(own.parameters["exponents"], Parameter::List(vec![1.0, 2.5]));
     // The same through serde, in both directions.
     let written = toml::to_string(&scene).unwrap();
-    assert_eq!(parse_with(&written, "written", &["mine"]).unwrap(), scene);
+    assert_eq!(parse_with(&written, "written", &names).unwrap(), scene);
     assert_eq!(toml::from_str::<Scene>(&text).unwrap(), scene);
     // A law of the catalogue without one of its parameters is not a law of one's own.
     assert!(toml::from_str::<Scene>(&DYNAMIC.replacen("kappa = 2000.0, ", "", 1)).is_err());
     let bad = text.replacen("stiffness = 3", "stiffness = \"3\"", 1);
-    let problems = parse_with(&bad, "x", &["mine"]).unwrap_err();
+    let problems = parse_with(&bad, "x", &names).unwrap_err();
     assert_eq!(problems.problems()[0].key, "body[0].material.stiffness");
+}
+
+#[test]
+fn laws_of_friction_of_a_program_are_read_only_if_it_names_them() {
+    let line = "friction = { law = \"mine\", stick = \"penalty\", penalty = 1e4, strength = 3, slopes = [1, 2.5] }";
+    let text = DYNAMIC.replacen("constraint = \"modified\"", line, 1);
+    let problems = parse(&text, "x").unwrap_err();
+    assert_eq!(problems.problems()[0].key, "contact[0].friction.law");
+    // The name of a material is none of a law of friction.
+    let materials = OwnNames { materials: vec!["mine"], friction: Vec::new() };
+    assert_eq!(parse_with(&text, "x", &materials).unwrap_err().problems()[0].key, "contact[0].friction.law");
+    let names = OwnNames { materials: Vec::new(), friction: vec!["mine"] };
+    let scene = parse_with(&text, "x", &names).unwrap();
+    let Some(Friction::Own(own)) = &scene.contacts[0].friction else { panic!("{:?}", scene.contacts[0].friction) };
+    assert_eq!((own.law.as_str(), own.penalty, own.midpoint, own.slip), ("mine", Some(1e4), None, None));
+    assert_eq!(own.parameters["strength"], Parameter::Number(3.0));
+    assert_eq!(own.parameters["slopes"], Parameter::List(vec![1.0, 2.5]));
+    assert_eq!(own.parameters.len(), 2);
+    let written = toml::to_string(&scene).unwrap();
+    assert_eq!(parse_with(&written, "written", &names).unwrap(), scene);
+    assert_eq!(toml::from_str::<Scene>(&text).unwrap(), scene);
+    // A law of the catalogue without one of its parameters is not a law of one's own.
+    let without = text.replacen("law = \"mine\"", "law = \"coulomb\"", 1);
+    assert!(toml::from_str::<Scene>(&without).is_err());
+    for (from, to, key) in [
+        ("strength = 3", "strength = \"3\"", "contact[0].friction.strength"),
+        ("penalty = 1e4", "penalty = 0", "contact[0].friction.penalty"),
+        ("strength = 3", "slip = \"objective\"", "contact[0].friction.slip"),
+    ] {
+        let problems = parse_with(&text.replacen(from, to, 1), "x", &names).unwrap_err();
+        assert_eq!(problems.problems()[0].key, key);
+    }
 }

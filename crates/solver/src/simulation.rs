@@ -12,7 +12,7 @@ use crate::{
 use std::collections::BTreeMap;
 use stoss_contact::SlotReport;
 use stoss_integrators::{Scheme, State, StepRule, start};
-use stoss_linalg::{LinearSolver, NONE, SolverStatistics};
+use stoss_linalg::{AutoSolver, LinearSolver, NONE, SolverStatistics};
 use stoss_newton::NewtonOptions;
 
 /// Slave nodes nearer to the master surface than this (in multiples of an edge length of the slave surface) are in contact from the
@@ -317,6 +317,11 @@ impl Simulation {
     /// What the linear solver did.
     pub fn solver_statistics(&self) -> SolverStatistics {
         self.system.solver.statistics()
+    }
+    /// Puts something around the linear solver, for whoever wants to see its systems; of use before the first step.
+    pub fn wrap_solver(&mut self, wrap: impl FnOnce(Box<dyn LinearSolver>) -> Box<dyn LinearSolver>) {
+        let solver = std::mem::replace(&mut self.system.solver, Box::new(AutoSolver::new()));
+        self.system.solver = wrap(solver);
     }
     /// Name of the linear solver.
     pub fn solver_name(&self) -> &str {

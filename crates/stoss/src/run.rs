@@ -1,7 +1,7 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
 use crate::build::{Built, OwnLaws, build_with};
-use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder};
+use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder, SystemWriter};
 use crate::scene::{Scene, SceneErrors};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -20,6 +20,9 @@ pub struct RunOptions {
     pub resume: bool,
     /// Laws beside the catalogue that the scene may name.
     pub laws: OwnLaws,
+    /// Writes so many linear systems, the first ones that are factorised, into the folder `systems` of the results
+    /// ([`stoss_linalg::matrix_market`]). Zero: none.
+    pub systems: u32,
 }
 
 /// Why a run was not done or not finished.
@@ -143,7 +146,7 @@ fn scheme_name(scene: &Scene) -> String {
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
     let (scene, built, scene_hash) = load(path, &options.laws)?;
-    let Built { mut simulation, probes, warnings, .. } = built;
+    let Built { mut simulation, probes, warnings, contacts, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
         return Err(RunError::Option(format!(
@@ -162,6 +165,10 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         checkpoint_every: u64::from(scene.output.checkpoint_every),
         fields: scene.output.fields.clone(),
         probes,
+        scales: scene.expect.as_ref().map_or([None; 3], |expect| {
+            [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
+        }),
+        contacts,
     };
     report(Event::Start {
         title: &scene.header.title,
@@ -175,11 +182,18 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     } else {
         ResultFolder::create(&options.out, settings, &mut simulation)?
     };
+    let systems = match options.systems {
+        0 => None,
+        count => Some(SystemWriter::attach(&options.out.join("systems"), count, &mut simulation)?),
+    };
     // The grid of steps is the scene's; stopping early only stops.
     while !simulation.finished() && simulation.state().time < end * (1.0 - 1.0e-12) {
         match simulation.advance() {
             Ok(record) => {
                 folder.write(&mut simulation, &record)?;
+                if let Some(systems) = &systems {
+                    systems.check()?;
+                }
                 report(Event::Step { record: &record, end });
             }
             Err(source) => {
@@ -203,6 +217,21 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         Outcome::Stopped { last_step: simulation.step(), last_time: simulation.state().time }
     };
     Ok(folder.summarise(&simulation, outcome)?)
+}
+
+/// How many pressures, further unknowns of contact and tie multipliers there may be.
+fn constraint_unknowns(built: &Built, slots: usize) -> String {
+    let pressures: u64 = built.contacts.iter().map(|contact| contact.slots).sum();
+    let all: u64 = built.contacts.iter().map(|contact| contact.slots * contact.unknowns_per_slot).sum();
+    let mut text = format!(", up to {pressures} contact pressures");
+    if all > pressures {
+        text += &format!(" and {} further unknowns of contact", all - pressures);
+    }
+    let ties = slots as u64 - pressures;
+    if ties > 0 {
+        text += &format!(", {ties} tie multipliers");
+    }
+    text
 }
 
 /// The plan of a run, for people.
@@ -234,20 +263,15 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
     let plan = built.simulation.plan();
     let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
     lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));
-    for contact in &scene.contacts {
-        lines.push(format!(
-            "  contact {}: {}, {} constraint",
-            contact.label(),
-            contact.method.name(),
-            contact.constraint.name()
-        ));
-    }
+    lines.extend(built.contacts.iter().map(|contact| format!("  contact {contact}")));
     for tie in &scene.ties {
         lines.push(format!("  tie {}: {} form, {} multipliers", tie.label(), tie.form, tie.multipliers));
     }
     lines.push(format!(
-        "  unknowns: {} free and {} prescribed displacement components, up to {} contact pressures",
-        plan.free_components, plan.prescribed_components, plan.slots
+        "  unknowns: {} free and {} prescribed displacement components{}",
+        plan.free_components,
+        plan.prescribed_components,
+        constraint_unknowns(&built, plan.slots)
     ));
     lines.push(format!("  matrix: {} entries without contact", plan.matrix_entries));
     let used = |yes: bool| if yes { "used" } else { "not used, not built" };

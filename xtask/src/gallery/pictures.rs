@@ -60,6 +60,8 @@ pub const PICTURES: &[Picture] = &[
     tori("tori", "Two tori without friction"),
     tori("tori-friction-01", "Two tori, coefficient of friction 0.1"),
     tori("tori-friction-03", "Two tori, coefficient of friction 0.3"),
+    tori("tori-cat", "Two tori without friction, coordinate augmentation"),
+    tori("tori-cat-01", "Two tori, coefficient of friction 0.1, coordinate augmentation"),
     tori("tori-cat-03", "Two tori, coefficient of friction 0.3, coordinate augmentation"),
     ironing("ironing-mortar", "Ironing without friction"),
     ironing("ironing-mortar-friction", "Ironing with friction"),

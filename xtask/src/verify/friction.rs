@@ -12,7 +12,7 @@ use toml::{Table, Value};
 
 use super::check::{Bound, Check};
 use super::states::Random;
-use super::{Bench, Findings, Run, Suite, newton};
+use super::{Bench, Findings, Run, Suite, quadratic};
 use crate::workspace::Outcome;
 
 /// Laws, contact elements, incline, stopping block, two blocks, extremes.
@@ -30,9 +30,6 @@ const CREEP: f64 = 1e-12;
 const DISTANCE: f64 = 5e-3;
 const MOMENTUM: f64 = 1e-11;
 const ENERGY: f64 = 1e-11;
-const QUADRATIC: f64 = 1.7;
-/// Least number of triples of residuals for a median.
-const MANY: usize = 20;
 
 impl Suite for Friction {
     fn name(&self) -> &'static str {
@@ -132,7 +129,8 @@ fn probe(run: &Run, column: &str, from: f64) -> Outcome<(Vec<f64>, Vec<f64>)> {
 
 /// One block sticks exactly, one slides with the analytic acceleration.
 fn incline(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
-    let run = bench.run_shipped(Path::new("scenes/incline.toml"))?;
+    // The whole scene in quick mode too: it takes seconds.
+    let run = bench.run_variant("incline-whole", &bench.scene("incline")?)?;
     findings.checks.push(run.completed(0));
     if !run.succeeded() {
         return Ok(());
@@ -150,26 +148,7 @@ fn incline(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let (_, place) = probe(&run, "sticker.x", SETTLED)?;
     let creep = place.iter().map(|x| (x - place[0]).abs()).fold(0.0, f64::max);
     findings.checks.push(row("creep below the friction angle, by the length", creep, CREEP));
-    newton_rows(&run, findings)
-}
-
-/// Order of the iterations in contact, since the set of closed nodes and their facets changed last; free flight says nothing of friction.
-fn newton_rows(run: &Run, findings: &mut Findings) -> Outcome<()> {
-    let steps = run.newton()?;
-    let mut triples = newton::triples(&steps);
-    triples.retain(|triple| triple.active > 0.0);
-    // A few are no median: shortened runs, and blocks that do not deform.
-    let bound = if triples.len() < MANY { Bound::Told } else { Bound::AtLeast(QUADRATIC) };
-    let order = Check::new(&run.name, "order of the last residuals in contact", newton::median_order(&triples), bound);
-    let note = format!(
-        "median of {} steps in contact, behind the last change of the active set; where nodes change between stick and slip within \
-         an iteration, it is not quadratic there",
-        triples.len()
-    );
-    findings.checks.push(order.noted(note));
-    let mean = newton::mean_iterations(&steps);
-    findings.checks.push(Check::new(&run.name, "iterations a step", mean, Bound::Told));
-    Ok(())
+    quadratic::rows(&run, findings)
 }
 
 /// The block of the incline on a level plate, with a speed: `v^2 / (2 mu g)`, then rest.
@@ -205,6 +184,7 @@ fn stopping(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let moved = place.iter().map(|x| (x - end).abs()).fold(0.0, f64::max) / expected;
         findings.checks.push(row("motion after the stop, by the distance", moved, 1e-3));
         dissipation(&run, findings)?;
+        quadratic::rows(&run, findings)?;
     }
     Ok(())
 }
@@ -246,7 +226,7 @@ fn impacts(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let run = bench.run_shipped(Path::new(&format!("scenes/{scene}.toml")))?;
         impact(&run, findings, conserves)?;
         if run.succeeded() {
-            newton_rows(&run, findings)?;
+            quadratic::rows(&run, findings)?;
             bench.show(&run, findings)?;
         }
     }
@@ -268,6 +248,7 @@ fn reductions(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         if !run.succeeded() {
             return Ok(());
         }
+        quadratic::rows(&run, findings)?;
         let mut all = Vec::new();
         for frame in run.frames()? {
             let grid = crate::vtu::load(&frame)?;

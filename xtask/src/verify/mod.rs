@@ -19,6 +19,7 @@ mod mortar;
 mod newton;
 mod origin;
 mod patch;
+mod quadratic;
 mod report;
 mod run;
 mod scenes;

@@ -4,7 +4,7 @@ use crate::table::Table;
 
 /// The iteration goes on until the residual falls no more, so the smallest residual of a step is its round-off; below this
 /// many times of it the figures are spoilt.
-const ABOVE_ROUND_OFF: f64 = 20.0;
+pub const ABOVE_ROUND_OFF: f64 = 20.0;
 
 /// The residuals of one step, in the order in which they were found.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::check::{Bound, Check};
-use super::{Bench, Findings, Run, Suite};
+use super::{Bench, Findings, Run, Suite, quadratic};
 use crate::workspace::Outcome;
 
 /// Every scene.
@@ -64,10 +64,19 @@ impl Suite for Scenes {
                 let row = Check::new(&run.name, "expectations left out", count, Bound::Told);
                 findings.checks.push(row.noted(format!("{}: {}", run.note(), left_out.join(", "))));
             }
+            if has_friction(&scene) {
+                quadratic::rows(&run, &mut findings)?;
+            }
             bench.show(&run, &mut findings)?;
         }
         Ok(findings)
     }
+}
+
+/// True if a contact of the scene has friction.
+fn has_friction(scene: &Table) -> bool {
+    let contacts = scene.get("contact").and_then(Value::as_array);
+    contacts.is_some_and(|list| list.iter().any(|contact| contact.get("friction").is_some()))
 }
 
 /// Scenes of minutes or hours, which quick mode leaves out: the tori, the ball on a plane, the rotating indenter (suite `mortar` has a short form of it).

@@ -12,14 +12,14 @@ use crate::{
 use toml::de::DeValue;
 
 /// The name of a body of this scene.
-pub(super) fn body_name(node: &Node<'_>, world: &World) -> Option<String> {
+pub(super) fn body_name(node: &Node<'_>, world: &World<'_>) -> Option<String> {
     let name = node.text()?;
     world.check_body(node, &name)?;
     Some(name)
 }
 
 /// A reference `body.set` to a set of a body of this scene.
-pub(super) fn set_reference(node: &Node<'_>, world: &World) -> Option<String> {
+pub(super) fn set_reference(node: &Node<'_>, world: &World<'_>) -> Option<String> {
     let text = node.text()?;
     let Some((body, _)) = split_set(&text) else {
         return node.fail("is not of the form `body.set`", "name body and set, for instance \"plate.top\"");
@@ -28,7 +28,7 @@ pub(super) fn set_reference(node: &Node<'_>, world: &World) -> Option<String> {
     Some(text)
 }
 
-pub(super) fn set(table: &Table<'_>, world: &World) -> Option<SetDefinition> {
+pub(super) fn set(table: &Table<'_>, world: &World<'_>) -> Option<SetDefinition> {
     let body = table.required("body", "body = \"plate\"", |n| body_name(n, world));
     let name = table.required("name", "name = \"plate.rim\"", |n| {
         let text = n.text()?;
@@ -80,7 +80,7 @@ fn plane_region(node: &Node<'_>) -> Option<PlaneRegion> {
     Some(PlaneRegion { point: point?, normal: normal?, tolerance: tolerance? })
 }
 
-pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
+pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let name = table.optional("name", Node::name);
     let method =
         table.required("method", "method = \"nts\"", |n| n.choice(ContactMethod::NAMES, ContactMethod::from_name));
@@ -108,7 +108,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         Some(enforcement)
     });
     let friction = table.optional("friction", |n| {
-        let friction = friction(n, method.map(|method| method == ContactMethod::Mortar))?;
+        let friction = friction(n, method.map(|method| method == ContactMethod::Mortar), world.own_friction)?;
         if constraint == Some(Constraint::Modified) {
             return n.fail("needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
         }
@@ -131,6 +131,15 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
         })
     };
     let (drop_gap_term, drop_gap_slope) = (flag("drop_gap_term"), flag("drop_gap_slope"));
+    let second = !matches!(reduction, Some(Some(Reduction::None | Reduction::First)));
+    let has_effect = match drop_gap_slope {
+        Some(true) if !second => table.fail(
+            "drop_gap_slope",
+            "has no effect without the second reduction: the derivative is a part of the equations there",
+            "remove it, or write reduction = \"second\"",
+        ),
+        _ => Some(()),
+    };
     let mortar_only = |n: &Node<'_>| match method {
         Some(ContactMethod::Nts | ContactMethod::Cat) => {
             n.fail("is for mortar contact only", "remove it, or set method = \"mortar\"")
@@ -160,6 +169,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World) -> Option<Contact> {
             "choose the surface of another body; contact of a body with itself is not available",
         );
     }
+    has_effect?;
     let (constraint, enforcement) = (constraint?, enforcement?);
     Some(Contact {
         name: name?,
@@ -263,7 +273,7 @@ fn rows(node: &Node<'_>, columns: usize) -> Option<Vec<Vec<f64>>> {
     Some(rows)
 }
 
-pub(super) fn prescribe(table: &Table<'_>, world: &World) -> Option<Prescribe> {
+pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescribe> {
     let set = table.required("set", "set = \"plate.rim\"", |n| set_reference(n, world));
     if table.has("rotation") {
         return rigid_motion(table, set);
@@ -349,7 +359,7 @@ pub(super) fn component(node: &Node<'_>) -> Option<Component> {
     node.choice(Component::NAMES, Component::from_name)
 }
 
-pub(super) fn load(table: &Table<'_>, world: &World) -> Option<Load> {
+pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     let set = table.optional("set", |n| set_reference(n, world));
     let body = table.optional("body", |n| body_name(n, world));
     let value = |key: &'static str, kind: LoadKind| table.optional(key, |n| series(n, kind.columns()));

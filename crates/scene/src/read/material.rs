@@ -3,6 +3,7 @@
 use super::node::Node;
 use super::table::Table;
 use crate::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
+use std::collections::BTreeMap;
 use toml::de::DeValue;
 
 /// `own_laws`: names of the laws beside the catalogue.
@@ -27,9 +28,14 @@ pub(super) fn material(node: &Node<'_>, own_laws: &[&str]) -> Option<Material> {
     material
 }
 
-/// Numbers and lists of numbers; which keys there are is the law's own business.
 fn own(table: &Table<'_>) -> Option<Material> {
     let law = table.required("law", "law = \"mine\"", Node::name);
+    let parameters = parameters(table);
+    Some(Material::Own(OwnMaterial { law: law?, parameters: parameters? }))
+}
+
+/// The keys that nobody asked for, numbers and lists of numbers; which there are is the business of a law that is not in the catalogue.
+pub(super) fn parameters(table: &Table<'_>) -> Option<BTreeMap<String, Parameter>> {
     let parameters: Vec<_> = table
         .rest()
         .map(|(key, node)| {
@@ -40,8 +46,7 @@ fn own(table: &Table<'_>) -> Option<Material> {
             Some((key.to_owned(), value?))
         })
         .collect();
-    let parameters = parameters.into_iter().collect::<Option<_>>();
-    Some(Material::Own(OwnMaterial { law: law?, parameters: parameters? }))
+    parameters.into_iter().collect()
 }
 
 fn moduli(table: &Table<'_>) -> Option<ElasticModuli> {

@@ -15,7 +15,7 @@ mod table;
 mod tie;
 
 use crate::source::Source;
-use crate::{Kind, Problem, Quantity, Scene, SceneErrors};
+use crate::{Kind, OwnNames, Problem, Quantity, Scene, SceneErrors};
 use node::{Node, Report, known};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ use table::Table;
 use toml::de::{DeTable, DeValue};
 
 /// What later parts of a scene must know about earlier ones, bad or not.
-struct World {
+struct World<'a> {
     kind: Option<Kind>,
     end: Option<f64>,
     bodies: Vec<String>,
@@ -34,9 +34,11 @@ struct World {
     has_contact: bool,
     has_tie: bool,
     has_support: bool,
+    /// Names of laws of friction beside the catalogue.
+    own_friction: &'a [&'a str],
 }
 
-impl World {
+impl World<'_> {
     /// Reports a body that does not exist.
     fn check_body(&self, node: &Node<'_>, name: &str) -> Option<()> {
         if !self.bodies_complete || self.bodies.iter().any(|body| body == name) {
@@ -46,7 +48,7 @@ impl World {
     }
 }
 
-pub(crate) fn scene(text: &str, file: &str, own_laws: &[&str]) -> Result<Scene, SceneErrors> {
+pub(crate) fn scene(text: &str, file: &str, own_laws: &OwnNames<'_>) -> Result<Scene, SceneErrors> {
     let mut source = Source::new(text, file);
     let (document, errors) = DeTable::parse_recoverable(text);
     let syntax: Vec<Problem> = errors.iter().map(|error| syntax_problem(&source, error)).collect();
@@ -89,7 +91,7 @@ fn syntax_problem(source: &Source, error: &toml::de::Error) -> Problem {
     Problem::new(&source.file, location, String::new(), "", message, remedy.to_owned())
 }
 
-fn read(root: &Table<'_>, own_laws: &[&str]) -> Option<Scene> {
+fn read(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scene> {
     let (header, kind) = match root.required("scene", "[scene]", Node::table) {
         Some(table) => general::header(&table),
         None => (None, None),
@@ -106,7 +108,7 @@ fn read(root: &Table<'_>, own_laws: &[&str]) -> Option<Scene> {
     }
     let mut bodies_complete = !body_tables.is_empty();
     for table in &body_tables {
-        let (body, name) = table.as_ref().map_or((None, None), |table| body::body(table, kind, own_laws));
+        let (body, name) = table.as_ref().map_or((None, None), |table| body::body(table, kind, &own_laws.materials));
         unique.check(table.as_ref(), "name", name.as_deref());
         bodies_complete &= name.is_some();
         names.extend(name);
@@ -126,6 +128,7 @@ fn read(root: &Table<'_>, own_laws: &[&str]) -> Option<Scene> {
         has_contact: !contact_tables.is_empty(),
         has_tie: !tie_tables.is_empty(),
         has_support: !prescribe_tables.is_empty(),
+        own_friction: &own_laws.friction,
     };
 
     let mut unique = Unique::new("set");

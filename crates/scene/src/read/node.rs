@@ -220,9 +220,14 @@ impl<'a> Node<'a> {
     }
 
     pub(super) fn table(&self) -> Option<Table<'a>> {
+        self.table_like("{ key = value }")
+    }
+
+    /// A table; `example` is shown if it is something else.
+    pub(super) fn table_like(&self, example: &str) -> Option<Table<'a>> {
         match self.value {
             DeValue::Table(map) => Some(Table::new(self.clone(), map)),
-            _ => self.wrong_type("a table", "{ key = value }"),
+            _ => self.wrong_type("a table", example),
         }
     }
 }

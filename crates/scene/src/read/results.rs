@@ -7,7 +7,7 @@ use super::table::Table;
 use crate::{Expect, ExpectedValue, Field, Interval, Kind, Outcome, Output, Probe, Quantity};
 
 /// The probe, and its name with its quantity, which `[expect]` needs even if the rest is bad.
-pub(super) fn probe(table: &Table<'_>, world: &World) -> (Option<Probe>, Option<(String, Option<Quantity>)>) {
+pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Option<(String, Option<Quantity>)>) {
     let name = table.required("name", "name = \"tip\"", Node::name);
     let quantity = table.required("quantity", "quantity = \"displacement\"", |n| {
         let quantity = n.choice(Quantity::NAMES, Quantity::from_name)?;
@@ -65,7 +65,7 @@ fn nodal_place(table: &Table<'_>) -> Option<()> {
     }
 }
 
-pub(super) fn output(node: &Node<'_>, world: &World) -> Option<Output> {
+pub(super) fn output(node: &Node<'_>, world: &World<'_>) -> Option<Output> {
     let table = node.table()?;
     let every = table.default("every", Output::DEFAULT_EVERY, Node::count);
     let fields = table.optional("fields", |n| fields(n, world));
@@ -74,7 +74,7 @@ pub(super) fn output(node: &Node<'_>, world: &World) -> Option<Output> {
     Some(Output { every: every?, fields: fields?, checkpoint_every: checkpoint_every? })
 }
 
-fn fields(node: &Node<'_>, world: &World) -> Option<Vec<Field>> {
+fn fields(node: &Node<'_>, world: &World<'_>) -> Option<Vec<Field>> {
     let fields = node.list(|n| {
         let field = n.choice(Field::NAMES, Field::from_name)?;
         if field == Field::Velocity && world.kind == Some(Kind::QuasiStatic) {
@@ -107,7 +107,7 @@ const DYNAMIC: [&str; 9] = [
 /// Keys of `[expect]` that have a meaning only with contact.
 const CONTACT: [&str; 3] = ["energy_change_without_closing", "first_contact", "contact_at_end"];
 
-pub(super) fn expect(node: &Node<'_>, world: &World) -> Option<Expect> {
+pub(super) fn expect(node: &Node<'_>, world: &World<'_>) -> Option<Expect> {
     let table = node.table()?;
     let outcome = table.optional("outcome", |n| n.choice(Outcome::NAMES, Outcome::from_name));
     let steps = table.optional("steps", |n| n.whole(1..=u64::MAX));
@@ -183,7 +183,7 @@ fn interval(node: &Node<'_>) -> Option<Interval> {
     Some(Interval { from, to })
 }
 
-fn expected_value(table: &Table<'_>, world: &World) -> Option<ExpectedValue> {
+fn expected_value(table: &Table<'_>, world: &World<'_>) -> Option<ExpectedValue> {
     let name = table.required("name", "name = \"tip\"", |n| {
         let name = n.text()?;
         if world.probes_complete && !world.probes.iter().any(|(probe, _)| *probe == name) {

@@ -6,7 +6,7 @@ use super::node::Node;
 use super::table::Table;
 use crate::{Interface, Multipliers, Tie, TieForm};
 
-pub(super) fn tie(table: &Table<'_>, world: &World) -> Option<Tie> {
+pub(super) fn tie(table: &Table<'_>, world: &World<'_>) -> Option<Tie> {
     let name = table.optional("name", Node::name);
     let slave = table.required("slave", "slave = \"cap.bottom\"", |n| set_reference(n, world));
     let master = table.required("master", "master = \"post.top\"", |n| set_reference(n, world));

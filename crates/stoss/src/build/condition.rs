@@ -204,8 +204,16 @@ pub(super) fn not_built_in(key: String, item: &crate::scene::Contact, problems: 
 }
 
 #[cfg(not(any(feature = "nts", feature = "mortar")))]
-pub(super) fn contacts(scene: &Scene, _: &[Placed], _: &mut Model, problems: &mut Problems<'_>, _: &mut Vec<String>) {
+pub(super) fn contacts(
+    scene: &Scene,
+    _: &[Placed],
+    _: &super::OwnLaws,
+    _: &mut Model,
+    problems: &mut Problems<'_>,
+    _: &mut Vec<String>,
+) -> Vec<super::ContactPlan> {
     for (c, item) in scene.contacts.iter().enumerate() {
         not_built_in(format!("contact[{c}]"), item, problems);
     }
+    Vec::new()
 }

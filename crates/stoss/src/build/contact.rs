@@ -1,19 +1,24 @@
 //! Contacts of a scene: surfaces found and examined, the method made where its module is built in.
 
 use super::condition::{facets, not_built_in, resolve};
-use super::{Placed, Problems};
-use crate::scene::{ContactMethod, Scene};
+use super::friction::gains_energy_in_impacts;
+use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
+use crate::scene::{ContactMethod, Enforcement, Scene};
 use crate::solver::Model;
 use std::collections::BTreeSet;
+use stoss_contact::Auxiliary;
 use stoss_mesh::Mesh;
 
 pub(super) fn contacts(
     scene: &Scene,
     placed: &[Placed],
+    laws: &OwnLaws,
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
-) {
+) -> Vec<ContactPlan> {
+    let mut plans = Vec::new();
+    warnings.extend(impacts(scene));
     let mut seen: Vec<(Vec<[u32; 4]>, Vec<[u32; 4]>, String)> = Vec::new();
     let held = held_nodes(scene, placed, model);
     for (c, item) in scene.contacts.iter().enumerate() {
@@ -33,23 +38,41 @@ pub(super) fn contacts(
             problems.add(key, item.label(), message, "remove the contact, or free one of the surfaces");
             continue;
         }
-        let bodies = [slave_body, master_body];
-        let pair = PairInput { scene, placed, key, item, bodies, facets: [&slave, &master], held: &held };
-        match item.method {
+        let (bodies, facets) = ([slave_body, master_body], [&slave[..], &master[..]]);
+        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, held: &held };
+        plans.extend(match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),
             #[cfg(feature = "mortar")]
             ContactMethod::Mortar => super::mortar::contact(&pair, model, problems, warnings),
             #[allow(unreachable_patterns, reason = "which methods are built in depends on the features")]
-            _ => not_built_in(pair.key, item, problems),
-        }
+            _ => {
+                not_built_in(pair.key, item, problems);
+                None
+            }
+        });
     }
+    plans
+}
+
+/// A warning if the scheme is one that gains energy in impacts.
+fn impacts(scene: &Scene) -> Option<String> {
+    let integrator = scene.time.integrator.as_ref().filter(|_| !scene.contacts.is_empty())?;
+    let scheme = integrator.make().ok()?;
+    gains_energy_in_impacts(&*scheme).then(|| {
+        format!(
+            "time.integrator: `{}` gains energy in impacts, at every step size (docs/verification/stability.md): use `energy-momentum`, or \
+             `backward-euler`, which loses some, if bodies collide",
+            integrator.scheme
+        )
+    })
 }
 
 /// One contact of a scene, its surfaces found.
 pub(super) struct PairInput<'a> {
     pub scene: &'a Scene,
     pub placed: &'a [Placed],
+    pub laws: &'a OwnLaws,
     pub key: String,
     pub item: &'a crate::scene::Contact,
     /// Slave and master.
@@ -64,6 +87,24 @@ impl PairInput<'_> {
     pub fn refused(&self, error: &stoss_contact::ContactError, problems: &mut Problems<'_>) {
         let remedy = "choose two different, not degenerate surfaces of different bodies";
         problems.add(self.key.clone(), self.item.label(), error.to_string(), remedy);
+    }
+
+    /// What the contact will be computed with.
+    pub fn plan(&self, method: &dyn stoss_contact::ContactMethod, friction: Option<FrictionPlan>) -> ContactPlan {
+        let item = self.item;
+        ContactPlan {
+            name: item.label(),
+            method: item.method.name().to_owned(),
+            constraint: item.constraint.name().to_owned(),
+            enforcement: match item.enforcement {
+                Enforcement::Multiplier => "multiplier".to_owned(),
+                Enforcement::Penalty(stiffness) => format!("penalty {stiffness:e}"),
+                Enforcement::Augmented(stiffness) => format!("augmented Lagrangian {stiffness:e}"),
+            },
+            slots: method.slot_count() as u64,
+            unknowns_per_slot: 1 + Auxiliary::equations(method.auxiliaries()) as u64,
+            friction,
+        }
     }
 
     /// Looks at the initial gaps; returns the factor of the complementarity function.

@@ -1,52 +1,124 @@
-//! Friction of a contact: the laws of the catalogue, and which schemes have it.
+//! Friction of a contact: the laws of the catalogue and a program's own, and which schemes have it.
 
-use super::Problems;
+use super::contact::PairInput;
+use super::{FrictionPlan, OwnLaws, ParameterError, Problems};
 use crate::scene::{self, Scene};
 use std::sync::Arc;
-use stoss_contact::ContactError;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_integrators::GradientRule;
+use stoss_integrators::{GradientRule, SCHEMES, Scheme};
 
-fn law(item: &scene::Friction) -> Result<Arc<dyn FrictionLaw>, ContactError> {
+fn law(item: &scene::Friction, laws: &OwnLaws) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
     Ok(match item {
         scene::Friction::Coulomb(p) => Arc::new(Coulomb::new(p.mu)?),
         scene::Friction::StaticDynamic(p) => Arc::new(StaticDynamic::new(p.mu_static, p.mu_dynamic, p.speed)?),
         scene::Friction::Regularised(p) => Arc::new(Regularised::new(p.mu, p.speed)?),
+        scene::Friction::Own(own) => laws.make_friction(own)?,
     })
 }
 
-/// Name of the scene's scheme if it evaluates contact where there is neither friction nor coordinate augmentation (formulation §4, §5: statics,
-/// end point, midpoint).
+/// True for a rule of the constraint gradients under which there are friction and coordinate augmentation (formulation §4, §5: statics, end point,
+/// midpoint).
+fn fits(rule: GradientRule) -> bool {
+    matches!(rule, GradientRule::EndPoint | GradientRule::Midpoint | GradientRule::DiscreteGradient)
+}
+
+/// Name of the scene's scheme if it evaluates contact where there is neither friction nor coordinate augmentation.
 pub(super) fn scheme_elsewhere(scene: &Scene) -> Option<&str> {
     let integrator = scene.time.integrator.as_ref()?;
     // A scheme that cannot be made is reported where it is named.
     let rule = integrator.make().ok()?.rule(scene.time.step).constraint.rule;
-    let fits = matches!(rule, GradientRule::EndPoint | GradientRule::Midpoint | GradientRule::DiscreteGradient);
-    (!fits).then_some(integrator.scheme.as_str())
+    (!fits(rule)).then_some(integrator.scheme.as_str())
+}
+
+/// The schemes that have friction and coordinate augmentation, for a remedy: those that gain no energy in impacts first.
+pub(super) fn schemes_that_fit() -> String {
+    let all = || SCHEMES.iter().filter_map(|entry| Some((entry.name, entry.with([]).ok()?)));
+    let fit = || {
+        all().filter(|(_, scheme)| {
+            scheme.claims().constraints && fits(scheme.rule(1.0).constraint.rule) && !scheme.augmented()
+        })
+    };
+    let names = |gains: bool| {
+        let list: Vec<String> = fit()
+            .filter(|(_, scheme)| gains_energy_in_impacts(&**scheme) == gains)
+            .map(|(name, _)| format!("`{name}`"))
+            .collect();
+        list.join(", ")
+    };
+    format!("{} (or, gaining energy in impacts, {})", names(false), names(true))
+}
+
+/// True for schemes whose state has accelerations (generalised-alpha and its relatives): the acceleration of a node that has just closed holds the
+/// blow of the contact force, and the next step takes it for one that goes on.
+pub(super) fn gains_energy_in_impacts(scheme: &dyn Scheme) -> bool {
+    scheme.rule(1.0).acceleration.is_some()
 }
 
 /// Tangential stiffness of friction in multiples of Young's modulus over an edge, if the scene gives none: as a spring, a sticking node moves by a tenth
 /// of what the elements beside it yield, and Newton's method still gets over the kink between stick and slip. Multipliers are weighed against slips
 /// with it.
-pub(super) const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
+const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
 
-/// The friction of `contact[c]`; reports what is wrong and returns `None` then. `stiffness`: tangential stiffness if none is given.
+/// The friction of a contact, and what it is called in reports; reports what is wrong and returns `None` then. `complementarity`: Young's modulus
+/// of the softer body over an edge.
 pub(super) fn friction(
-    scene: &Scene,
-    key: &str,
+    pair: &PairInput<'_>,
     item: &scene::Friction,
-    stiffness: f64,
+    complementarity: f64,
     problems: &mut Problems<'_>,
-) -> Option<Friction> {
-    let key = format!("{key}.friction");
+) -> Option<(Friction, FrictionPlan)> {
+    let scene = pair.scene;
+    let key = format!("{}.friction", pair.key);
     if let Some(scheme) = scheme_elsewhere(scene) {
         let message = format!("contact with friction is not available with the scheme `{scheme}`");
-        problems.add(key, "", message, "use `energy-momentum`, `midpoint` or `backward-euler`, or remove the friction");
+        problems.add(key, "", message, format!("use {}, or remove the friction", schemes_that_fit()));
+        return None;
+    }
+    let law = match law(item, pair.laws) {
+        Ok(law) => law,
+        Err(ParameterError { key: parameter, message, remedy }) => {
+            let (key, value) = match parameter.as_str() {
+                "" => (key, item.law()),
+                "law" => (format!("{key}.law"), item.law()),
+                parameter => (format!("{key}.{parameter}"), ""),
+            };
+            problems.add(key, value, message, remedy);
+            return None;
+        }
+    };
+    if !law.is_elastic()
+        && let scene::Friction::Own(own) = item
+        && let Some(name) = own.sticking_key()
+    {
+        let message = format!("belongs to stick, and the law `{}` has none", own.law);
+        problems.add(format!("{key}.{name}"), "", message, "remove it");
         return None;
     }
     let (penalty, stick, midpoint) = match item.sticking() {
         Some(s) => (s.penalty, s.stick(), s.midpoint),
         None => (None, scene::Stick::Penalty, scene::Sticking::DEFAULT_MIDPOINT),
+    };
+    let stiffness = penalty.unwrap_or(DEFAULT_TANGENTIAL_STIFFNESS * complementarity);
+    let at_end = match &scene.time.integrator {
+        Some(integrator) if scene.is_dynamic() => {
+            integrator.make().is_ok_and(|s| s.rule(scene.time.step).constraint.rule == GradientRule::EndPoint)
+        }
+        _ => true,
+    };
+    let mortar = item.slip().is_some() || pair.item.method == scene::ContactMethod::Mortar;
+    let plan = FrictionPlan {
+        law: item.law().to_owned(),
+        parameters: item.parameters(),
+        stiffness: (law.is_elastic() && stick != scene::Stick::Multiplier).then_some(stiffness),
+        default_stiffness: penalty.is_none(),
+        stick: law.is_elastic().then(|| stick.name().to_owned()),
+        stepping: match (at_end, stick) {
+            (true, _) => "end",
+            (false, scene::Stick::Penalty) => midpoint.name(),
+            (false, _) => "step",
+        }
+        .to_owned(),
+        slip: mortar.then(|| item.slip().unwrap_or(scene::Slip::Objective).name().to_owned()),
     };
     let stick = match stick {
         scene::Stick::Penalty => Stick::Penalty,
@@ -58,6 +130,7 @@ pub(super) fn friction(
         scene::MidpointFriction::B => MidpointFriction::B,
         scene::MidpointFriction::C => MidpointFriction::C,
     };
-    let made = law(item).and_then(|law| Friction::new(law, penalty.unwrap_or(stiffness), stick, midpoint));
-    made.map_err(|error| problems.add(key, "", error.to_string(), "correct the parameter")).ok()
+    let made = Friction::new(law, stiffness, stick, midpoint);
+    let friction = made.map_err(|error| problems.add(key, "", error.to_string(), "correct the parameter")).ok()?;
+    Some((friction, plan))
 }

@@ -1,10 +1,12 @@
-//! Laws that a program brings with it, for scenes that name them.
+//! Laws that a program brings with it, hyperelastic ones and laws of friction, for scenes that name them.
 
-use crate::scene::{Material, OwnMaterial, Parameter};
+use crate::scene::{Friction, Material, OwnFriction, OwnMaterial, OwnNames, Parameter};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::sync::Arc;
+use stoss_contact::ContactError;
+use stoss_contact::friction::FrictionLaw;
 use stoss_continuum::HyperelasticLaw;
 use stoss_materials::MaterialError;
 
@@ -12,18 +14,23 @@ use stoss_materials::MaterialError;
 /// reported at its key.
 pub type LawResult = Result<Arc<dyn HyperelasticLaw>, Box<dyn Error + Send + Sync>>;
 
-type Constructor = dyn Fn(&LawParameters<'_>) -> LawResult + Send + Sync;
+/// As [`LawResult`] for a law of friction.
+pub type FrictionLawResult = Result<Arc<dyn FrictionLaw>, Box<dyn Error + Send + Sync>>;
+
+/// What makes a law from the parameters of a scene.
+type Constructor<L> = Arc<dyn Fn(&LawParameters<'_>) -> Result<Arc<L>, Box<dyn Error + Send + Sync>> + Send + Sync>;
 
 /// Laws beside the catalogue: names, and what makes a law from the parameters of a scene. The checkpoint of a run does not know
 /// them: a run must be resumed by a program with the same laws.
 #[derive(Clone, Default)]
 pub struct OwnLaws {
-    constructors: BTreeMap<String, Arc<Constructor>>,
+    materials: BTreeMap<String, Constructor<dyn HyperelasticLaw>>,
+    friction: BTreeMap<String, Constructor<dyn FrictionLaw>>,
 }
 
 impl std::fmt::Debug for OwnLaws {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_set().entries(self.constructors.keys()).finish()
+        f.debug_set().entries(self.materials.keys().chain(self.friction.keys())).finish()
     }
 }
 
@@ -48,44 +55,87 @@ impl OwnLaws {
         name: &str,
         constructor: impl Fn(&LawParameters<'_>) -> LawResult + Send + Sync + 'static,
     ) -> Result<Self, LawNameError> {
-        let good = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
-        let reason = if Material::NAMES.contains(&name) {
-            "the catalogue has a law of this name"
-        } else if self.constructors.contains_key(name) {
-            "another law has this name"
-        } else if name.is_empty() || !name.chars().all(good) {
-            "use letters, digits, `-` and `_` only"
-        } else {
-            self.constructors.insert(name.to_owned(), Arc::new(constructor));
-            return Ok(self);
-        };
-        Err(LawNameError { name: name.to_owned(), reason })
+        add(&mut self.materials, Material::NAMES, name, Arc::new(constructor))?;
+        Ok(self)
+    }
+
+    /// With one law of friction more. A scene asks for it by `friction = { law = "name", ... }`; the keys `penalty`, `stick`, `midpoint` and
+    /// `slip` belong to the contact and are no parameters of the law.
+    ///
+    /// # Errors
+    /// As [`Self::with`]. A material may have the same name.
+    pub fn with_friction(
+        mut self,
+        name: &str,
+        constructor: impl Fn(&LawParameters<'_>) -> FrictionLawResult + Send + Sync + 'static,
+    ) -> Result<Self, LawNameError> {
+        add(&mut self.friction, Friction::NAMES, name, Arc::new(constructor))?;
+        Ok(self)
     }
 
     /// The names, for [`crate::scene::parse_with`].
-    pub fn names(&self) -> Vec<&str> {
-        self.constructors.keys().map(String::as_str).collect()
+    pub fn names(&self) -> OwnNames<'_> {
+        OwnNames { materials: names(&self.materials).collect(), friction: names(&self.friction).collect() }
     }
 
     /// The law of a material.
     pub(super) fn make(&self, material: &OwnMaterial) -> Result<Arc<dyn HyperelasticLaw>, ParameterError> {
-        let Some(constructor) = self.constructors.get(&material.law) else {
-            let known = crate::scene::known(&material.law, Material::NAMES.iter().copied().chain(self.names()));
-            return Err(ParameterError::new("law", "is unknown", known));
-        };
-        let parameters = LawParameters { material, asked: RefCell::default() };
-        let law = constructor(&parameters).map_err(|error| match error.downcast::<ParameterError>() {
-            Ok(error) => *error,
-            Err(error) => ParameterError::new("", error.to_string(), "choose other parameters"),
-        })?;
-        let asked = parameters.asked.into_inner();
-        match material.parameters.keys().find(|key| !asked.contains(*key)) {
-            Some(key) => {
-                let known = crate::scene::known(key, asked.iter().map(String::as_str));
-                Err(ParameterError::new(key, "is an unknown key", known))
-            }
-            None => Ok(law),
+        make(&self.materials, Material::NAMES, &material.law, &material.parameters)
+    }
+
+    /// The law of a friction.
+    #[cfg_attr(not(any(feature = "nts", feature = "mortar")), expect(dead_code))]
+    pub(super) fn make_friction(&self, friction: &OwnFriction) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
+        make(&self.friction, Friction::NAMES, &friction.law, &friction.parameters)
+    }
+}
+
+fn names<L: ?Sized>(laws: &BTreeMap<String, Constructor<L>>) -> impl Iterator<Item = &str> {
+    laws.keys().map(String::as_str)
+}
+
+fn add<L: ?Sized>(
+    laws: &mut BTreeMap<String, Constructor<L>>,
+    catalogue: &[&str],
+    name: &str,
+    constructor: Constructor<L>,
+) -> Result<(), LawNameError> {
+    let good = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
+    let reason = if catalogue.contains(&name) {
+        "the catalogue has a law of this name"
+    } else if laws.contains_key(name) {
+        "another law has this name"
+    } else if name.is_empty() || !name.chars().all(good) {
+        "use letters, digits, `-` and `_` only"
+    } else {
+        laws.insert(name.to_owned(), constructor);
+        return Ok(());
+    };
+    Err(LawNameError { name: name.to_owned(), reason })
+}
+
+fn make<L: ?Sized>(
+    laws: &BTreeMap<String, Constructor<L>>,
+    catalogue: &[&str],
+    law: &str,
+    given: &BTreeMap<String, Parameter>,
+) -> Result<Arc<L>, ParameterError> {
+    let Some(constructor) = laws.get(law) else {
+        let all: Vec<&str> = catalogue.iter().copied().chain(names(laws)).collect();
+        return Err(ParameterError::new("law", "is unknown", crate::scene::known(law, all)));
+    };
+    let parameters = LawParameters { law, given, asked: RefCell::default() };
+    let law = constructor(&parameters).map_err(|error| match error.downcast::<ParameterError>() {
+        Ok(error) => *error,
+        Err(error) => ParameterError::new("", error.to_string(), "choose other parameters"),
+    })?;
+    let asked = parameters.asked.into_inner();
+    match given.keys().find(|key| !asked.contains(*key)) {
+        Some(key) => {
+            let known = crate::scene::known(key, asked.iter().map(String::as_str));
+            Err(ParameterError::new(key, "is an unknown key", known))
         }
+        None => Ok(law),
     }
 }
 
@@ -93,19 +143,20 @@ impl OwnLaws {
 /// unknown.
 #[derive(Debug)]
 pub struct LawParameters<'a> {
-    material: &'a OwnMaterial,
+    law: &'a str,
+    given: &'a BTreeMap<String, Parameter>,
     asked: RefCell<BTreeSet<String>>,
 }
 
 impl LawParameters<'_> {
     /// Name of the law.
     pub fn law(&self) -> &str {
-        &self.material.law
+        self.law
     }
 
     fn get(&self, key: &str) -> Option<&Parameter> {
         self.asked.borrow_mut().insert(key.to_owned());
-        self.material.parameters.get(key)
+        self.given.get(key)
     }
 
     /// A number.
@@ -156,6 +207,18 @@ pub struct ParameterError {
 impl From<MaterialError> for ParameterError {
     fn from(error: MaterialError) -> Self {
         Self::new("", error.to_string(), "choose parameters with positive shear and bulk moduli at small strains")
+    }
+}
+
+impl From<ContactError> for ParameterError {
+    fn from(error: ContactError) -> Self {
+        match error {
+            ContactError::Friction { parameter, value, range } => {
+                let message = format!("must be {range}, but is {value}");
+                Self::new(parameter, message, "correct the parameter")
+            }
+            error => Self::new("", error.to_string(), "correct the parameters"),
+        }
     }
 }
 

@@ -14,6 +14,7 @@ mod mortar;
 mod nts;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod overlap;
+mod plan;
 mod probe;
 mod tie;
 
@@ -22,7 +23,8 @@ use condition::contacts;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 use contact::contacts;
 
-pub use law::{LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
+pub use law::{FrictionLawResult, LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
+pub use plan::{ContactPlan, FrictionPlan};
 pub use probe::{Probe, ProbeTarget};
 
 use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
@@ -48,6 +50,8 @@ pub struct Built {
     pub mesh_files: Vec<Vec<u8>>,
     /// One line a body: name, elements, law, implied moduli, quality.
     pub bodies: Vec<String>,
+    /// The contacts, with what the scene leaves to defaults.
+    pub contacts: Vec<ContactPlan>,
 }
 
 /// Meshes with the number of their first node in the model.
@@ -96,13 +100,13 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut mesh_files = Vec::new();
     let (mut placed, bodies) = body::bodies(scene, folder, laws, &mut model, &mut mesh_files, &mut problems);
     let mut warnings = Vec::new();
-    let mut probes = Vec::new();
+    let (mut probes, mut plans) = (Vec::new(), Vec::new());
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
     if problems.list.is_empty() {
         condition::prescriptions(scene, &placed, &mut model, &mut problems);
         let ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         condition::loads(scene, &placed, &mut model, &mut problems);
-        contacts(scene, &placed, &mut model, &mut problems, &mut warnings);
+        plans = contacts(scene, &placed, laws, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties);
         probes = probe::probes(scene, &placed, &mut problems);
     }
@@ -111,7 +115,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         return Err(errors);
     }
     match Simulation::new(model, settings(scene, scheme)) {
-        Ok(simulation) => Ok(Built { simulation, probes, warnings, mesh_files, bodies }),
+        Ok(simulation) => Ok(Built { simulation, probes, warnings, mesh_files, bodies, contacts: plans }),
         Err(error) => {
             let remedy = "mend the scene; with several prescriptions, let each component of a node appear once";
             let problem = Problem::at(scene, "scene", "", error.to_string(), remedy);

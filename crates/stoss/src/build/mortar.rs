@@ -1,8 +1,7 @@
 //! Mortar contact of a scene.
 
-use super::Problems;
 use super::contact::PairInput;
-use super::friction::DEFAULT_TANGENTIAL_STIFFNESS;
+use super::{ContactPlan, Problems};
 use crate::scene::{Constraint, Multipliers, Normals, Quadrature as Points, Scene, Slip};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
@@ -19,7 +18,7 @@ pub(super) fn contact(
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
-) {
+) -> Option<ContactPlan> {
     let item = pair.item;
     let rule = match item.quadrature {
         Some(Points::FourPoint) => TriangleRule::FourPoint,
@@ -55,6 +54,7 @@ pub(super) fn contact(
             let mut method = method.with_crosspoints(|n| fixed.get(&n).is_some_and(|c| c.iter().all(|f| *f)));
             let complementarity = pair.prepare(&mut method, model, problems, warnings);
             method = method.with_softening(complementarity);
+            let mut plan = None;
             if let Some(friction) = &item.friction {
                 let slip = match friction.slip() {
                     Some(Slip::Direct) => SlipMeasure::Direct,
@@ -67,23 +67,29 @@ pub(super) fn contact(
                     let message =
                         format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
                     let remedy = "use `objective`, or `backward-euler`";
-                    return problems.add(format!("{}.friction.slip", pair.key), "yang", message, remedy);
+                    problems.add(format!("{}.friction.slip", pair.key), "yang", message, remedy);
+                    return None;
                 }
-                let stiffness = DEFAULT_TANGENTIAL_STIFFNESS * complementarity;
-                let friction = super::friction::friction(pair.scene, &pair.key, friction, stiffness, problems);
-                let Some(friction) = friction else { return };
+                let (friction, described) = super::friction::friction(pair, friction, complementarity, problems)?;
                 let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
+                plan = Some(described);
                 method = match method.with_friction(friction, slip) {
                     Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node)),
                     Err(error) => {
                         let key = format!("{}.friction", pair.key);
-                        return problems.add(key, "", error.to_string(), "use the standard constraint");
+                        problems.add(key, "", error.to_string(), "use the standard constraint");
+                        return None;
                     }
                 };
             }
+            let plan = pair.plan(&method, plan);
             model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
+            Some(plan)
         }
-        Err(error) => pair.refused(&error, problems),
+        Err(error) => {
+            pair.refused(&error, problems);
+            None
+        }
     }
 }
 

@@ -1,8 +1,7 @@
 //! Node-to-surface contact of a scene.
 
-use super::Problems;
 use super::contact::PairInput;
-use super::friction::DEFAULT_TANGENTIAL_STIFFNESS;
+use super::{ContactPlan, Problems};
 use crate::scene::{Constraint, Enforcement as Enforced};
 use crate::solver::{ContactPair, Model};
 use stoss_contact::{ContactMethod, Enforcement};
@@ -14,7 +13,7 @@ pub(super) fn contact(
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
-) {
+) -> Option<ContactPlan> {
     let item = pair.item;
     let constraint = match item.constraint {
         Constraint::Standard => ConstraintForm::Standard,
@@ -22,7 +21,8 @@ pub(super) fn contact(
         // The reader refuses it; a scene that was made in memory comes here.
         Constraint::OneSided => {
             let message = "`one-sided` is for mortar contact only";
-            return problems.add(format!("{}.constraint", pair.key), "", message, "use `standard` or `modified`");
+            problems.add(format!("{}.constraint", pair.key), "", message, "use `standard` or `modified`");
+            return None;
         }
     };
     let enforcement = match item.enforcement {
@@ -34,19 +34,23 @@ pub(super) fn contact(
     let [slave, master] = pair.facets;
     let mut method = match NodeToSurface::new(&item.label(), slave, master, &model.reference, options) {
         Ok(method) => method,
-        Err(error) => return pair.refused(&error, problems),
+        Err(error) => {
+            pair.refused(&error, problems);
+            return None;
+        }
     };
     let complementarity = pair.prepare(&mut method, model, problems, warnings);
+    let mut plan = None;
     if let Some(friction) = &item.friction {
-        let stiffness = DEFAULT_TANGENTIAL_STIFFNESS * complementarity;
-        let friction = super::friction::friction(pair.scene, &pair.key, friction, stiffness, problems);
-        let Some(friction) = friction else { return };
+        let (friction, described) = super::friction::friction(pair, friction, complementarity, problems)?;
         let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
+        plan = Some(described);
         method = match method.with_friction(friction) {
             Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node)),
             Err(error) => {
                 let key = format!("{}.friction", pair.key);
-                return problems.add(key, "", error.to_string(), "use the standard constraint");
+                problems.add(key, "", error.to_string(), "use the standard constraint");
+                return None;
             }
         };
     }
@@ -55,13 +59,17 @@ pub(super) fn contact(
             if let Some(scheme) = super::friction::scheme_elsewhere(pair.scene) {
                 let message = format!("is not available with the scheme `{scheme}`");
                 let key = format!("{}.method", pair.key);
-                return problems.add(key, "cat", message, "use `midpoint` or `backward-euler`, or `nts`");
+                let schemes = super::friction::schemes_that_fit();
+                problems.add(key, "cat", message, format!("use `nts`, or one of the schemes {schemes}"));
+                return None;
             }
             Box::new(CoordinateAugmented::new(method, augmentation(item)))
         }
         _ => Box::new(method),
     };
+    let plan = pair.plan(&*method, plan);
     model.contacts.push(ContactPair { name: item.label(), method, complementarity });
+    Some(plan)
 }
 
 fn augmentation(item: &crate::scene::Contact) -> stoss_contact_nts::AugmentedOptions {

@@ -29,11 +29,9 @@ where
         self.deviation = self.deviation.max(norm::<N>(std::array::from_fn(|i| value[i] - self.first[i])));
         self.magnitude = self.magnitude.max(norm(value));
     }
-    fn report(&self) -> Drift {
-        Drift {
-            absolute: self.deviation,
-            relative: if self.magnitude > 0.0 { self.deviation / self.magnitude } else { 0.0 },
-        }
+    fn report(&self, scale: Option<f64>) -> Drift {
+        let scale = scale.unwrap_or(self.magnitude);
+        Drift { absolute: self.deviation, relative: if scale > 0.0 { self.deviation / scale } else { 0.0 } }
     }
 }
 
@@ -42,7 +40,8 @@ where
 pub struct Drift {
     /// Largest deviation from the initial value.
     pub absolute: f64,
-    /// The same over the largest magnitude in the run (0 if that is 0).
+    /// The same over the scale that the scene gives in `[expect]`, or else over the largest magnitude in the run (0 if that is 0). Without a scale it
+    /// says nothing of a quantity whose total is zero.
     pub relative: f64,
 }
 
@@ -67,8 +66,9 @@ impl Drifts {
         self.angular.follow(balance.angular_momentum);
         self.total.follow([balance.total()]);
     }
-    /// Linear momentum, angular momentum, total energy.
-    pub fn report(&self) -> [Drift; 3] {
-        [self.linear.report(), self.angular.report(), self.total.report()]
+    /// Linear momentum, angular momentum, total energy, relative to these scales.
+    pub fn report(&self, scales: [Option<f64>; 3]) -> [Drift; 3] {
+        let [linear, angular, total] = scales;
+        [self.linear.report(linear), self.angular.report(angular), self.total.report(total)]
     }
 }

@@ -4,7 +4,7 @@ use super::drift::Drifts;
 use super::earlier;
 use super::table::CsvTable;
 use super::{Memory, Outcome, OutputError, Summary, frame};
-use crate::build::Probe;
+use crate::build::{ContactPlan, Probe};
 use crate::scene::Field;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -59,6 +59,10 @@ pub struct FolderSettings {
     pub fields: Option<Vec<Field>>,
     /// Probes.
     pub probes: Vec<Probe>,
+    /// What drifts of linear momentum, angular momentum and energy are relative to; `None`: the largest magnitude in the run.
+    pub scales: [Option<f64>; 3],
+    /// Contacts, for the summary.
+    pub contacts: Vec<ContactPlan>,
 }
 
 impl ResultFolder {
@@ -297,7 +301,7 @@ impl ResultFolder {
         let plan = simulation.plan();
         let steps = simulation.step();
         let counts = simulation.solver_statistics();
-        let [linear, angular, energy] = self.memo.drifts.report();
+        let [linear, angular, energy] = self.memo.drifts.report(self.settings.scales);
         let map = |rows: &[(&str, u64)]| rows.iter().map(|&(k, v)| (k.to_owned(), v)).collect::<BTreeMap<_, _>>();
         let summary = Summary {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -316,6 +320,7 @@ impl ResultFolder {
                 ("mass_matrix".to_owned(), plan.mass_matrix),
                 ("contact_search".to_owned(), plan.contact_search),
             ]),
+            contacts: self.settings.contacts.clone(),
             linear_solver: simulation.solver_name().to_owned(),
             linear_solver_counts: map(&[
                 ("analyses", counts.analyses),
@@ -324,6 +329,7 @@ impl ResultFolder {
                 ("refinement_steps", counts.refinement_steps),
                 ("nearby_solves", counts.nearby_solves),
                 ("nearby_iterations", counts.nearby_iterations),
+                ("nearby_given_up", counts.nearby_given_up),
                 ("indefinite_fallbacks", counts.indefinite_fallbacks),
                 ("symmetric", counts.symmetric),
                 ("pivoting_fallbacks", counts.pivoting_fallbacks),

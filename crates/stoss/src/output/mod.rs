@@ -8,11 +8,14 @@ mod earlier;
 mod folder;
 mod frame;
 mod summary;
+mod systems;
 mod table;
 
 pub use drift::Drift;
 pub use folder::{FolderSettings, ResultFolder};
 pub use summary::{Memory, Outcome, Summary};
+
+pub(crate) use systems::SystemWriter;
 
 use std::path::{Path, PathBuf};
 
@@ -46,6 +49,9 @@ pub enum OutputError {
     /// A frame could not be written.
     #[error(transparent)]
     Frame(#[from] stoss_mesh_io::MeshIoError),
+    /// A linear system could not be written.
+    #[error(transparent)]
+    System(#[from] stoss_linalg::matrix_market::SystemFileError),
     /// A quantity could not be evaluated.
     #[error("evaluating a result: {0}")]
     Evaluate(#[from] stoss_solver::StepError),

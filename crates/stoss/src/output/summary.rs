@@ -1,6 +1,7 @@
 //! `summary.json`.
 
 use super::Drift;
+use crate::build::ContactPlan;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use stoss_solver::{Decision, Timings};
@@ -55,6 +56,8 @@ pub struct Summary {
     pub unknowns: BTreeMap<String, u64>,
     /// Crates and structures used, see `stoss check`.
     pub parts: BTreeMap<String, bool>,
+    /// Contacts with all that they are computed with, defaults included.
+    pub contacts: Vec<ContactPlan>,
     /// Direct solver.
     pub linear_solver: String,
     /// Counts of the linear solver: analyses, factorisations, solves, refinement steps, fallbacks.

@@ -1,0 +1,98 @@
+//! A solver that shows the systems it solves.
+
+use crate::{LinalgError, LinearSolver, MatrixKind, SolveReport, SolverStatistics, SparsityPattern};
+use std::fmt::{self, Debug, Formatter};
+use std::sync::Arc;
+
+/// A system that is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct SolvedSystem<'a> {
+    /// Pattern of the matrix.
+    pub pattern: &'a SparsityPattern,
+    /// What the caller says of the values.
+    pub kind: MatrixKind,
+    /// Values in the order of the pattern.
+    pub values: &'a [f64],
+    /// Right-hand side.
+    pub rhs: &'a [f64],
+}
+
+/// What looks at a system; it answers whether it wants to see more.
+pub type Recorder = Box<dyn FnMut(SolvedSystem<'_>) -> bool + Send>;
+
+/// Passes everything on to another solver, and shows the systems that are factorised and solved. No result depends on it.
+pub struct RecordingSolver {
+    inner: Box<dyn LinearSolver>,
+    recorder: Option<Recorder>,
+    pattern: Option<Arc<SparsityPattern>>,
+    kind: MatrixKind,
+    /// Values that were factorised and not shown yet.
+    values: Vec<f64>,
+}
+
+impl RecordingSolver {
+    /// Shows systems to a recorder as long as that wants to see them.
+    pub fn new(inner: Box<dyn LinearSolver>, recorder: Recorder) -> Self {
+        Self { inner, recorder: Some(recorder), pattern: None, kind: MatrixKind::General, values: Vec::new() }
+    }
+}
+
+impl Debug for RecordingSolver {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RecordingSolver").field("inner", &self.inner).finish_non_exhaustive()
+    }
+}
+
+impl LinearSolver for RecordingSolver {
+    fn analyse(&mut self, pattern: &Arc<SparsityPattern>, kind: MatrixKind) -> Result<(), LinalgError> {
+        (self.pattern, self.kind) = (Some(Arc::clone(pattern)), kind);
+        self.inner.analyse(pattern, kind)
+    }
+
+    fn factorise(&mut self, values: &[f64]) -> Result<(), LinalgError> {
+        self.values.clear();
+        if self.recorder.is_some() {
+            self.values.extend_from_slice(values);
+        }
+        self.inner.factorise(values)
+    }
+
+    fn solve(&mut self, rhs: &[f64], solution: &mut [f64]) -> Result<SolveReport, LinalgError> {
+        if let (Some(recorder), Some(pattern)) = (&mut self.recorder, &self.pattern)
+            && self.values.len() == pattern.nnz()
+        {
+            let goes_on = recorder(SolvedSystem { pattern, kind: self.kind, values: &self.values, rhs });
+            self.values.clear();
+            if !goes_on {
+                self.recorder = None;
+            }
+        }
+        self.inner.solve(rhs, solution)
+    }
+
+    fn solve_nearby(
+        &mut self,
+        values: &[f64],
+        rhs: &[f64],
+        solution: &mut [f64],
+        tolerance: f64,
+    ) -> Result<Option<u32>, LinalgError> {
+        self.inner.solve_nearby(values, rhs, solution, tolerance)
+    }
+
+    fn forget(&mut self) {
+        self.inner.forget();
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.inner.memory_bytes() + size_of::<f64>() * self.values.capacity()
+    }
+
+    fn name(&self) -> &str {
+        self.inner.name()
+    }
+
+    fn statistics(&self) -> SolverStatistics {
+        self.inner.statistics()
+    }
+}

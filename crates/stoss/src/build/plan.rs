@@ -1,0 +1,93 @@
+//! What a contact will be computed with, defaults included, for `stoss check` and `summary.json`.
+
+use crate::scene::Parameter;
+#[cfg(feature = "output")]
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A contact as it will be computed.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "output", derive(Serialize, Deserialize))]
+pub struct ContactPlan {
+    /// Name of the contact.
+    pub name: String,
+    /// Contact method, as in the scene.
+    pub method: String,
+    /// What an active constraint asks for, as in the scene.
+    pub constraint: String,
+    /// How the normal part is enforced; with its stiffness (traction per length) if it has one.
+    pub enforcement: String,
+    /// Slave points that may be in contact.
+    pub slots: u64,
+    /// Equations that a point in contact adds to the system: the pressure, and what the method has beside it.
+    pub unknowns_per_slot: u64,
+    /// Friction, if there is any.
+    pub friction: Option<FrictionPlan>,
+}
+
+/// Friction of a contact as it will be computed.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "output", derive(Serialize, Deserialize))]
+pub struct FrictionPlan {
+    /// Name of the law.
+    pub law: String,
+    /// Its parameters.
+    pub parameters: BTreeMap<String, Parameter>,
+    /// Tangential stiffness (traction per length); `None` for a law without stick and for multipliers.
+    pub stiffness: Option<f64>,
+    /// True if the scene does not give that stiffness.
+    pub default_stiffness: bool,
+    /// How stick is enforced, as in the scene; `None` for a law without stick.
+    pub stick: Option<String>,
+    /// Which traction of a step is in the equations: `end`, `step` (exact stick: one for the whole of it), or a midpoint variant as in the scene.
+    pub stepping: String,
+    /// How mortar contact measures slip, as in the scene.
+    pub slip: Option<String>,
+}
+
+impl fmt::Display for ContactPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, method, constraint, enforcement, slots, unknowns_per_slot, friction } = self;
+        write!(f, "{name}: {method}, {constraint} constraint by {enforcement}, {slots} slave points with ")?;
+        write!(f, "{unknowns_per_slot} {} each", if *unknowns_per_slot == 1 { "unknown" } else { "unknowns" })?;
+        match friction {
+            Some(friction) => write!(f, "; friction {friction}"),
+            None => write!(f, "; no friction"),
+        }
+    }
+}
+
+impl fmt::Display for FrictionPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let list: Vec<String> = self
+            .parameters
+            .iter()
+            .map(|(key, value)| match value {
+                Parameter::Number(value) => format!("{key} = {value}"),
+                Parameter::List(values) => format!("{key} = {values:?}"),
+            })
+            .collect();
+        write!(f, "{}", self.law)?;
+        if !list.is_empty() {
+            write!(f, " ({})", list.join(", "))?;
+        }
+        match (self.stiffness, &self.stick) {
+            (Some(stiffness), Some(stick)) => {
+                let by = if self.default_stiffness { " by default" } else { "" };
+                write!(f, ", stick = {stick}, tangential stiffness {stiffness:.4e}{by}")?;
+            }
+            (None, Some(stick)) => write!(f, ", stick = {stick}")?,
+            (_, None) => write!(f, ", no stick")?,
+        }
+        match self.stepping.as_str() {
+            "end" => write!(f, ", traction of the end of a step")?,
+            "step" => write!(f, ", one traction for a step")?,
+            variant => write!(f, ", midpoint variant {variant}")?,
+        }
+        match &self.slip {
+            Some(slip) => write!(f, ", slip {slip}"),
+            None => Ok(()),
+        }
+    }
+}
