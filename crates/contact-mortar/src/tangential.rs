@@ -99,25 +99,25 @@ impl NodeFriction<'_> {
         start.clear();
         let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
         for (f, group) in slot.facets().iter().enumerate() {
-            // Weights of the start have the same nodes in front.
+            // Weights of the start have the same nodes in front. Those of the end are there also for a node that had no partner at the start.
             let old = self.start.facets().get(f);
-            let at_n = slot.facet(old, step.q_n);
+            let at_n = slot.facet(if at_end { Some(group) } else { old }, step.q_n);
             let end = slot.facet(Some(group), step.q_np1);
             let x = if at_end {
-                let [h, ..] = slot.facet(old, step.q_np1);
+                let h = if self.measure == SlipMeasure::Yang { slot.facet(old, step.q_np1)[0] } else { at_n[0] };
                 [end[0], end[1], end[2], h]
             } else {
                 let mean = |k: usize| std::array::from_fn(|i| 0.5 * (at_n[k][i] + end[k][i]));
                 [mean(0), mean(1), mean(2), [0.0; 3]]
             };
             normal = add(normal, normal_part(&x));
-            if self.start.support > 0.0 {
+            if self.has_slip(at_end) {
                 slip = add(slip, self.measure.slip(at_end, &x, &at_n));
             }
             arguments.push(x);
             start.push(at_n);
         }
-        let node = Node::new(normal, arguments.first()?[1], slip, self.start.support);
+        let node = Node::new(normal, arguments.first()?[1], slip, self.support(slot, at_end));
         let size: f64 = arguments.iter().map(|x| (dot(x[1], x[1]) * dot(x[2], x[2])).sqrt()).sum();
         let regular = dot(normal, normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
         if !regular {
@@ -131,6 +131,21 @@ impl NodeFriction<'_> {
             (branch, node.vector([0, 1].map(|i| branch.force[i] - done.force[i])))
         });
         Some(FrictionState { step: done, slip: node.slip, traction: node.vector(done.force), branch })
+    }
+
+    /// Whether slip is measured with the weights of the end, which move with the iterate.
+    fn weights_of_end(&self, at_end: bool) -> bool {
+        at_end && self.measure != SlipMeasure::Yang
+    }
+
+    /// Covered area that a weighted slip is divided by.
+    fn support(&self, slot: &Slot, at_end: bool) -> f64 {
+        if self.weights_of_end(at_end) { slot.support } else { self.start.support }
+    }
+
+    /// Whether the slip of the step can be measured: with the weights of the start the node must have had a partner.
+    fn has_slip(&self, at_end: bool) -> bool {
+        self.weights_of_end(at_end) || self.start.support > 0.0
     }
 
     /// Adds force and tangent of a slot; false if the node has no tangent plane.
@@ -168,8 +183,15 @@ impl NodeFriction<'_> {
         true
     }
 
-    /// Traction with its derivatives with respect to normal, line and slip vector, and its derivative with respect to the pressure.
-    fn by_node(&self, work: &Scratch, state: &FrictionState, at_end: bool) -> (V3<Dual<9>>, V3<f64>) {
+    /// Traction with its derivatives with respect to normal, line and slip vector, and its derivatives with respect to the pressure and to the
+    /// support that slip is divided by.
+    fn by_node(
+        &self,
+        work: &Scratch,
+        state: &FrictionState,
+        at_end: bool,
+        support: f64,
+    ) -> (V3<Dual<9>>, [V3<f64>; 2]) {
         let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
         for (x, start) in work.arguments.iter().zip(&work.start) {
             normal = add(normal, normal_part(x));
@@ -177,7 +199,7 @@ impl NodeFriction<'_> {
         }
         let line = work.arguments.first().map_or([0.0; 3], |x| x[1]);
         let variable = |v: V3<f64>, first: usize| std::array::from_fn(|i| Dual::variable(v[i], first + i));
-        let node = Node::<Dual<9>>::new(variable(normal, 0), variable(line, 3), variable(slip, 6), self.start.support);
+        let node = Node::<Dual<9>>::new(variable(normal, 0), variable(line, 3), variable(slip, 6), support);
         let step = state.branch.as_ref().map_or(&state.step, |(branch, _)| branch);
         let components: [Dual<9>; 2] = std::array::from_fn(|i| {
             let [a, b] = step.d_slip[i];
@@ -186,7 +208,12 @@ impl NodeFriction<'_> {
         });
         let [e_1, e_2] = node.tangents.map(|e| e.map(|x| x.value));
         let [d_1, d_2] = step.d_pressure;
-        (node.vector(components), std::array::from_fn(|i| d_1 * e_1[i] + d_2 * e_2[i]))
+        let traction = node.vector(components);
+        let by_pressure = std::array::from_fn(|i| d_1 * e_1[i] + d_2 * e_2[i]);
+        // The slip is inverse to the support.
+        let inverse = if support > 0.0 { 1.0 / support } else { 0.0 };
+        let by_support = traction.map(|t| -inverse * (0..3).map(|i| t.partial[6 + i] * slip[i]).sum::<f64>());
+        (traction, [by_pressure, by_support])
     }
 
     fn add_tangent(
@@ -201,7 +228,7 @@ impl NodeFriction<'_> {
         let n = 3 * slot.nodes.len();
         // Of the row of a force: coordinates and the pressure.
         let (dim, stride) = (n + 1, out.dim());
-        let (by_node, by_pressure) = self.by_node(work, state, at_end);
+        let (by_node, [by_pressure, by_support]) = self.by_node(work, state, at_end, self.support(slot, at_end));
         let Scratch { arguments, start, motion, traction, product } = work;
         motion.clear();
         motion.resize(FACET * n * arguments.len(), 0.0);
@@ -225,6 +252,11 @@ impl NodeFriction<'_> {
                     }
                 }
             }
+        }
+        if self.weights_of_end(at_end) {
+            slot.for_each_support_derivative(|column, d| {
+                traction.chunks_exact_mut(n).zip(&by_support).for_each(|(row, t)| row[column] += t * d);
+            });
         }
         for (f, (group, x)) in slot.facets().iter().zip(arguments.iter()).enumerate() {
             let motion = &motion[FACET * n * f..][..FACET * n];
@@ -275,14 +307,22 @@ impl NodeFriction<'_> {
         if !at_end {
             return;
         }
-        let origin = at(step.q_np1, slot.nodes[0]);
+        // Of the weights, in the gap vector at the end and in that at the start.
+        let [origin, origin_n] = [step.q_np1, step.q_n].map(|q| at(q, slot.nodes[0]));
+        let weights_of_end = self.weights_of_end(at_end);
         for (k, row) in group.derivative.chunks_exact(n).enumerate() {
-            let x = at(step.q_np1, slot.nodes[k]) - origin;
+            let (x, x_n) = (at(step.q_np1, slot.nodes[k]) - origin, at(step.q_n, slot.nodes[k]) - origin_n);
             for (column, d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                 for i in 0..3 {
                     motion[i * n + column] += x[i] * d;
+                    if weights_of_end {
+                        motion[(9 + i) * n + column] += x_n[i] * d;
+                    }
                 }
             }
+        }
+        if weights_of_end {
+            return;
         }
         for (k, w) in self.start.facets().get(f).into_iter().flat_map(|old| &old.weights).enumerate() {
             for i in 0..3 {
