@@ -61,6 +61,8 @@ pub const PICTURES: &[Picture] = &[
     tori("tori-friction-01", "Two tori, coefficient of friction 0.1"),
     tori("tori-friction-03", "Two tori, coefficient of friction 0.3"),
     tori("tori-cat-03", "Two tori, coefficient of friction 0.3, coordinate augmentation"),
+    tori("tori-mortar", "Two tori without friction, mortar"),
+    tori("tori-mortar-friction", "Two tori, coefficient of friction 0.3, mortar"),
     ironing("ironing-mortar", "Ironing without friction"),
     ironing("ironing-mortar-friction", "Ironing with friction"),
     blocks("two-blocks-mortar", "Two blocks without friction"),
