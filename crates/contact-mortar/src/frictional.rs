@@ -52,8 +52,8 @@ fn norm(v: [f64; 2]) -> f64 {
 impl MortarContact {
     /// The same surfaces with friction, its slip measured in one of the ways of [`SlipMeasure`].
     ///
-    /// Under [`ContactRule::EndPoint`] the force has the integrals of the iterate, the slip those of `q_n` at both ends: it is the relative motion of
-    /// what lay opposite each other. A node without a partner at `q_n` starts to slip in the next step. Under [`ContactRule::Midpoint`] and
+    /// Under [`ContactRule::EndPoint`] force and slip have the integrals of the iterate, the slip at both ends of the step: it is the relative motion of
+    /// what came to lie opposite each other, also at a node that had no partner at `q_n`. Under [`ContactRule::Midpoint`] and
     /// [`ContactRule::EnergyMomentum`] integrals are those of `q_n` for both; with [`SlipMeasure::Objective`] the work of the friction is exact then.
     ///
     /// # Errors

@@ -1,7 +1,8 @@
 //! Slip and friction force of one slave node as functions of gap vectors and diagonals (formulation §8.2).
 //!
-//! Each slave facet `e` around the node has four arguments: its part `g` of the node's weighted gap vector, the diagonals `d_1`, `d_2`, and `h`,
-//! the gap vector with the weights of the step's start, which the slip of moving integrals needs.
+//! Each slave facet `e` around the node has four arguments: its part `g` of the node's weighted gap vector, the diagonals `d_1`, `d_2`, and, where
+//! integrals move, `h`: the gap vector that `g` is compared with. That is the one of the positions of the start with the weights of the end, or for
+//! `Yang` that of the positions of the end with the weights of the start.
 
 use stoss_contact::dual::{Scalar, V3, cross, dot, unit};
 
@@ -44,13 +45,13 @@ fn constant<T: Scalar>(v: V3<f64>) -> V3<T> {
 }
 
 impl SlipMeasure {
-    /// A facet's part of the weighted slip of the step, a volume. `start`: `g`, `d_1`, `d_2` at `q_n`. `at_end`: `x` is taken at `q_np1`, otherwise
-    /// at the midpoint, where `h` is not used.
+    /// A facet's part of the weighted slip of the step, a volume. `start`: `g`, `d_1`, `d_2` at `q_n`. `at_end`: `x` is taken at `q_np1` and `h`
+    /// stands for the first one of `start`, otherwise `x` is taken at the midpoint, and `h` is not used.
     pub(crate) fn slip<T: Scalar>(self, at_end: bool, x: &Facet<T>, start: &[V3<f64>; 3]) -> V3<T> {
         let [g, d_1, d_2, h] = *x;
-        let g_n = constant(start[0]);
+        let g_n = if at_end { h } else { constant(start[0]) };
         let twice = |v: V3<T>| v.map(|x| x.scale(2.0));
-        let increment = if at_end { minus(h, g_n) } else { twice(minus(g, g_n)) };
+        let increment = if at_end { minus(g, g_n) } else { twice(minus(g, g_n)) };
         match self {
             Self::Direct => increment,
             Self::Yang => minus(h, g),
@@ -59,7 +60,7 @@ impl SlipMeasure {
                 let s: [T; 2] = std::array::from_fn(|a| {
                     let d_n = constant(start[1 + a]);
                     if at_end {
-                        dot(d[a], h) - dot(d_n, g_n)
+                        dot(d[a], g) - dot(d_n, g_n)
                     } else {
                         dot(d[a], increment) + dot(twice(minus(d[a], d_n)), g)
                     }
@@ -136,10 +137,10 @@ mod tests {
             let mid: [Vector3<f64>; 3] = std::array::from_fn(|k| 0.5 * (start[k] + end[k]));
             let slip = |measure: SlipMeasure, at_end, x| Vector3::from(measure.slip(at_end, &x, &plain(&start))).amax();
             prop_assert!(slip(SlipMeasure::Objective, false, full(&mid, Vector3::zeros())) < 1e-13);
-            prop_assert!(slip(SlipMeasure::Objective, true, full(&end, end[0])) < 1e-13);
+            prop_assert!(slip(SlipMeasure::Objective, true, full(&end, start[0])) < 1e-13);
             prop_assert!(slip(SlipMeasure::Yang, true, full(&end, end[0])) < 1e-13);
             let turned = (end[0] - start[0]).amax();
-            prop_assert!((slip(SlipMeasure::Direct, true, full(&end, end[0])) - turned).abs() < 1e-13);
+            prop_assert!((slip(SlipMeasure::Direct, true, full(&end, start[0])) - turned).abs() < 1e-13);
         }
     }
 }

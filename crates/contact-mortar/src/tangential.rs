@@ -69,6 +69,8 @@ struct ByNode {
     mismatch: [Dual<9>; 2],
     mismatch_of_pressure: [f64; 2],
     mismatch_of_multipliers: [[f64; 2]; 2],
+    /// Of the traction, then of the mismatch, by the support that slip is divided by.
+    of_support: [f64; 5],
 }
 
 /// Frame of a node and its slip there, from normal direction, material line and weighted slip.
@@ -109,11 +111,6 @@ impl Slot {
 }
 
 impl NodeFriction<'_> {
-    /// Without a partner at the start of the step.
-    fn is_new(&self) -> bool {
-        self.start.support <= 0.0
-    }
-
     /// Evaluates the step of a slot with a partner; `None` if the node has no tangent plane.
     pub fn state(&self, slot: &Slot, step: StepConfiguration<'_>, work: &mut Scratch) -> Option<FrictionState> {
         let at_end = step.rule == ContactRule::EndPoint;
@@ -122,25 +119,25 @@ impl NodeFriction<'_> {
         start.clear();
         let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
         for (f, group) in slot.facets().iter().enumerate() {
-            // Weights of the start have the same nodes in front.
+            // Weights of the start have the same nodes in front. Those of the end are there also for a node that had no partner at the start.
             let old = self.start.facets().get(f);
-            let at_n = slot.facet(old, step.q_n);
+            let at_n = slot.facet(if at_end { Some(group) } else { old }, step.q_n);
             let end = slot.facet(Some(group), step.q_np1);
             let x = if at_end {
-                let [h, ..] = slot.facet(old, step.q_np1);
+                let h = if self.measure == SlipMeasure::Yang { slot.facet(old, step.q_np1)[0] } else { at_n[0] };
                 [end[0], end[1], end[2], h]
             } else {
                 let mean = |k: usize| std::array::from_fn(|i| 0.5 * (at_n[k][i] + end[k][i]));
                 [mean(0), mean(1), mean(2), [0.0; 3]]
             };
             normal = add(normal, normal_part(&x));
-            if self.start.support > 0.0 {
+            if self.has_slip(at_end) {
                 slip = add(slip, self.measure.slip(at_end, &x, &at_n));
             }
             arguments.push(x);
             start.push(at_n);
         }
-        let node = Node::new(normal, arguments.first()?[1], slip, self.start.support);
+        let node = Node::new(normal, arguments.first()?[1], slip, self.support(slot, at_end));
         let size: f64 = arguments.iter().map(|x| (dot(x[1], x[1]) * dot(x[2], x[2])).sqrt()).sum();
         let regular = dot(normal, normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
         if !regular {
@@ -155,9 +152,24 @@ impl NodeFriction<'_> {
             (branch, node.vector([0, 1].map(|i| branch.force[i] - done.force[i])))
         });
         // Nothing is known of the slip of a node without a partner at the start: it has the traction of the start, which is zero.
-        let settled = if self.is_new() { [0.0; 2] } else { done.force };
+        let settled = if self.has_slip(at_end) { done.force } else { [0.0; 2] };
         let mismatch = [0, 1].map(|i| (history[i] + multiplier[i] - settled[i]) / self.friction.stiffness());
         Some(FrictionState { step: done, slip: node.slip, mismatch, traction: node.vector(done.force), branch })
+    }
+
+    /// Whether slip is measured with the weights of the end, which move with the iterate.
+    fn weights_of_end(&self, at_end: bool) -> bool {
+        at_end && self.measure != SlipMeasure::Yang
+    }
+
+    /// Covered area that a weighted slip is divided by.
+    fn support(&self, slot: &Slot, at_end: bool) -> f64 {
+        if self.weights_of_end(at_end) { slot.support } else { self.start.support }
+    }
+
+    /// Whether the slip of the step can be measured: with the weights of the start the node must have had a partner.
+    fn has_slip(&self, at_end: bool) -> bool {
+        self.weights_of_end(at_end) || self.start.support > 0.0
     }
 
     /// Adds force and tangent of a slot; false if the node has no tangent plane.
@@ -185,7 +197,7 @@ impl NodeFriction<'_> {
         }
         if let Some((branch, shift)) = &state.branch {
             out.shift.resize(out.dim(), 0.0);
-            for k in (0..out.auxiliaries).filter(|_| !self.is_new()) {
+            for k in (0..out.auxiliaries).filter(|_| self.has_slip(step.rule == ContactRule::EndPoint)) {
                 let more = branch.force[k] - state.step.force[k];
                 out.shift[first + k] -= self.weight * more / self.friction.stiffness();
             }
@@ -204,8 +216,8 @@ impl NodeFriction<'_> {
         true
     }
 
-    /// Traction and mismatch with their derivatives.
-    fn by_node(&self, work: &Scratch, state: &FrictionState, at_end: bool) -> ByNode {
+    /// Traction and mismatch with their derivatives; `support`: what slip is divided by.
+    fn by_node(&self, work: &Scratch, state: &FrictionState, at_end: bool, support: f64) -> ByNode {
         let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
         for (x, start) in work.arguments.iter().zip(&work.start) {
             normal = add(normal, normal_part(x));
@@ -213,7 +225,7 @@ impl NodeFriction<'_> {
         }
         let line = work.arguments.first().map_or([0.0; 3], |x| x[1]);
         let variable = |v: V3<f64>, first: usize| std::array::from_fn(|i| Dual::variable(v[i], first + i));
-        let node = Node::<Dual<9>>::new(variable(normal, 0), variable(line, 3), variable(slip, 6), self.start.support);
+        let node = Node::<Dual<9>>::new(variable(normal, 0), variable(line, 3), variable(slip, 6), support);
         let step = state.branch.as_ref().map_or(&state.step, |(branch, _)| branch);
         let components: [Dual<9>; 2] = std::array::from_fn(|i| {
             let [a, b] = step.d_slip[i];
@@ -225,12 +237,19 @@ impl NodeFriction<'_> {
         let share = self.friction.share(self.compliance);
         let column = |k: usize| [share * step.d_history[0][k], share * step.d_history[1][k]];
         let per = 1.0 / self.friction.stiffness();
-        let of_force = if self.is_new() { 0.0 } else { -per };
+        let of_force = if self.has_slip(at_end) { -per } else { 0.0 };
+        let traction = node.vector(components);
+        let mismatch = components.map(|c| c.scale(of_force));
+        // The slip is inverse to the support.
+        let inverse = if support > 0.0 { 1.0 / support } else { 0.0 };
+        let by_support = |x: &Dual<9>| -inverse * (0..3).map(|i| x.partial[6 + i] * slip[i]).sum::<f64>();
+        let [a, b, c] = &traction;
         ByNode {
-            traction: node.vector(components),
+            of_support: [a, b, c, &mismatch[0], &mismatch[1]].map(by_support),
+            traction,
             of_pressure: vector(step.d_pressure),
             of_multipliers: [0, 1].map(|k| vector(column(k))),
-            mismatch: components.map(|c| c.scale(of_force)),
+            mismatch,
             mismatch_of_pressure: step.d_pressure.map(|d| of_force * d),
             mismatch_of_multipliers: [0, 1]
                 .map(|i| [0, 1].map(|k| if i == k { per } else { 0.0 } + of_force * share * step.d_history[i][k])),
@@ -249,7 +268,7 @@ impl NodeFriction<'_> {
         let n = 3 * slot.nodes.len();
         // Of the row of a force: coordinates and the pressure.
         let (dim, stride) = (n + 1, out.dim());
-        let of = self.by_node(work, state, at_end);
+        let of = self.by_node(work, state, at_end, self.support(slot, at_end));
         let multipliers = out.auxiliaries.min(2);
         // Where their rows and columns begin.
         let first = n + out.slots.len();
@@ -279,6 +298,11 @@ impl NodeFriction<'_> {
                     }
                 }
             }
+        }
+        if self.weights_of_end(at_end) {
+            slot.for_each_support_derivative(|column, d| {
+                traction.chunks_exact_mut(n).zip(&of.of_support).for_each(|(row, t)| row[column] += t * d);
+            });
         }
         let (traction, mismatch) = traction.split_at(3 * n);
         for k in 0..multipliers {
@@ -344,14 +368,22 @@ impl NodeFriction<'_> {
         if !at_end {
             return;
         }
-        let origin = at(step.q_np1, slot.nodes[0]);
+        // Of the weights, in the gap vector at the end and in that at the start.
+        let [origin, origin_n] = [step.q_np1, step.q_n].map(|q| at(q, slot.nodes[0]));
+        let weights_of_end = self.weights_of_end(at_end);
         for (k, row) in group.derivative.chunks_exact(n).enumerate() {
-            let x = at(step.q_np1, slot.nodes[k]) - origin;
+            let (x, x_n) = (at(step.q_np1, slot.nodes[k]) - origin, at(step.q_n, slot.nodes[k]) - origin_n);
             for (column, d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                 for i in 0..3 {
                     motion[i * n + column] += x[i] * d;
+                    if weights_of_end {
+                        motion[(9 + i) * n + column] += x_n[i] * d;
+                    }
                 }
             }
+        }
+        if weights_of_end {
+            return;
         }
         for (k, w) in self.start.facets().get(f).into_iter().flat_map(|old| &old.weights).enumerate() {
             for i in 0..3 {

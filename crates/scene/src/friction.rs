@@ -101,8 +101,8 @@ pub struct Sticking {
     pub penalty: Option<f64>,
     /// How stick is enforced; `None`: by multipliers, or by springs if a `penalty` is given.
     pub stick: Option<Stick>,
-    /// Which traction the midpoint schemes take. Multipliers leave no choice.
-    pub midpoint: MidpointFriction,
+    /// Which traction the midpoint schemes take; `None`: the mean of both ends. Exact stick leaves no choice.
+    pub midpoint: Option<MidpointFriction>,
 }
 
 impl Sticking {
@@ -111,12 +111,13 @@ impl Sticking {
         let left_out = if self.penalty.is_some() { Stick::Penalty } else { Stick::Multiplier };
         self.stick.unwrap_or(left_out)
     }
+
+    /// Which traction the midpoint schemes take.
+    pub fn midpoint(&self) -> MidpointFriction {
+        self.midpoint.unwrap_or(Self::DEFAULT_MIDPOINT)
+    }
     /// Stepping if left out.
     pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::C;
-}
-
-fn default_midpoint() -> MidpointFriction {
-    Sticking::DEFAULT_MIDPOINT
 }
 
 /// Parameters of `coulomb`.
@@ -133,9 +134,9 @@ pub struct CoulombFriction {
     /// How stick is enforced; by multipliers if left out, or by springs if a `penalty` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stick: Option<Stick>,
-    /// Which traction the midpoint schemes take.
-    #[serde(default = "default_midpoint")]
-    pub midpoint: MidpointFriction,
+    /// Which traction the midpoint schemes take, with springs; `c` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub midpoint: Option<MidpointFriction>,
     /// Slip of `mortar`; `objective` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip: Option<Slip>,
@@ -159,9 +160,9 @@ pub struct StaticDynamicFriction {
     /// How stick is enforced; by multipliers if left out, or by springs if a `penalty` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stick: Option<Stick>,
-    /// Which traction the midpoint schemes take.
-    #[serde(default = "default_midpoint")]
-    pub midpoint: MidpointFriction,
+    /// Which traction the midpoint schemes take, with springs; `c` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub midpoint: Option<MidpointFriction>,
     /// Slip of `mortar`; `objective` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip: Option<Slip>,
@@ -246,9 +247,7 @@ impl Friction {
                 Some(Sticking { penalty, stick, midpoint })
             }
             Self::Regularised(_) => None,
-            Self::Own(OwnFriction { penalty, stick, midpoint, .. }) => {
-                Some(Sticking { penalty, stick, midpoint: midpoint.unwrap_or(Sticking::DEFAULT_MIDPOINT) })
-            }
+            Self::Own(OwnFriction { penalty, stick, midpoint, .. }) => Some(Sticking { penalty, stick, midpoint }),
         }
     }
 

@@ -63,6 +63,8 @@ pub const PICTURES: &[Picture] = &[
     tori("tori-cat", "Two tori without friction, coordinate augmentation"),
     tori("tori-cat-01", "Two tori, coefficient of friction 0.1, coordinate augmentation"),
     tori("tori-cat-03", "Two tori, coefficient of friction 0.3, coordinate augmentation"),
+    tori("tori-mortar", "Two tori without friction, mortar"),
+    tori("tori-mortar-friction", "Two tori, coefficient of friction 0.3, mortar"),
     ironing("ironing-mortar", "Ironing without friction"),
     ironing("ironing-mortar-friction", "Ironing with friction"),
     blocks("two-blocks-mortar", "Two blocks without friction"),

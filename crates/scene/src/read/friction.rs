@@ -61,7 +61,7 @@ fn sticking_of(
     stick: Option<Stick>,
     midpoint: Option<MidpointFriction>,
 ) -> Option<Sticking> {
-    let sticking = Sticking { penalty, stick, midpoint: midpoint.unwrap_or(Sticking::DEFAULT_MIDPOINT) };
+    let sticking = Sticking { penalty, stick, midpoint };
     let useless = match sticking.stick() {
         Stick::Penalty => None,
         Stick::Augmented => midpoint.map(|_| "midpoint"),

@@ -95,7 +95,7 @@ pub(super) fn friction(
         return None;
     }
     let (penalty, stick, midpoint) = match item.sticking() {
-        Some(s) => (s.penalty, s.stick(), s.midpoint),
+        Some(s) => (s.penalty, s.stick(), s.midpoint()),
         None => (None, scene::Stick::Penalty, scene::Sticking::DEFAULT_MIDPOINT),
     };
     let stiffness = penalty.unwrap_or(DEFAULT_TANGENTIAL_STIFFNESS * complementarity);

@@ -122,7 +122,7 @@ pub fn cases() -> Vec<Case> {
                 scheme,
                 &format!("mu = 0.3, penalty = {penalty}, stick = \"augmented\""),
             );
-            cases.push(case.named(format!("{scheme} augmented, penalty {penalty}")));
+            cases.push(case.named(format!("{scheme} augmented penalty {penalty}")));
         }
         for facets in [10.0, 100.0, 1.0] {
             cases.push(slide(scheme, facets));

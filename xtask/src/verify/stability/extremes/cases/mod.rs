@@ -33,6 +33,7 @@ const REPRESENTATIVE: &[&str] = &[
     "inverting follower pressure",
     "friction, coefficient",
     "friction, stiffness",
+    "friction, augmented stick",
     "slide over facets in a step",
     "stick and slip in turn at each step",
     "mortar: off an edge and back on",
