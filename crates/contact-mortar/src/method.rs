@@ -487,10 +487,10 @@ impl ContactMethod for MortarContact {
         self.load_friction(bytes)
     }
 
-    fn verify(&self) -> Result<(), ContactError> {
-        let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else { return Ok(()) };
+    fn verify(&self) -> Result<f64, ContactError> {
+        let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else { return Ok(0.0) };
         match coverage.faults.first() {
-            None => Ok(()),
+            None => Ok(coverage.worst),
             Some(first) => Err(ContactError::Coverage {
                 faults: coverage.faults.len(),
                 facet: first.slave_facet,

@@ -47,6 +47,8 @@ pub struct SurfaceCoverage {
     pub area: f64,
     /// Area covered by segments.
     pub covered: f64,
+    /// Largest part of a facet that lies opposite the master without a segment, or is covered twice: round-off if the invariant holds.
+    pub worst: f64,
     /// Facets whose segments do not tile their overlap, ascending; empty if the invariant holds.
     pub faults: Vec<CoverageFault>,
 }
@@ -116,7 +118,7 @@ impl SurfaceSegmentation {
         q: &[f64],
         extent: CheckExtent,
     ) -> Result<SurfaceCoverage, MortarError> {
-        let mut out = SurfaceCoverage { area: 0.0, covered: 0.0, faults: Vec::new() };
+        let mut out = SurfaceCoverage { area: 0.0, covered: 0.0, worst: 0.0, faults: Vec::new() };
         let mut ids: Vec<u32> = Vec::new();
         let everything: Vec<MasterFacet> = match extent {
             CheckExtent::Neighbours => Vec::new(),
@@ -145,6 +147,8 @@ impl SurfaceSegmentation {
             let report = check_coverage(found, surface, self.range)
                 .map_err(|source| MortarError::Segmentation { facet, source })?;
             let scale = 0.25 * found.frame.image_area();
+            let too_much = if report.cut { 0.0 } else { -report.uncovered };
+            out.worst = out.worst.max(0.25 * report.uncovered_opposite().max(report.double).max(too_much));
             out.area += found.frame.image_area();
             out.covered += found.segments.iter().map(|s| s.image_area()).sum::<f64>();
             if !report.is_tiling(TOLERANCE) {

@@ -61,6 +61,8 @@ pub struct ContactSummary {
     pub min_gap: f64,
     /// Largest pressure.
     pub max_pressure: f64,
+    /// What the methods miss their invariants by (`ContactMethod::verify`): the part of a facet without segment, or with two.
+    pub coverage_defect: f64,
     /// Sum over the contact pairs of the force that each exerts on its slave nodes.
     pub force_on_slave: [f64; 3],
     /// The force of each pair on its slave nodes; its own only, where nodes belong to several pairs.

@@ -185,10 +185,11 @@ impl Simulation {
         {
             return Err(error);
         }
+        let mut coverage_defect = 0.0_f64;
         for pair in &self.model.contacts {
-            pair.method.verify()?;
+            coverage_defect = coverage_defect.max(pair.method.verify()?);
         }
-        let contact = self.contact_summary(&attempt, rule)?;
+        let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage_defect, ..c });
         let work = self.contact_work(&attempt.iterate)?;
         let next = self.next_state(&attempt.iterate, dt, rule)?;
         Ok(Completed { attempt, next, rule, strain, contact, work, inside_out, solves })

@@ -15,7 +15,7 @@ use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, StepRecord};
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
-contact_force_x,contact_force_y,contact_force_z";
+contact_force_x,contact_force_y,contact_force_z,coverage_defect";
 
 /// What the folder remembers in a checkpoint.
 #[derive(Debug, Serialize, Deserialize)]
@@ -205,7 +205,11 @@ impl ResultFolder {
             for count in [c.active, c.closed, c.released, c.repaired] {
                 table.integer(count as u64);
             }
-            table.numbers(&[c.min_gap, c.max_pressure]).numbers(&c.force_on_slave).end_row()?;
+            table
+                .numbers(&[c.min_gap, c.max_pressure])
+                .numbers(&c.force_on_slave)
+                .number(c.coverage_defect)
+                .end_row()?;
         }
         self.memo.drifts.follow(b);
         self.memo.iterations += u64::from(record.iterations);
