@@ -9,9 +9,12 @@ pub enum LineSearch {
     /// A full step is tried first, and assembled at once, so that the line search costs nothing while it is not needed.
     /// If the step is not admissible or the residual grows too much, the step is shortened until both are fine.
     Backtracking {
-        /// A step is accepted if the residual is at most this times the previous one, or this times a tenth of the scale. At contact a residual may well
+        /// A step is accepted if the residual is at most this times the previous one. At contact a residual may well
         /// grow in one iteration; 1 would suffocate the iteration there.
         max_growth: f64,
+        /// A previous residual below this times the scale counts as that much. In dynamics a contact that closes begins with the violation of its
+        /// constraint alone, which may be any small number; the forces that it takes come with the first step.
+        small: f64,
         /// Factor between two trials, in (0, 1).
         reduction: f64,
         /// At most so many reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
@@ -22,7 +25,7 @@ pub enum LineSearch {
 impl LineSearch {
     /// Halving, at most 8 times, when the residual grows tenfold.
     pub fn backtracking() -> Self {
-        Self::Backtracking { max_growth: 10.0, reduction: 0.5, max_reductions: 8 }
+        Self::Backtracking { max_growth: 10.0, small: 0.0, reduction: 0.5, max_reductions: 8 }
     }
 }
 

@@ -24,10 +24,6 @@ pub fn solve<P: NewtonProblem>(
     }
 }
 
-/// A residual below this times the scale is small: that it grows is no reason to shorten a step. (A contact that closes begins with the violation of
-/// its constraint alone, which may be any number; the forces that it takes come with the first step.)
-const SMALL: f64 = 0.1;
-
 /// Norms of an iterate.
 #[derive(Clone, Copy)]
 struct Norms {
@@ -184,11 +180,11 @@ impl Course<'_> {
             Ok(()) => assemble(problem),
             Err(error) => Err(error),
         };
-        let LineSearch::Backtracking { max_growth, reduction, max_reductions } = self.options.line_search else {
+        let LineSearch::Backtracking { max_growth, small, reduction, max_reductions } = self.options.line_search else {
             let norms = full?;
             return Ok(if norms.is_finite() { Step::Taken { norms, length: 1.0 } } else { Step::NotFinite });
         };
-        let limit = max_growth * previous.measure.max(SMALL * previous.scale);
+        let limit = max_growth * previous.measure.max(small * previous.scale);
         let mut last_error = None;
         match full {
             // Also below the tolerance: a residual at round-off may grow by any factor.

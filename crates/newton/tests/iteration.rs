@@ -212,7 +212,7 @@ fn an_inadmissible_trial_needs_the_line_search() {
 fn the_line_search_globalises() {
     let problem = || Scalar::new(f64::atan, |x| 1.0 / (1.0 + x * x), 3.0);
     let o = NewtonOptions {
-        line_search: LineSearch::Backtracking { max_growth: 1.0, reduction: 0.5, max_reductions: 20 },
+        line_search: LineSearch::Backtracking { max_growth: 1.0, small: 0.0, reduction: 0.5, max_reductions: 20 },
         ..NewtonOptions::default()
     };
     let mut p = problem();
@@ -225,7 +225,7 @@ fn the_line_search_globalises() {
 fn no_acceptable_length_is_named() {
     // The slope has the wrong sign: every step makes it worse.
     let o = NewtonOptions {
-        line_search: LineSearch::Backtracking { max_growth: 1.0, reduction: 0.5, max_reductions: 5 },
+        line_search: LineSearch::Backtracking { max_growth: 1.0, small: 0.0, reduction: 0.5, max_reductions: 5 },
         ..NewtonOptions::default()
     };
     let mut p = Scalar::new(|x| x - 1.0, |_| -1.0, 3.0);

@@ -178,7 +178,12 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             },
             absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
             max_iterations: solver.max_iterations.unwrap_or(default.max_iterations),
-            line_search: LineSearch::backtracking(),
+            line_search: match (scene.header.kind, LineSearch::backtracking()) {
+                (Kind::Dynamic, LineSearch::Backtracking { max_growth, reduction, max_reductions, .. }) => {
+                    LineSearch::Backtracking { max_growth, small: SMALL_RESIDUAL, reduction, max_reductions }
+                }
+                (_, search) => search,
+            },
             ..default
         },
         inside_out: match solver.inside_out {
@@ -209,3 +214,5 @@ pub const DEFAULT_TOLERANCE: f64 = 1.0e-9;
 
 /// Statics has no balances that add up step after step: a residual that came out this far below the tolerance is not polished.
 const FAR_BELOW: f64 = 1.0e-3;
+/// Residual of a dynamic step, in multiples of the scale, from which the line search lets any other grow tenfold.
+const SMALL_RESIDUAL: f64 = 0.1;
