@@ -64,10 +64,19 @@ impl Suite for Scenes {
                 let row = Check::new(&run.name, "expectations left out", count, Bound::Told);
                 findings.checks.push(row.noted(format!("{}: {}", run.note(), left_out.join(", "))));
             }
+            if has_mortar(&scene) {
+                findings.checks.push(run.coverage()?);
+            }
             bench.show(&run, &mut findings)?;
         }
         Ok(findings)
     }
+}
+
+/// Whether there is a contact whose slave facets are cut into segments.
+fn has_mortar(scene: &Table) -> bool {
+    let contacts = scene.get("contact").and_then(Value::as_array);
+    contacts.is_some_and(|list| list.iter().any(|c| c.get("method").and_then(Value::as_str) == Some("mortar")))
 }
 
 /// Scenes of minutes or hours, which quick mode leaves out: the tori, the ball on a plane, the rotating indenter (suite `mortar` has a short form of it).
