@@ -32,6 +32,9 @@ impl LineSearch {
 /// Settings of the iteration. Norms are those of the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewtonOptions {
+    /// So many linear systems are solved before the tolerance counts. One where the residual says nothing of what is wanted: after a change of
+    /// constraints it may be small before anything has moved.
+    pub min_iterations: u32,
     /// At most so many linear systems are solved, those of the polishing included.
     pub max_iterations: u32,
     /// Converged when `residual <= absolute_tolerance + relative_tolerance * scale` and the constraints' relative violation is at
@@ -62,6 +65,7 @@ pub struct NewtonOptions {
 impl Default for NewtonOptions {
     fn default() -> Self {
         Self {
+            min_iterations: 0,
             max_iterations: 25,
             absolute_tolerance: 0.0,
             relative_tolerance: 1e-9,

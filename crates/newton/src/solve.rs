@@ -82,7 +82,7 @@ impl Course<'_> {
         let mut smallest = norms.measure;
         let mut since_smallest = 0;
         let mut solves = 0;
-        while !self.within_tolerance(norms) {
+        while solves < o.min_iterations || !self.within_tolerance(norms) {
             if solves == o.max_iterations {
                 return Ok(StopReason::MaxIterations);
             }
@@ -102,7 +102,7 @@ impl Course<'_> {
             };
             self.record(norms, increment, length);
             if self.within_tolerance(norms) {
-                break;
+                continue;
             }
             // Full steps only: a short step says nothing about what a full one would gain.
             let fell = norms.measure <= o.polish_factor * previous.measure || length < 1.0;

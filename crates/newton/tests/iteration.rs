@@ -121,6 +121,19 @@ fn a_double_root_is_linear() {
     assert!((report.observed_order().unwrap() - 1.0).abs() < 1e-6);
 }
 
+/// A residual below the tolerance is no reason to stop before the least number of solutions.
+#[test]
+fn the_least_number_of_iterations_is_done() {
+    let run = |min_iterations| {
+        let mut p = Scalar::new(|x| x.exp() - 3.0, f64::exp, 3f64.ln() + 1e-4);
+        let o = NewtonOptions { min_iterations, polish: 0, relative_tolerance: 1e-2, ..NewtonOptions::default() };
+        (p.run(&o).unwrap().iteration_count(), (p.x - 3f64.ln()).abs())
+    };
+    let [none, one, two] = [run(0), run(1), run(2)];
+    assert_eq!([none.0, one.0, two.0], [0, 1, 2]);
+    assert!(one.1 < 1e-8 && two.1 < 1e-14, "{one:?} {two:?}");
+}
+
 #[test]
 fn polishing_pays_or_ends() {
     let run = |polish| {

@@ -189,6 +189,8 @@ pub(crate) fn attempt(
             NewtonOptions {
                 relative_tolerance: LOOSE_TOLERANCE.max(input.newton.relative_tolerance),
                 polish: 0,
+                // A changed set shows in the residual, but only a solution tells what it leads to.
+                min_iterations: u32::from(look.changes > 0 && !input.step.rule.has_inertia()),
                 max_iterations: if early > 0 { 1 } else { input.newton.max_iterations },
                 ..input.newton
             }

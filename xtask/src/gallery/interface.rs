@@ -1,10 +1,13 @@
 //! Two surfaces that face each other, and the segments between them seen from above.
 
+use std::collections::BTreeSet;
+
 use stoss_contact::ContactSurface;
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{CheckExtent, SurfaceCoverage, segment_surfaces};
 use stoss_tensor::Vector3;
 
+use super::surface::boundary;
 use crate::plot::{self, Drawn, Labels, Series};
 use crate::vtu::Grid;
 use crate::workspace::Outcome;
@@ -24,7 +27,6 @@ impl Interface {
     /// Of a frame with two blocks one above the other: the bottom of the upper one is the slave, the top of the lower one the master.
     pub fn new(frame: &Grid) -> Outcome<Self> {
         let bodies = frame.cell_data.get("body").ok_or("no numbers of bodies in the frame")?;
-        let displacement = frame.point_data.get("displacement").ok_or("no displacement in the frame")?;
         let bounds = |body: f64| {
             let cells = frame.hexahedra.iter().zip(&bodies.values).filter(move |(_, b)| **b == body);
             let heights = cells.flat_map(|(cell, _)| cell.iter().map(|&node| frame.points[node][2]));
@@ -32,20 +34,54 @@ impl Interface {
         };
         let (first, second) = (bounds(0.0), bounds(1.0));
         let upper = if first.1 > second.1 { 0.0 } else { 1.0 };
-        let (bottom, top) = if upper == 0.0 { (first.0, second.1) } else { (second.0, first.1) };
-        let mut facets = [Vec::new(), Vec::new()];
-        for (cell, &body) in frame.hexahedra.iter().zip(&bodies.values) {
-            let (corners, level) = if body == upper { ([0, 3, 2, 1], bottom) } else { ([4, 5, 6, 7], top) };
-            let facet = corners.map(|k| cell[k]);
-            if facet.iter().all(|&node| frame.points[node][2] == level) {
-                facets[usize::from(body != upper)].push(facet.map(|node| node as u32));
-            }
-        }
+        // A facet of the bottom is on no top of another element, even if the bottom is curved.
+        let layer = |body: f64, corners: [usize; 4]| -> Vec<[usize; 4]> {
+            let cells = frame.hexahedra.iter().zip(&bodies.values).filter(|(_, b)| **b == body);
+            cells.map(|(cell, _)| corners.map(|k| cell[k])).collect()
+        };
+        let sorted = |mut facet: [usize; 4]| {
+            facet.sort_unstable();
+            facet
+        };
+        let free = |body: f64, corners: [usize; 4], opposite: [usize; 4]| -> Vec<[usize; 4]> {
+            let inside: BTreeSet<[usize; 4]> = layer(body, opposite).into_iter().map(sorted).collect();
+            layer(body, corners).into_iter().filter(|facet| !inside.contains(&sorted(*facet))).collect()
+        };
+        const BOTTOM: [usize; 4] = [0, 3, 2, 1];
+        const TOP: [usize; 4] = [4, 5, 6, 7];
+        Self::between(frame, &free(upper, BOTTOM, TOP), &free(1.0 - upper, TOP, BOTTOM))
+    }
+
+    /// Of a frame with a ball in a shell: the upper part of the second body's facets near the sphere about the origin is the slave, all of the first
+    /// body's the master.
+    pub fn on_sphere(frame: &Grid, radius: f64) -> Outcome<Self> {
+        /// Part of the radius that nodes may be off the sphere; part of it above which the slave's facets are.
+        const NEAR: f64 = 0.08;
+        const ABOVE: f64 = 0.35;
+        let bodies = frame.cell_data.get("body").ok_or("no numbers of bodies in the frame")?;
+        let height = |node: usize| frame.points[node][2];
+        let on = |facet: &[usize; 4]| {
+            let distance = |node: usize| frame.points[node].iter().map(|x| x * x).sum::<f64>().sqrt() - radius;
+            facet.iter().all(|&node| distance(node).abs() < NEAR * radius)
+        };
+        let of = |body: f64| -> Vec<[usize; 4]> {
+            let cells = frame.hexahedra.iter().zip(&bodies.values).filter(|(_, b)| **b == body);
+            let cells: Vec<[usize; 8]> = cells.map(|(cell, _)| *cell).collect();
+            boundary(&cells).into_iter().filter(on).collect()
+        };
+        let mut slave = of(1.0);
+        slave.retain(|facet| facet.iter().all(|&node| height(node) > ABOVE * radius));
+        Self::between(frame, &slave, &of(0.0))
+    }
+
+    /// In the frame's positions.
+    fn between(frame: &Grid, slave: &[[usize; 4]], master: &[[usize; 4]]) -> Outcome<Self> {
+        let displacement = frame.point_data.get("displacement").ok_or("no displacement in the frame")?;
         let reference: Vec<f64> = frame.points.iter().flatten().copied().collect();
         let q = reference.iter().zip(&displacement.values).map(|(x, u)| x + u).collect();
-        let [slave, master] = &facets;
-        let slave = ContactSurface::new("slave", slave, &reference)?;
-        Ok(Self { slave, master: ContactSurface::new("master", master, &reference)?, q })
+        let numbers = |facets: &[[usize; 4]]| facets.iter().map(|f| f.map(|node| node as u32)).collect::<Vec<_>>();
+        let slave = ContactSurface::new("slave", &numbers(slave), &reference)?;
+        Ok(Self { slave, master: ContactSurface::new("master", &numbers(master), &reference)?, q })
     }
 
     /// Whether the segments of every slave facet tile its overlap with the whole master.
@@ -152,5 +188,21 @@ mod tests {
             let drawn = segments("t", &interface).unwrap();
             assert!(drawn.contains("master facets") && !drawn.contains("NaN"));
         }
+    }
+
+    /// A cube with its corners on the sphere, and a block on its top.
+    #[test]
+    fn the_interface_on_a_sphere_is_the_part_above() {
+        let inner = CUBE.map(|x| x.map(|x| 2.0 * x - 1.0));
+        let outer = CUBE.map(|[x, y, z]| [2.0 * x - 1.0, 2.0 * y - 1.0, 1.0 + z]);
+        let points: Vec<[f64; 3]> = [inner, outer].into_iter().flatten().collect();
+        let cells = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13, 14, 15]];
+        let mut frame = vtu::parse(&vtu::tests::write(&points, &cells, &[0.0; 16], true)).unwrap();
+        frame.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0] });
+        frame.point_data.insert("displacement".into(), Array { components: 3, values: vec![0.0; 48] });
+        let interface = Interface::on_sphere(&frame, 3.0_f64.sqrt()).unwrap();
+        assert_eq!((interface.slave.facets().len(), interface.master.facets().len()), (1, 6));
+        let coverage = interface.coverage().unwrap();
+        assert!(coverage.faults.is_empty() && (coverage.covered - 4.0).abs() < 1e-14, "{coverage:?}");
     }
 }

@@ -113,7 +113,8 @@ pub fn interface(picture: &Picture, folder: &Path) -> Outcome<Option<String>> {
     let Some(time) = picture.segments else { return Ok(None) };
     let frames = vtu::collection(&read(&folder.join("frames.pvd"))?)?;
     let [(time, file)] = chosen(&frames, &[time])[..] else { return Ok(None) };
-    let found = Interface::new(&vtu::load(&folder.join(file))?)?;
+    let frame = vtu::load(&folder.join(file))?;
+    let found = picture.sphere.map_or_else(|| Interface::new(&frame), |radius| Interface::on_sphere(&frame, radius))?;
     segments(&format!("Segments from above, t = {time:.2}"), &found).map(Some)
 }
 

@@ -19,6 +19,8 @@ pub struct Picture {
     pub reaction: Option<&'static str>,
     /// Time at which the segments between the upper body's bottom and the lower body's top are drawn.
     pub segments: Option<f64>,
+    /// The segments are those on a sphere of this radius about the origin instead, the second body around the first one.
+    pub sphere: Option<f64>,
     /// Drawn into `docs/gallery` too; the scenes with the same data and another scheme, to compare the energies with.
     pub gallery: Option<&'static [&'static str]>,
 }
@@ -30,7 +32,17 @@ const FRONT: Camera = Camera { azimuth: -70.0, elevation: 22.0 };
 
 /// A picture of the report alone.
 const fn report(scene: &'static str, title: &'static str, times: &'static [f64]) -> Picture {
-    Picture { scene, field: STRESS, title, times, camera: FRONT, reaction: None, segments: None, gallery: None }
+    Picture {
+        scene,
+        field: STRESS,
+        title,
+        times,
+        camera: FRONT,
+        reaction: None,
+        segments: None,
+        sphere: None,
+        gallery: None,
+    }
 }
 
 /// The tori fly along x and z: seen along y. They meet at 2.5.
@@ -70,6 +82,12 @@ pub const PICTURES: &[Picture] = &[
     blocks("two-blocks-mortar", "Two blocks without friction"),
     blocks("two-blocks-mortar-02", "Two blocks, coefficient of friction 0.2"),
     blocks("two-blocks-mortar-08", "Two blocks, coefficient of friction 0.8"),
+    Picture {
+        reaction: Some("force"),
+        segments: Some(1.0),
+        ..report("rotating-indenter", "Rotating indenter", &[0.0, 1.0, 1.5, 2.0])
+    },
+    Picture { segments: Some(1.0), sphere: Some(0.75), ..report("tied-spheres", "Tied spherical shells", &[0.0, 1.0]) },
     Picture { segments: Some(1.0), ..report("patch-mortar", "Patch test with an overhang", &[0.0, 1.0]) },
 ];
 

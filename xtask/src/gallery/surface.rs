@@ -48,7 +48,7 @@ fn deformed(grid: &Grid, point: usize) -> [f64; 3] {
 }
 
 /// Faces that occur once.
-fn boundary(hexahedra: &[[usize; 8]]) -> Vec<[usize; 4]> {
+pub fn boundary(hexahedra: &[[usize; 8]]) -> Vec<[usize; 4]> {
     let faces: Vec<[usize; 4]> =
         hexahedra.iter().flat_map(|cell| FACES.map(|face| face.map(|corner| cell[corner]))).collect();
     let key = |face: &[usize; 4]| {

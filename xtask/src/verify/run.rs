@@ -10,6 +10,9 @@ use crate::table::Table;
 use crate::vtu::{self, Grid};
 use crate::workspace::{Outcome, read};
 
+/// Part of a facet's area that is round-off.
+const COVERAGE: f64 = 1e-12;
+
 /// A run.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -60,6 +63,16 @@ impl Run {
         let contact = self.table("contact.csv")?;
         let marks = closing_marks(&contact, &balance.step);
         marks.map_err(|error| self.complaint("contact.csv", &error))
+    }
+
+    /// Row of the invariant of mortar contact: what the program found in all steps.
+    pub fn coverage(&self) -> Outcome<Check> {
+        let contact = self.table("contact.csv")?;
+        let defects = contact.column("coverage_defect")?;
+        let worst = defects.iter().copied().reduce(|a, b| if a > b || a.is_nan() { a } else { b }).unwrap_or(0.0);
+        let note = format!("worst of {} steps", defects.len());
+        let quantity = "part of a slave facet without segment or with two";
+        Ok(Check::new(&self.name, quantity, worst, Bound::AtMost(COVERAGE)).noted(note))
     }
 
     /// A number of `summary.json`.
@@ -114,6 +127,19 @@ fn closing_marks(contact: &Table, steps: &[f64]) -> Result<Vec<bool>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_worst_coverage_of_all_steps_is_taken() {
+        let folder = std::env::temp_dir().join(format!("stoss-xtask-coverage-{}", std::process::id()));
+        let file = folder.join("contact.csv");
+        let ending = Ending { code: Some(0), seconds: 0.0 };
+        let run = Run { name: "coverage".into(), folder: folder.clone(), ending, until: None };
+        for (rows, holds) in [("1,1e-15\n2,0\n", true), ("1,1e-9\n2,0\n", false), ("1,NaN\n2,0\n", false)] {
+            crate::workspace::write(&file, &format!("step,coverage_defect\n{rows}")).unwrap();
+            assert_eq!(run.coverage().unwrap().holds(), holds, "{rows}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 
     #[test]
     fn closings_are_matched_by_step_number() {

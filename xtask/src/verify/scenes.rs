@@ -67,6 +67,9 @@ impl Suite for Scenes {
             if has_friction(&scene) {
                 quadratic::rows(&run, &mut findings)?;
             }
+            if has_mortar(&scene) {
+                findings.checks.push(run.coverage()?);
+            }
             bench.show(&run, &mut findings)?;
         }
         Ok(findings)
@@ -77,6 +80,12 @@ impl Suite for Scenes {
 fn has_friction(scene: &Table) -> bool {
     let contacts = scene.get("contact").and_then(Value::as_array);
     contacts.is_some_and(|list| list.iter().any(|contact| contact.get("friction").is_some()))
+}
+
+/// Whether there is a contact whose slave facets are cut into segments.
+fn has_mortar(scene: &Table) -> bool {
+    let contacts = scene.get("contact").and_then(Value::as_array);
+    contacts.is_some_and(|list| list.iter().any(|c| c.get("method").and_then(Value::as_str) == Some("mortar")))
 }
 
 /// Scenes of minutes or hours, which quick mode leaves out: the tori, the ball on a plane, the rotating indenter (suite `mortar` has a short form of it).

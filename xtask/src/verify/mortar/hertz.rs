@@ -226,6 +226,7 @@ impl Shown {
         row("step cuts", run.summary_number("cuts")?, Bound::Told);
         let fallbacks = run.summary()?["linear_solver_counts"]["pivoting_fallbacks"].as_f64().unwrap_or(f64::NAN);
         row("matrices without pivots inside the fronts", fallbacks, Bound::AtMost(0.0));
+        findings.checks.push(run.coverage()?);
         let mut cells = vec![run.name.clone(), number(force)];
         cells.extend(ratios.iter().map(|ratio| format!("{ratio:.4}")));
         self.rows.push(cells);

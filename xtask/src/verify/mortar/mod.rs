@@ -79,6 +79,7 @@ fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         findings.checks.push(row("energy change over the impact", change, Bound::Told));
     }
     findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Told));
+    findings.checks.push(run.coverage()?);
     bench.show(&run, findings)
 }
 

@@ -35,6 +35,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let steps = run.newton()?;
     findings.checks.push(row("iterations a step", newton::mean_iterations(&steps), Bound::AtMost(ITERATIONS)));
     findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Told));
+    findings.checks.push(run.coverage()?);
     let probes = run.table("probes.csv")?;
     let time = probes.column("time")?;
     let force = probes.vectors(["force.x", "force.y", "force.z"])?;
