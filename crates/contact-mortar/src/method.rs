@@ -44,6 +44,9 @@ pub struct MortarOptions {
 /// How deep a facet may be behind the master and still be opposite to it, in lengths of facets. What lies deeper is
 /// another part of the body.
 const DEPTH: f64 = 4.0;
+/// The same where integrals stay those of the start of the step: surfaces are not deep in each other there, and the far side of a thin or a hollow body
+/// is not opposite.
+const DEPTH_AT_START: f64 = 1.0;
 /// How much farther than the step's reach facets are looked for, in lengths of facets.
 const MARGIN: f64 = 2.0;
 /// A slave node of whose reference area less than this is covered hands its multiplier over to the other nodes of its facets (the functions
@@ -187,7 +190,8 @@ impl MortarContact {
 
     fn range_for(&self, reach: f64) -> GapRange {
         let h = self.slave.length_scale().max(self.master.length_scale());
-        GapRange { min: -DEPTH * h, max: reach + MARGIN * h }
+        let depth = if self.moves_integrals() { DEPTH } else { DEPTH_AT_START };
+        GapRange { min: -depth * h, max: reach + MARGIN * h }
     }
 
     /// The gap that a node keeps in the step, a length.

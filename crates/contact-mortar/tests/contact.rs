@@ -206,6 +206,24 @@ fn the_one_sided_constraint_keeps_penetrations_only() {
     assert!(gaps_from(-0.3, -0.28).iter().all(|g| (g - 0.02).abs() < 1e-2), "pushed out by 0.02");
 }
 
+/// Where integrals stay those of the start, what is more than a facet behind the master is not opposite: the far side of a hollow body.
+#[test]
+fn the_far_side_is_not_opposite() {
+    let mut method = method(options(false, true));
+    let mut covered = |rule, lift: f64| {
+        let mut q = base();
+        (0..SLAVE).for_each(|k| q[3 * k + 2] += lift);
+        method.set_rule(rule, 0.1);
+        method.begin_step(&q, 0.5).unwrap();
+        method.supports().into_iter().filter(|s| *s > 0.0).count()
+    };
+    for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
+        assert!(covered(rule, -0.4) > 0);
+        assert_eq!(covered(rule, -2.0), 0);
+    }
+    assert!(covered(ContactRule::EndPoint, -2.0) > 0, "iterates may be far inside");
+}
+
 /// The modified constraint refers to the gap at the start of the step.
 #[test]
 fn the_modified_constraint_keeps_the_gap() {
