@@ -119,7 +119,9 @@ mod tests {
     #[test]
     fn quadratic_iterations_are_found_out() {
         let exact = step(&[1e-1, 1e-2, 1e-4, 1e-8, 1e-16]);
-        assert_eq!((order(&exact), corrections(&exact)), (Order::Known(2.0), Some(2)));
+        assert!(matches!(order(&exact), Order::Known(o) if (o - 2.0).abs() < 1e-12), "{:?}", order(&exact));
+        // 1e-8 is the first one below, 1e-16 is round-off.
+        assert_eq!(corrections(&exact), Some(1));
         // At round-off after two corrections: the bound is enough.
         let short = step(&[1e-3, 1e-7, 3e-15]);
         assert!(matches!(order(&short), Order::Known(o) if o > 1.8));
