@@ -35,12 +35,13 @@ proptest! {
     #[test]
     fn tangents_of_fading_constraints_are_derivatives(
         d in warp(), e in warp(), p in pressures(), shift in 0.0f64..1.4, dual in any::<bool>(), averaged in any::<bool>(),
+        smoothing in prop::sample::select(vec![0.0, 0.3]),
     ) {
         let mut q_n = moved(&d);
         (0..SLAVE).for_each(|k| q_n[3 * k] += 0.8 * shift);
         let mut q: Vec<f64> = q_n.iter().zip(&e).map(|(x, e)| x + 0.3 * e).collect();
         (0..SLAVE).for_each(|k| q[3 * k] += 0.2 * shift);
-        let mut method = method(options(dual, averaged)).with_softening(20.0);
+        let mut method = method(options(dual, averaged)).with_softening(20.0).with_smoothing(smoothing);
         if let Some(error) = tangent_error(&mut method, ContactRule::EndPoint, &q_n, &q, &p) {
             prop_assert!(error < 1e-7, "dual {dual} averaged {averaged}: {error:e}");
         }
@@ -48,13 +49,15 @@ proptest! {
 
     /// Touching flat sheets under one pressure: the rows of all nodes that have carrying neighbours vanish, however little of them is covered.
     #[test]
-    fn fading_constraints_keep_constant_pressures(shift in 0.0f64..0.6, pressure in 0.1f64..9.0, dual in any::<bool>()) {
+    fn fading_constraints_keep_constant_pressures(
+        shift in 0.0f64..0.6, pressure in 0.1f64..9.0, dual in any::<bool>(), smoothing in 0.0f64..0.3,
+    ) {
         let mut q = base();
         for k in 0..SLAVE {
             q[3 * k] += shift;
             q[3 * k + 2] = 1.0;
         }
-        let mut method = method(options(dual, true)).with_softening(20.0);
+        let mut method = method(options(dual, true)).with_softening(20.0).with_smoothing(smoothing);
         method.set_rule(ContactRule::EndPoint, 0.1);
         method.begin_step(&q, 0.5).unwrap();
         let carries: Vec<bool> = (0..SLAVE).map(|k| method.supports()[k] >= 0.5 * method.slot_weight(k)).collect();

@@ -213,6 +213,10 @@ pub struct Contact {
     /// Normals of `mortar`; `averaged` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normals: Option<Normals>,
+    /// Pressures of `mortar` are drawn to the mean of their neighbours, in statics and with `backward-euler`: the gap of a node is this number times the
+    /// edge length times the difference over Young's modulus. 0 if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smoothing: Option<f64>,
     /// Friction; none if left out. With the standard constraint only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,

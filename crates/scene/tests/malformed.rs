@@ -202,6 +202,8 @@ const CASES: &[Case] = &[
         "contact[0].enforcement",
     ),
     dynamic("constraint = \"modified\"", "multipliers = \"dual\"", "dual", "contact[0].multipliers"),
+    dynamic("constraint = \"modified\"", "smoothing = 0.1", "0.1", "contact[0].smoothing"),
+    dynamic("method = \"nts\"", "method = \"mortar\"\nsmoothing = -1.0", "-1.0", "contact[0].smoothing"),
     dynamic("method = \"nts\"", "method = \"mortar\"\nmultipliers = \"single\"", "single", "contact[0].multipliers"),
     dynamic("method = \"nts\"", "method = \"mortar\"\nquadrature = 7", "quadrature", "contact[0].quadrature"),
     dynamic("method = \"nts\"", "method = \"mortar\"\nnormals = \"none\"", "none", "contact[0].normals"),

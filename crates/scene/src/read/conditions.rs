@@ -158,6 +158,10 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         mortar_only(n)?;
         n.choice(Normals::NAMES, Normals::from_name)
     });
+    let smoothing = table.optional("smoothing", |n| {
+        mortar_only(n)?;
+        n.not_negative()
+    });
     table.finish();
     let (slave, master) = (slave?, master?);
     if let (Some((s, _)), Some((m, _))) = (split_set(&slave), split_set(&master))
@@ -184,6 +188,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         multipliers: multipliers?,
         quadrature: quadrature?,
         normals: normals?,
+        smoothing: smoothing?,
         friction: friction?,
     })
 }

@@ -53,7 +53,16 @@ pub(super) fn contact(
         Ok(method) => {
             let mut method = method.with_crosspoints(|n| fixed.get(&n).is_some_and(|c| c.iter().all(|f| *f)));
             let complementarity = pair.prepare(&mut method, model, problems, warnings);
-            method = method.with_softening(complementarity);
+            let smoothing = item.smoothing.unwrap_or(0.0);
+            if smoothing > 0.0
+                && let Some(scheme) = scheme_with_constant_integrals(pair.scene)
+            {
+                let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
+                let key = format!("{}.smoothing", pair.key);
+                problems.add(key, smoothing.to_string(), message, "remove it, or use `backward-euler`");
+                return None;
+            }
+            method = method.with_softening(complementarity).with_smoothing(smoothing);
             let mut plan = None;
             if let Some(friction) = &item.friction {
                 let slip = match friction.slip() {
