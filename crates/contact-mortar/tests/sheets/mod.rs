@@ -98,6 +98,19 @@ pub fn kinds(method: &MortarContact) -> Vec<(u32, Provenance)> {
 /// Largest difference between tangent and central differences, relative to the largest entry; `None` if the segments
 /// change their kind within the differences.
 pub fn tangent_error(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Option<f64> {
+    // Beside a sliver third derivatives are large: an error of the difference falls with its step.
+    let error = tangent_error_with(2e-6, method, rule, q_n, q, p)?;
+    if error < 1e-7 { Some(error) } else { tangent_error_with(2.5e-7, method, rule, q_n, q, p) }
+}
+
+fn tangent_error_with(
+    h: f64,
+    method: &mut MortarContact,
+    rule: ContactRule,
+    q_n: &[f64],
+    q: &[f64],
+    p: &[f64],
+) -> Option<f64> {
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
     method.set_rule(rule, 0.1);
     method.begin_step(q_n, 0.1).unwrap();
@@ -108,7 +121,6 @@ pub fn tangent_error(method: &mut MortarContact, rule: ContactRule, q_n: &[f64],
     };
     let (exact, kind) = at(q, p);
     let size = exact.tangent.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
-    let h = 2e-6;
     let mut worst = 0.0_f64;
     for column in 0..ALL {
         let mut ends = [1.0, -1.0].map(|sign| {
