@@ -33,7 +33,7 @@ impl Suite for WorkPrecision {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        for case in springs::cases()?.into_iter().chain(solids::cases(bench.quick)?) {
+        for case in springs::cases(bench.quick)?.into_iter().chain(solids::cases(bench.quick)?) {
             report(&case, &mut findings);
         }
         Ok(findings)

@@ -8,8 +8,9 @@ use stoss_model_problems::{Effort, ModelError, SpringPendulum, simulate};
 /// End of the runs.
 const END: f64 = 0.1;
 
-/// Runs of a scheme, each with twice the steps of the one before.
+/// Runs of a scheme, each with twice the steps of the one before. Schemes of second order are in their asymptotic range after eight of them.
 const LEVELS: u32 = 11;
+const QUICK_LEVELS: u32 = 8;
 
 /// Steps of the reference.
 const REFERENCE_STEPS: u64 = 100_000;
@@ -25,14 +26,14 @@ fn end_position(problem: &SpringPendulum, scheme: &dyn Scheme, steps: u64) -> Re
 }
 
 /// Soft and stiff spring, all schemes.
-pub fn cases() -> Outcome<Vec<Case>> {
+pub fn cases(quick: bool) -> Outcome<Vec<Case>> {
     [("soft spring", SpringPendulum::soft(), Some("6.5")), ("stiff spring", SpringPendulum::stiff(), None)]
         .into_iter()
-        .map(|(name, problem, figure)| case(name, &problem, figure))
+        .map(|(name, problem, figure)| case(name, &problem, figure, quick))
         .collect()
 }
 
-fn case(name: &str, problem: &SpringPendulum, figure: Option<&str>) -> Outcome<Case> {
+fn case(name: &str, problem: &SpringPendulum, figure: Option<&str>, quick: bool) -> Outcome<Case> {
     // Extrapolated from two runs of the midpoint rule; the difference to the extrapolation of coarser ones is its error.
     let midpoint = scheme("midpoint")?;
     let run = |steps| end_position(problem, midpoint.as_ref(), steps).map(|(q, _)| q);
@@ -49,7 +50,8 @@ fn case(name: &str, problem: &SpringPendulum, figure: Option<&str>) -> Outcome<C
         let order = scheme.claims().order;
         // Checked where the asymptotic range is reached, which takes the finest levels for schemes of first order.
         curve.checked_order = soft.then_some(f64::from(order));
-        for level in 0..LEVELS {
+        let levels = if quick && order > 1 { QUICK_LEVELS } else { LEVELS };
+        for level in 0..levels {
             let steps = 10u64 << level;
             let dt = END / steps as f64;
             match timed(|| end_position(problem, scheme.as_ref(), steps)) {
