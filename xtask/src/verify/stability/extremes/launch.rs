@@ -13,7 +13,7 @@ use crate::workspace::{Outcome, read, write};
 pub const FOLDER: &str = "extremes";
 
 /// Far more than any of these scenes needs.
-const LIMIT: Duration = Duration::from_secs(30);
+const LIMIT: Duration = Duration::from_secs(120);
 
 /// Time between two looks at a running program.
 const PAUSE: Duration = Duration::from_millis(2);
