@@ -80,12 +80,13 @@ impl PointIteration {
     /// the solution is a stick between them, on a branch as short as its stiffness is large. Such a point is linearised once as if it stuck; the next
     /// iterate tells whether it does. That is the rule of the primal-dual active set, for friction.
     ///
-    /// So is a point that has no traction yet because it has no pressure, at the first iterate of a step: that it slides says nothing. With the tangent
-    /// of the sliding branch a coefficient far above 1 would send it back with a multiple of the pressure, the other way.
+    /// So is a point that has no traction yet because it has no pressure, at the first iterate of a step, if its coefficient is above 1: that it slides
+    /// says nothing, and the tangent of the sliding branch would send it back the other way with a multiple of the pressure.
     pub fn follow(&mut self, step: &FrictionStep) {
         let now = step.returned;
         let against = self.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
-        let is_unknown = !self.looked && now == [0.0; 2];
+        let coefficient = step.d_pressure[0].hypot(step.d_pressure[1]);
+        let is_unknown = !self.looked && now == [0.0; 2] && coefficient > 1.0;
         self.looked = true;
         self.reversed = !step.sticks && (against || is_unknown);
         self.sliding = (!step.sticks && !against).then_some(now);
