@@ -86,7 +86,7 @@ fn smooth(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     }
     let end = if bench.quick { 2.0 } else { 20.0 };
     let deep = variant(&scene, end, Some(0.9), None)?;
-    let run = bench.run_variant("ironing-mortar-deep", &deep)?;
+    let run = bench.run_variant("ironing-mortar-deeper", &deep)?;
     let found = ironing(&run, findings, FACET, Bound::Told)?;
     keep(&mut lines, &mut rows, "20 x 5 x 3, depth 0.9", found);
     findings.sections.push(section("Ironing without friction", &lines, rows));
