@@ -319,7 +319,7 @@ fn newton_is_quadratic() {
 fn newton_is_quadratic_with(stick: &str) {
     let friction = format!(r#"{{ law = "coulomb", mu = 0.5, {stick} }}"#);
     let mut s = impact("energy-momentum", 0.1, 6.0, &friction);
-    let (mut steps, mut most) = (0, 0);
+    let (mut orders, mut steps, mut most) = (Vec::new(), 0, 0);
     while !s.finished() {
         let record = s.advance().unwrap();
         let residuals: Vec<f64> = record.newton.iter().map(|row| row.residual).collect();
@@ -330,10 +330,44 @@ fn newton_is_quadratic_with(stick: &str) {
             let between = residuals[last..].iter().filter(|r| (1e-11..1e-4).contains(*r)).count();
             most = most.max(between);
             steps += 1;
+            for r in residuals.windows(3) {
+                if r[0] < 1e-1 && r[1] < r[0] && r[2] < r[1] && r[1] > 1e-11 {
+                    let order = (r[2] / r[1]).ln() / (r[1] / r[0]).ln();
+                    // With round-off in the last place it is a lower bound, which says something if it is large enough.
+                    if r[2] > 1e-11 || order > 1.7 {
+                        orders.push(order);
+                    }
+                }
+            }
         }
     }
-    println!("{stick}: {steps} steps, at most {most} residuals between 1e-4 and 1e-11");
+    orders.sort_by(f64::total_cmp);
+    println!("{stick}: orders {orders:?}, {steps} steps, at most {most} residuals between 1e-4 and 1e-11");
+    assert!(orders.len() > 3 && orders[orders.len() / 2] > 1.7, "{orders:?}");
     assert!(steps > 10 && most <= 2, "{most} of {steps}");
+}
+
+/// Multipliers with a coefficient far beyond real ones, and in steps far below what the impact needs: no step is cut, energy does not rise, dissipation
+/// does not fall.
+#[test]
+fn exact_stick_in_extreme_impacts() {
+    for (scheme, step, end, mu) in [
+        ("energy-momentum", 0.1, 20.0, 10.0),
+        ("backward-euler", 0.02, 20.0, 10.0),
+        ("energy-momentum", 0.001, 2.7, 0.5),
+        ("backward-euler", 0.001, 2.7, 0.5),
+    ] {
+        let mut s = impact(scheme, step, end, &format!(r#"{{ law = "coulomb", mu = {mu:?} }}"#));
+        let rows = run(&mut s);
+        let scale = mechanical(&rows[0].0);
+        for pair in rows.windows(2) {
+            let ((a, ..), (b, ..)) = (&pair[0], &pair[1]);
+            assert!(b.dissipation - a.dissipation >= -1e-12 * scale, "{scheme} {step} {mu}: dissipation falls");
+            assert!(mechanical(b) - mechanical(a) <= 1e-12 * scale, "{scheme} {step} {mu}: energy rises");
+        }
+        assert!(rows.iter().any(|row| row.1 > 0), "{scheme} {step} {mu}: they touch");
+        assert_eq!(cuts(&s), 0, "{scheme} {step} {mu}");
+    }
 }
 
 #[test]

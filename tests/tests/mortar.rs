@@ -175,3 +175,26 @@ fn ironing_converges_quadratically() {
         assert!(f64::from(iterations) < 7.0 * steps as f64);
     }
 }
+
+/// Constraints that keep what a gap was at the start of a step need integrals that stay in it.
+#[test]
+fn kept_gaps_with_integrals_that_move_are_refused() {
+    let text = scene_file("two-blocks-mortar.toml");
+    let start = text.find("scheme = \"").unwrap() + "scheme = \"".len();
+    let scheme = &text[start..start + text[start..].find('"').unwrap()];
+    let (before, after) = text.split_once("method = \"mortar\"\n").unwrap();
+    let after = after.lines().filter(|line| !line.starts_with("constraint")).collect::<Vec<_>>().join("\n");
+    for (with, refused) in [(scheme, false), ("backward-euler", true)] {
+        for constraint in ["modified", "one-sided"] {
+            let text =
+                format!("{before}method = \"mortar\"\nconstraint = \"{constraint}\"\n{after}").replace(scheme, with);
+            let scene = stoss::scene::parse(&text, "test.toml").unwrap();
+            let built = stoss::build::build(&scene, std::path::Path::new("."));
+            assert_eq!(built.is_err(), refused, "{with} {constraint}");
+            if let Err(error) = built {
+                let error = error.to_string();
+                assert!(error.contains("contact[0].constraint") && error.contains(constraint), "{error}");
+            }
+        }
+    }
+}

@@ -24,6 +24,8 @@ kind = "quasi-static"
 [time]
 end = {end:?}
 step = {step:?}
+[solver]
+relative_tolerance = 1e-12
 [[body]]
 name = "lower"
 mesh = {{ generator = "block", min = [0, 0, 0], max = [3, 1, 1], divisions = [6, 2, 1] }}
@@ -104,11 +106,12 @@ fn full_slip_has_the_coefficient() {
 #[test]
 fn exact_stick_does_no_work() {
     for (upper_is_slave, stick, bound, work) in [
-        // (With the lower block as slave the rounds do not settle at its nodes that are covered in part only, and steps are cut.)
-        (true, "stick = \"augmented\"", 1e-10, 1e-7),
+        // The tolerance of Newton's method, 1e-12, twenty times over.
+        (true, "stick = \"augmented\"", 2e-11, 1e-7),
+        (false, "stick = \"augmented\"", 1e-9, 1e-7),
         // Lower slave: nodes that are covered in part only magnify what the iteration leaves.
         // Nodes that supports hold too, front and back, yield by 1e-8 of what springs would.
-        (true, "stick = \"multiplier\"", 1e-10, 1e-11),
+        (true, "stick = \"multiplier\"", 2e-11, 1e-11),
         (false, "stick = \"multiplier\"", 1e-9, 1e-10),
     ] {
         let path = "[[0.0, 0.0], [1.0, 0.0], [1.5, 2e-4], [2.5, -2e-4], [3.0, 0.0]]";
@@ -117,12 +120,12 @@ fn exact_stick_does_no_work() {
         let (mut largest, mut dissipated, mut stored, mut laid_down) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0);
         while !s.finished() {
             let record = s.advance().unwrap();
-            if record.step == 10 {
-                pressed = s.state().q.clone();
+            if record.time < 1.0 + 1e-9 {
+                pressed.clone_from(&s.state().q);
             }
             let balance = record.balance;
             stored = stored.max(balance.contact / balance.external_work);
-            if record.step <= 10 {
+            if record.time < 1.0 + 1e-9 {
                 // Edges that are laid down slip until they carry.
                 laid_down = balance.dissipation;
                 assert!(laid_down < 1e-3 * balance.external_work, "{balance:?}");

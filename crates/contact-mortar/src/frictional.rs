@@ -5,7 +5,7 @@ use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
 use stoss_contact::friction::{
-    Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, STICK_COMPLIANCE, Stick,
+    Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, Stick, stick_compliances,
 };
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
@@ -70,14 +70,12 @@ impl MortarContact {
         Ok(self)
     }
 
-    /// Lets the multipliers of the friction yield by [`STICK_COMPLIANCE`] at slave nodes of which `is_held` says that supports or other contacts
+    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] at slave nodes of which `is_held` says that supports or other contacts
     /// may determine their motion; to be called after [`Self::with_friction`].
     #[must_use]
     pub fn with_compliant_stick(mut self, is_held: impl Fn(u32) -> bool) -> Self {
         if let Some(surface) = &mut self.friction {
-            for (compliance, &node) in surface.compliance.iter_mut().zip(self.slave.nodes()) {
-                *compliance = if is_held(node) { STICK_COMPLIANCE } else { 0.0 };
-            }
+            surface.compliance = stick_compliances(self.slave.nodes(), is_held);
         }
         self
     }

@@ -68,7 +68,8 @@ impl Blend {
 impl MortarContact {
     /// The same contact with a compliance for slave nodes of which less than half is covered, where integrals move with the iterate
     /// (backward Euler, statics). `stiffness` is a traction per length, Young's modulus over an edge length, say; it decides on how a node fades
-    /// when its support does, not on the rest. One that is not positive and finite is as none. Without it such nodes hand their multiplier over below a twentieth, all at once.
+    /// when its support does, not on the rest. One that is not positive and finite is as none. Without it such nodes hand their
+    /// multiplier over below a twentieth, all at once.
     #[must_use]
     pub fn with_softening(mut self, stiffness: f64) -> Self {
         let valid = stiffness > 0.0 && stiffness.is_finite();

@@ -234,6 +234,21 @@ fn the_line_search_globalises() {
     assert!(problem().run(&NewtonOptions::default()).is_err());
 }
 
+/// A step that multiplies a tiny residual is refused, unless the residual counts as more than it is.
+#[test]
+fn a_small_residual_may_grow() {
+    // A slope a thousand times too small: one step is a thousand times too long.
+    let run = |small| {
+        let first = std::cell::Cell::new(true);
+        let slope = move |_: f64| if first.replace(false) { 1e-3 } else { 1.0 };
+        let mut p = Scalar::new(|x| x - 1.0, slope, 1.0 + 1e-4);
+        let search = LineSearch::Backtracking { max_growth: 10.0, small, reduction: 0.5, max_reductions: 2 };
+        p.run(&NewtonOptions { line_search: search, ..NewtonOptions::default() }).map(|report| report.iteration_count())
+    };
+    assert!(run(0.0).is_err());
+    assert_eq!(run(0.1).unwrap(), 2);
+}
+
 #[test]
 fn no_acceptable_length_is_named() {
     // The slope has the wrong sign: every step makes it worse.

@@ -237,6 +237,18 @@ const CASES: &[Case] = &[
     ),
     dynamic(
         "constraint = \"modified\"",
+        "friction = { law = \"coulomb\", mu = 0.3, stick = \"multiplier\", penalty = 1e4 }",
+        "friction",
+        "contact[0].friction.penalty",
+    ),
+    dynamic(
+        "constraint = \"modified\"",
+        "friction = { law = \"coulomb\", mu = 0.3, midpoint = \"b\" }",
+        "friction",
+        "contact[0].friction.midpoint",
+    ),
+    dynamic(
+        "constraint = \"modified\"",
         "friction = { law = \"coulomb\", mu = 0.3, stick = \"glue\" }",
         "friction",
         "contact[0].friction.stick",

@@ -141,3 +141,73 @@ impl PointIteration {
         Augmentation::Take
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::friction::{Coulomb, FrictionPoint, MidpointFriction, Stick};
+    use std::sync::Arc;
+
+    fn friction(mu: f64) -> Friction {
+        Friction::new(Arc::new(Coulomb::new(mu).unwrap()), 10.0, Stick::Multiplier, MidpointFriction::C).unwrap()
+    }
+
+    fn point(pressure: f64, slip: f64) -> FrictionPoint {
+        FrictionPoint { history: [0.0; 2], slip: [slip, 0.0], pressure, step_size: 0.1, slid: 0.0, stiffening: 1.0 }
+    }
+
+    #[test]
+    fn a_point_without_pressure_begins_stuck_if_its_coefficient_is_above_one() {
+        for (mu, begins_stuck) in [(0.5, false), (10.0, true)] {
+            let (friction, mut iteration) = (friction(mu), PointIteration::default());
+            iteration.follow(&friction.step(false, &point(1e-300, 1.0)));
+            assert!(!iteration.is_reversed(), "it has a traction");
+            let mut iteration = PointIteration::default();
+            let bare = FrictionStep { d_pressure: [mu, 0.0], ..FrictionStep::default() };
+            iteration.follow(&bare);
+            assert_eq!(iteration.is_reversed(), begins_stuck, "mu = {mu}");
+            iteration.follow(&bare);
+            assert!(!iteration.is_reversed(), "only at the first iterate");
+        }
+    }
+
+    #[test]
+    fn a_reversal_is_linearised_as_stick_once() {
+        let (friction, mut iteration) = (friction(0.5), PointIteration::default());
+        let slide = |slip: f64| friction.step(false, &point(2.0, slip));
+        iteration.follow(&slide(1.0));
+        assert!(!iteration.is_reversed());
+        iteration.follow(&slide(-1.0));
+        assert!(iteration.is_reversed());
+        iteration.follow(&slide(-1.0));
+        assert!(!iteration.is_reversed());
+    }
+
+    #[test]
+    fn what_has_not_settled_after_the_last_round_is_an_error_unless_close() {
+        assert_eq!(PointIteration::decide(false, 3, 3).unwrap(), 3);
+        assert_eq!(PointIteration::decide(true, 3, 0).unwrap(), 0);
+        let error = PointIteration::decide(true, 3, 2).unwrap_err();
+        assert_eq!(error, ContactError::Augmentation { what: "friction", unsettled: 2, rounds: MAX_AUGMENTATIONS });
+        let at =
+            |slip: f64| ConvergedPoint { multiplier: [0.0; 2], slip: [slip, 0.0], pressure: 1.0, edge: 2.0, far: 0.0 };
+        let stuck = FrictionStep { sticks: true, ..FrictionStep::default() };
+        assert!(PointIteration::is_close(&stuck, &at(1.9e-8)) && !PointIteration::is_close(&stuck, &at(2.1e-8)));
+        // A traction that works against the slip never is.
+        let backward = FrictionStep { work: -1e-9, ..FrictionStep::default() };
+        assert!(!PointIteration::is_close(&backward, &at(0.0)));
+    }
+
+    #[test]
+    fn multipliers_are_weighed_with_the_inertia_of_the_step() {
+        let mut exact = friction(0.5).with_inertia(3.0);
+        exact.begin(0.1);
+        assert!((exact.stiffness() - 310.0).abs() < 1e-9 && exact.share(0.0) == 1.0);
+        assert!((exact.share(1e-3) - (1.0 - 31e-3)).abs() < 1e-12);
+        assert!((exact.stored_by(1e-3, [3.0, 4.0]) - 0.5e-3 * 25.0 / 10.0).abs() < 1e-15);
+        let law = Arc::new(Coulomb::new(0.5).unwrap());
+        let mut spring = Friction::new(law, 10.0, Stick::Penalty, MidpointFriction::C).unwrap().with_inertia(3.0);
+        spring.begin(0.1);
+        assert!(spring.stiffness() == 10.0 && spring.stored_by(1e-3, [3.0, 4.0]) == 0.0);
+    }
+}

@@ -23,7 +23,7 @@ pub use iteration::{Augmentation, ConvergedPoint, MAX_AUGMENTATIONS, PointIterat
 pub use law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
 pub use regularised::Regularised;
 pub use static_dynamic::StaticDynamic;
-pub use step::{Friction, FrictionPoint, FrictionStep, MidpointFriction, STICK_COMPLIANCE, Stick};
+pub use step::{Friction, FrictionPoint, FrictionStep, MidpointFriction, STICK_COMPLIANCE, Stick, stick_compliances};
 
 use crate::ContactError;
 

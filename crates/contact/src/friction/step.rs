@@ -42,6 +42,11 @@ pub enum Stick {
 /// the rest; slips of such nodes are a hundred-millionth of those of springs.
 pub const STICK_COMPLIANCE: f64 = 1.0e-8;
 
+/// Compliances of the stick of slave nodes, for [`Friction::share`] and [`Friction::stored_by`]: [`STICK_COMPLIANCE`] where `is_held`, else none.
+pub fn stick_compliances(nodes: &[u32], is_held: impl Fn(u32) -> bool) -> Vec<f64> {
+    nodes.iter().map(|&node| if is_held(node) { STICK_COMPLIANCE } else { 0.0 }).collect()
+}
+
 /// A law with all that its time stepping needs.
 #[derive(Clone, Debug)]
 pub struct Friction {

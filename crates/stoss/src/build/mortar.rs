@@ -41,6 +41,12 @@ pub(super) fn contact(
             Constraint::OneSided => WeightedConstraint::OneSided,
         },
     };
+    if options.constraint != WeightedConstraint::Standard && scheme_with_constant_integrals(pair.scene).is_none() {
+        let message = "needs integrals that stay in the step; in statics and with this scheme they move";
+        let remedy = "use `standard`, or `energy-momentum` or `midpoint`";
+        problems.add(format!("{}.constraint", pair.key), item.constraint.name(), message, remedy);
+        return None;
+    }
     let [slave, master] = pair.facets;
     let mut fixed: BTreeMap<u32, [bool; 3]> = BTreeMap::new();
     for prescription in &model.prescriptions {
