@@ -4,9 +4,7 @@ use crate::method::{MortarContact, WeightedConstraint};
 use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
-use stoss_contact::friction::{
-    Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, Stick, stick_compliances,
-};
+use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, PointIteration, Stick, stick_compliances};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
@@ -70,8 +68,8 @@ impl MortarContact {
         Ok(self)
     }
 
-    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] at slave nodes of which `is_held` says that supports or other contacts
-    /// may determine their motion; to be called after [`Self::with_friction`].
+    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] at slave nodes of which `is_held` says that
+    /// supports or other contacts may determine their motion; to be called after [`Self::with_friction`].
     #[must_use]
     pub fn with_compliant_stick(mut self, is_held: impl Fn(u32) -> bool) -> Self {
         if let Some(surface) = &mut self.friction {
@@ -204,16 +202,10 @@ impl MortarContact {
         pressures: &[f64],
         active: &[bool],
     ) -> Result<usize, ContactError> {
-        let is_last = match &mut self.friction {
-            Some(surface) if surface.friction.stick() == Stick::Augmented => {
-                surface.rounds += 1;
-                surface.rounds > MAX_AUGMENTATIONS
-            }
-            _ => return Ok(0),
-        };
+        let begin = |surface: &mut SurfaceFriction| AugmentationRound::begin(&surface.friction, &mut surface.rounds);
+        let Some(mut round) = self.friction.as_mut().and_then(begin) else { return Ok(0) };
         let edge = self.slave.length_scale();
         let mut work = Scratch::default();
-        let (mut unsettled, mut far_off) = (0, 0);
         for slot in (0..active.len()).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
             let far = at(q_np1, self.slave.nodes()[slot]).norm();
@@ -221,15 +213,10 @@ impl MortarContact {
             let point = &mut surface.points[slot];
             let converged =
                 ConvergedPoint { multiplier: point.start, slip: state.slip, pressure: pressures[slot], edge, far };
-            match point.iteration.augment(&surface.friction, &state.step, &converged) {
-                Augmentation::Settled => continue,
-                Augmentation::Take => point.start = state.step.end,
-                Augmentation::Reset => point.start = [0.0; 2],
-            }
-            unsettled += 1;
-            far_off += usize::from(!PointIteration::is_close(&state.step, &converged));
+            let (iteration, start) = (&mut point.iteration, &mut point.start);
+            round.visit(iteration, &surface.friction, &state.step, &converged, state.step.end, start);
         }
-        PointIteration::decide(is_last, unsettled, far_off)
+        round.finish()
     }
 
     pub(crate) fn friction_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> ContactWork {

@@ -6,9 +6,7 @@ use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, Surfac
 use crate::kinematics::{Gap, LOCAL, Local, points};
 use crate::method::{ConstraintForm, NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
-use stoss_contact::friction::{
-    Augmentation, ConvergedPoint, Friction, MAX_AUGMENTATIONS, PointIteration, Stick, stick_compliances,
-};
+use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid.
@@ -40,8 +38,8 @@ impl NodeToSurface {
         Ok(self)
     }
 
-    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] at slave nodes of which `is_held` says that supports or other contacts
-    /// may determine their motion; to be called after [`Self::with_friction`].
+    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] at slave nodes of which `is_held` says that
+    /// supports or other contacts may determine their motion; to be called after [`Self::with_friction`].
     #[must_use]
     pub fn with_compliant_stick(mut self, is_held: impl Fn(u32) -> bool) -> Self {
         if let Some(surface) = &mut self.friction {
@@ -257,14 +255,8 @@ impl NodeToSurface {
         pressures: &[f64],
         active: &[bool],
     ) -> Result<usize, ContactError> {
-        let is_last = match &mut self.friction {
-            Some(surface) if surface.friction.stick() == Stick::Augmented => {
-                surface.rounds += 1;
-                surface.rounds > MAX_AUGMENTATIONS
-            }
-            _ => return Ok(0),
-        };
-        let (mut unsettled, mut far_off) = (0, 0);
+        let begin = |surface: &mut SurfaceFriction| AugmentationRound::begin(&surface.friction, &mut surface.rounds);
+        let Some(mut round) = self.friction.as_mut().and_then(begin) else { return Ok(0) };
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
             let at = ConvergedPoint {
@@ -276,15 +268,10 @@ impl NodeToSurface {
             };
             let Some(surface) = &mut self.friction else { continue };
             let point = &mut surface.points[slot];
-            match point.iteration.augment(&surface.friction, &state.step, &at) {
-                Augmentation::Settled => continue,
-                Augmentation::Take => point.start = state.carried,
-                Augmentation::Reset => point.start = [0.0; 2],
-            }
-            unsettled += 1;
-            far_off += usize::from(!PointIteration::is_close(&state.step, &at));
+            let (iteration, start) = (&mut point.iteration, &mut point.start);
+            round.visit(iteration, &surface.friction, &state.step, &at, state.carried, start);
         }
-        PointIteration::decide(is_last, unsettled, far_off)
+        round.finish()
     }
 
     pub(crate) fn friction_work(

@@ -1,10 +1,10 @@
 //! What the iterations of a step know of one point with friction: where it slid at the last iterate, how its multiplier settles.
 
 use super::law::Plane;
-use super::step::{Friction, FrictionStep};
+use super::step::{Friction, FrictionStep, Stick};
 use crate::ContactError;
 
-/// Rounds of augmentation in one step. What has not settled then is taken if [`PointIteration::is_close`], else the step has failed.
+/// Rounds of augmentation in one step. What has not settled then is taken if it is close, else the step has failed.
 pub const MAX_AUGMENTATIONS: u32 = 16;
 /// A sticking point that moves by less than this times an edge may be left, and one that slides whose multiplier changes relatively by less than the
 /// root of it.
@@ -22,7 +22,7 @@ const ROUND_OFF: f64 = 1.0e-10;
 
 /// What becomes of the multiplier of a point after a converged iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Augmentation {
+enum Augmentation {
     /// It has settled.
     Settled,
     /// The traction at the end of the step is the new multiplier.
@@ -31,7 +31,7 @@ pub enum Augmentation {
     Reset,
 }
 
-/// A converged iterate of a point, for [`PointIteration::augment`].
+/// A converged iterate of a point, for [`AugmentationRound::visit`].
 #[derive(Clone, Copy, Debug)]
 pub struct ConvergedPoint {
     /// Multiplier that the step was solved with, in the frame of `FrictionStep::end`, a traction.
@@ -93,7 +93,7 @@ impl PointIteration {
     }
 
     /// Whether a multiplier that has not settled after all rounds may be left as it is.
-    pub fn is_close(step: &FrictionStep, at: &ConvergedPoint) -> bool {
+    fn is_close(step: &FrictionStep, at: &ConvergedPoint) -> bool {
         let norm = |v: Plane| v[0].hypot(v[1]);
         if step.sticks {
             return norm(at.slip) <= CLOSE * at.edge;
@@ -102,23 +102,8 @@ impl PointIteration {
         step.work >= 0.0 && change <= CLOSE.sqrt() * norm(step.end)
     }
 
-    /// What a round of augmentation of a surface comes to: how many multipliers have not settled, none after the last round if all are close.
-    ///
-    /// # Errors
-    /// [`ContactError::Augmentation`] if some are far off after the last round.
-    pub fn decide(is_last: bool, unsettled: usize, far_off: usize) -> Result<usize, ContactError> {
-        match is_last {
-            false => Ok(unsettled),
-            true if far_off == 0 => Ok(0),
-            true => {
-                let (what, rounds) = ("friction", MAX_AUGMENTATIONS);
-                Err(ContactError::Augmentation { what, unsettled: far_off, rounds })
-            }
-        }
-    }
-
     /// Decides on the multiplier after a converged iteration (augmented Lagrangian), and on the stiffness of the next one.
-    pub fn augment(&mut self, friction: &Friction, step: &FrictionStep, at: &ConvergedPoint) -> Augmentation {
+    fn augment(&mut self, friction: &Friction, step: &FrictionStep, at: &ConvergedPoint) -> Augmentation {
         let norm = |v: Plane| v[0].hypot(v[1]);
         let round_off = 4.0 * f64::EPSILON * at.far.max(at.edge);
         if !step.sticks {
@@ -142,10 +127,62 @@ impl PointIteration {
     }
 }
 
+/// One round of augmentation of the points of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AugmentationRound {
+    is_last: bool,
+    unsettled: usize,
+    far_off: usize,
+}
+
+impl AugmentationRound {
+    /// Counts a round; `None` if nothing is augmented.
+    pub fn begin(friction: &Friction, rounds: &mut u32) -> Option<Self> {
+        (friction.stick() == Stick::Augmented).then(|| {
+            *rounds += 1;
+            Self { is_last: *rounds > MAX_AUGMENTATIONS, unsettled: 0, far_off: 0 }
+        })
+    }
+
+    /// Gives a point the multiplier of the next round: `carried`, the traction at the end of the step in the frame of `start`, or none.
+    pub fn visit(
+        &mut self,
+        iteration: &mut PointIteration,
+        friction: &Friction,
+        step: &FrictionStep,
+        at: &ConvergedPoint,
+        carried: Plane,
+        start: &mut Plane,
+    ) {
+        match iteration.augment(friction, step, at) {
+            Augmentation::Settled => return,
+            Augmentation::Take => *start = carried,
+            Augmentation::Reset => *start = [0.0; 2],
+        }
+        self.unsettled += 1;
+        self.far_off += usize::from(!PointIteration::is_close(step, at));
+    }
+
+    /// How many multipliers have not settled; none after the last round if all are close.
+    ///
+    /// # Errors
+    /// [`ContactError::Augmentation`] if some are far off after the last round.
+    pub fn finish(self) -> Result<usize, ContactError> {
+        match self.is_last {
+            false => Ok(self.unsettled),
+            true if self.far_off == 0 => Ok(0),
+            true => {
+                let (what, rounds) = ("friction", MAX_AUGMENTATIONS);
+                Err(ContactError::Augmentation { what, unsettled: self.far_off, rounds })
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::{Coulomb, FrictionPoint, MidpointFriction, Stick};
+    use crate::friction::{Coulomb, FrictionPoint, MidpointFriction};
     use std::sync::Arc;
 
     fn friction(mu: f64) -> Friction {
@@ -185,9 +222,10 @@ mod tests {
 
     #[test]
     fn what_has_not_settled_after_the_last_round_is_an_error_unless_close() {
-        assert_eq!(PointIteration::decide(false, 3, 3).unwrap(), 3);
-        assert_eq!(PointIteration::decide(true, 3, 0).unwrap(), 0);
-        let error = PointIteration::decide(true, 3, 2).unwrap_err();
+        let round = |is_last, far_off| AugmentationRound { is_last, unsettled: 3, far_off };
+        assert_eq!(round(false, 3).finish().unwrap(), 3);
+        assert_eq!(round(true, 0).finish().unwrap(), 0);
+        let error = round(true, 2).finish().unwrap_err();
         assert_eq!(error, ContactError::Augmentation { what: "friction", unsettled: 2, rounds: MAX_AUGMENTATIONS });
         let at =
             |slip: f64| ConvergedPoint { multiplier: [0.0; 2], slip: [slip, 0.0], pressure: 1.0, edge: 2.0, far: 0.0 };
