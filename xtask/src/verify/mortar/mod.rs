@@ -1,6 +1,7 @@
 //! What the mortar method promises beyond the patch test: transfer of fields, momenta, an impact, ironing, a rotating indenter, Hertz, ties.
 
 mod cantilever;
+mod deep;
 mod fields;
 mod hertz;
 mod ironing;
@@ -13,7 +14,7 @@ use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 
-/// Fields, momenta, impact, ironing, rotating indenter, Hertz, tied cantilever.
+/// Fields, momenta, impact, ironing, deep ironing in few steps, rotating indenter, Hertz, tied cantilever.
 pub struct Mortar;
 
 const MOMENTUM: f64 = 1e-11;
@@ -26,7 +27,7 @@ impl Suite for Mortar {
     }
 
     fn about(&self) -> &'static str {
-        "Transfer of fields between surfaces, resultants of the contact forces, impact of two blocks, ironing, a rotating indenter, Hertz, order of a tied cantilever."
+        "Transfer of fields between surfaces, resultants of the contact forces, impact of two blocks, ironing, deep ironing in few steps, a rotating indenter, Hertz, order of a tied cantilever."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
@@ -36,6 +37,7 @@ impl Suite for Mortar {
         impact(bench, &mut findings)?;
         cantilever::measure(bench, &mut findings)?;
         ironing::measure(bench, &mut findings)?;
+        deep::measure(bench, &mut findings)?;
         rotating::measure(bench, &mut findings)?;
         hertz::measure(bench, &mut findings)?;
         Ok(findings)

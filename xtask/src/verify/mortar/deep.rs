@@ -1,0 +1,149 @@
+//! Deep ironing with friction in few large steps, either side as the slave, on three meshes of the slab: effort, and the force along over that across.
+
+use toml::{Table, Value};
+
+use super::super::check::{Bound, Check, number};
+use super::super::report::{Grid, Section};
+use super::super::{Bench, Findings, Run};
+use crate::workspace::Outcome;
+
+/// Meshes of the slab.
+const SLABS: [[i64; 3]; 3] = [[20, 5, 3], [27, 12, 6], [36, 16, 8]];
+/// When full slip has been reached.
+const STEADY: f64 = 14.0;
+/// Iterations a step, for the block as the slave.
+const ITERATIONS: f64 = 5.0;
+/// Change of the ratio from the second to the third mesh, relative.
+const CONVERGED: f64 = 0.005;
+/// Compliance of the pressures where the slab's nodes wrap round the rim of the block.
+const SMOOTHING: f64 = 0.1;
+
+/// The block as the slave, the slab as the slave before the block's lower face, and before its sides as well.
+pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
+    if bench.quick {
+        return Ok(());
+    }
+    let mut rows = Vec::new();
+    let mut ratios = Vec::new();
+    let block = bench.scene("ironing-mortar-deep-block")?;
+    for slab in SLABS {
+        let run = bench.run_variant(&format!("deep-block-{}", slab[0]), &on_slab(&block, slab)?)?;
+        findings.checks.push(run.completed(0));
+        if let Some(ratio) =
+            judge(&run, "block", slab, Bound::AtMost(0.0), Bound::AtMost(ITERATIONS), findings, &mut rows)?
+        {
+            ratios.push(ratio);
+        }
+    }
+    if let [_, second, third] = ratios[..] {
+        let quantity = "Fx over Fz: change from the second mesh to the third";
+        let change = (third / second - 1.0).abs();
+        findings.checks.push(Check::new("deep-block-36", quantity, change, Bound::AtMost(CONVERGED)));
+    }
+    let deep = bench.scene("ironing-mortar-deep")?;
+    let run = bench.run_variant("deep-slab-20", &on_slab(&deep, SLABS[0])?)?;
+    findings.checks.push(run.completed(0));
+    judge(&run, "slab", SLABS[0], Bound::AtMost(0.0), Bound::AtMost(super::ITERATIONS), findings, &mut rows)?;
+    // A third mesh takes minutes.
+    for slab in [SLABS[0], SLABS[1]] {
+        let scene = before_sides(&on_slab(&deep, slab)?)?;
+        let run = bench.run_variant(&format!("deep-slab-sides-{}", slab[0]), &scene)?;
+        findings.checks.push(run.completed(0));
+        judge(&run, "slab, sides are master too", slab, Bound::Told, Bound::Told, findings, &mut rows)?;
+    }
+    let head = [
+        "slave",
+        "slab",
+        "steps",
+        "cuts",
+        "iterations a step",
+        "CPU seconds",
+        "Fx over Fz",
+        "largest distance from it",
+    ];
+    findings.sections.push(Section {
+        title: "Deep ironing with friction, 7 steps down and 15 along".into(),
+        figures: Vec::new(),
+        tables: vec![Grid {
+            caption: format!("Depth 0.7, coefficient 0.5; mean of the ratio from t = {STEADY}"),
+            head: head.map(str::to_owned).to_vec(),
+            rows,
+        }],
+    });
+    Ok(())
+}
+
+/// Checks and the table's row of a run; the mean ratio of the forces.
+fn judge(
+    run: &Run,
+    slave: &str,
+    slab: [i64; 3],
+    cuts: Bound,
+    iterations: Bound,
+    findings: &mut Findings,
+    rows: &mut Vec<Vec<String>>,
+) -> Outcome<Option<f64>> {
+    if !run.succeeded() {
+        return Ok(None);
+    }
+    let [steps, cut, mean, cpu] = [
+        run.summary_number("steps")?,
+        run.summary_number("cuts")?,
+        run.summary_number("mean_iterations")?,
+        run.summary_number("cpu_seconds")?,
+    ];
+    let probes = run.table("probes.csv")?;
+    let columns = [probes.column("time")?, probes.column("indenter.x")?, probes.column("indenter.z")?];
+    let ratio: Vec<f64> = (0..columns[0].len())
+        .filter(|&k| columns[0][k] >= STEADY)
+        .map(|k| (columns[1][k] / columns[2][k]).abs())
+        .collect();
+    let average = ratio.iter().sum::<f64>() / ratio.len() as f64;
+    let apart = ratio.iter().map(|r| (r - average).abs()).fold(0.0, f64::max);
+    let row =
+        |quantity: &str, value: f64, bound: Bound| Check::new(&run.name, quantity, value, bound).noted(run.note());
+    findings.checks.push(row("step cuts", cut, cuts));
+    findings.checks.push(row("iterations a step", mean, iterations));
+    findings.checks.push(
+        row("Fx over Fz", average, Bound::Told)
+            .noted(format!("mean from t = {STEADY}; at most {} from it", number(apart))),
+    );
+    findings.checks.push(run.coverage()?);
+    rows.push(vec![
+        slave.to_owned(),
+        slab.map(|n| n.to_string()).join(" x "),
+        number(steps),
+        number(cut),
+        number(mean),
+        number(cpu),
+        number(average),
+        number(apart),
+    ]);
+    Ok(Some(average))
+}
+
+fn entry<'a>(scene: &'a mut Table, list: &str, index: usize) -> Outcome<&'a mut Table> {
+    let item = scene.get_mut(list).and_then(Value::as_array_mut).and_then(|items| items.get_mut(index));
+    Ok(item.and_then(Value::as_table_mut).ok_or_else(|| format!("{list}[{index}] is not as the suite knows it"))?)
+}
+
+fn on_slab(scene: &Table, slab: [i64; 3]) -> Outcome<Table> {
+    let mut scene = scene.clone();
+    scene.remove("expect");
+    let mesh = entry(&mut scene, "body", 1)?.get_mut("mesh").and_then(Value::as_table_mut);
+    mesh.ok_or("the slab has no mesh")?.insert("divisions".into(), slab.to_vec().into());
+    Ok(scene)
+}
+
+/// The lower face of the block and its sides as one master surface.
+fn before_sides(scene: &Table) -> Outcome<Table> {
+    let mut scene = scene.clone();
+    let set: Table = "name = \"indenter.shoe\"\nbody = \"indenter\"\n\
+                      box = { min = [-inf, -inf, 2.9], max = [inf, inf, 3.76] }"
+        .parse()?;
+    scene.insert("set".into(), Value::Array(vec![Value::Table(set)]));
+    let contact = entry(&mut scene, "contact", 0)?;
+    contact.insert("master".into(), "indenter.shoe".into());
+    contact.insert("smoothing".into(), SMOOTHING.into());
+    Ok(scene)
+}
