@@ -58,15 +58,8 @@ fn elements(criterion: &mut Criterion) {
     let middle: [f64; SEVEN] = std::array::from_fn(|k| 0.5 * (q_n[k] + slides[k]));
     let (end, mid) = (gap(&local(&slides, &END)), gap(&local(&middle, &START)));
     assert!(end.outside() < 0.0 && mid.outside() < 0.0, "the feet lie on their facets");
-    let crossing = Crossing {
-        q_n: &q_n,
-        q_np1: &slides,
-        gap_n: gap_n.gap,
-        end: (&end, &END),
-        mid: (&mid, &START),
-        length: 2.0,
-        exact_work: true,
-    };
+    let crossing =
+        Crossing { q_n: &q_n, q_np1: &slides, gap_n: gap_n.gap, end: (&end, &END), mid: (&mid, &START), length: 2.0 };
     let (mut gradient, mut tangent) = ([0.0; SEVEN], [0.0; SEVEN * SEVEN]);
     criterion.bench_function("crossing, 7 nodes", |bencher| {
         bencher.iter(|| black_box(&crossing).evaluate(black_box(&mut gradient), &mut []));

@@ -10,6 +10,9 @@
 //! denominator and `G . dq = g_np1 - g_n`, with each gap on its own facet; both terms are gradients of invariants at the midpoint, so
 //! that linear and angular momentum are exact. `theta w` tilts the normal in the direction of the slip by the secant slope of the
 //! surface between the two points, and vanishes where the two facets are coplanar. Our extension: the thesis keeps the facet.
+//!
+//! The midpoint rule takes the same element. Without `theta` a node that runs from a floor on a wall would be lifted by a pressure along the floor's
+//! normal, with work that nobody does.
 
 use crate::kinematics::{Gap, LOCAL};
 
@@ -34,8 +37,6 @@ pub struct Crossing<'a> {
     pub mid: (&'a Gap, &'a [usize; 4]),
     /// A typical master edge.
     pub length: f64,
-    /// Whether the work is made exact (energy-momentum); otherwise `theta = 0` (midpoint rule).
-    pub exact_work: bool,
 }
 
 /// Local node of each of the five nodes of a facet's [`Gap`].
@@ -70,9 +71,6 @@ impl Crossing<'_> {
                     tangent[component(&mid_nodes, i) * n + component(&mid_nodes, j)] += 0.5 * hessian[i][j];
                 }
             }
-        }
-        if !self.exact_work {
-            return;
         }
         // Squared distances: change, gradient at the midpoint (2 r on the slave, -2 r on the master) and at the end.
         let mut change = [0.0; MAX_NODES];

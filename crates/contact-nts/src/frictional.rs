@@ -107,8 +107,10 @@ impl NodeToSurface {
             Some(mid) => (mid, &element.mid),
             None => (end, &element.end),
         };
+        // Over an edge the feet lie on facets that are inclined to each other: only what the traction works on is a slip there.
         let slip = match step.rule {
             ContactRule::EnergyMomentum => Slip::Work(&placed.increment[..n]),
+            ContactRule::Midpoint if pairing.start != pairing.end => Slip::Work(&placed.increment[..n]),
             _ => Slip::Feet(end, &element.end),
         };
         Ok(Some(evaluate(&FrictionElement {

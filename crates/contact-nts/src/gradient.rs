@@ -112,7 +112,6 @@ impl NodeToSurface {
             end: (end, &element.end),
             mid: (&mid, &element.mid),
             length: self.length,
-            exact_work: step.rule == ContactRule::EnergyMomentum,
         }
         .evaluate(&mut work.gradient[..n], &mut work.tangent);
         Ok(())

@@ -10,7 +10,7 @@ use crate::slot::{ElementNodes, Pairing, Slot};
 use nalgebra::Vector3;
 use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, LocalContribution,
-    MasterSearch, SearchOptions, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
+    MasterPoint, MasterSearch, SearchOptions, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
 use stoss_geometry::BilinearPatch;
 
@@ -108,15 +108,26 @@ impl NodeToSurface {
     }
 
     /// What the gap of a node that is not active may fall to before it counts as closed: a node that was released while it kept a negative gap
-    /// must not be caught by that.
+    /// must not be caught by that, in this step or later.
     fn allowance(&self, slot: usize) -> f64 {
         let slot = &self.slots[slot];
         if slot.committed.is_none() {
-            return 0.0;
+            return slot.kept;
         }
         // The penetration of a spring is no gap that is kept.
         let is_spring = matches!(self.normal.enforcement, Enforcement::Penalty(_));
         if is_spring { slot.kept.min(0.0) } else { slot.origin_gap.min(0.0) }
+    }
+
+    /// Gap to the surface; of a node behind it the gap to the extension of its facet, which is what the constraint keeps if it closes. In a valley the two
+    /// differ: there the surface ends where the extension goes on.
+    fn gap_to_keep(&self, slot: usize, point: &MasterPoint, q: &[f64]) -> f64 {
+        match point.pairing {
+            Some(pairing) if point.gap < 0.0 => {
+                self.gap(slot, pairing.facet, q).map_or(point.gap, |extended| extended.gap.clamp(point.gap, 0.0))
+            }
+            _ => point.gap,
+        }
     }
 
     /// True if a node behind the surface came there from the side or from behind: without a partner at `n` it was not in front of this
@@ -217,7 +228,8 @@ impl ContactMethod for NodeToSurface {
                 }
                 None => {
                     let point = closest();
-                    Slot::open(point.pairing.map(|p| p.facet), point.gap, state.strayed)
+                    let kept = if state.kept < 0.0 { self.gap_to_keep(slot, &point, q_n).min(0.0) } else { 0.0 };
+                    Slot::open(point.pairing.map(|p| p.facet), point.gap, kept, state.strayed)
                 }
             };
         }
@@ -372,7 +384,12 @@ impl ContactMethod for NodeToSurface {
                 None => {
                     let point = self.closest(&view, slot, q_np1);
                     let behind = point.gap < 0.0 && point.pairing.is_some_and(|p| self.came_from_behind(slot, p.facet));
-                    if behind { f64::INFINITY } else { point.gap - self.allowance(slot) }
+                    let allowance = self.allowance(slot);
+                    match behind {
+                        true => f64::INFINITY,
+                        false if allowance < 0.0 => self.gap_to_keep(slot, &point, q_np1) - allowance,
+                        false => point.gap,
+                    }
                 }
             };
             if !active[slot] && out[slot] >= 0.0 && self.pieces(slot, q_np1).is_some() {
@@ -436,20 +453,28 @@ impl ContactMethod for NodeToSurface {
         self.commit_friction(q_np1, pressures, active);
         self.normal.commit(pressures, active);
         let view = self.search.at(q_np1);
-        let strayed: Vec<bool> = (0..self.slots.len())
+        let behind: Vec<(bool, f64)> = (0..self.slots.len())
             .map(|slot| {
                 let state = &self.slots[slot];
                 // Most nodes are in front, or far away: nothing to look for.
-                let may_stray = !active[slot] && (state.origin.is_none() || state.strayed);
-                let point = may_stray.then(|| self.closest(&view, slot, q_np1));
-                point.is_some_and(|point| {
-                    point.gap < 0.0 && point.pairing.is_some_and(|p| self.came_from_behind(slot, p.facet))
-                })
+                let may_stray = state.origin.is_none() || state.strayed;
+                let was_kept = state.committed.is_some() || state.kept < 0.0;
+                if active[slot] || !(may_stray || was_kept) {
+                    return (false, 0.0);
+                }
+                let point = self.closest(&view, slot, q_np1);
+                match point.pairing {
+                    Some(pairing) if point.gap < 0.0 => {
+                        let strayed = may_stray && self.came_from_behind(slot, pairing.facet);
+                        (strayed, if was_kept { self.gap_to_keep(slot, &point, q_np1) } else { 0.0 })
+                    }
+                    _ => (false, 0.0),
+                }
             })
             .collect();
-        for ((slot, &active), strayed) in self.slots.iter_mut().zip(active).zip(strayed) {
+        for ((slot, &active), (strayed, left_behind)) in self.slots.iter_mut().zip(active).zip(behind) {
             slot.committed = slot.pairing.filter(|_| active).map(|p| p.end);
-            slot.kept = if slot.committed.is_some() { slot.reference } else { 0.0 };
+            slot.kept = if slot.committed.is_some() { slot.reference } else { left_behind };
             slot.strayed = strayed;
         }
     }

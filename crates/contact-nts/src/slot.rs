@@ -33,7 +33,8 @@ impl Pairing {
 pub(crate) struct Slot {
     /// Facet that the node was in contact with at the end of the last accepted step.
     pub committed: Option<u32>,
-    /// Gap that the constraint keeps if the facet stays.
+    /// Gap that the constraint keeps if the facet stays. Of an open node: the negative gap with which it was left behind the surface when it was
+    /// released, until it has been in front; 0 otherwise. If such a node closes again it keeps what gap it has.
     pub kept: f64,
     /// Gap that it should keep: 0 for the standard form, the gap at `n` for the modified one. `kept` differs from it by the
     /// steps between the extended facets over which the node has slid slowly.
@@ -75,9 +76,9 @@ impl Slot {
         returns: 0,
     };
 
-    /// A node that is open at the start of a step.
-    pub fn open(origin: Option<u32>, origin_gap: f64, strayed: bool) -> Self {
-        Self { origin, origin_gap, strayed, ..Self::FREE }
+    /// A node that is open at the start of a step; `kept` is negative if it was left behind the surface.
+    pub fn open(origin: Option<u32>, origin_gap: f64, kept: f64, strayed: bool) -> Self {
+        Self { origin, origin_gap, kept, strayed, ..Self::FREE }
     }
 
     /// A node in contact at the start of a step: on `facet`, with the gap `gap_n` there.

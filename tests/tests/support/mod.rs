@@ -11,6 +11,7 @@ pub fn simulation_in(text: &str, folder: &Path) -> Simulation {
 }
 
 /// The simulation of a scene without mesh files.
+#[allow(dead_code, reason = "each test binary uses a part")]
 pub fn simulation(text: &str) -> Simulation {
     simulation_in(text, Path::new("."))
 }
