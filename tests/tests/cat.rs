@@ -7,6 +7,9 @@ use support::{drift, simulation, two_blocks};
 
 const FRICTION: &str = r#"friction = { law = "coulomb", mu = 0.5, penalty = 1e4 }"#;
 
+/// The default: exact stick.
+const EXACT: &str = r#"friction = { law = "coulomb", mu = 0.5 }"#;
+
 /// Formulation §13.2 (thesis, table 6.2); `contact`: the keys of the contact after its surfaces.
 fn impact(scheme: &str, step: f64, end: f64, contact: &str) -> Simulation {
     simulation(&two_blocks(scheme, step, end, [0.0; 3], contact))
@@ -107,7 +110,7 @@ fn assert_quadratic(name: &str, run: &Run) {
 #[test]
 fn all_sizes_of_the_system_have_the_same_solution() {
     for (scheme, step, end) in [("backward-euler", 0.02, 6.0), ("midpoint", 0.2, 20.0), ("midpoint", 0.05, 6.0)] {
-        for friction in [FRICTION, ""] {
+        for friction in [FRICTION, EXACT, ""] {
             let at = |options: &str| {
                 let found = run(impact(scheme, step, end, &cat(options, friction)));
                 assert_quadratic(&format!("{scheme} {options}"), &found);
@@ -142,30 +145,37 @@ fn only_the_full_reduction_has_the_size_of_the_direct_form() {
 /// The upper block travels about 2 until t = 20.
 #[test]
 fn it_agrees_with_the_direct_form() {
-    let direct = format!("method = \"nts\"\n{FRICTION}");
     for (scheme, step, end, friction, tolerance) in [
         // The equations are the same at the end point.
-        ("backward-euler", 0.005, 6.0, true, 1e-8),
-        ("backward-euler", 0.02, 6.0, false, 1e-8),
+        ("backward-euler", 0.005, 6.0, FRICTION, 1e-8),
+        ("backward-euler", 0.005, 6.0, EXACT, 1e-8),
+        ("backward-euler", 0.02, 6.0, "", 1e-8),
         // At the midpoint the foot is not that of the mean coordinates: of second order in the step.
-        ("midpoint", 0.02, 6.0, true, 1e-4),
-        ("midpoint", 0.02, 6.0, false, 1e-4),
+        ("midpoint", 0.02, 6.0, FRICTION, 1e-4),
+        ("midpoint", 0.02, 6.0, EXACT, 1e-4),
+        ("midpoint", 0.02, 6.0, "", 1e-4),
     ] {
-        let (a, b) = if friction { (direct.as_str(), FRICTION) } else { ("method = \"nts\"", "") };
-        let far = distance(&run(impact(scheme, step, end, a)), &run(impact(scheme, step, end, &cat("", b))));
-        assert!(far < tolerance, "{scheme}: {far:e}");
+        let direct = format!("method = \"nts\"\n{friction}");
+        let far =
+            distance(&run(impact(scheme, step, end, &direct)), &run(impact(scheme, step, end, &cat("", friction))));
+        assert!(far < tolerance, "{scheme} {friction}: {far:e}");
     }
 }
 
 #[test]
 fn momenta_are_constant() {
     for options in ["reduction = \"none\"", "", "drop_gap_term = true"] {
-        for scheme in ["midpoint", "energy-momentum"] {
-            let found = run(impact(scheme, 0.2, 20.0, &cat(options, FRICTION)));
+        for (scheme, friction) in ["midpoint", "energy-momentum"].iter().flat_map(|s| [(s, FRICTION), (s, EXACT)]) {
+            let found = run(impact(scheme, 0.2, 20.0, &cat(options, friction)));
             let [linear, angular] = found.drifts();
             assert!(linear < 1e-11 && angular < 1e-11, "{scheme} {options}: {linear:e} {angular:e}");
             let dissipation: Vec<f64> = found.records.iter().map(|r| r.balance.dissipation).collect();
-            assert!(dissipation.windows(2).all(|d| d[1] >= d[0] - 1e-12) && dissipation[dissipation.len() - 1] > 0.0);
+            let last = dissipation[dissipation.len() - 1];
+            let least = if friction == EXACT { 0.0 } else { -1e-15 * last };
+            assert!(
+                dissipation.windows(2).all(|d| d[1] - d[0] >= least) && last > 0.0,
+                "{scheme} {options} {friction}"
+            );
         }
         let found = run(impact("backward-euler", 0.02, 6.0, &cat(options, FRICTION)));
         assert!(found.drifts()[0] < 1e-11, "{:e}", found.drifts()[0]);
@@ -187,26 +197,29 @@ fn the_dropped_term_matters_at_the_midpoint_only() {
 /// Over the edges of many facets; at the end point every step is that of the direct form.
 #[test]
 fn it_slides_over_edges() {
-    let friction = r#"friction = { law = "coulomb", mu = 0.2, penalty = 1e4 }"#;
-    let direct = run(slide("backward-euler", 0.02, &format!("method = \"nts\"\n{friction}")));
     let decisions = |run: &Run| run.records.iter().map(|r| r.decisions.len()).sum::<usize>();
-    for reduction in ["none", "first", "second"] {
-        let options = format!("reduction = \"{reduction}\"");
-        let found = run(slide("backward-euler", 0.02, &cat(&options, friction)));
-        assert_quadratic(&format!("slide {reduction}"), &found);
-        assert!(distance(&direct, &found) < 1e-8, "{reduction}: {:e}", distance(&direct, &found));
-        assert_eq!(decisions(&found), 0);
+    for friction in
+        [r#"friction = { law = "coulomb", mu = 0.2, penalty = 1e4 }"#, r#"friction = { law = "coulomb", mu = 0.2 }"#]
+    {
+        let direct = run(slide("backward-euler", 0.02, &format!("method = \"nts\"\n{friction}")));
+        for reduction in ["none", "first", "second"] {
+            let options = format!("reduction = \"{reduction}\"");
+            let found = run(slide("backward-euler", 0.02, &cat(&options, friction)));
+            assert_quadratic(&format!("slide {reduction}"), &found);
+            assert!(distance(&direct, &found) < 1e-8, "{reduction}: {:e}", distance(&direct, &found));
+            assert_eq!(decisions(&found), 0);
+        }
+        let [a, b, c] = ["none", "first", "second"]
+            .map(|reduction| run(slide("midpoint", 0.01, &cat(&format!("reduction = \"{reduction}\""), friction))));
+        assert!(distance(&a, &b) < 1e-8 && distance(&a, &c) < 1e-8, "{friction}");
     }
-    let [a, b, c] = ["none", "first", "second"]
-        .map(|reduction| run(slide("midpoint", 0.01, &cat(&format!("reduction = \"{reduction}\""), friction))));
-    assert!(distance(&a, &b) < 1e-8 && distance(&a, &c) < 1e-8);
 }
 
 /// Kinetic, strain and spring energy are constant before and after the impact and never rise in it; the solids have their conserving stress.
 #[test]
 fn energies_of_the_impact() {
-    for step in [0.02, 0.2] {
-        let found = run(impact("energy-momentum", step, 20.0, &cat("", FRICTION)));
+    for (step, friction) in [(0.02, FRICTION), (0.2, FRICTION), (0.02, EXACT), (0.2, EXACT)] {
+        let found = run(impact("energy-momentum", step, 20.0, &cat("", friction)));
         let energy: Vec<f64> =
             found.records.iter().map(|r| r.balance.kinetic + r.balance.strain + r.balance.contact).collect();
         let active: Vec<usize> =
@@ -223,24 +236,30 @@ fn energies_of_the_impact() {
             gain = gain.max(change);
         }
         // Where the foot moves on a warped facet the work of the midpoint rule is not exact.
-        assert!(gain < 1e-9, "{step}: {gain:e}");
+        assert!(gain < 1e-9, "{step} {friction}: {gain:e}");
         assert!(energy[last] < energy[0]);
     }
 }
 
-/// At the large step of the thesis both forms are off the fine solution, as nodes close and open at other times, but hardly off each other.
+/// At the large step of the thesis both forms follow the fine solution; they are hardly off each other.
 #[test]
-fn at_large_steps_it_follows_the_direct_form() {
-    let direct = format!("method = \"nts\"\n{FRICTION}");
-    let end = |step: f64, contact: &str| run(impact("midpoint", step, 6.0, contact)).q.pop().unwrap();
-    let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    let (fine, coarse) = (end(0.005, &cat("", FRICTION)), end(0.2, &cat("", FRICTION)));
-    let off_coarse = far(&coarse, &end(0.2, &direct));
-    let off_resolved = far(&end(0.02, &cat("", FRICTION)), &end(0.02, &direct));
-    let error = far(&coarse, &fine);
-    // Travelled by then: 0.6. Still smaller steps resolve the rattling of the nodes, which amplifies the round-off between the forms.
-    assert!(error < 0.15 && off_coarse < 1e-6, "{error:e} {off_coarse:e}");
-    assert!(off_resolved < 1e-7, "{off_resolved:e}");
+fn at_large_steps_it_follows_the_fine_solution_and_the_direct_form() {
+    // Travelled by then.
+    const WAY: f64 = 0.6;
+    for (friction, bound, apart) in [(FRICTION, 0.25, 1e-7), (EXACT, 0.03, 5e-6)] {
+        let direct = format!("method = \"nts\"\n{friction}");
+        let augmented = cat("", friction);
+        let end = |step: f64, contact: &str| run(impact("midpoint", step, 6.0, contact)).q.pop().unwrap();
+        let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let (fine, coarse) = (end(0.005, &augmented), end(0.2, &augmented));
+        let off_coarse = far(&coarse, &end(0.2, &direct));
+        let off_resolved = far(&end(0.02, &augmented), &end(0.02, &direct));
+        let error = far(&coarse, &fine) / WAY;
+        println!("{friction}: {error:e} of the way, forms apart by {off_coarse:e}, resolved {off_resolved:e}");
+        // Still smaller steps resolve the rattling of the nodes, which amplifies the round-off between the forms.
+        assert!(error < bound && off_coarse < 1e-6, "{friction}: {error:e} {off_coarse:e}");
+        assert!(off_resolved < apart, "{friction}: {off_resolved:e}");
+    }
 }
 
 /// In statics as at the end point.

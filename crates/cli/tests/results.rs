@@ -252,6 +252,53 @@ fn the_plan_and_the_summary_show_contact_with_its_friction() {
 }
 
 #[test]
+fn work_and_stored_energy_of_friction_are_listed_on_their_own() {
+    for (friction, springs) in [("penalty = 1e3", true), ("stick = \"multiplier\"", false)] {
+        let contact = format!("method = \"nts\"\nfriction = {{ law = \"coulomb\", mu = 0.3, {friction} }}");
+        let moving =
+            [("method = \"nts\"", contact.as_str()), ("velocity = [0.0, 0.0, -1.0]", "velocity = [0.5, 0.0, -1.0]")];
+        let folder = folder_with(&changed(&moving));
+        run(folder.path(), "whole", &["--quiet"]);
+        run(folder.path(), "parts", &["--quiet", "--until", "0.03"]);
+        run(folder.path(), "parts", &["--quiet", "--resume"]);
+        let read = |out: &str| std::fs::read_to_string(folder.path().join(out).join("balance.csv")).unwrap();
+        let text = read("whole");
+        assert_eq!(text, read("parts"), "the same bits after resuming");
+        let head: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+        assert_eq!(head[head.len() - 3..], ["total", "friction_work", "friction_stored"]);
+        let column = |name: &str| -> Vec<f64> {
+            let at = head.iter().position(|head| *head == name).unwrap();
+            text.lines().skip(1).map(|row| row.split(',').nth(at).unwrap().parse().unwrap()).collect()
+        };
+        let (work, stored, dissipated) = (column("friction_work"), column("friction_stored"), column("dissipation"));
+        let most = work.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+        assert!(most > 0.0, "they slide on each other: {work:?}");
+        for ((w, s), d) in work.iter().zip(&stored).zip(&dissipated) {
+            assert!((w - s - d).abs() < 1e-10 * most, "{friction}: {w:e} {s:e} {d:e}");
+        }
+        assert_eq!(stored.iter().any(|s| *s > 0.0), springs, "{friction}");
+    }
+}
+
+#[test]
+fn springs_that_make_too_little_friction_are_noticed() {
+    let warned = |friction: &str, scheme: &str| {
+        let contact = format!("method = \"nts\"\nfriction = {{ law = \"coulomb\", mu = 0.3{friction} }}");
+        let folder = folder_with(&changed(&[("method = \"nts\"", &contact), ("scheme = \"energy-momentum\"", scheme)]));
+        let plan = stoss(folder.path(), &["check", "scene.toml"]);
+        assert_eq!(plan.status.code(), Some(0), "{}", stderr(&plan));
+        String::from_utf8_lossy(&plan.stdout).contains("warning: contact[0].friction: springs")
+    };
+    let [conserving, midpoint, dissipative] =
+        ["energy-momentum", "midpoint", "backward-euler"].map(|name| format!("scheme = \"{name}\""));
+    assert!(warned(", penalty = 1e4", &conserving) && warned(", stick = \"penalty\"", &midpoint));
+    assert!(warned(", penalty = 1e4, midpoint = \"c\"", &conserving));
+    assert!(!warned("", &conserving) && !warned(", penalty = 1e4", &dissipative));
+    assert!(!warned(", penalty = 1e4, midpoint = \"b\"", &conserving));
+    assert!(!warned(", penalty = 1e4, stick = \"augmented\"", &conserving));
+}
+
+#[test]
 fn bodies_in_the_same_place_are_noticed() {
     let folder = folder_with(SCENE);
     let plan = stoss(folder.path(), &["check", "scene.toml"]);

@@ -224,8 +224,10 @@ impl MortarContact {
         let Some(surface) = &self.friction else { return total };
         let mut work = Scratch::default();
         for (slot, point) in surface.points.iter().enumerate() {
-            let held = |traction| surface.friction.stored_by(surface.compliance[slot], traction);
-            let before = point.support * (surface.friction.stored(point.committed) + held(point.committed));
+            let compliance = surface.compliance[slot];
+            let energy =
+                |traction| surface.friction.stored(traction) + surface.friction.stored_by(compliance, traction);
+            let before = point.support * energy(point.committed);
             let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot], &mut work) } else { None };
             let Some(FrictionState { step, .. }) = state else {
                 // What a released spring held is lost.
@@ -233,11 +235,17 @@ impl MortarContact {
                 continue;
             };
             let (support, at_n) = (self.slots()[slot].support, surface.start[slot].support);
-            // Multipliers of an augmented Lagrangian store nothing.
-            let started = surface.friction.stored(point.start) + held(point.start);
-            let stored = step.stored + held(step.end);
-            total.stored += support * stored;
-            total.dissipated += support * (step.work + started - stored) + (before - at_n * started);
+            // Of an area that was uncovered; `begin_friction` sees to it that nothing is gained.
+            let uncovered = (before - at_n * energy(point.start)).max(0.0);
+            // Of the compliance of multipliers, whose spring is loaded by backward Euler.
+            let yielding = surface.friction.stored_by(compliance, point.multiplier);
+            let stored = support * energy(step.end);
+            total += ContactWork {
+                stored,
+                dissipated: support * (step.dissipated + yielding) + uncovered,
+                friction_stored: stored,
+                friction_work: support * step.work,
+            };
         }
         total
     }

@@ -145,7 +145,8 @@ impl NodeFriction<'_> {
         }
         let Self { history, multiplier, pressure, step_size, slid, stiffening, .. } = *self;
         let trial = [0, 1].map(|i| history[i] + self.friction.share(self.compliance) * multiplier[i]);
-        let point = FrictionPoint { history: trial, slip: node.slip, pressure, step_size, slid, stiffening };
+        let yielded = [0, 1].map(|i| (history[i] + multiplier[i] - trial[i]) / self.friction.stiffness());
+        let point = FrictionPoint { history: trial, slip: node.slip, pressure, step_size, slid, stiffening, yielded };
         let done = self.friction.step(at_end, &point);
         let branch = self.reversed.then(|| {
             let branch = self.friction.sticking_step(at_end, &point);

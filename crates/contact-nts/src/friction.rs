@@ -226,10 +226,12 @@ impl FrictionElement<'_> {
         Arguments(tangents, old, slip.into())
     }
 
-    fn point(&self, history: [f64; 2], slip: [f64; 2]) -> FrictionPoint {
-        let PointHistory { slid, iteration, .. } = self.history;
-        let stiffening = iteration.stiffening();
-        FrictionPoint { history, slip, pressure: self.pressure, step_size: self.step_size, slid: *slid, stiffening }
+    fn point(&self, resolved: &Resolved<f64>) -> FrictionPoint {
+        let Resolved { history, trial, slip, .. } = *resolved;
+        let PointHistory { slid, iteration, .. } = *self.history;
+        let (pressure, step_size, stiffening) = (self.pressure, self.step_size, iteration.stiffening());
+        let yielded = [0, 1].map(|i| (history[i] - trial[i]) / self.friction.stiffness());
+        FrictionPoint { history: trial, slip, pressure, step_size, slid, stiffening, yielded }
     }
 
     fn mismatch(&self, history: [f64; 2], step: &FrictionStep) -> [f64; 2] {
@@ -239,9 +241,9 @@ impl FrictionElement<'_> {
     /// Traction, slip, energies.
     pub fn state(&self) -> FrictionState {
         let arguments = self.arguments();
-        let Resolved { foot, old, history, trial, slip } =
-            arguments.resolve(self.history, self.friction.share(self.compliance));
-        let point = self.point(trial, slip);
+        let resolved = arguments.resolve(self.history, self.friction.share(self.compliance));
+        let point = self.point(&resolved);
+        let Resolved { foot, old, history, slip, .. } = resolved;
         let step = self.friction.step(self.at_end, &point);
         let branch = self.history.iteration.is_reversed().then(|| self.friction.sticking_step(self.at_end, &point));
         let carried = transport(step.end, &foot, &old).unwrap_or([0.0; 2]);

@@ -286,24 +286,42 @@ impl NodeToSurface {
         let Some(surface) = &self.friction else { return Ok(total) };
         for (slot, point) in surface.points.iter().enumerate() {
             let weight = self.slave.nodal_areas()[slot];
-            let held = |traction| surface.friction.stored_by(surface.compliance[slot], traction);
-            let before = surface.friction.stored(point.committed) + held(point.committed);
+            let compliance = surface.compliance[slot];
+            let energy =
+                |traction| surface.friction.stored(traction) + surface.friction.stored_by(compliance, traction);
+            let before = energy(point.committed);
             let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot])? } else { None };
-            // What a released spring held is lost.
-            let (work, stored) = state.map_or((0.0, 0.0), |s| (s.step.work, s.step.stored + held(s.step.end)));
-            total.stored += weight * stored;
-            total.dissipated += weight * (work + before - stored);
+            let Some(state) = state else {
+                // What a released spring held is lost.
+                total.dissipated += weight * before;
+                continue;
+            };
+            let stored = energy(state.step.end);
+            // What was carried over an edge is turned, or dropped: it holds no more than before.
+            let dropped = (before - energy(point.start)).max(0.0);
+            // Of the compliance of multipliers, whose spring is loaded by backward Euler.
+            let yielding = surface.friction.stored_by(compliance, point.multiplier);
+            total += ContactWork {
+                stored: weight * stored,
+                dissipated: weight * (state.step.dissipated + yielding + dropped),
+                friction_stored: weight * stored,
+                friction_work: weight * state.step.work,
+            };
         }
         Ok(total)
     }
 
-    /// Traction and path at the end of an accepted step, in the frame of the facet reached, at `q_np1`.
+    /// Traction and path at the end of an accepted step, in the frame of the facet reached, at `q_np1`; `None` without friction or pairing.
     fn committed_point(&self, slot: usize, q_np1: &[f64], pressure: f64) -> Option<PointHistory> {
         let (surface, pairing) = (self.friction.as_ref()?, self.slots[slot].pairing?);
-        // The same projections have just succeeded in the last evaluation.
-        let state = self.friction_state(slot, q_np1, pressure).ok()??;
-        let end = self.gap(slot, pairing.end, q_np1).ok()?;
         let point = &surface.points[slot];
+        // `work` has evaluated both at the same positions before (the protocol of the method), and had it failed the step would not have been
+        // accepted. Were it otherwise, the traction of the last step would be better than none.
+        let (Ok(Some(state)), Ok(end)) =
+            (self.friction_state(slot, q_np1, pressure), self.gap(slot, pairing.end, q_np1))
+        else {
+            return Some(PointHistory { committed: point.committed, slid: point.slid, ..PointHistory::default() });
+        };
         let from = (&self.patch(pairing.start, q_np1), point.foot);
         let committed = carry(state.carried, from, (&self.patch(pairing.end, q_np1), end.xi));
         let slid = point.slid + if state.step.sticks { 0.0 } else { state.slip[0].hypot(state.slip[1]) };

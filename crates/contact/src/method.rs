@@ -138,6 +138,20 @@ pub struct ContactWork {
     pub stored: f64,
     /// Energy dissipated in the step.
     pub dissipated: f64,
+    /// The part of `stored` that is in tangential springs.
+    pub friction_stored: f64,
+    /// Work of the slip against the friction in the step, what friction takes out of the bodies. It is measured with force and slip: what it differs from
+    /// the change of `friction_stored` and `dissipated` is what the iteration left.
+    pub friction_work: f64,
+}
+
+impl std::ops::AddAssign for ContactWork {
+    fn add_assign(&mut self, other: Self) {
+        self.stored += other.stored;
+        self.dissipated += other.dissipated;
+        self.friction_stored += other.friction_stored;
+        self.friction_work += other.friction_work;
+    }
 }
 
 /// A contact discretisation between one slave and one master surface.

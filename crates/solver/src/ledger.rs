@@ -17,10 +17,15 @@ pub struct Balance {
     pub potential: f64,
     /// Energy stored in contact (regularisations; zero for multipliers).
     pub contact: f64,
-    /// Energy dissipated by friction since the start.
+    /// Energy dissipated by friction since the start, never less than a step before.
     pub dissipation: f64,
     /// Work done since the start by loads that vary in time and by prescribed motion.
     pub external_work: f64,
+    /// Work that friction has taken out of the bodies since the start, measured with its forces: `friction_stored + dissipation`, but for round-off and
+    /// what the iterations leave.
+    pub friction_work: f64,
+    /// The part of `contact` that is in the tangential springs of friction.
+    pub friction_stored: f64,
 }
 
 impl Balance {

@@ -190,7 +190,15 @@ mod tests {
     }
 
     fn point(pressure: f64, slip: f64) -> FrictionPoint {
-        FrictionPoint { history: [0.0; 2], slip: [slip, 0.0], pressure, step_size: 0.1, slid: 0.0, stiffening: 1.0 }
+        FrictionPoint {
+            history: [0.0; 2],
+            slip: [slip, 0.0],
+            pressure,
+            step_size: 0.1,
+            slid: 0.0,
+            stiffening: 1.0,
+            yielded: [0.0; 2],
+        }
     }
 
     #[test]

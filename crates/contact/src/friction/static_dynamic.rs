@@ -39,15 +39,18 @@ impl FrictionLaw for StaticDynamic {
     fn traction(&self, input: &FrictionInput) -> FrictionOutput {
         let pressure = input.pressure.max(0.0);
         let length = self.speed * input.step_size;
-        let (mut excess, mut factor) = (0.0, 0.0);
-        // A step of no duration has an infinite speed.
+        let (mut excess, mut slope) = (0.0, [0.0; 2]);
+        // A step of no duration has an infinite speed, and far beyond the speed of the transition there is no slope: quotients may overflow there.
         if length > 0.0 {
             let [x, y] = input.slip.map(|s| s / length);
-            excess = (self.mu_static - self.mu_dynamic) * (-(x * x + y * y)).exp();
-            factor = -2.0 * excess * pressure / (length * length);
+            let weight = (-(x * x + y * y)).exp();
+            if weight > 0.0 {
+                excess = (self.mu_static - self.mu_dynamic) * weight;
+                slope = [x, y].map(|x| -2.0 * excess * x * pressure / length);
+            }
         }
         let mu = self.mu_dynamic + excess;
         let d_pressure = if input.pressure > 0.0 { mu } else { 0.0 };
-        return_to_bound(input.trial, mu * pressure, d_pressure, input.slip.map(|s| factor * s))
+        return_to_bound(input.trial, mu * pressure, d_pressure, slope)
     }
 }

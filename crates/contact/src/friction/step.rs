@@ -74,6 +74,8 @@ pub struct FrictionPoint {
     pub slid: f64,
     /// Factor on the tangential stiffness, 1 but for augmented multipliers that approach their value slowly.
     pub stiffening: f64,
+    /// The part of the slip that the compliance of a multiplier takes, for the dissipation only; zero without one.
+    pub yielded: Plane,
 }
 
 /// A step of one point. Energies are per reference area.
@@ -97,10 +99,21 @@ pub struct FrictionStep {
     pub stored: f64,
     /// Work of the slip against the friction, `force . slip`.
     pub work: f64,
+    /// Energy dissipated: the work less what springs took up, written so that round-off cannot make it negative. It is that of the part of the slip
+    /// that springs do not take up, which is exactly zero where a point sticks. See [`Friction::step`].
+    pub dissipated: f64,
 }
 
 fn dot(a: Plane, b: Plane) -> f64 {
     a[0] * b[0] + a[1] * b[1]
+}
+
+fn sum(a: Plane, b: Plane) -> Plane {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+fn less(a: Plane, b: Plane) -> Plane {
+    [a[0] - b[0], a[1] - b[1]]
 }
 
 fn times(a: [Plane; 2], b: [Plane; 2]) -> [Plane; 2] {
@@ -192,8 +205,10 @@ impl Friction {
     /// Does a step. `at_end`: the equations are those of the end point (statics, backward Euler), otherwise of the midpoint.
     ///
     /// With `w = work`, `s` the stored energies: `w = s_np1 - s_n + dissipated`, and `dissipated >= 0` under every stepping for every law that keeps
-    /// what [`FrictionLaw`] asks for, from any traction at the start. A multiplier has `dissipated = w`, which is not negative once it has
-    /// converged.
+    /// what [`FrictionLaw`] asks for, from any traction at the start. An exact stick stores nothing: a point that sticks dissipates nothing, because its
+    /// slip is zero by definition, one that slides `|w|`. Where the iteration left a slip in stick, or a traction along the slip, `w` and
+    /// the energies of the bodies tell. The spring of a multiplier's compliance, [`Friction::stored_by`], is loaded as
+    /// backward Euler does, which takes what it would store at the increment of the multiplier.
     pub fn step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
         self.step_with(at_end, point, false)
     }
@@ -227,10 +242,14 @@ impl Friction {
         let stepping = if at_end || !elastic || is_exact { MidpointFriction::B } else { self.midpoint };
         let trial = |from: Plane, stiffness: f64| std::array::from_fn(|i| from[i] + stiffness * point.slip[i]);
         let h = point.history;
+        // `dissipated` of springs: `work + s_n - s_np1` in terms of the slip `(trial - returned) / stiffness` that they do not take up.
         let out = match stepping {
             MidpointFriction::B => {
-                let end = returned(trial(h, penalty));
+                let tried = trial(h, penalty);
+                let end = returned(tried);
+                let jump = less(end.traction, h);
                 FrictionStep {
+                    dissipated: (dot(end.traction, less(tried, end.traction)) + 0.5 * dot(jump, jump)) / penalty,
                     force: end.traction,
                     end: end.traction,
                     returned: end.traction,
@@ -242,8 +261,10 @@ impl Friction {
                 }
             }
             MidpointFriction::A => {
-                let mid = returned(trial(h, 0.5 * penalty));
+                let tried = trial(h, 0.5 * penalty);
+                let mid = returned(tried);
                 FrictionStep {
+                    dissipated: 2.0 * dot(mid.traction, less(tried, mid.traction)) / penalty,
                     force: mid.traction,
                     end: std::array::from_fn(|i| 2.0 * mid.traction[i] - h[i]),
                     returned: mid.traction,
@@ -256,11 +277,16 @@ impl Friction {
             }
             MidpointFriction::C => {
                 let start = law(h);
-                let end = returned(trial(start.traction, penalty));
+                let tried = trial(start.traction, penalty);
+                let end = returned(tried);
+                let slid = dot(sum(start.traction, end.traction), less(tried, end.traction));
+                // What the fall of the pressure took away.
+                let cut = dot(sum(h, start.traction), less(h, start.traction));
                 // Of the end with respect to the start, then of the start.
                 let d_end_slip = combine(1.0, times(end.d_trial, start.d_slip), 1.0, end.d_slip);
                 let through = apply(end.d_trial, start.d_pressure);
                 FrictionStep {
+                    dissipated: 0.5 * (slid + cut) / penalty,
                     force: std::array::from_fn(|i| 0.5 * (start.traction[i] + end.traction[i])),
                     end: end.traction,
                     returned: end.traction,
@@ -272,6 +298,13 @@ impl Friction {
                 }
             }
         };
-        FrictionStep { stored: self.stored(out.end), work: dot(out.force, point.slip), ..out }
+        let work = dot(out.force, point.slip);
+        let dissipated = match (elastic, is_exact) {
+            (false, _) => work,
+            (true, true) if out.sticks => 0.0,
+            (true, true) => dot(out.force, less(point.slip, point.yielded)).abs(),
+            (true, false) => out.dissipated,
+        };
+        FrictionStep { stored: self.stored(out.end), work, dissipated, ..out }
     }
 }

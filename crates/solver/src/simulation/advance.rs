@@ -300,9 +300,14 @@ impl Simulation {
         }
         self.pressures = iterate.pressures;
         self.active = iterate.active;
-        let dissipation = self.balance.dissipation + contact_work.dissipated;
         let balance = self.measure_balance(strain, self.balance.external_work + work);
-        self.balance = Balance { contact: contact_work.stored, dissipation, ..balance };
+        self.balance = Balance {
+            contact: contact_work.stored,
+            dissipation: self.balance.dissipation + contact_work.dissipated,
+            friction_work: self.balance.friction_work + contact_work.friction_work,
+            friction_stored: contact_work.friction_stored,
+            ..balance
+        };
         self.step += 1;
         if self.clock.accept() {
             let reason = format!("{} steps succeeded in a row", self.control.grow_after);
@@ -327,9 +332,7 @@ impl Simulation {
         let mut total = ContactWork::default();
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
-            let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
-            total.stored += work.stored;
-            total.dissipated += work.dissipated;
+            total += self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
         }
         Ok(total)
     }

@@ -85,7 +85,8 @@ pub(super) fn contact(
                     problems.add(format!("{}.friction.slip", pair.key), "yang", message, remedy);
                     return None;
                 }
-                let (friction, described) = super::friction::friction(pair, friction, complementarity, problems)?;
+                let (friction, described) =
+                    super::friction::friction(pair, friction, complementarity, problems, warnings)?;
                 let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
                 plan = Some(described);
                 method = match method.with_friction(friction, slip) {

@@ -42,7 +42,7 @@ pub(super) fn contact(
     let complementarity = pair.prepare(&mut method, model, problems, warnings);
     let mut plan = None;
     if let Some(friction) = &item.friction {
-        let (friction, described) = super::friction::friction(pair, friction, complementarity, problems)?;
+        let (friction, described) = super::friction::friction(pair, friction, complementarity, problems, warnings)?;
         let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
         plan = Some(described);
         method = match method.with_friction(friction) {

@@ -13,6 +13,8 @@ use std::time::Instant;
 use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, StepRecord};
 
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
+/// Columns that follow where there is friction.
+const FRICTION: &str = "friction_work,friction_stored";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
 contact_force_x,contact_force_y,contact_force_z,coverage_defect";
@@ -63,6 +65,12 @@ pub struct FolderSettings {
     pub scales: [Option<f64>; 3],
     /// Contacts, for the summary.
     pub contacts: Vec<ContactPlan>,
+}
+
+impl FolderSettings {
+    fn has_friction(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.friction.is_some())
+    }
 }
 
 impl ResultFolder {
@@ -137,8 +145,10 @@ impl ResultFolder {
         let heads: Vec<String> = settings.probes.iter().flat_map(Probe::columns).collect();
         let probe_header = format!("step,time,{}", heads.join(","));
         let has_contact = simulation.model().has_unilateral_contact();
+        let has_friction = settings.has_friction();
+        let balance_header = if has_friction { format!("{BALANCE},{FRICTION}") } else { BALANCE.to_owned() };
         Ok(Self {
-            balance: open("balance.csv", BALANCE)?,
+            balance: open("balance.csv", &balance_header)?,
             newton: open("newton.csv", NEWTON)?,
             probes: if heads.is_empty() { None } else { Some(open("probes.csv", &probe_header)?) },
             contact: if has_contact { Some(open("contact.csv", CONTACT)?) } else { None },
@@ -181,8 +191,11 @@ impl ResultFolder {
             .numbers(&[record.time, record.dt])
             .numbers(&b.linear_momentum)
             .numbers(&b.angular_momentum)
-            .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()])
-            .end_row()?;
+            .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()]);
+        if self.settings.has_friction() {
+            self.balance.numbers(&[b.friction_work, b.friction_stored]);
+        }
+        self.balance.end_row()?;
         for row in &record.newton {
             self.newton
                 .integer(record.step)
