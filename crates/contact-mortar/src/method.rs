@@ -1,12 +1,13 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::frictional::SurfaceFriction;
-use crate::segment_surfaces;
 use crate::slot::{NormalField, Slot, Work};
 use crate::softening::Softening;
+use crate::surfaces::segment_shifted;
 use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
+use nalgebra::Vector3;
 use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
     StepConfiguration, clear_inactive, multipliers_of,
@@ -69,7 +70,9 @@ pub(crate) struct Integrated {
 ///
 /// Under [`ContactRule::EndPoint`] segmentation and integrals are renewed at every iterate, and the tangent has their
 /// derivatives and those of the normals: Newton converges quadratically as long as no vertex of a segment passes an
-/// edge. Under every other rule they are those of `q_n` for the whole step; then the force of every rule is the gradient
+/// edge. Under every other rule they stay for the whole step, and the slave is paired with what it will be opposite to in the middle
+/// of the step if the velocities of `q_n` last (`slide`): had it the partners of `q_n`, forces and reactions would lie half the slide of the step apart,
+/// and the angular momentum that is conserved would turn the slave over. As the integrals stay, the force of every rule is the gradient
 /// of the weighted gap, so that it has neither resultant nor moment for any gap, and under
 /// [`ContactRule::EnergyMomentum`] its work is the change of the weighted gaps (formulation §8.3; one director a slave
 /// facet instead of one a segment, choice).
@@ -81,7 +84,7 @@ pub(crate) struct Integrated {
 pub struct MortarContact {
     name: String,
     pub(crate) slave: ContactSurface,
-    master: ContactSurface,
+    pub(crate) master: ContactSurface,
     pub(crate) options: MortarOptions,
     /// Slave nodes without a multiplier, by local number.
     pub(crate) without: Vec<bool>,
@@ -89,6 +92,11 @@ pub struct MortarContact {
     handed_over: Vec<bool>,
     pub(crate) rule: ContactRule,
     range: GapRange,
+    pub(crate) step_size: f64,
+    /// Velocities at the start of the step; empty if nobody told.
+    pub(crate) velocity: Vec<f64>,
+    /// Half the slide of each slave facet in the step, a length; empty if there is none.
+    slide: Vec<Vector3<f64>>,
     /// Positions that the integrals belong to; empty before the first step.
     at: Vec<f64>,
     pub(crate) integrated: Option<Integrated>,
@@ -126,6 +134,9 @@ impl MortarContact {
             handed_over: vec![false; count],
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
+            step_size: 0.0,
+            velocity: Vec::new(),
+            slide: Vec::new(),
             at: Vec::new(),
             integrated: None,
             derivatives: vec![false; count],
@@ -213,16 +224,17 @@ impl MortarContact {
         self.rule == ContactRule::EnergyMomentum
     }
 
-    /// Segments and integrals at `q`. `active`: slots that need derivatives. `old`: slots whose nodes stay.
-    fn integrate(
+    /// Segments and integrals at `q`, slave facets shifted by `slide`. `active`: slots that need derivatives. `old`: slots whose nodes stay.
+    pub(crate) fn integrate(
         &self,
         q: &[f64],
+        slide: &[Vector3<f64>],
         active: &[bool],
         old: &[Slot],
         measure: Measure,
     ) -> Result<Integrated, ContactError> {
         let segments =
-            segment_surfaces(&self.slave, &self.master, q, self.range).map_err(|e| segmentation_error(&e))?;
+            segment_shifted(&self.slave, &self.master, q, slide, self.range).map_err(|e| segmentation_error(&e))?;
         let Self { slave, master, options, .. } = self;
         let weights = |measure| -> Vec<Option<FacetWeights>> {
             let facets = segments.facets.iter().zip(slave.local_facets());
@@ -294,7 +306,7 @@ impl MortarContact {
             return Ok(false);
         }
         let wanted: &[bool] = if want_tangent { active } else { &[] };
-        let new = self.integrate(q_np1, wanted, self.slots(), Measure::Area)?;
+        let new = self.integrate(q_np1, &[], wanted, self.slots(), Measure::Area)?;
         let pairs = new.slots.iter().zip(self.slots()).zip(active);
         let changed = pairs.filter(|(_, a)| **a).any(|((new, old), _)| new.nodes.len() != old.nodes.len());
         self.integrated = Some(new);
@@ -327,7 +339,13 @@ impl ContactMethod for MortarContact {
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.rule = rule;
+        self.step_size = step_size;
         self.set_friction_step(step_size);
+    }
+
+    fn set_velocity(&mut self, v_n: &[f64]) {
+        self.velocity.clear();
+        self.velocity.extend_from_slice(v_n);
     }
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
@@ -335,11 +353,14 @@ impl ContactMethod for MortarContact {
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
         // No memory of the last step: a run that is resumed has none.
         self.handed_over.fill(false);
-        self.integrated = Some(self.integrate(q_n, &[], &[], measure)?);
+        self.slide = self.half_slides(q_n)?;
+        self.velocity.clear();
+        self.range.min -= self.slide.iter().map(Vector3::norm).fold(0.0, f64::max);
+        self.integrated = Some(self.integrate(q_n, &self.slide, &[], &[], measure)?);
         if self.is_soft() {
             self.begin_softening();
         } else if self.hand_over_small_supports() > 0 {
-            self.integrated = Some(self.integrate(q_n, &[], &[], measure)?);
+            self.integrated = Some(self.integrate(q_n, &self.slide, &[], &[], measure)?);
         }
         let (directors, mut work) = (self.directors(), Work::default());
         for (gap, slot) in self.gap_n.iter_mut().zip(self.integrated.iter().flat_map(|i| &i.slots)) {
@@ -507,10 +528,10 @@ impl ContactMethod for MortarContact {
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         let fresh;
-        let (slots, directors) = if self.at == q {
+        let (slots, directors) = if self.at == q && self.slide.is_empty() {
             (self.slots(), self.directors())
         } else {
-            fresh = self.integrate(q, &[], &[], Measure::Area)?;
+            fresh = self.integrate(q, &[], &[], &[], Measure::Area)?;
             (fresh.slots.as_slice(), false)
         };
         let mut work = Work::default();

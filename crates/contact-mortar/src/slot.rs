@@ -177,6 +177,14 @@ impl Slot {
         Some(sum)
     }
 
+    /// Rate of the weighted gap vector for nodal velocities `v` (`3 * nodes`), a volume a time; zero without a partner.
+    pub fn rate(&self, v: &[f64]) -> Vector3<f64> {
+        let of_group = |group: &Group| -> Vector3<f64> {
+            group.weights.iter().zip(&self.nodes).map(|(&w, &node)| at(v, node) * w).sum()
+        };
+        self.groups.iter().map(of_group).sum()
+    }
+
     /// Visits (component of the nodes, derivative of the support), if there are derivatives; a component may come more than once.
     pub fn for_each_support_derivative(&self, mut visit: impl FnMut(usize, f64)) {
         let columns = 3 * self.nodes.len();
