@@ -92,6 +92,8 @@ pub struct MortarContact {
     handed_over: Vec<bool>,
     pub(crate) rule: ContactRule,
     range: GapRange,
+    /// Unit normals of the slave facets in the reference configuration.
+    reference_normals: Vec<Vector3<f64>>,
     pub(crate) step_size: f64,
     /// Velocities at the start of the step; empty if nobody told.
     pub(crate) velocity: Vec<f64>,
@@ -134,6 +136,10 @@ impl MortarContact {
             handed_over: vec![false; count],
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
+            reference_normals: (0..slave.facets().len() as u32)
+                .map(|f| slave.patch(f, reference).corners)
+                .map(|x| (x[2] - x[0]).cross(&(x[3] - x[1])).try_normalize(0.0).unwrap_or_default())
+                .collect(),
             step_size: 0.0,
             velocity: Vec::new(),
             slide: Vec::new(),
@@ -258,17 +264,18 @@ impl MortarContact {
         let normals = if measure == Measure::Parametric { NormalField::Facet } else { options.normals };
         let surfaces = [slave, master];
         let kept = |s| old.get(s).map_or(&[][..], |s: &Slot| &s.nodes);
-        let gather = |s| Slot::gather(s, surfaces, &facets, normals, kept(s));
+        let edges = &self.reference_normals;
+        let gather = |s| Slot::gather(s, surfaces, edges, &facets, normals, kept(s));
         let count = slave.nodes().len();
         let slots: Vec<Slot> = match (&self.friction, measure, normals) {
             // The groups of the pressures do.
             (None, ..) | (Some(_), Measure::Area, NormalField::Facet) => (0..count).map(gather).collect(),
             (Some(_), Measure::Area, NormalField::Averaged) => {
-                (0..count).map(|s| gather(s).with_facets(s, surfaces, &facets)).collect()
+                (0..count).map(|s| gather(s).with_facets(s, surfaces, edges, &facets)).collect()
             }
             (Some(_), Measure::Parametric, _) => {
                 let areas = weights(Measure::Area);
-                (0..count).map(|s| gather(s).with_facets(s, surfaces, &areas)).collect()
+                (0..count).map(|s| gather(s).with_facets(s, surfaces, edges, &areas)).collect()
             }
         };
         Ok(Integrated { segments, slots, bare_supports })
