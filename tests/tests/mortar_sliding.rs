@@ -6,6 +6,7 @@ use stoss::solver::Simulation;
 use support::{drift, simulation};
 
 const GRAVITY: f64 = 20.0;
+const DENSITY: f64 = 2.0;
 const STEP: f64 = 0.02;
 const STEPS: usize = 5;
 const FACET: f64 = 0.5;
@@ -32,7 +33,7 @@ name = "block"
 mesh = {{ generator = "block", min = [-0.5, -0.4, 0], max = [0.5, 0.6, 0.4], divisions = [2, 2, 1] }}
 position = [0, 0, {height:?}]
 material = {{ law = "neo-hooke", young = 1e5, poisson = 0.3 }}
-density = 2.0
+density = {DENSITY:?}
 velocity = {velocity:?}
 [[contact]]
 method = "mortar"
@@ -60,7 +61,7 @@ fn a_block_slides_many_facets_in_a_step() {
         {
             let speed = facets * FACET / STEP;
             let mut text = scene(scheme, slave, mu, [speed, 0.0, 0.0], 0.0);
-            text += &format!("[[load]]\nbody = \"block\"\nbody_force = [0, 0, {:?}]\n", -GRAVITY);
+            text += &format!("[[load]]\nbody = \"block\"\nbody_force = [0, 0, {:?}]\n", -DENSITY * GRAVITY);
             text += "[[prescribe]]\nset = \"plate.all\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
             let mut s = simulation(&text);
             let case = format!("{scheme}, {slave}, mu {mu}, {facets} facets a step");
@@ -76,7 +77,7 @@ fn a_block_slides_many_facets_in_a_step() {
                 steps += 1;
             }
             assert_eq!(steps, STEPS, "{case}: a step was cut");
-            let mass = 2.0 * 0.4;
+            let mass = DENSITY * 0.4;
             let braked = (start.linear_momentum[0] - end.linear_momentum[0]) / mass;
             let closed_form = mu * GRAVITY * STEPS as f64 * STEP;
             let gain = (end.total() - start.total()) / start.kinetic;
