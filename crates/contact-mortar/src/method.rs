@@ -1,7 +1,7 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::frictional::SurfaceFriction;
-use crate::slot::{NormalField, Slot, Work};
+use crate::slot::{NormalField, SHARP, Slot, Work};
 use crate::softening::Softening;
 use crate::surfaces::segment_shifted;
 use crate::tangential::Scratch;
@@ -50,6 +50,8 @@ const DEPTH: f64 = 4.0;
 const DEPTH_AT_START: f64 = 1.0;
 /// How much farther than the step's reach facets are looked for, in lengths of facets.
 const MARGIN: f64 = 2.0;
+/// Cosine of the angle between opposed normals below which a facet sees another one edge-on (75 degrees).
+const EDGE_ON: f64 = 0.25;
 /// A slave node of whose reference area less than this is covered hands its multiplier over to the other nodes of its facets (the functions
 /// still add up to one, so that constant pressures stay exact): a constraint on a sliver of the support would need pressures out of all
 /// proportion, of either sign.
@@ -242,15 +244,15 @@ impl MortarContact {
         let segments =
             segment_shifted(&self.slave, &self.master, q, slide, self.range).map_err(|e| segmentation_error(&e))?;
         let Self { slave, master, options, .. } = self;
+        let opposite = self.opposite(&segments, q);
         let weights = |measure| -> Vec<Option<FacetWeights>> {
-            let facets = segments.facets.iter().zip(slave.local_facets());
-            let of_facet = |(found, nodes): (&FacetSegmentation, &[u32; 4])| {
+            let facets = segments.facets.iter().zip(slave.local_facets()).zip(&opposite);
+            let of_facet = |((found, nodes), opposite): ((&FacetSegmentation, &[u32; 4]), &bool)| {
                 let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
                 let without = self.without_on(*nodes);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
-                (!found.segments.is_empty())
-                    .then(|| facet_weights(found, corners, space, rule, measure, without, wanted))
+                opposite.then(|| facet_weights(found, corners, space, rule, measure, without, wanted))
             };
             facets.map(of_facet).collect()
         };
@@ -279,6 +281,28 @@ impl MortarContact {
             }
         };
         Ok(Integrated { segments, slots, bare_supports })
+    }
+
+    /// Which slave facets are opposite the master. One that sees it edge-on only, and has a neighbour beyond a sharp edge that faces it, is not: the
+    /// side of a block that stands on the master and leans a little would have gaps as wide as the search reaches.
+    fn opposite(&self, segments: &SurfaceSegmentation, q: &[f64]) -> Vec<bool> {
+        let Self { slave, master, reference_normals, .. } = self;
+        let faces = |found: &FacetSegmentation| {
+            let normal = found.frame.normal();
+            found.segments.iter().any(|segment| {
+                let x = master.patch(segment.master_facet, q).corners;
+                let other = (x[2] - x[0]).cross(&(x[3] - x[1]));
+                -normal.dot(&other) > EDGE_ON * other.norm()
+            })
+        };
+        let faces: Vec<bool> = segments.facets.iter().map(faces).collect();
+        let beside_facing = |f: usize| {
+            let around = slave.local_facets()[f].iter().flat_map(|&n| slave.facets_around(n as usize));
+            let is_sharp = |e: usize| reference_normals[e].dot(&reference_normals[f]) <= SHARP;
+            around.map(|&e| e as usize).any(|e| faces[e] && is_sharp(e))
+        };
+        let found = segments.facets.iter().enumerate();
+        found.map(|(f, found)| !found.segments.is_empty() && (faces[f] || !beside_facing(f))).collect()
     }
 
     /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, all keep it.

@@ -56,7 +56,7 @@ pub(crate) struct Work {
 const DIAGONAL: [[f64; 4]; 2] = [[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0]];
 
 /// Cosine of the angle between the normals of two facets in the reference configuration from which on the edge between them is sharp.
-const SHARP: f64 = 0.5;
+pub(crate) const SHARP: f64 = 0.5;
 
 pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
     let k = 3 * node as usize;
