@@ -45,6 +45,7 @@ mod matrices;
 mod method;
 mod multiplier;
 mod points;
+mod slide;
 mod slip;
 mod slot;
 mod softening;

@@ -1,12 +1,13 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::frictional::SurfaceFriction;
-use crate::segment_surfaces;
-use crate::slot::{NormalField, Slot, Work};
+use crate::slot::{NormalField, SHARP, Slot, Work};
 use crate::softening::Softening;
+use crate::surfaces::segment_shifted;
 use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
+use nalgebra::Vector3;
 use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
     StepConfiguration, clear_inactive, multipliers_of,
@@ -49,6 +50,8 @@ const DEPTH: f64 = 4.0;
 const DEPTH_AT_START: f64 = 1.0;
 /// How much farther than the step's reach facets are looked for, in lengths of facets.
 const MARGIN: f64 = 2.0;
+/// Cosine of the angle between opposed normals below which a facet sees another one edge-on (75 degrees).
+const EDGE_ON: f64 = 0.25;
 /// A slave node of whose reference area less than this is covered hands its multiplier over to the other nodes of its facets (the functions
 /// still add up to one, so that constant pressures stay exact): a constraint on a sliver of the support would need pressures out of all
 /// proportion, of either sign.
@@ -69,7 +72,9 @@ pub(crate) struct Integrated {
 ///
 /// Under [`ContactRule::EndPoint`] segmentation and integrals are renewed at every iterate, and the tangent has their
 /// derivatives and those of the normals: Newton converges quadratically as long as no vertex of a segment passes an
-/// edge. Under every other rule they are those of `q_n` for the whole step; then the force of every rule is the gradient
+/// edge. Under every other rule they stay for the whole step, and the slave is paired with what it will be opposite to in the middle
+/// of the step if the velocities of `q_n` last (`slide`): had it the partners of `q_n`, forces and reactions would lie half the slide of the step apart,
+/// and the angular momentum that is conserved would turn the slave over. As the integrals stay, the force of every rule is the gradient
 /// of the weighted gap, so that it has neither resultant nor moment for any gap, and under
 /// [`ContactRule::EnergyMomentum`] its work is the change of the weighted gaps (formulation §8.3; one director a slave
 /// facet instead of one a segment, choice).
@@ -81,7 +86,7 @@ pub(crate) struct Integrated {
 pub struct MortarContact {
     name: String,
     pub(crate) slave: ContactSurface,
-    master: ContactSurface,
+    pub(crate) master: ContactSurface,
     pub(crate) options: MortarOptions,
     /// Slave nodes without a multiplier, by local number.
     pub(crate) without: Vec<bool>,
@@ -89,6 +94,13 @@ pub struct MortarContact {
     handed_over: Vec<bool>,
     pub(crate) rule: ContactRule,
     range: GapRange,
+    /// Unit normals of the slave facets in the reference configuration.
+    reference_normals: Vec<Vector3<f64>>,
+    pub(crate) step_size: f64,
+    /// Velocities at the start of the step; empty if nobody told.
+    pub(crate) velocity: Vec<f64>,
+    /// Half the slide of each slave facet in the step, a length; empty if there is none.
+    slide: Vec<Vector3<f64>>,
     /// Positions that the integrals belong to; empty before the first step.
     at: Vec<f64>,
     pub(crate) integrated: Option<Integrated>,
@@ -126,6 +138,13 @@ impl MortarContact {
             handed_over: vec![false; count],
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
+            reference_normals: (0..slave.facets().len() as u32)
+                .map(|f| slave.patch(f, reference).corners)
+                .map(|x| (x[2] - x[0]).cross(&(x[3] - x[1])).try_normalize(0.0).unwrap_or_default())
+                .collect(),
+            step_size: 0.0,
+            velocity: Vec::new(),
+            slide: Vec::new(),
             at: Vec::new(),
             integrated: None,
             derivatives: vec![false; count],
@@ -213,26 +232,27 @@ impl MortarContact {
         self.rule == ContactRule::EnergyMomentum
     }
 
-    /// Segments and integrals at `q`. `active`: slots that need derivatives. `old`: slots whose nodes stay.
-    fn integrate(
+    /// Segments and integrals at `q`, slave facets shifted by `slide`. `active`: slots that need derivatives. `old`: slots whose nodes stay.
+    pub(crate) fn integrate(
         &self,
         q: &[f64],
+        slide: &[Vector3<f64>],
         active: &[bool],
         old: &[Slot],
         measure: Measure,
     ) -> Result<Integrated, ContactError> {
         let segments =
-            segment_surfaces(&self.slave, &self.master, q, self.range).map_err(|e| segmentation_error(&e))?;
+            segment_shifted(&self.slave, &self.master, q, slide, self.range).map_err(|e| segmentation_error(&e))?;
         let Self { slave, master, options, .. } = self;
+        let opposite = self.opposite(&segments, q);
         let weights = |measure| -> Vec<Option<FacetWeights>> {
-            let facets = segments.facets.iter().zip(slave.local_facets());
-            let of_facet = |(found, nodes): (&FacetSegmentation, &[u32; 4])| {
+            let facets = segments.facets.iter().zip(slave.local_facets()).zip(&opposite);
+            let of_facet = |((found, nodes), opposite): ((&FacetSegmentation, &[u32; 4]), &bool)| {
                 let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
                 let without = self.without_on(*nodes);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
-                (!found.segments.is_empty())
-                    .then(|| facet_weights(found, corners, space, rule, measure, without, wanted))
+                opposite.then(|| facet_weights(found, corners, space, rule, measure, without, wanted))
             };
             facets.map(of_facet).collect()
         };
@@ -246,20 +266,43 @@ impl MortarContact {
         let normals = if measure == Measure::Parametric { NormalField::Facet } else { options.normals };
         let surfaces = [slave, master];
         let kept = |s| old.get(s).map_or(&[][..], |s: &Slot| &s.nodes);
-        let gather = |s| Slot::gather(s, surfaces, &facets, normals, kept(s));
+        let edges = &self.reference_normals;
+        let gather = |s| Slot::gather(s, surfaces, edges, &facets, normals, kept(s));
         let count = slave.nodes().len();
         let slots: Vec<Slot> = match (&self.friction, measure, normals) {
             // The groups of the pressures do.
             (None, ..) | (Some(_), Measure::Area, NormalField::Facet) => (0..count).map(gather).collect(),
             (Some(_), Measure::Area, NormalField::Averaged) => {
-                (0..count).map(|s| gather(s).with_facets(s, surfaces, &facets)).collect()
+                (0..count).map(|s| gather(s).with_facets(s, surfaces, edges, &facets)).collect()
             }
             (Some(_), Measure::Parametric, _) => {
                 let areas = weights(Measure::Area);
-                (0..count).map(|s| gather(s).with_facets(s, surfaces, &areas)).collect()
+                (0..count).map(|s| gather(s).with_facets(s, surfaces, edges, &areas)).collect()
             }
         };
         Ok(Integrated { segments, slots, bare_supports })
+    }
+
+    /// Which slave facets are opposite the master. One that sees it edge-on only, and has a neighbour beyond a sharp edge that faces it, is not: the
+    /// side of a block that stands on the master and leans a little would have gaps as wide as the search reaches.
+    fn opposite(&self, segments: &SurfaceSegmentation, q: &[f64]) -> Vec<bool> {
+        let Self { slave, master, reference_normals, .. } = self;
+        let faces = |found: &FacetSegmentation| {
+            let normal = found.frame.normal();
+            found.segments.iter().any(|segment| {
+                let x = master.patch(segment.master_facet, q).corners;
+                let other = (x[2] - x[0]).cross(&(x[3] - x[1]));
+                -normal.dot(&other) > EDGE_ON * other.norm()
+            })
+        };
+        let faces: Vec<bool> = segments.facets.iter().map(faces).collect();
+        let beside_facing = |f: usize| {
+            let around = slave.local_facets()[f].iter().flat_map(|&n| slave.facets_around(n as usize));
+            let is_sharp = |e: usize| reference_normals[e].dot(&reference_normals[f]) <= SHARP;
+            around.map(|&e| e as usize).any(|e| faces[e] && is_sharp(e))
+        };
+        let found = segments.facets.iter().enumerate();
+        found.map(|(f, found)| !found.segments.is_empty() && (faces[f] || !beside_facing(f))).collect()
     }
 
     /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, all keep it.
@@ -294,7 +337,7 @@ impl MortarContact {
             return Ok(false);
         }
         let wanted: &[bool] = if want_tangent { active } else { &[] };
-        let new = self.integrate(q_np1, wanted, self.slots(), Measure::Area)?;
+        let new = self.integrate(q_np1, &[], wanted, self.slots(), Measure::Area)?;
         let pairs = new.slots.iter().zip(self.slots()).zip(active);
         let changed = pairs.filter(|(_, a)| **a).any(|((new, old), _)| new.nodes.len() != old.nodes.len());
         self.integrated = Some(new);
@@ -327,7 +370,13 @@ impl ContactMethod for MortarContact {
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.rule = rule;
+        self.step_size = step_size;
         self.set_friction_step(step_size);
+    }
+
+    fn set_velocity(&mut self, v_n: &[f64]) {
+        self.velocity.clear();
+        self.velocity.extend_from_slice(v_n);
     }
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
@@ -335,11 +384,14 @@ impl ContactMethod for MortarContact {
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
         // No memory of the last step: a run that is resumed has none.
         self.handed_over.fill(false);
-        self.integrated = Some(self.integrate(q_n, &[], &[], measure)?);
+        self.slide = self.half_slides(q_n)?;
+        self.velocity.clear();
+        self.range.min -= self.slide.iter().map(Vector3::norm).fold(0.0, f64::max);
+        self.integrated = Some(self.integrate(q_n, &self.slide, &[], &[], measure)?);
         if self.is_soft() {
             self.begin_softening();
         } else if self.hand_over_small_supports() > 0 {
-            self.integrated = Some(self.integrate(q_n, &[], &[], measure)?);
+            self.integrated = Some(self.integrate(q_n, &self.slide, &[], &[], measure)?);
         }
         let (directors, mut work) = (self.directors(), Work::default());
         for (gap, slot) in self.gap_n.iter_mut().zip(self.integrated.iter().flat_map(|i| &i.slots)) {
@@ -507,10 +559,10 @@ impl ContactMethod for MortarContact {
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         let fresh;
-        let (slots, directors) = if self.at == q {
+        let (slots, directors) = if self.at == q && self.slide.is_empty() {
             (self.slots(), self.directors())
         } else {
-            fresh = self.integrate(q, &[], &[], Measure::Area)?;
+            fresh = self.integrate(q, &[], &[], &[], Measure::Area)?;
             (fresh.slots.as_slice(), false)
         };
         let mut work = Work::default();

@@ -8,7 +8,8 @@ use stoss_contact::{ContactRule, ContactSurface, LocalContribution, StepConfigur
 /// Which normals a weighted gap is measured along.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalField {
-    /// The mean of the normals of the facets around the slave node, weighted by their areas.
+    /// The mean of the normals of the facets around the slave node, weighted by their areas. Facets beyond a sharp edge (60 degrees in the reference
+    /// configuration) that are opposite nothing are left out: a block that stands on its lower side has that side's normal up to its edges.
     #[default]
     Averaged,
     /// Each facet's own normal at its centre. The energy-momentum element always has this one.
@@ -54,16 +55,21 @@ pub(crate) struct Work {
 /// Coefficient of a corner in the two diagonals.
 const DIAGONAL: [[f64; 4]; 2] = [[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0]];
 
+/// Cosine of the angle between the normals of two facets in the reference configuration from which on the edge between them is sharp.
+pub(crate) const SHARP: f64 = 0.5;
+
 pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
     let k = 3 * node as usize;
     Vector3::new(q[k], q[k + 1], q[k + 2])
 }
 
 impl Slot {
-    /// Gathers the weights of the facets around local slave node `local`. `old` are nodes to keep in front.
+    /// Gathers the weights of the facets around local slave node `local`. `reference_normals`: one a slave facet. `old` are nodes to keep in
+    /// front.
     pub fn gather(
         local: usize,
         surfaces: [&ContactSurface; 2],
+        reference_normals: &[Vector3<f64>],
         facets: &[Option<FacetWeights>],
         normals: NormalField,
         old: &[u32],
@@ -100,7 +106,12 @@ impl Slot {
             maps.push(map);
         }
         let columns = 3 * slot.nodes.len();
-        for (i, &f) in around.iter().enumerate() {
+        // What lies beyond a sharp edge and is opposite nothing has no part in the normal.
+        let takes_part = |f: u32| {
+            let smooth = |e: u32| reference_normals[e as usize].dot(&reference_normals[f as usize]) > SHARP;
+            around.iter().any(|&e| facets[e as usize].is_some() && (e == f || smooth(e)))
+        };
+        for (i, &f) in around.iter().enumerate().filter(|(_, f)| takes_part(**f)) {
             let corners = std::array::from_fn(|k| maps[i][k]);
             let first = slot.groups.is_empty();
             if first || normals == NormalField::Facet {
@@ -130,9 +141,15 @@ impl Slot {
     }
 
     /// The same with weights of friction, `areas` of the same segments as `facets` of [`Self::gather`].
-    pub fn with_facets(mut self, local: usize, surfaces: [&ContactSurface; 2], areas: &[Option<FacetWeights>]) -> Self {
+    pub fn with_facets(
+        mut self,
+        local: usize,
+        surfaces: [&ContactSurface; 2],
+        reference_normals: &[Vector3<f64>],
+        areas: &[Option<FacetWeights>],
+    ) -> Self {
         // The same segments have the same nodes.
-        self.facets = Self::gather(local, surfaces, areas, NormalField::Facet, &self.nodes).groups;
+        self.facets = Self::gather(local, surfaces, reference_normals, areas, NormalField::Facet, &self.nodes).groups;
         self
     }
 
@@ -175,6 +192,14 @@ impl Slot {
             sum += work.end.value;
         }
         Some(sum)
+    }
+
+    /// Rate of the weighted gap vector for nodal velocities `v` (`3 * nodes`), a volume a time; zero without a partner.
+    pub fn rate(&self, v: &[f64]) -> Vector3<f64> {
+        let of_group = |group: &Group| -> Vector3<f64> {
+            group.weights.iter().zip(&self.nodes).map(|(&w, &node)| at(v, node) * w).sum()
+        };
+        self.groups.iter().map(of_group).sum()
     }
 
     /// Visits (component of the nodes, derivative of the support), if there are derivatives; a component may come more than once.

@@ -76,6 +76,17 @@ pub fn segment_surfaces(
     q: &[f64],
     range: GapRange,
 ) -> Result<SurfaceSegmentation, MortarError> {
+    segment_shifted(slave, master, q, &[], range)
+}
+
+/// The same with every slave facet shifted as a whole (`shifts`: one entry a slave facet, or none at all).
+pub(crate) fn segment_shifted(
+    slave: &ContactSurface,
+    master: &ContactSurface,
+    q: &[f64],
+    shifts: &[Vector3<f64>],
+    range: GapRange,
+) -> Result<SurfaceSegmentation, MortarError> {
     if range.min.is_nan() || range.max.is_nan() || range.min > range.max {
         return Err(MortarError::Range { min: range.min, max: range.max });
     }
@@ -88,7 +99,8 @@ pub fn segment_surfaces(
     let mut facets = Vec::with_capacity(slave.facets().len());
     for facet in 0..slave.facets().len() as u32 {
         let at = |source| MortarError::Segmentation { facet, source };
-        let x = corners(slave, facet, q);
+        let shift = shifts.get(facet as usize).copied().unwrap_or_default();
+        let x = corners(slave, facet, q).map(|corner| corner + shift);
         let normal = SlaveFrame::new(x).map_err(at)?.normal();
         // The facet swept along its normal; no farther than the master reaches.
         let own = Aabb::from_points(&x);

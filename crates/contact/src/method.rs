@@ -160,7 +160,7 @@ impl std::ops::AddAssign for ContactWork {
 /// `begin_step(q_n)` once for every attempted step (it may be repeated with another step size); then any number of
 /// `renew`, `assemble`, `complementarity_gaps`, `repair`, `augment`; `q_n` never changes in between. There is no undo: `begin_step` forgets
 /// what an attempt left. `commit` makes the end of an accepted step the history of the next; `save_history` and `load_history` carry it over.
-/// `set_rule` comes before `begin_step`, `work` before `commit`.
+/// `set_rule` and `set_velocity` come before `begin_step`, `work` before `commit`.
 ///
 /// A *slot* is a potential constraint with one pressure; their number is constant for a run. Slots not active contribute nothing.
 pub trait ContactMethod: Send + Sync + std::fmt::Debug {
@@ -183,6 +183,8 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     }
     /// Rule and size of the step that begins, for methods with history.
     fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
+    /// Velocities at `q_n` (`3 * nodes`), for methods that look ahead; comes before `begin_step` and holds for that one only.
+    fn set_velocity(&mut self, _v_n: &[f64]) {}
     /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the
     /// master in the step (candidates farther away need no pairing).
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;

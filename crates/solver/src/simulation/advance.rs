@@ -115,6 +115,7 @@ impl Simulation {
         self.timings.measure(Phase::Search, || -> Result<(), StepError> {
             for pair in &mut model.contacts {
                 pair.method.set_rule(contact_rule(rule.constraint.rule), dt);
+                pair.method.set_velocity(&state.v);
                 pair.method.begin_step(&state.q, reach + 0.5 * pair.method.length_scale())?;
             }
             Ok(())

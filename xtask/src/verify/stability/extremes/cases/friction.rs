@@ -9,6 +9,9 @@ use crate::workspace::Outcome;
 /// Schemes that admit friction.
 const SCHEMES: [&str; 4] = ["energy-momentum", "midpoint", "generalised-alpha", "backward-euler"];
 
+/// Those that admit friction of the mortar method.
+const MORTAR: [&str; 3] = ["energy-momentum", "midpoint", "backward-euler"];
+
 const GRAVITY: f64 = 10.0;
 
 /// Coefficient of the blocks on a plate.
@@ -27,7 +30,7 @@ fn oblique(family: &str, scheme: &'static str, friction: &str) -> Case {
     Case::contact(family, (scheme, "standard"), scene, Touch::UPPER)
 }
 
-/// A block that lies on a fixed plate of facets with a length along x.
+/// A block that lies on a fixed plate of facets with a length along x; the contact is to be added.
 fn on_plate(scheme: &str, [step, edge]: [f64; 2], steps: u32, speed: f64, travel: f64, force: &str) -> Scene {
     let length = (2.0 + travel).ceil();
     let plate = Block {
@@ -43,8 +46,11 @@ fn on_plate(scheme: &str, [step, edge]: [f64; 2], steps: u32, speed: f64, travel
         .fixed("lower.bottom", &["x", "y", "z"])
         .fixed("lower.top", &["x", "y", "z"])
         .also(&format!("\n[[load]]\nbody = \"upper\"\nbody_force = {force}\n"))
-        .contact("upper.bottom", "lower.top", "standard")
-        .also(&format!("friction = {{ law = \"coulomb\", mu = {MU} }}\n"))
+}
+
+/// Friction of the contact before.
+fn friction() -> String {
+    format!("friction = {{ law = \"coulomb\", mu = {MU} }}\n")
 }
 
 /// A supported case against a closed form.
@@ -53,19 +59,25 @@ fn supported(family: &str, scheme: &'static str, scene: Scene, oracle: Oracle) -
 }
 
 /// Over so many facets in the first step; friction takes `mu g t` from the speed until the block rests.
-fn slide(scheme: &'static str, facets: f64) -> Case {
+fn slide(scheme: &'static str, facets: f64, mortar: bool) -> Case {
     const STEP: f64 = 0.02;
     const STEPS: u32 = 6;
     const EDGE: f64 = 0.1;
     let (speed, time) = (facets * EDGE / STEP, STEP * f64::from(STEPS));
-    let scene = on_plate(scheme, [STEP, EDGE], STEPS, speed, speed * time, &format!("[0.0, 0.0, {:?}]", -GRAVITY))
-        .probe("block", "upper.all", "velocity");
+    let scene = on_plate(scheme, [STEP, EDGE], STEPS, speed, speed * time, &format!("[0.0, 0.0, {:?}]", -GRAVITY));
+    let [slave, master] = ["upper.bottom", "lower.top"];
+    let (family, scene) = if mortar {
+        ("mortar: slide over facets in a step", scene.mortar(slave, master, "standard"))
+    } else {
+        ("slide over facets in a step", scene.contact(slave, master, "standard"))
+    };
+    let scene = scene.also(&friction()).probe("block", "upper.all", "velocity");
     let lost = (MU * GRAVITY * time).min(speed);
     let error =
         move |evidence: &Evidence| -> Outcome<f64> { Ok(((speed - evidence.probe("block.x")?) / lost - 1.0).abs()) };
     let about = "lost speed against mu g t, relative error";
     let oracle = Oracle::Closed { about, error: Box::new(error), bound: 1e-2, otherwise: Word::Drifts };
-    supported("slide over facets in a step", scheme, scene, oracle).named(format!("{scheme} {facets} facets"))
+    supported(family, scheme, scene, oracle).named(format!("{scheme} {facets} facets"))
 }
 
 /// In every other step the load is twice the bound of friction, and the block slides; in the steps between it is half of it backwards,
@@ -93,8 +105,10 @@ fn stick_and_slip(scheme: &'static str) -> Case {
         }
     }
     let force = format!("{{ table = [{}] }}", table.join(", "));
-    let scene =
-        on_plate(scheme, [STEP, 1.0], 2 * (CYCLES + 1), 0.0, 1.0, &force).probe("block", "upper.all", "displacement");
+    let scene = on_plate(scheme, [STEP, 1.0], 2 * (CYCLES + 1), 0.0, 1.0, &force)
+        .contact("upper.bottom", "lower.top", "standard")
+        .also(&friction())
+        .probe("block", "upper.all", "displacement");
     let expected = f64::from(CYCLES) * bound * STEP * STEP * (0.5 + 1.0 / 3.0);
     let error = move |evidence: &Evidence| -> Outcome<f64> { Ok((evidence.probe("block.x")? / expected - 1.0).abs()) };
     // One step slips, one sticks: backward Euler goes h^2 mu g in the first and nothing in the second, a fifth too far.
@@ -125,7 +139,10 @@ pub fn cases() -> Vec<Case> {
             cases.push(case.named(format!("{scheme} augmented penalty {penalty}")));
         }
         for facets in [10.0, 100.0, 1.0] {
-            cases.push(slide(scheme, facets));
+            cases.push(slide(scheme, facets, false));
+            if MORTAR.contains(&scheme) {
+                cases.push(slide(scheme, facets, true));
+            }
         }
         cases.push(stick_and_slip(scheme));
     }

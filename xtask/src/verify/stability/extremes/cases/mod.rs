@@ -35,6 +35,7 @@ const REPRESENTATIVE: &[&str] = &[
     "friction, stiffness",
     "friction, augmented stick",
     "slide over facets in a step",
+    "mortar: slide over facets in a step",
     "stick and slip in turn at each step",
     "mortar: off an edge and back on",
     "mortar: corner to corner",
