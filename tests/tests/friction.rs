@@ -69,6 +69,128 @@ fn cuts(s: &Simulation) -> usize {
 
 const MU: f64 = 0.3;
 
+/// By how much the dissipation of a step may be negative, relative: not at all for exact stick.
+fn round_off(stick: &str) -> f64 {
+    if stick.contains("penalty") && !stick.contains("augmented") { 1e-15 } else { 0.0 }
+}
+
+/// Mean x displacement of the block's lower face.
+fn lower_face(s: &Simulation) -> f64 {
+    let (q, reference) = (&s.state().q, &s.model().reference);
+    let nodes = s.model().bodies[1].nodes.clone().map(|n| 3 * n as usize).filter(|&c| reference[c + 2] == 0.0);
+    let moved: Vec<f64> = nodes.map(|c| q[c] - reference[c]).collect();
+    moved.iter().sum::<f64>() / moved.len() as f64
+}
+
+/// A block at a share of the friction angle, tan = share mu, under a weight that grows for one unit of time: a load that is there at once would swing beyond the bound.
+fn gently_loaded(scheme: &str, end: f64, share: f64, stick: &str) -> Simulation {
+    let tangent = share * MU;
+    let weight = DENSITY * GRAVITY / (1.0 + tangent * tangent).sqrt();
+    let load = format!("{{ table = [[0, 0, 0, 0], [1, {}, 0, {}]] }}", weight * tangent, -weight);
+    let contact = format!("method = \"nts\"\nfriction = {{ law = \"coulomb\", mu = {MU}{stick} }}");
+    let time = format!("end = {end:?}\nstep = 0.05\nintegrator = {{ scheme = \"{scheme}\" }}");
+    loaded_block(&time, &load, 0.0, &contact)
+}
+
+/// Runs to the end; least and largest place of the lower face after a time, and the steps then.
+fn range_after(s: &mut Simulation, time: f64) -> (f64, f64, u32) {
+    let (mut least, mut most, mut steps) = (f64::INFINITY, f64::NEG_INFINITY, 0);
+    while !s.finished() {
+        s.advance().unwrap();
+        if s.state().time > time {
+            least = least.min(lower_face(s));
+            most = most.max(lower_face(s));
+            steps += 1;
+        }
+    }
+    (least, most, steps)
+}
+
+/// On springs the face moves by traction over stiffness, no farther, and stays. Close to the bound the nodes with the lower pressures have slid until those
+/// with the highest, which still stick, take the rest: it moves by what their springs yield at most (softer than
+/// the block, that is, whose own deformation comes on top).
+#[test]
+fn springs_in_stick_yield_by_traction_over_stiffness() {
+    for (share, penalty) in [(0.5, 1e4), (0.5, 1e6), (0.99, 1e3), (0.99, 1e4)] {
+        let mut s = gently_loaded("backward-euler", 21.0, share, &format!(", penalty = {penalty:e}"));
+        let (least, most, _) = range_after(&mut s, 11.0);
+        let tangent = share * MU;
+        let mean = DENSITY * GRAVITY * HEIGHT * tangent / (1.0 + tangent * tangent).sqrt();
+        let highest = s.pressures().iter().flatten().fold(0.0_f64, |most, p| most.max(*p));
+        let bound = if share < 0.9 { mean } else { MU * highest } / penalty;
+        let drift = (most - least) / bound;
+        println!("{share} {penalty:e}: {:.6} of the bound, mean {:e}, drift {drift:e}", most / bound, mean / penalty);
+        assert!(
+            most < 1.2 * bound && least > 0.8 * mean / penalty,
+            "{share} {penalty:e}: {least:e} {most:e} of {bound:e}"
+        );
+        assert!(drift < 1e-6, "{share} {penalty:e}: {drift:e}");
+    }
+}
+
+/// The schemes that keep all vibrations.
+#[test]
+fn conserving_schemes_stick_below_the_friction_angle() {
+    for scheme in ["energy-momentum", "midpoint"] {
+        let (least, most, steps) = range_after(&mut gently_loaded(scheme, 51.0, 0.99, ""), 1.01);
+        println!("{scheme}: from {least:e} to {most:e} over {steps} steps");
+        assert!(most - least < 1e-8 && steps >= 999, "{scheme}: {:e}", most - least);
+    }
+}
+
+/// Distance and speed at a time of a point with `v' = -mu(v) g`, by the classical Runge-Kutta method, until it stops.
+fn slide_of_a_point(mu: impl Fn(f64) -> f64, speed: f64, end: f64) -> (f64, f64) {
+    const STEPS: usize = 60_000;
+    let h = end / STEPS as f64;
+    let (mut x, mut v) = (0.0, speed);
+    let rate = |v: f64| -mu(v) * GRAVITY;
+    for _ in 0..STEPS {
+        let a = rate(v);
+        let b = rate(v + 0.5 * h * a);
+        let c = rate(v + 0.5 * h * b);
+        let d = rate(v + h * c);
+        let next = v + h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        if next <= 0.0 {
+            return (x + 0.5 * v * v / -a, 0.0);
+        }
+        x += 0.5 * h * (v + next);
+        v = next;
+    }
+    (x, v)
+}
+
+/// A block that slides under the other laws against the equation of motion of a point.
+#[test]
+fn other_laws_slow_a_block_down_as_their_equation_says() {
+    let falling = |v: f64| 0.2 + 0.3 * (-(v / 0.5_f64).powi(2)).exp();
+    let smooth = |v: f64| 0.3 * v / v.hypot(0.1);
+    let laws: [(&str, &dyn Fn(f64) -> f64); 2] = [
+        (r#"law = "static-dynamic", mu_static = 0.5, mu_dynamic = 0.2, speed = 0.5"#, &falling),
+        (r#"law = "regularised", mu = 0.3, speed = 0.1"#, &smooth),
+    ];
+    for (law, mu) in laws {
+        for scheme in ["backward-euler", "energy-momentum", "midpoint"] {
+            let time = format!("end = 0.6\nstep = 0.002\nintegrator = {{ scheme = \"{scheme}\" }}");
+            let mut s = block(&time, 0.0, 1.0, &format!("{{ {law} }}"));
+            for end in [0.2, 0.6] {
+                while s.state().time < end - 1e-9 {
+                    s.advance().unwrap();
+                }
+                let (distance, speed) = slide_of_a_point(mu, 1.0, end);
+                let (x, v) = (place(&s).0 - 0.5, place(&s).1);
+                println!(
+                    "{law} {scheme} t = {end}: {:e} of the distance, {:e} of the speed",
+                    x / distance - 1.0,
+                    v - speed
+                );
+                assert!((x / distance - 1.0).abs() < 1e-2, "{law} {scheme} {end}: {x} against {distance}");
+                assert!((v - speed).abs() < 1e-2, "{law} {scheme} {end}: {v} against {speed}");
+            }
+            assert_eq!(cuts(&s), 0, "{law} {scheme}");
+        }
+    }
+}
+
 /// tan = 0.99 mu: after the first steps nothing moves, for a thousand steps.
 #[test]
 fn a_block_sticks_below_the_friction_angle() {
@@ -142,8 +264,11 @@ fn a_block_stops_at_the_analytic_distance() {
         let mut at_04 = 0.0;
         while !s.finished() {
             let record = s.advance().unwrap();
-            assert!(record.balance.dissipation >= dissipation - 1e-12, "dissipation falls");
-            dissipation = record.balance.dissipation;
+            let b = record.balance;
+            assert!(b.dissipation - dissipation >= -round_off(stick) * b.dissipation, "dissipation falls");
+            let rest = b.friction_work - b.friction_stored - b.dissipation;
+            assert!(rest.abs() < 1e-11 * kinetic, "{scheme} {stick}: work of friction, rest {rest:e}");
+            dissipation = b.dissipation;
             if s.state().time < 0.4 {
                 at_04 = place(&s).0;
             }
@@ -204,7 +329,10 @@ fn two_blocks_energy_momentum() {
             let ((a, ..), (b, active, closed)) = (&pair[0], &pair[1]);
             let change = mechanical(b) - mechanical(a);
             let dissipated = b.dissipation - a.dissipation;
-            assert!(dissipated >= -1e-13 * scale, "dissipated {dissipated:e}");
+            assert!(dissipated >= -round_off(stick) * scale, "dissipated {dissipated:e}");
+            let rest = b.friction_work - b.friction_stored - b.dissipation;
+            assert!(rest.abs() < 1e-11 * scale, "work of friction, rest {rest:e}");
+            assert!(b.friction_stored == b.contact && (b.contact == 0.0) == (round_off(stick) == 0.0 || *active == 0));
             assert!(change <= 1e-11 * scale, "gain {change:e}");
             if *active == 0 {
                 assert!((change + dissipated).abs() < 1e-11 * scale);
@@ -233,7 +361,8 @@ fn two_blocks_midpoint() {
         let last = &rows[rows.len() - 1].0;
         assert!(mechanical(last) < mechanical(first) && last.dissipation > 0.0);
         for pair in rows.windows(2) {
-            assert!(pair[1].0.dissipation >= pair[0].0.dissipation - 1e-12, "dissipation falls");
+            let dissipated = pair[1].0.dissipation - pair[0].0.dissipation;
+            assert!(dissipated >= -round_off(stick) * last.dissipation, "dissipation falls");
         }
     }
 }
@@ -362,7 +491,7 @@ fn exact_stick_in_extreme_impacts() {
         let scale = mechanical(&rows[0].0);
         for pair in rows.windows(2) {
             let ((a, ..), (b, ..)) = (&pair[0], &pair[1]);
-            assert!(b.dissipation - a.dissipation >= -1e-12 * scale, "{scheme} {step} {mu}: dissipation falls");
+            assert!(b.dissipation >= a.dissipation, "{scheme} {step} {mu}: dissipation falls");
             assert!(mechanical(b) - mechanical(a) <= 1e-12 * scale, "{scheme} {step} {mu}: energy rises");
         }
         assert!(rows.iter().any(|row| row.1 > 0), "{scheme} {step} {mu}: they touch");
@@ -431,7 +560,7 @@ fn slip_and_stick_in_turn_need_no_cut() {
             let mut dissipation = 0.0;
             while !s.finished() {
                 let now = s.advance().unwrap().balance.dissipation;
-                assert!(now >= dissipation - 1e-12, "{method} {scheme} {stick}: dissipation falls");
+                assert!(now - dissipation >= -round_off(stick) * now, "{method} {scheme} {stick}: dissipation falls");
                 dissipation = now;
             }
             assert!(place(&s).0 > 0.5 + 1e-3, "{method} {scheme} {stick}: it slides");
