@@ -243,3 +243,92 @@ fn a_surface_that_is_held_wholly_cannot_be_the_slave() {
     assert_eq!(top.len(), 25);
     assert!(top.iter().all(|&k| (q[k + 2] - 0.9).abs() < 1e-12));
 }
+
+/// A chain of ties, the first one on a surface of which the second one moves nodes: nothing is stressed without a load, in any order.
+#[test]
+fn ties_that_move_each_others_nodes_are_at_rest() {
+    let tie = |slave: &str, master: &str| format!("[[tie]]\nslave = \"{slave}\"\nmaster = \"{master}\"\n");
+    let (first, second) = (tie("low.top", "middle.bottom"), tie("middle.right", "side.left"));
+    for ties in [format!("{first}{second}"), format!("{second}{first}")] {
+        let mut s = simulation(&format!(
+            r#"
+[scene]
+title = "chain"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 1.0
+[[body]]
+name = "low"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [2, 2, 1], divisions = [3, 3, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[body]]
+name = "middle"
+mesh = {{ generator = "block", min = [0, 0, 1], max = [2, 2, 2], divisions = [4, 4, 3] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[body]]
+name = "side"
+mesh = {{ generator = "block", min = [2.06, 0, 1], max = [3, 2, 2], divisions = [2, 3, 2] }}
+rotation = {{ axis = [0, 0, 1], degrees = 3 }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+{ties}
+[[prescribe]]
+set = "low.bottom"
+components = ["x", "y", "z"]
+fixed = true
+"#
+        ));
+        run(&mut s);
+        assert!(s.balance().strain < 1e-20, "{:e}\n{ties}", s.balance().strain);
+    }
+}
+
+/// A block that is tied at one side and pressed on another body by its lower side: the nodes of the common edge have the rows of the tie only.
+#[test]
+fn an_edge_of_a_tie_and_a_contact_is_regular() {
+    for multipliers in MULTIPLIERS {
+        let mut s = simulation(&format!(
+            r#"
+[scene]
+title = "corner"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.25
+[[body]]
+name = "low"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [3, 2, 1], divisions = [3, 2, 1] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[body]]
+name = "wall"
+mesh = {{ generator = "block", min = [-1, 0, 1], max = [0, 2, 2], divisions = [2, 2, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[body]]
+name = "upper"
+mesh = {{ generator = "block", min = [0, 0, 1], max = [1.5, 2, 2], divisions = [3, 3, 3] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[tie]]
+slave = "upper.left"
+master = "wall.right"
+[[contact]]
+method = "mortar"
+multipliers = "{multipliers}"
+slave = "upper.bottom"
+master = "low.top"
+[[prescribe]]
+set = "low.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "wall.left"
+components = ["x", "y", "z"]
+fixed = true
+[[load]]
+set = "upper.top"
+pressure = {{ table = [[0, 0], [1, 60]] }}
+"#
+        ));
+        run(&mut s);
+        assert!(s.decisions().is_empty(), "{multipliers}: {:?}", s.decisions());
+    }
+}

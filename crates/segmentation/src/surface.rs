@@ -66,9 +66,9 @@ impl FacetSegmentation {
 
 /// Segments a slave facet against the candidates of a master surface.
 ///
-/// Two sheets (sets of candidates connected over edges) that cover the same part of the slave are no contact of both:
-/// the one whose mean gap is smaller in size stays, the other is listed as hidden. Where one sheet is folded, each point of the slave belongs to
-/// the nearer facet: the other's segment is cut ([`crate::Provenance::Cut`]).
+/// Two sheets (sets of candidates connected over edges) that cover the same part of the slave are no contact of both: of the one whose mean gap is larger in
+/// size the whole is listed as hidden if the nearer ones cover most of it, as the far side of a body is. Where they cover less, and where one sheet is
+/// folded, each part of the slave belongs to the nearer segment (by its mean gap): the other one is cut ([`crate::Provenance::Cut`]).
 ///
 /// # Errors
 /// Those of [`SlaveFrame::new`] and [`segment_pair`].
@@ -102,6 +102,9 @@ pub fn segment_facet(
     unfold(&mut found, candidates);
     Ok(found)
 }
+
+/// A sheet of which nearer ones cover more than this part is behind them.
+const BEHIND: f64 = 0.5;
 
 fn root(parent: &mut [usize], mut k: usize) -> usize {
     while parent[k] != k {
@@ -141,21 +144,15 @@ fn hide(found: &mut FacetSegmentation, candidates: &[MasterFacet], seen: &[usize
     let mut order: Vec<usize> = sheet.clone();
     order.sort_by(|&a, &b| size[a].total_cmp(&size[b]).then(a.cmp(&b)));
     order.dedup();
-    let tolerance = 1e-12 * found.frame.image_area();
     let mut kept: Vec<usize> = Vec::new();
     for &s in &order {
-        let free = |k: usize| {
-            let own = (0..sheet.len()).filter(|&i| sheet[i] == s);
-            own.map(|i| {
-                (0..sheet.len())
-                    .filter(|&j| sheet[j] == k)
-                    .map(|j| common_area(&found.segments[i], &found.segments[j]))
-                    .sum::<f64>()
-            })
-            .sum::<f64>()
-                <= tolerance
-        };
-        if kept.iter().all(|&k| free(k)) {
+        let mut covered = 0.0;
+        for i in (0..sheet.len()).filter(|&i| sheet[i] == s) {
+            for j in (0..sheet.len()).filter(|&j| kept.contains(&sheet[j])) {
+                covered += common_area(&found.segments[i], &found.segments[j]);
+            }
+        }
+        if covered <= BEHIND * gap[s].1 {
             kept.push(s);
         }
     }

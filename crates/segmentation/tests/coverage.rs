@@ -253,6 +253,28 @@ fn of_two_sheets_the_near_one_stays() {
     assert!(found.segments.iter().all(|s| s.master_facet < 100) && found.hidden.is_empty());
 }
 
+/// Two treads of a stair, the upper one over the lower one by a little, or by more: nothing of the slave is lost.
+#[test]
+fn sheets_that_overlap_cover_all() {
+    for lip in [0.0, 1e-11, 1e-9, 1e-4, 0.02, 0.3] {
+        let facet = |id: u32, from: f64, to: f64, z: f64| {
+            let corner = |x: f64, y: f64| Vector3::new(x, y, z);
+            let nodes = [0, 1, 2, 3].map(|k| 4 * id + k);
+            MasterFacet {
+                id,
+                nodes,
+                corners: [corner(from, -2.0), corner(from, 2.0), corner(to, 2.0), corner(to, -2.0)],
+            }
+        };
+        let facets = [facet(0, -2.0, lip, 0.01), facet(1, 0.0, 2.0, 0.05)];
+        let found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
+        assert!((found.parametric_area() - 4.0).abs() < 1e-12, "{lip}: {}", found.parametric_area());
+        let near: f64 = found.segments.iter().filter(|s| s.master_facet == 0).map(|s| s.parametric_area()).sum();
+        assert!((near - 2.0 * (1.0 + lip)).abs() < 1e-10, "{lip}: {near}");
+        assert!(found.hidden.is_empty() && check_coverage(&found, &facets, GapRange::ALL).unwrap().is_tiling(1e-12));
+    }
+}
+
 #[test]
 fn master_much_finer_and_much_coarser() {
     for (n, r) in [(60, 1.5), (1, 40.0), (3, 60.0)] {
