@@ -198,9 +198,10 @@ proptest! {
             let (aa, ab, bb) = (a.dot(&a), a.dot(&b), b.dot(&b));
             let det = aa * bb - ab * ab;
             let way = a * ((bb * r[n - 2] - ab * r[n - 1]) / det) + b * ((aa * r[n - 1] - ab * r[n - 2]) / det);
+            // Points far from where they were paired have no such place, and at last no projection.
+            prop_assume!(way.norm() < 0.4);
             (0..3).for_each(|i| x[3 * SLAVE + i] -= way[i]);
         }
-        // Points far from where they were paired have no such place.
         prop_assume!(rest < 1e-14);
         let q = &x[..n - 3];
         auxiliaries[..2].copy_from_slice(&multiplier);
