@@ -141,6 +141,9 @@ fn exact_stick_dissipates_nothing() {
         // A slip that round-off turned round.
         let s = step([2.0 + 1e-12, 0.0], [-1e-17, 0.0]);
         assert!(!s.sticks && s.work < 0.0 && s.dissipated == -s.work, "{stick:?}: {s:?}");
+        // One that did not come from round-off shows.
+        let s = step([3.5, 0.0], [-0.01, 0.0]);
+        assert!(!s.sticks && (s.dissipated + 0.02).abs() < 1e-17, "{stick:?}: {s:?}");
         let s = step([2.0, 0.0], [0.01, 0.0]);
         assert!(!s.sticks && (s.dissipated - 0.02).abs() < 1e-17 && s.dissipated == s.work);
     }

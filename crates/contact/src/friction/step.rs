@@ -47,6 +47,9 @@ pub fn stick_compliances(nodes: &[u32], is_held: impl Fn(u32) -> bool) -> Vec<f6
     nodes.iter().map(|&node| if is_held(node) { STICK_COMPLIANCE } else { 0.0 }).collect()
 }
 
+/// Slip, by that of a spring with the present traction, that an iteration leaves at a point that begins to slide.
+const LEFT: f64 = 1.0e-6;
+
 /// A law with all that its time stepping needs.
 #[derive(Clone, Debug)]
 pub struct Friction {
@@ -206,8 +209,8 @@ impl Friction {
     ///
     /// With `w = work`, `s` the stored energies: `w = s_np1 - s_n + dissipated`, and `dissipated >= 0` under every stepping for every law that keeps
     /// what [`FrictionLaw`] asks for, from any traction at the start. An exact stick stores nothing: a point that sticks dissipates nothing, because its
-    /// slip is zero by definition, one that slides `|w|`. Where the iteration left a slip in stick, or a traction along the slip, `w` and
-    /// the energies of the bodies tell. The spring of a multiplier's compliance, [`Friction::stored_by`], is loaded as
+    /// slip is zero by definition, one that slides `w`, or `|w|` where the slip is what an iteration leaves. Where it left a slip in stick, or a
+    /// traction along the slip, `w` and the energies of the bodies tell. The spring of a multiplier's compliance, [`Friction::stored_by`], is loaded as
     /// backward Euler does, which takes what it would store at the increment of the multiplier.
     pub fn step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
         self.step_with(at_end, point, false)
@@ -302,7 +305,13 @@ impl Friction {
         let dissipated = match (elastic, is_exact) {
             (false, _) => work,
             (true, true) if out.sticks => 0.0,
-            (true, true) => dot(out.force, less(point.slip, point.yielded)).abs(),
+            (true, true) => {
+                let slid = less(point.slip, point.yielded);
+                let power = dot(out.force, slid);
+                // A traction along a slip of any size is no friction, and shows.
+                let is_left = penalty * dot(slid, slid).sqrt() <= LEFT * dot(out.force, out.force).sqrt();
+                if is_left { power.abs() } else { power }
+            }
             (true, false) => out.dissipated,
         };
         FrictionStep { stored: self.stored(out.end), work, dissipated, ..out }
