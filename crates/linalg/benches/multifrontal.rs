@@ -31,8 +31,13 @@ const SYSTEMS: [&str; 8] = [
     "pair-30k-scaled-symmetric",
     "pair-30k-scaled",
 ];
-const SOLVERS: [(&str, &str); 4] =
-    [("faer LU", "1"), ("multifrontal LU", "1"), ("multifrontal LU", "2"), ("multifrontal LDL'", "1")];
+const SOLVERS: [(&str, &str); 5] = [
+    ("faer LU", "1"),
+    ("multifrontal LU", "1"),
+    ("multifrontal LU", "2"),
+    ("multifrontal LDL'", "1"),
+    ("multifrontal LDL'", "2"),
+];
 
 fn is_symmetric(name: &str) -> bool {
     name.trim_end_matches(".mtx").ends_with("symmetric")

@@ -78,7 +78,7 @@ impl FrontWork {
     }
 }
 
-/// LU of a front. `block` holds the lower panel (`w + r` rows, `w` columns) and the upper one (`w` rows, `r` columns), `update` the
+/// LU of a front. `block` holds the lower panel (`w + r` rows, `w` columns) and the upper one (`w` rows, `r` columns), `update` is for the
 /// `r x r` rest, all by columns. Pivots are chosen among the first `w` rows: afterwards the first `w` rows of the panels are `P A = L U`,
 /// the others of the lower panel `A U^-1`, and `update` is the Schur complement.
 ///
@@ -129,7 +129,7 @@ pub fn factorise_lu_front(
     let (below, upper) = (below.as_ref(), MatRef::from_column_major_slice(upper, w, r));
     for_columns(update, r, parallel && 2 * w * r * r >= SMALLEST_PRODUCT, |first, columns| {
         let upper = upper.subcols(first, columns.ncols());
-        matmul(columns, Accum::Add, below, upper, -1.0, Par::Seq);
+        matmul(columns, Accum::Replace, below, upper, -1.0, Par::Seq);
     });
     true
 }
@@ -139,7 +139,7 @@ pub fn factorise_lu_front(
 /// has the diagonal of `D`, `subdiagonal` the rest
 /// of `D`. `product` (`w r` entries) is scratch.
 ///
-/// The upper triangle of `update` is spoilt.
+/// `update`, whatever was in it, is what the elimination adds to the rest: `- L D L^T`, of which parts of the upper triangle are not computed.
 ///
 /// False if an equation has no acceptable pivot (or for want of memory); the factors are then worthless.
 pub fn factorise_ldl_front(
@@ -189,28 +189,33 @@ pub fn factorise_ldl_front(
     if r == 0 {
         return true;
     }
-    for (k, &p) in pivots.iter().enumerate() {
-        let from = below.rb().col(p as usize);
-        product[k * r..(k + 1) * r].iter_mut().zip(from.iter()).for_each(|(x, y)| *x = *y);
-    }
     let mut scaled = MatMut::from_column_major_slice_mut(product, r, w);
-    for_rows(scaled.rb_mut(), parallel && w * w * r >= SMALLEST_PRODUCT, &|rows| {
+    if pivots.iter().zip(0..).any(|(&p, k)| p != k) {
+        for (mut to, &p) in scaled.rb_mut().col_iter_mut().zip(&*pivots) {
+            to.copy_from(below.rb().col(p as usize));
+        }
+        below.copy_from(scaled.rb());
+    }
+    for_rows(below.rb_mut(), parallel && w * w * r >= SMALLEST_PRODUCT, &|rows| {
         triangular::solve_unit_lower_triangular_in_place(square, rows.transpose_mut(), Par::Seq);
     });
-    // Now `scaled` is `L D`.
+    // Now `below` is `L D`, which is kept in `scaled`, and becomes `L`.
     let mut k = 0;
     while k < w {
         if subdiagonal[k] == 0.0 {
             let inverse = 1.0 / square[(k, k)];
-            let from = scaled.rb().col(k);
-            below.rb_mut().col_mut(k).iter_mut().zip(from.iter()).for_each(|(x, y)| *x = y * inverse);
+            let pairs = below.rb_mut().col_mut(k).iter_mut().zip(scaled.rb_mut().col_mut(k).iter_mut());
+            pairs.for_each(|(x, kept)| {
+                *kept = *x;
+                *x *= inverse;
+            });
             k += 1;
         } else {
             let (a, b, c) = (square[(k, k)], subdiagonal[k], square[(k + 1, k + 1)]);
             let determinant = a * c - b * b;
-            let (first, second) = (scaled.rb().col(k), scaled.rb().col(k + 1));
             for i in 0..r {
-                let (x, y) = (first[i], second[i]);
+                let (x, y) = (below[(i, k)], below[(i, k + 1)]);
+                (scaled[(i, k)], scaled[(i, k + 1)]) = (x, y);
                 below[(i, k)] = (c * x - b * y) / determinant;
                 below[(i, k + 1)] = (a * y - b * x) / determinant;
             }
@@ -222,9 +227,9 @@ pub fn factorise_ldl_front(
         let width = columns.ncols();
         let right = scaled.subrows(first, width);
         let (diagonal, rest) = columns.subrows_mut(first, r - first).split_at_row_mut(width);
-        subtract_lower(diagonal, below.subrows(first, width), right);
+        negative_lower_product(diagonal, below.subrows(first, width), right);
         let below = below.subrows(first + width, r - first - width);
-        matmul(rest, Accum::Add, below, right.transpose(), -1.0, Par::Seq);
+        matmul(rest, Accum::Replace, below, right.transpose(), -1.0, Par::Seq);
     });
     true
 }
@@ -262,14 +267,14 @@ fn factorise_without_pivoting(
     false
 }
 
-/// `target -= left right^T` for the lower triangle and parts of the upper one, which nobody reads.
-fn subtract_lower(mut target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
+/// `target = -left right^T` for the lower triangle and parts of the upper one, which nobody reads.
+fn negative_lower_product(mut target: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
     let n = target.ncols();
     for first in (0..n).step_by(DIAGONAL_BLOCK) {
         let width = DIAGONAL_BLOCK.min(n - first);
         let block = target.rb_mut().submatrix_mut(first, first, n - first, width);
         let right = right.subrows(first, width).transpose();
-        matmul(block, Accum::Add, left.subrows(first, n - first), right, -1.0, Par::Seq);
+        matmul(block, Accum::Replace, left.subrows(first, n - first), right, -1.0, Par::Seq);
     }
 }
 
@@ -313,10 +318,10 @@ mod tests {
     /// What was in the vector of off-diagonals before does not matter: the last entry is not written by the library.
     #[test]
     fn off_diagonals_need_not_be_cleared() {
-        // [0 1 0; 1 3 1; 0 1 4], of which two equations are eliminated by one 2 x 2 pivot or by exchanging them.
+        // [0 1 1; 1 3 1; 1 1 0], of which two equations are eliminated by one 2 x 2 pivot or by exchanging them; the Schur complement is 1.
         let factorise = |left_over: f64| {
-            let mut block = [0.0, 1.0, 0.0, 0.0, 3.0, 1.0];
-            let (mut update, mut pivots, mut product) = ([4.0], [0; 2], [0.0; 2]);
+            let mut block = [0.0, 1.0, 1.0, 0.0, 3.0, 1.0];
+            let (mut update, mut pivots, mut product) = ([left_over], [0; 2], [left_over; 2]);
             let mut subdiagonal = [left_over; 2];
             let (update_, work) = (&mut update, &mut FrontWork::default());
             let done = factorise_ldl_front(
@@ -333,7 +338,7 @@ mod tests {
             (done, block, update, subdiagonal)
         };
         let clean = factorise(0.0);
-        assert!(clean.0 && (clean.2[0] - 4.0).abs() < 1e-15, "{clean:?}");
+        assert!(clean.0 && (clean.2[0] - 1.0).abs() < 1e-15, "{clean:?}");
         assert_eq!(factorise(7.0), clean);
     }
 }

@@ -11,6 +11,12 @@ use crate::faer_backend::{FrontWork, factorise_ldl_front, factorise_lu_front};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
+/// Columns of a front to which one task adds the children's updates.
+const COLUMNS: usize = 64;
+
+/// Fewer entries of a front are not worth several tasks.
+const SMALLEST_SUM: usize = 50_000;
+
 /// The factors, and the memory to compute them in.
 #[derive(Debug, Default)]
 pub(super) struct Numeric {
@@ -110,24 +116,20 @@ impl Run<'_> {
             if front.odd == last_odd {
                 let (free, updates) = part.arena.split_at_mut(high);
                 let (update, free) = free[low..].split_at_mut(size);
-                let mut at = held;
-                let updates = children.map(|child| {
-                    at -= child.r * child.r;
-                    (child, &updates[at..at + child.r * child.r])
+                let updates = children.scan(held, |at, child| {
+                    *at -= child.r * child.r;
+                    Some((child, &updates[*at..*at + child.r * child.r]))
                 });
-                self.assemble(f, own, update, updates);
-                result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
+                result = self.front(f, (own, own_pivots, own_subdiagonal), update, updates, free, &mut work);
                 (low, high) = (low + size, high + held);
             } else {
                 let (updates, free) = part.arena.split_at_mut(low);
                 let (free, update) = free[..high - low].split_at_mut(high - low - size);
-                let mut at = low - held;
-                let updates = children.map(|child| {
-                    at += child.r * child.r;
-                    (child, &updates[at - child.r * child.r..at])
+                let updates = children.scan(low - held, |at, child| {
+                    *at += child.r * child.r;
+                    Some((child, &updates[*at - child.r * child.r..*at]))
                 });
-                self.assemble(f, own, update, updates);
-                result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
+                result = self.front(f, (own, own_pivots, own_subdiagonal), update, updates, free, &mut work);
                 (low, high) = (low - held, high - size);
             }
             if result.is_err() {
@@ -153,15 +155,13 @@ impl Run<'_> {
         let below = Part { factors: below, pivots: pivots_below, subdiagonal: subdiagonal_below, arena: &mut *arena };
         let top = self.children(f, below)?;
         let (held, free) = arena.split_at_mut(top);
-        let mut at = 0;
-        let updates = self.symbolic.children(f).iter().map(|&c| {
+        let updates = self.symbolic.children(f).iter().scan(0, |at, &c| {
             let child = self.symbolic.fronts[c as usize];
-            at += child.need_shared;
-            (child, &held[at - child.need_shared..][..child.r * child.r])
+            *at += child.need_shared;
+            Some((child, &held[*at - child.need_shared..][..child.r * child.r]))
         });
-        self.assemble(f, own, update, updates);
         let mut work = self.take_work();
-        let result = self.eliminate(front, own, own_pivots, own_subdiagonal, update, free, &mut work);
+        let result = self.front(f, (own, own_pivots, own_subdiagonal), update, updates, free, &mut work);
         self.return_work(work);
         result
     }
@@ -197,62 +197,76 @@ impl Run<'_> {
         results.into_iter().collect::<Result<Vec<()>, NoPivot>>().map(|_| taken)
     }
 
-    /// The matrix' entries and the children's updates.
-    fn assemble<'u>(
+    /// A front: its fully summed columns are assembled and eliminated, which gives the update, to which those of the children are added.
+    fn front<'u>(
         &self,
         f: usize,
-        block: &mut [f64],
+        (block, pivots, subdiagonal): (&mut [f64], &mut [u32], &mut [f64]),
         update: &mut [f64],
-        updates: impl Iterator<Item = (Front, &'u [f64])>,
-    ) {
+        updates: impl Iterator<Item = (Front, &'u [f64])> + Clone + Sync,
+        free: &mut [f64],
+        work: &mut FrontWork,
+    ) -> Result<(), NoPivot> {
         let Front { w, r, .. } = self.symbolic.fronts[f];
         block.fill(0.0);
-        if self.symmetric() {
-            (0..r).for_each(|j| update[j * r + j..(j + 1) * r].fill(0.0));
-        } else {
-            update.fill(0.0);
-        }
         let entries = self.symbolic.entry_starts[f]..self.symbolic.entry_starts[f + 1];
         for &(place, k) in &self.symbolic.entries[entries] {
             block[place as usize] += self.values[k as usize];
         }
+        let symmetric = self.symmetric();
         let (lower, upper) = block.split_at_mut((w + r) * w);
-        for (child, values) in updates {
-            let places = &self.symbolic.places[child.rows()];
-            let inner = places.partition_point(|&p| (p as usize) < w);
-            for (j, (column, &place)) in values.chunks_exact(child.r.max(1)).zip(places).enumerate() {
-                let begin = if self.symmetric() { j } else { 0 };
-                let place = place as usize;
-                if j < inner {
-                    add(&mut lower[place * (w + r)..][..w + r], &places[begin..], 0, &column[begin..]);
-                } else {
-                    if !self.symmetric() {
-                        add(&mut upper[(place - w) * w..][..w], &places[..inner], 0, &column[..inner]);
-                    }
-                    let begin = begin.max(inner);
-                    add(&mut update[(place - w) * r..][..r], &places[begin..], w, &column[begin..]);
-                }
-            }
+        // Rows that a child's column `j` has in the panels and in the update; of symmetric values those from the diagonal on.
+        let from = |j: usize| if symmetric { j } else { 0 };
+        self.add(lower, (f, w + r), 0, 0, updates.clone(), |j, _, end| from(j)..end);
+        if !symmetric {
+            self.add(upper, (f, w), w, 0, updates.clone(), |_, inner, _| 0..inner);
         }
-    }
-
-    fn eliminate(
-        &self,
-        front: Front,
-        block: &mut [f64],
-        pivots: &mut [u32],
-        subdiagonal: &mut [f64],
-        update: &mut [f64],
-        free: &mut [f64],
-        work: &mut FrontWork,
-    ) -> Result<(), NoPivot> {
-        let Front { w, r, .. } = front;
-        let result = if self.symmetric() {
+        let eliminated = if symmetric {
             factorise_ldl_front(w, r, block, update, pivots, subdiagonal, &mut free[..w * r], work, self.parallel)
         } else {
             factorise_lu_front(w, r, block, update, pivots, work, self.parallel)
         };
-        if result { Ok(()) } else { Err(NoPivot) }
+        if !eliminated {
+            return Err(NoPivot);
+        }
+        self.add(update, (f, r), w, w, updates, |j, inner, end| inner.max(from(j))..end);
+        Ok(())
+    }
+
+    /// Adds the children's updates to a part of front `f`: columns of `height` entries, the first of which is the front's column `first`
+    /// and begins with the front's row `top`. `rows(j, inner, end)` are the rows of a child's column `j` that count, of its `end` rows, the first `inner` of
+    /// which are eliminated in the front.
+    fn add<'u>(
+        &self,
+        target: &mut [f64],
+        (f, height): (usize, usize),
+        first: usize,
+        top: usize,
+        updates: impl Iterator<Item = (Front, &'u [f64])> + Clone + Sync,
+        rows: impl Fn(usize, usize, usize) -> std::ops::Range<usize> + Sync,
+    ) {
+        let Front { w, shared, .. } = self.symbolic.fronts[f];
+        let task = |(block, target): (usize, &mut [f64])| {
+            let columns = first + block * COLUMNS..first + block * COLUMNS + target.len() / height;
+            for (child, values) in updates.clone() {
+                let places = &self.symbolic.places[child.rows()];
+                let position = |place: usize| places.partition_point(|&p| (p as usize) < place);
+                let inner = position(w);
+                for j in position(columns.start)..position(columns.end) {
+                    let rows = rows(j, inner, child.r);
+                    let target = &mut target[(places[j] as usize - columns.start) * height..][..height];
+                    let values = &values[j * child.r..][rows.clone()];
+                    for (&place, value) in places[rows].iter().zip(values) {
+                        target[place as usize - top] += value;
+                    }
+                }
+            }
+        };
+        if self.parallel && shared && target.len() >= SMALLEST_SUM {
+            target.par_chunks_mut(COLUMNS * height).enumerate().for_each(task);
+        } else if height > 0 {
+            target.chunks_mut(COLUMNS * height).enumerate().for_each(task);
+        }
     }
 
     fn take_work(&self) -> FrontWork {
@@ -263,13 +277,5 @@ impl Run<'_> {
 
     fn return_work(&self, work: FrontWork) {
         self.work.lock().unwrap_or_else(PoisonError::into_inner).push(work);
-    }
-}
-
-/// `target[places[i] - shift] += values[i]`.
-#[inline]
-fn add(target: &mut [f64], places: &[u32], shift: usize, values: &[f64]) {
-    for (&place, value) in places.iter().zip(values) {
-        target[place as usize - shift] += value;
     }
 }

@@ -185,36 +185,38 @@ impl Run<'_> {
 /// `t <- L^-1 t` for the first `w` entries, `t <- t - L t` for the others; unit diagonal.
 fn forward(lower: &[f64], w: usize, t: &mut [f64]) {
     let m = t.len();
-    let mut k = 0;
-    // Two columns at a time halve the traffic of `t`.
-    while k + 1 < w {
-        let (a, b) = (&lower[k * m..][..m], &lower[(k + 1) * m..][..m]);
-        let x = t[k];
-        let y = t[k + 1] - a[k + 1] * x;
-        t[k + 1] = y;
-        for ((t, a), b) in t[k + 2..].iter_mut().zip(&a[k + 2..]).zip(&b[k + 2..]) {
-            *t -= a * x + b * y;
+    for first in (0..w).step_by(4) {
+        let width = 4.min(w - first);
+        for k in first..first + width {
+            let x = t[k];
+            let column = &lower[k * m..][..first + width];
+            t[k + 1..first + width].iter_mut().zip(&column[k + 1..]).for_each(|(t, a)| *t -= a * x);
         }
-        k += 2;
-    }
-    if k < w {
-        let x = t[k];
-        t[k + 1..].iter_mut().zip(&lower[k * m + k + 1..][..m - k - 1]).for_each(|(t, a)| *t -= a * x);
+        let (x, t) = t[first..].split_at_mut(width);
+        subtract_columns(&lower[first * m..], m, first + width, x, t);
     }
 }
 
 /// `t <- t - U x`.
 fn subtract(upper: &[f64], w: usize, x: &[f64], t: &mut [f64]) {
-    let mut pairs = upper.chunks_exact(2 * w);
-    let mut xs = x.chunks_exact(2);
-    for (columns, x) in pairs.by_ref().zip(xs.by_ref()) {
-        let (a, b) = columns.split_at(w);
-        for ((t, a), b) in t.iter_mut().zip(a).zip(b) {
-            *t -= a * x[0] + b * x[1];
-        }
+    for (columns, x) in upper.chunks(4 * w).zip(x.chunks(4)) {
+        subtract_columns(columns, w, 0, x, t);
     }
-    for (column, x) in pairs.remainder().chunks_exact(w).zip(xs.remainder()) {
-        t.iter_mut().zip(column).for_each(|(t, a)| *t -= a * x);
+}
+
+/// `t <- t - A x` with the rows from `top` on of at most four columns of height `m`: four at a time spare most of the traffic of `t`.
+#[inline]
+fn subtract_columns(columns: &[f64], m: usize, top: usize, x: &[f64], t: &mut [f64]) {
+    if let &[x0, x1, x2, x3] = x {
+        let column = |k: usize| &columns[k * m + top..(k + 1) * m][..t.len()];
+        let (a, b, c, d) = (column(0), column(1), column(2), column(3));
+        for i in 0..t.len() {
+            t[i] -= (a[i] * x0 + b[i] * x1) + (c[i] * x2 + d[i] * x3);
+        }
+    } else {
+        for (column, x) in columns.chunks(m).zip(x) {
+            t.iter_mut().zip(&column[top..]).for_each(|(t, a)| *t -= a * x);
+        }
     }
 }
 
@@ -255,15 +257,16 @@ fn backward_transposed(lower: &[f64], w: usize, t: &mut [f64]) {
     }
 }
 
-/// Four partial sums, which the compiler can keep in vector registers.
+/// Eight partial sums, which the compiler can keep in vector registers.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (mut p, mut q) = (a.chunks_exact(4), b.chunks_exact(4));
+    let mut sums = [0.0; 8];
+    let (mut p, mut q) = (a.chunks_exact(8), b.chunks_exact(8));
     for (a, b) in p.by_ref().zip(q.by_ref()) {
-        for l in 0..4 {
+        for l in 0..8 {
             sums[l] += a[l] * b[l];
         }
     }
     let rest: f64 = p.remainder().iter().zip(q.remainder()).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + b) + (c + d)) + ((e + f) + (g + h)) + rest
 }
