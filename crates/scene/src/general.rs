@@ -178,6 +178,10 @@ pub struct Solver {
     /// Largest number of Newton iterations a step, at least 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
+    /// Whether one iteration more follows when Newton has converged, where that still pays; default: true. Balances are exact only as far as
+    /// the residual is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub polish: Option<bool>,
     /// How linear systems are solved.
     #[serde(default)]
     pub linear: LinearSolver,

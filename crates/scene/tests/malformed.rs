@@ -72,6 +72,7 @@ const CASES: &[Case] = &[
     // [solver]
     dynamic("relative_tolerance = 1e-9", "relative_tolerance = 2", "relative_tolerance", "solver.relative_tolerance"),
     dynamic("max_iterations = 20", "max_iterations = 0", "max_iterations", "solver.max_iterations"),
+    dynamic("max_iterations = 20", "polish = 0", "polish", "solver.polish"),
     dynamic("max_iterations = 20", "linear = \"magic\"", "magic", "solver.linear"),
     dynamic("max_iterations = 20", "absolute_tolerance = -1", "absolute_tolerance", "solver.absolute_tolerance"),
     // [[body]]

@@ -86,6 +86,7 @@ pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {
     });
     let absolute_tolerance = table.optional("absolute_tolerance", Node::not_negative);
     let max_iterations = table.optional("max_iterations", Node::count);
+    let polish = table.optional("polish", Node::boolean);
     let inside_out =
         table.default("inside_out", InsideOut::Refuse, |n| n.choice(InsideOut::NAMES, InsideOut::from_name));
     let linear =
@@ -96,6 +97,7 @@ pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {
         relative_tolerance: relative_tolerance?,
         absolute_tolerance: absolute_tolerance?,
         max_iterations: max_iterations?,
+        polish: polish?,
         linear: linear?,
         factors: factors?,
         inside_out: inside_out?,

@@ -178,6 +178,7 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             },
             absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
             max_iterations: solver.max_iterations.unwrap_or(default.max_iterations),
+            polish: if solver.polish == Some(false) { 0 } else { default.polish },
             line_search: match (scene.header.kind, LineSearch::backtracking()) {
                 (Kind::Dynamic, LineSearch::Backtracking { max_growth, reduction, max_reductions, .. }) => {
                     LineSearch::Backtracking { max_growth, small: SMALL_RESIDUAL, reduction, max_reductions }

@@ -1,4 +1,4 @@
-//! What the mortar method promises beyond the patch test: transfer of fields, momenta, an impact, ironing, a rotating indenter, Hertz, ties.
+//! What the mortar method promises beyond the patch test: transfer of fields, momenta, impacts, ironing, a rotating indenter, Hertz, ties.
 
 mod cantilever;
 mod deep;
@@ -6,6 +6,7 @@ mod fields;
 mod hertz;
 mod ironing;
 mod momenta;
+mod oblique;
 mod rotating;
 
 use std::path::Path;
@@ -14,7 +15,7 @@ use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 
-/// Fields, momenta, impact, ironing, deep ironing in few steps, rotating indenter, Hertz, tied cantilever.
+/// Fields, momenta, impact, oblique impact, ironing, deep ironing in few steps, rotating indenter, Hertz, tied cantilever.
 pub struct Mortar;
 
 const MOMENTUM: f64 = 1e-11;
@@ -27,7 +28,7 @@ impl Suite for Mortar {
     }
 
     fn about(&self) -> &'static str {
-        "Transfer of fields between surfaces, resultants of the contact forces, impact of two blocks, ironing, deep ironing in few steps, a rotating indenter, Hertz, order of a tied cantilever."
+        "Transfer of fields between surfaces, resultants of the contact forces, impact of two blocks, oblique impact with friction, ironing, deep ironing in few steps, a rotating indenter, Hertz, order of a tied cantilever."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
@@ -35,6 +36,7 @@ impl Suite for Mortar {
         fields::measure(&mut findings, bench.quick)?;
         momenta::measure(&mut findings, bench.quick)?;
         impact(bench, &mut findings)?;
+        oblique::measure(bench, &mut findings)?;
         cantilever::measure(bench, &mut findings)?;
         ironing::measure(bench, &mut findings)?;
         deep::measure(bench, &mut findings)?;
