@@ -13,6 +13,11 @@
 //! enough: the drift of a step is the work of the residual that is left. Hence the iteration goes on ("polish") after
 //! the tolerance is reached, as long as an iteration still pays; with quadratic convergence one more is nearly always enough
 //! to arrive at round-off. See [`NewtonOptions::polish`].
+//!
+//! # What if it goes round?
+//! A residual with kinks (stick and slip, closed and open, the facets of a surface) can send Newton's method round among its pieces for ever. When the
+//! last residuals, after full steps, are those of two or three iterations before, the next step is half as long: it ends between the pieces, and the method
+//! goes on from there as usual.
 
 mod options;
 mod problem;

@@ -55,7 +55,7 @@ pub struct IterationRecord {
     pub violation: f64,
     /// Norm of the full increment `du` that led here.
     pub increment: f64,
-    /// The part of the increment that was taken: 1 without a line search, 0 for an iterate of the polishing that was
+    /// The part of the increment that was taken: 1 without a line search (less where the iteration went round), 0 for an iterate of the polishing that was
     /// taken back (its residual is the rejected one).
     pub step_length: f64,
 }

@@ -24,6 +24,13 @@ pub fn solve<P: NewtonProblem>(
     }
 }
 
+/// Newton's method may go round for ever among the pieces of a residual with kinks (stick and slip, the facets of a surface), each of
+/// which leads to the next. A step of this length ends between them.
+const SHORT_STEP: f64 = 0.5;
+
+/// Relative difference of residuals that are taken for the same.
+const SAME_RESIDUAL: f64 = 0.02;
+
 /// Norms of an iterate.
 #[derive(Clone, Copy)]
 struct Norms {
@@ -92,7 +99,8 @@ impl Course<'_> {
                 return Ok(StopReason::NotFinite);
             }
             let previous = norms;
-            let length = match self.step(problem, previous)? {
+            let first = if self.cycles() { SHORT_STEP } else { 1.0 };
+            let length = match self.step(problem, previous, first)? {
                 Step::Taken { norms: new, length } => {
                     norms = new;
                     length
@@ -174,28 +182,42 @@ impl Course<'_> {
         Ok(StopReason::Converged)
     }
 
-    /// One step along the increment: the full one, or a shorter one where the line search is on and has to act.
-    fn step<P: NewtonProblem>(&self, problem: &mut P, previous: Norms) -> Result<Step, P::Error> {
-        let full = match problem.update(1.0) {
+    /// Whether the last two residuals, all after full steps, are those of the same number of iterations before, two or three.
+    fn cycles(&self) -> bool {
+        (2..=3).any(|period| {
+            let Some(last) = self.records.last_chunk::<5>().map(|last| &last[3 - period..]) else { return false };
+            let same = |a: &IterationRecord, b: &IterationRecord| {
+                let (a, b) = (a.relative_residual(), b.relative_residual());
+                (a - b).abs() <= SAME_RESIDUAL * a
+            };
+            last.iter().all(|record| record.step_length == 1.0)
+                && same(&last[period], &last[0])
+                && same(&last[period + 1], &last[1])
+        })
+    }
+
+    /// One step along the increment: `first` times it, or a shorter one where the line search is on and has to act.
+    fn step<P: NewtonProblem>(&self, problem: &mut P, previous: Norms, first: f64) -> Result<Step, P::Error> {
+        let full = match problem.update(first) {
             Ok(()) => assemble(problem),
             Err(error) => Err(error),
         };
         let LineSearch::Backtracking { max_growth, small, reduction, max_reductions } = self.options.line_search else {
             let norms = full?;
-            return Ok(if norms.is_finite() { Step::Taken { norms, length: 1.0 } } else { Step::NotFinite });
+            return Ok(if norms.is_finite() { Step::Taken { norms, length: first } } else { Step::NotFinite });
         };
         let limit = max_growth * previous.measure.max(small * previous.scale);
         let mut last_error = None;
         match full {
             // Also below the tolerance: a residual at round-off may grow by any factor.
             Ok(norms) if norms.is_finite() && (norms.measure <= limit || self.within_tolerance(norms)) => {
-                return Ok(Step::Taken { norms, length: 1.0 });
+                return Ok(Step::Taken { norms, length: first });
             }
             Ok(_) => {}
             Err(error) if problem.is_recoverable(&error) => last_error = Some(error),
             Err(error) => return Err(error),
         }
-        let mut length = 1.0;
+        let mut length = first;
         for _ in 0..max_reductions {
             length *= reduction;
             let trial = match problem.update(length) {

@@ -234,6 +234,20 @@ fn the_line_search_globalises() {
     assert!(problem().run(&NewtonOptions::default()).is_err());
 }
 
+/// `x^3 - 2 x + 2 = 0` from 0: Newton goes round between 0 and 1. A shorter step leaves the round, and all others are full ones. The same with `x = 0`
+/// and half its slope, from 1 to -1 and back.
+#[test]
+fn a_cycle_is_left() {
+    let mut p = Scalar::new(|x| x, |_| 0.5, 1.0);
+    p.run(&NewtonOptions::default()).unwrap();
+    assert_eq!(p.x, 0.0);
+    let mut p = Scalar::new(|x| x.powi(3) - 2.0 * x + 2.0, |x| 3.0 * x * x - 2.0, 0.0);
+    let report = p.run(&NewtonOptions::default()).unwrap();
+    let short: Vec<usize> = (1..report.iterations.len()).filter(|&k| report.iterations[k].step_length < 1.0).collect();
+    assert_eq!(short, [5]);
+    assert!((p.x + 1.769_292_354_238_631_4).abs() < 1e-14, "{}", p.x);
+}
+
 /// A step that multiplies a tiny residual is refused, unless the residual counts as more than it is.
 #[test]
 fn a_small_residual_may_grow() {
@@ -268,13 +282,9 @@ fn no_acceptable_length_is_named() {
 fn other_stops_are_named() {
     let run = |f: fn(f64) -> f64, k: fn(f64) -> f64, x| Scalar::new(f, k, x).run(&NewtonOptions::default());
     assert_eq!(reason(run(|x| x, |_| 10.0, 1.0)), StopReason::MaxIterations);
-    // From 1 to -1 and back.
-    assert_eq!(reason(run(|x| x, |_| 0.5, 1.0)), StopReason::Stagnated);
     assert_eq!(reason(run(|x| x, |_| -1e-3, 1.0)), StopReason::Diverged);
     // x^2 + 1 has no root: the residual never falls below 1 for long.
     assert_eq!(reason(run(|x| x * x + 1.0, |x| 2.0 * x, 1e-3)), StopReason::Stagnated);
-    // A cycle of two: x^3 - 2x + 2 between 0 and 1.
-    assert_eq!(reason(run(|x| x * x * x - 2.0 * x + 2.0, |x| 3.0 * x * x - 2.0, 0.0)), StopReason::Stagnated);
 }
 
 #[test]
