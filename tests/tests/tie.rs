@@ -244,6 +244,32 @@ fn a_surface_that_is_held_wholly_cannot_be_the_slave() {
     assert!(top.iter().all(|&k| (q[k + 2] - 0.9).abs() < 1e-12));
 }
 
+/// A slave that reaches over its master by a third is tied for two thirds, and that is said; a whole one says nothing.
+#[test]
+fn a_tie_of_a_part_of_the_slave_is_told() {
+    let scene = |width: f64| {
+        let body = |name: &str, from: f64, to: f64, width: f64| {
+            format!(
+                "[[body]]\nname = \"{name}\"\ndensity = 1.0\nmaterial = {{ law = \"neo-hooke\", young = 1.0, poisson = 0.3 }}\n\
+                 mesh = {{ generator = \"block\", min = [0, 0, {from}], max = [{width}, 1, {to}], divisions = [2, 2, 2] }}\n"
+            )
+        };
+        format!(
+            "[scene]\ntitle = \"tie\"\nkind = \"dynamic\"\n[time]\nend = 1.0\nstep = 0.1\n\
+             integrator = {{ scheme = \"energy-momentum\" }}\n{}{}[[tie]]\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\n",
+            body("lower", 0.0, 1.0, 2.0),
+            body("upper", 1.0, 2.0, width)
+        )
+    };
+    let warnings = |width: f64| {
+        let scene = stoss::scene::parse(&scene(width), "test.toml").unwrap();
+        stoss::build::build(&scene, std::path::Path::new(".")).unwrap().warnings
+    };
+    assert_eq!(warnings(1.5), Vec::<String>::new());
+    let told = warnings(3.0);
+    assert!(told.len() == 1 && told[0].contains("66.7 % of the slave surface"), "{told:?}");
+}
+
 /// A chain of ties, the first one on a surface of which the second one moves nodes: nothing is stressed without a load, in any order.
 #[test]
 fn ties_that_move_each_others_nodes_are_at_rest() {

@@ -350,6 +350,7 @@ fn what_cannot_be_tied_is_named() {
     let reached = TieOptions { reach: Some(4.0), interface: Interface::Keep, ..TieOptions::default() };
     let tie = MeshTie::new("tie", &p.slave, &p.master, &far, |_| false, reached).unwrap();
     assert!((tie.largest_initial_gap() - 3.0).abs() < 1e-12 && (tie.tied_area() - 4.0).abs() < 1e-12);
+    assert!((tie.tied_share() - 1.0).abs() < 1e-12);
     let shared = MeshTie::new("tie", &p.slave, &p.slave, &p.x, |_| false, TieOptions::default());
     assert!(matches!(shared, Err(MortarError::Surface(_))));
 }

@@ -34,7 +34,7 @@ mod frame;
 mod method;
 mod rows;
 
-use crate::{CheckExtent, MortarError, MortarMatrices, MultiplierSpace, Quadrature, segment_surfaces};
+use crate::{CheckExtent, MortarError, MortarMatrices, MultiplierSpace, Quadrature, SurfaceCoverage, segment_surfaces};
 use frame::NodeFrame;
 use rows::{ConstraintRow, constraint_rows};
 use stoss_contact::ContactSurface;
@@ -97,6 +97,7 @@ pub struct MeshTie {
     moved: Vec<(u32, [f64; 3])>,
     largest_gap: f64,
     covered: f64,
+    area: f64,
 }
 
 /// A slave node with multipliers.
@@ -140,7 +141,7 @@ impl MeshTie {
         let mut largest_gap = None;
         let mut moved = false;
         let mut pass = 0;
-        let (rows, covered) = loop {
+        let (rows, SurfaceCoverage { covered, area, .. }) = loop {
             let segments = segment_surfaces(&slave, &master, &q, range)?;
             let coverage = segments.check(&master, &q, CheckExtent::Neighbours)?;
             if let Some(fault) = coverage.faults.first() {
@@ -161,10 +162,10 @@ impl MeshTie {
                 moved = true;
                 pass += 1;
                 if pass == PASSES {
-                    break (rows, coverage.covered);
+                    break (rows, coverage);
                 }
             } else {
-                break (rows, coverage.covered);
+                break (rows, coverage);
             }
         };
         let largest_gap = largest_gap.unwrap_or(0.0);
@@ -177,6 +178,7 @@ impl MeshTie {
             moved: Vec::new(),
             largest_gap,
             covered,
+            area,
         };
         for row in rows {
             let wanted = options.form == TieForm::FrameInvariant && row.is_free;
@@ -215,6 +217,11 @@ impl MeshTie {
     /// Area of the slave surface (its image in the segmentation planes) that is tied.
     pub fn tied_area(&self) -> f64 {
         self.covered
+    }
+
+    /// [`Self::tied_area`] over the area of the whole slave surface: below 1 where the slave overhangs or the surfaces lie farther apart than the reach.
+    pub fn tied_share(&self) -> f64 {
+        self.covered / self.area
     }
 
     /// Global slave nodes that have a multiplier, ascending.

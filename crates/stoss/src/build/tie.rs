@@ -7,6 +7,10 @@ use crate::scene::Scene;
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeSet;
 
+/// A tie of a larger share of its slave surface leaves nothing free but round-off, and slivers of curved rims.
+#[cfg(feature = "mortar")]
+const WHOLLY_TIED: f64 = 0.999;
+
 /// Ties of a scene, and the slave nodes that they hold.
 #[derive(Default)]
 pub(super) struct Ties {
@@ -118,6 +122,14 @@ fn made(
                 item.label(),
                 tie.moved().len(),
                 tie.largest_initial_gap()
+            ));
+        }
+        if tie.tied_share() < WHOLLY_TIED {
+            warnings.push(format!(
+                "{}: {:.1} % of the slave surface lie opposite the master and are tied, the rest is free; where more is meant, set `reach` \
+                 or choose other surfaces",
+                item.label(),
+                100.0 * tie.tied_share()
             ));
         }
         ties.pairs.push(ContactPair { name: item.label(), method: Box::new(tie), complementarity: 1.0 });
