@@ -204,7 +204,7 @@ impl MortarContact {
     /// Facets that cannot be segmented.
     pub fn coverage(&self) -> Result<Option<SurfaceCoverage>, MortarError> {
         let present = self.integrated.as_ref();
-        present.map(|i| i.segments.check(&self.master, &self.at, CheckExtent::Neighbours)).transpose()
+        present.map(|i| i.segments.check(&self.master, &self.at, CheckExtent::Near)).transpose()
     }
 
     fn range_for(&self, reach: f64) -> GapRange {

@@ -18,9 +18,9 @@ pub struct SurfaceSegmentation {
 /// Which part of the master a check of coverage looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CheckExtent {
-    /// The facets found and two rings of neighbours: finds whatever a search lost from a sheet of which it found
-    /// something.
-    Neighbours,
+    /// The facets found, two rings of their neighbours, and all facets that may lie opposite at all, looked for one by one and without the tree of the
+    /// search.
+    Near,
     /// The whole master surface, for every slave facet.
     Everything,
 }
@@ -102,21 +102,24 @@ pub(crate) fn segment_shifted(
         let shift = shifts.get(facet as usize).copied().unwrap_or_default();
         let x = corners(slave, facet, q).map(|corner| corner + shift);
         let normal = SlaveFrame::new(x).map_err(at)?.normal();
-        // The facet swept along its normal; no farther than the master reaches.
-        let own = Aabb::from_points(&x);
-        let far = (bounds.max - bounds.min).norm() + (bounds.max - own.min).norm() + (own.max - bounds.min).norm();
-        let (low, high) = (range.min.clamp(-far, far), range.max.clamp(-far, far));
-        let ends: [Vector3<f64>; 8] = std::array::from_fn(|k| x[k % 4] + normal * if k < 4 { low } else { high });
-        let size = x.iter().map(|c| c.amax()).fold(0.0, f64::max);
-        let region = Aabb::from_points(&ends).inflated(1e-12 * (far + size));
         found.clear();
-        tree.query(&region, |f| found.push(f as u32));
+        tree.query(&region(&x, normal, &bounds, range), |f| found.push(f as u32));
         found.sort_unstable();
         candidates.clear();
         candidates.extend(found.iter().map(|&f| master_facet(master, f, q)));
         facets.push(segment_facet(x, &candidates, range).map_err(at)?);
     }
     Ok(SurfaceSegmentation { facets, range })
+}
+
+/// A slave facet swept along its normal through the range, no farther than the master's bounds reach.
+fn region(x: &[Vector3<f64>; 4], normal: Vector3<f64>, bounds: &Aabb, range: GapRange) -> Aabb {
+    let own = Aabb::from_points(x);
+    let far = (bounds.max - bounds.min).norm() + (bounds.max - own.min).norm() + (own.max - bounds.min).norm();
+    let (low, high) = (range.min.clamp(-far, far), range.max.clamp(-far, far));
+    let ends: [Vector3<f64>; 8] = std::array::from_fn(|k| x[k % 4] + normal * if k < 4 { low } else { high });
+    let size = x.iter().map(|c| c.amax()).fold(0.0, f64::max);
+    Aabb::from_points(&ends).inflated(1e-12 * (far + size))
 }
 
 impl SurfaceSegmentation {
@@ -133,9 +136,17 @@ impl SurfaceSegmentation {
         let mut out = SurfaceCoverage { area: 0.0, covered: 0.0, worst: 0.0, faults: Vec::new() };
         let mut ids: Vec<u32> = Vec::new();
         let everything: Vec<MasterFacet> = match extent {
-            CheckExtent::Neighbours => Vec::new(),
+            CheckExtent::Near => Vec::new(),
             CheckExtent::Everything => (0..master.facets().len() as u32).map(|f| master_facet(master, f, q)).collect(),
         };
+        let boxes: Vec<Aabb> = match extent {
+            CheckExtent::Near => {
+                (0..master.facets().len() as u32).map(|f| Aabb::from_points(&corners(master, f, q))).collect()
+            }
+            CheckExtent::Everything => Vec::new(),
+        };
+        let ends: Vec<Vector3<f64>> = boxes.iter().flat_map(|b| [b.min, b.max]).collect();
+        let bounds = Aabb::from_points(&ends);
         let mut near: Vec<MasterFacet> = Vec::new();
         for (slave_facet, found) in self.facets.iter().enumerate() {
             let surface = if extent == CheckExtent::Everything {
@@ -151,6 +162,10 @@ impl SurfaceSegmentation {
                     ids.sort_unstable();
                     ids.dedup();
                 }
+                let opposite = region(found.frame.corners(), found.frame.normal(), &bounds, self.range);
+                ids.extend((0..boxes.len()).filter(|&f| boxes[f].overlaps(&opposite)).map(|f| f as u32));
+                ids.sort_unstable();
+                ids.dedup();
                 near.clear();
                 near.extend(ids.iter().map(|&f| master_facet(master, f, q)));
                 &near

@@ -120,7 +120,7 @@ proptest! {
             }
         }
         let s = segment_surfaces(&p.slave, &p.master, &p.q, GapRange::ALL).unwrap();
-        for extent in [CheckExtent::Neighbours, CheckExtent::Everything] {
+        for extent in [CheckExtent::Near, CheckExtent::Everything] {
             let report = s.check(&p.master, &p.q, extent).unwrap();
             prop_assert!(report.faults.is_empty(), "{report:?}");
         }
@@ -327,13 +327,30 @@ fn integrals_do_not_change_in_rigid_motion() {
     }
 }
 
+/// The check does not believe the search: a facet of which all segments were lost is found, whatever its neighbours have.
+#[test]
+fn a_facet_without_segments_is_noticed() {
+    let p = pair(3, 4, 1.0, |side, _, x| x + Vector3::new(0.0, 0.0, 0.1 * side as f64));
+    let whole = segment_surfaces(&p.slave, &p.master, &p.q, GapRange { min: -1.0, max: 1.0 }).unwrap();
+    for facet in 0..9 {
+        let mut lost = whole.clone();
+        lost.facets[facet].segments.clear();
+        for extent in [CheckExtent::Near, CheckExtent::Everything] {
+            assert!(whole.check(&p.master, &p.q, extent).unwrap().faults.is_empty());
+            let report = lost.check(&p.master, &p.q, extent).unwrap();
+            assert_eq!(report.faults.len(), 1);
+            assert!(report.faults[0].slave_facet == facet as u32 && (report.worst - 1.0).abs() < 1e-12, "{report:?}");
+        }
+    }
+}
+
 #[test]
 fn master_finer_by_20_and_coarser_by_20() {
     for (n, m, r) in [(2, 40, 1.0), (40, 2, 1.0), (3, 1, 20.0)] {
         let p =
             pair(n, m, r, |side, _, x| x + Vector3::new(0.0, 0.0, 0.05 * side as f64 + 0.02 * (x.x * x.x).min(1.0)));
         let s = segment_surfaces(&p.slave, &p.master, &p.q, GapRange { min: -1.0, max: 1.0 }).unwrap();
-        let report = s.check(&p.master, &p.q, CheckExtent::Neighbours).unwrap();
+        let report = s.check(&p.master, &p.q, CheckExtent::Near).unwrap();
         assert!(report.faults.is_empty());
         if r > 1.0 {
             assert!((report.covered / report.area - 1.0).abs() < 1e-12);

@@ -143,7 +143,7 @@ impl MeshTie {
         let mut pass = 0;
         let (rows, SurfaceCoverage { covered, area, .. }) = loop {
             let segments = segment_surfaces(&slave, &master, &q, range)?;
-            let coverage = segments.check(&master, &q, CheckExtent::Neighbours)?;
+            let coverage = segments.check(&master, &q, CheckExtent::Near)?;
             if let Some(fault) = coverage.faults.first() {
                 return Err(MortarError::Coverage { count: coverage.faults.len(), facet: fault.slave_facet });
             }
