@@ -213,12 +213,15 @@ pub fn factorise_ldl_front(
         } else {
             let (a, b, c) = (square[(k, k)], subdiagonal[k], square[(k + 1, k + 1)]);
             let determinant = a * c - b * b;
-            for i in 0..r {
-                let (x, y) = (below[(i, k)], below[(i, k + 1)]);
-                (scaled[(i, k)], scaled[(i, k + 1)]) = (x, y);
-                below[(i, k)] = (c * x - b * y) / determinant;
-                below[(i, k + 1)] = (a * y - b * x) / determinant;
-            }
+            let (a, b, c) = (a / determinant, b / determinant, c / determinant);
+            let (first, second) = below.rb_mut().subcols_mut(k, 2).split_at_col_mut(1);
+            let (kept, also_kept) = scaled.rb_mut().subcols_mut(k, 2).split_at_col_mut(1);
+            let pairs = first.col_mut(0).iter_mut().zip(second.col_mut(0).iter_mut());
+            let kept = kept.col_mut(0).iter_mut().zip(also_kept.col_mut(0).iter_mut());
+            pairs.zip(kept).for_each(|((x, y), kept)| {
+                (*kept.0, *kept.1) = (*x, *y);
+                (*x, *y) = (c * *x - b * *y, a * *y - b * *x);
+            });
             k += 2;
         }
     }
