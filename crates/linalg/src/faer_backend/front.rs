@@ -189,13 +189,8 @@ pub fn factorise_ldl_front(
     if r == 0 {
         return true;
     }
+    permute_columns(below.rb_mut(), pivots, &mut work.inverse[..w], &mut product[..r]);
     let mut scaled = MatMut::from_column_major_slice_mut(product, r, w);
-    if pivots.iter().zip(0..).any(|(&p, k)| p != k) {
-        for (mut to, &p) in scaled.rb_mut().col_iter_mut().zip(&*pivots) {
-            to.copy_from(below.rb().col(p as usize));
-        }
-        below.copy_from(scaled.rb());
-    }
     for_rows(below.rb_mut(), parallel && w * w * r >= SMALLEST_PRODUCT, &|rows| {
         triangular::solve_unit_lower_triangular_in_place(square, rows.transpose_mut(), Par::Seq);
     });
@@ -235,6 +230,31 @@ pub fn factorise_ldl_front(
         matmul(rest, Accum::Replace, below, right.transpose(), -1.0, Par::Seq);
     });
     true
+}
+
+/// Column `order[k]` comes to place `k`, cycle by cycle, so that only columns that move are touched. `done` and `spare` (a column) are scratch.
+fn permute_columns(mut matrix: MatMut<'_, f64>, order: &[u32], done: &mut [u32], spare: &mut [f64]) {
+    done.fill(0);
+    for first in 0..order.len() {
+        if done[first] != 0 || order[first] as usize == first {
+            continue;
+        }
+        spare.iter_mut().zip(matrix.rb().col(first).iter()).for_each(|(x, y)| *x = *y);
+        let mut to = first;
+        loop {
+            done[to] = 1;
+            let from = order[to] as usize;
+            if from == first {
+                break;
+            }
+            let (left, right) = matrix.rb_mut().split_at_col_mut(from.max(to));
+            let (left, right) = (left.col_mut(from.min(to)), right.col_mut(0));
+            let (mut target, source) = if from > to { (left, right) } else { (right, left) };
+            target.copy_from(source.rb());
+            to = from;
+        }
+        matrix.rb_mut().col_mut(to).iter_mut().zip(&*spare).for_each(|(x, y)| *x = *y);
+    }
 }
 
 /// `L D L^T` of a square of which the lower triangle is given, if that goes well without exchanges; else the triangle is as before. It is several
@@ -317,6 +337,17 @@ fn acceptable(size: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_are_permuted_by_cycles() {
+        for order in [[0, 1, 2, 3, 4], [4, 3, 2, 1, 0], [1, 2, 3, 4, 0], [2, 0, 1, 4, 3], [0, 3, 1, 2, 4]] {
+            let mut columns: Vec<f64> = (0..10).map(f64::from).collect();
+            let matrix = MatMut::from_column_major_slice_mut(&mut columns, 2, 5);
+            permute_columns(matrix, &order, &mut [7; 5], &mut [0.0; 2]);
+            let expected: Vec<f64> = order.iter().flat_map(|&k| [f64::from(2 * k), f64::from(2 * k + 1)]).collect();
+            assert_eq!(columns, expected, "{order:?}");
+        }
+    }
 
     /// What was in the vector of off-diagonals before does not matter: the last entry is not written by the library.
     #[test]
