@@ -347,7 +347,7 @@ fn two_blocks_energy_momentum() {
     }
 }
 
-/// The midpoint rule keeps the momenta; its energy does not rise in the impact; the upper block loses momentum along its slip.
+/// The midpoint rule keeps the momenta; its energy is less after the impact than before; the upper block loses momentum along its slip.
 #[test]
 fn two_blocks_midpoint() {
     for (step, stick) in [(0.05, "penalty = 1e4"), (0.2, "penalty = 1e4"), (0.2, r#"stick = "multiplier""#)] {

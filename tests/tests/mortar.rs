@@ -198,3 +198,34 @@ fn kept_gaps_with_integrals_that_move_are_refused() {
         }
     }
 }
+
+/// Two stacked blocks, all of their surfaces in contact with each other, pressed together in statics: top and bottom, which are farther apart than the blocks are
+/// thick, are not taken for each other, whatever the mesh.
+#[test]
+fn whole_surfaces_meet_where_they_touch() {
+    for (lower, upper) in [([4, 4, 2], [3, 3, 2]), ([2, 2, 1], [2, 2, 1]), ([3, 3, 3], [4, 4, 3])] {
+        let body = |name: &str, min: [f64; 3], max: [f64; 3], divisions: [usize; 3]| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\n\
+                 mesh = {{ generator = \"block\", min = {min:?}, max = {max:?}, divisions = {divisions:?} }}\n"
+            )
+        };
+        let mut s = simulation(&format!(
+            "[scene]\ntitle = \"t\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.25\n{}{}\
+             [[prescribe]]\nset = \"lower.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+             [[prescribe]]\nset = \"upper.top\"\ncomponents = [\"x\", \"y\", \"z\"]\n\
+             displacement = {{ table = [[0, 0, 0, 0], [1, 0, 0, -0.05]] }}\n\
+             [[contact]]\nmethod = \"mortar\"\nslave = \"upper.boundary\"\nmaster = \"lower.boundary\"\n",
+            body("lower", [0.0; 3], [2.0, 2.0, 1.0], lower),
+            body("upper", [0.3, 0.3, 1.0], [1.4, 1.5, 2.0], upper),
+        ));
+        let mut active = 0;
+        let mut steps = 0;
+        while let Some(record) = s.step().unwrap() {
+            active = record.contact.active;
+            steps += 1;
+        }
+        let bottom = (upper[0] + 1) * (upper[1] + 1);
+        assert!(steps == 4 && active > 0 && active <= bottom, "{steps} steps, {active} of {bottom} nodes");
+    }
+}

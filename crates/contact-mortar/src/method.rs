@@ -3,7 +3,7 @@
 use crate::frictional::SurfaceFriction;
 use crate::slot::{NormalField, SHARP, Slot, Work};
 use crate::softening::Softening;
-use crate::surfaces::segment_shifted;
+use crate::surfaces::{segment_shifted, thickness};
 use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
@@ -45,7 +45,10 @@ pub struct MortarOptions {
 /// How deep a facet may be behind the master and still be opposite to it, in lengths of facets. What lies deeper is
 /// another part of the body.
 const DEPTH: f64 = 4.0;
-/// The same where integrals stay those of the start of the step: surfaces are not deep in each other there, and the far side of a thin or a hollow body
+/// Not deeper, either, than this times the sum of the thicknesses of both bodies, where both sides of both are in the surfaces: there the far sides face each
+/// other, too.
+const DEPTH_OF_THICKNESS: f64 = 0.25;
+/// The same as [`DEPTH`] where integrals stay those of the start of the step: surfaces are not deep in each other there, and the far side of a thin or a hollow body
 /// is not opposite.
 const DEPTH_AT_START: f64 = 1.0;
 /// How much farther than the step's reach facets are looked for, in lengths of facets.
@@ -94,6 +97,8 @@ pub struct MortarContact {
     handed_over: Vec<bool>,
     pub(crate) rule: ContactRule,
     range: GapRange,
+    /// Depth from which facets behind are another part of the body, a length.
+    deepest: f64,
     /// Unit normals of the slave facets in the reference configuration.
     reference_normals: Vec<Vector3<f64>>,
     pub(crate) step_size: f64,
@@ -138,6 +143,7 @@ impl MortarContact {
             handed_over: vec![false; count],
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
+            deepest: DEPTH_OF_THICKNESS * (thickness(&slave, reference) + thickness(&master, reference)),
             reference_normals: (0..slave.facets().len() as u32)
                 .map(|f| slave.patch(f, reference).corners)
                 .map(|x| (x[2] - x[0]).cross(&(x[3] - x[1])).try_normalize(0.0).unwrap_or_default())
@@ -209,8 +215,8 @@ impl MortarContact {
 
     fn range_for(&self, reach: f64) -> GapRange {
         let h = self.slave.length_scale().max(self.master.length_scale());
-        let depth = if self.moves_integrals() { DEPTH } else { DEPTH_AT_START };
-        GapRange { min: -depth * h, max: reach + MARGIN * h }
+        let depth = if self.moves_integrals() { (DEPTH * h).min(self.deepest) } else { DEPTH_AT_START * h };
+        GapRange { min: -depth, max: reach + MARGIN * h }
     }
 
     /// The gap that a node keeps in the step, a length.

@@ -122,6 +122,49 @@ fn region(x: &[Vector3<f64>; 4], normal: Vector3<f64>, bounds: &Aabb, range: Gap
     Aabb::from_points(&ends).inflated(1e-12 * (far + size))
 }
 
+/// The least distance from the middle of a facet, against its normal, to a facet of the same surface that looks the other way: how thin the body is
+/// where both of its sides belong to the surface. Infinity if they do so nowhere. A length.
+pub(crate) fn thickness(surface: &ContactSurface, q: &[f64]) -> f64 {
+    let facets: Vec<[Vector3<f64>; 4]> = (0..surface.facets().len() as u32).map(|f| corners(surface, f, q)).collect();
+    let normals: Vec<Vector3<f64>> = facets.iter().map(|x| (x[2] - x[0]).cross(&(x[3] - x[1]))).collect();
+    let boxes: Vec<Aabb> = facets.iter().map(Aabb::from_points).collect();
+    let tree = BoundingVolumeTree::build(&boxes);
+    let bounds = tree.bounds();
+    let extent = (bounds.max - bounds.min).norm();
+    let mut least = f64::INFINITY;
+    for (x, normal) in facets.iter().zip(&normals) {
+        let Some(inward) = (-normal).try_normalize(0.0) else { continue };
+        let middle = (x[0] + x[1] + x[2] + x[3]) * 0.25;
+        let end = middle + inward * extent.min(least);
+        tree.query(&Aabb::from_points(&[middle, end]).inflated(1e-12 * extent), |other| {
+            if normals[other].dot(&inward) > 0.0 {
+                let y = &facets[other];
+                for [a, b, c] in [[y[0], y[1], y[2]], [y[0], y[2], y[3]]] {
+                    least =
+                        distance_along(middle, inward, a, b, c).filter(|d| *d > 0.0).map_or(least, |d| least.min(d));
+                }
+            }
+        });
+    }
+    least
+}
+
+/// Where a line meets a triangle, after Moeller and Trumbore (Journal of Graphics Tools 2, 1997).
+fn distance_along(
+    from: Vector3<f64>,
+    along: Vector3<f64>,
+    a: Vector3<f64>,
+    b: Vector3<f64>,
+    c: Vector3<f64>,
+) -> Option<f64> {
+    let (u, v, s) = (b - a, c - a, from - a);
+    let (p, q) = (along.cross(&v), s.cross(&u));
+    let determinant = u.dot(&p);
+    let (xi, eta) = (s.dot(&p) / determinant, along.dot(&q) / determinant);
+    // A line in the triangle's plane gives a NaN or an infinity.
+    (xi >= 0.0 && eta >= 0.0 && xi + eta <= 1.0).then(|| v.dot(&q) / determinant)
+}
+
 impl SurfaceSegmentation {
     /// Checks the invariant of coverage at the positions `q` of the segmentation.
     ///
@@ -189,5 +232,24 @@ impl SurfaceSegmentation {
             }
         }
         Ok(out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of 3 x 2 x 0.5; without its lower face only the sides face each other.
+    #[test]
+    fn a_box_is_as_thick_as_its_shortest_edge() {
+        let corner = |k: usize| [3.0 * (k & 1) as f64, 2.0 * (k >> 1 & 1) as f64, 0.5 * (k >> 2) as f64];
+        let q: Vec<f64> = (0..8).flat_map(corner).collect();
+        let top = [4, 5, 7, 6];
+        let sides = [[0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
+        let of = |facets: &[[u32; 4]]| thickness(&ContactSurface::new("slave", facets, &q).unwrap(), &q);
+        let all: Vec<[u32; 4]> = [[0, 2, 3, 1], top].into_iter().chain(sides).collect();
+        assert!((of(&all) - 0.5).abs() < 1e-15);
+        assert!((of(&all[1..]) - 2.0).abs() < 1e-15);
+        assert_eq!(of(&[top]), f64::INFINITY);
     }
 }

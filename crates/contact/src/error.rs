@@ -6,8 +6,8 @@
 pub enum ContactError {
     /// Multipliers of an augmented Lagrangian do not settle.
     #[error(
-        "{unsettled} multipliers of the augmented Lagrangian ({what}) have not settled after {rounds} rounds; smaller steps, a larger stiffness \
-         or multipliers as unknowns help"
+        "{unsettled} multipliers of the augmented Lagrangian ({what}) have not settled after {rounds} rounds; a larger stiffness or multipliers as \
+         unknowns help"
     )]
     Augmentation {
         /// Friction or gap.
