@@ -220,12 +220,11 @@ fn whole_surfaces_meet_where_they_touch() {
             body("upper", [0.3, 0.3, 1.0], [1.4, 1.5, 2.0], upper),
         ));
         let mut active = 0;
-        let mut steps = 0;
-        while let Some(record) = s.step().unwrap() {
-            active = record.contact.active;
-            steps += 1;
+        while !s.finished() {
+            let record = s.advance().unwrap();
+            active = record.contact.map_or(0, |contact| contact.active);
         }
         let bottom = (upper[0] + 1) * (upper[1] + 1);
-        assert!(steps == 4 && active > 0 && active <= bottom, "{steps} steps, {active} of {bottom} nodes");
+        assert!(s.step() == 4 && active > 0 && active <= bottom, "{} steps, {active} of {bottom} nodes", s.step());
     }
 }
