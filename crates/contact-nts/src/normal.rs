@@ -9,6 +9,14 @@ const CLOSED: f64 = 1.0e-13;
 /// A gap that may be left when it has not settled after all rounds, in multiples of a master edge.
 const CLOSE: f64 = 1.0e-8;
 
+/// Rounds that leave more than this part of the largest gap are slow: the spring is soft against inertia (mass over area and the square of the step) or
+/// against the bodies.
+const SLOWLY: f64 = 0.25;
+/// Then the spring is this many times as stiff for the rest of the step, ...
+const STIFFER: f64 = 10.0;
+/// ... up to this many times the stiffness asked for.
+const STIFFEST: f64 = 1.0e8;
+
 /// Enforcement of a whole surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Normal {
@@ -20,6 +28,10 @@ pub(crate) struct Normal {
     /// Those at the start of the step.
     committed: Vec<f64>,
     rounds: u32,
+    /// Factor on the stiffness of the augmentation in this step; what the rounds converge to does not depend on it.
+    stiffening: f64,
+    /// Of the last round.
+    largest_gap: f64,
 }
 
 fn at_end(rule: ContactRule) -> bool {
@@ -34,12 +46,22 @@ impl Normal {
         }
         let slots = if matches!(enforcement, Enforcement::Augmented(_)) { slots } else { 0 };
         let multipliers = vec![0.0; slots];
-        Ok(Self { enforcement, rule: ContactRule::EndPoint, committed: multipliers.clone(), multipliers, rounds: 0 })
+        let committed = multipliers.clone();
+        let (rule, rounds, stiffening, largest_gap) = (ContactRule::EndPoint, 0, 1.0, f64::INFINITY);
+        Ok(Self { enforcement, rule, multipliers, committed, rounds, stiffening, largest_gap })
     }
 
     pub fn begin_step(&mut self) {
         self.multipliers.copy_from_slice(&self.committed);
-        self.rounds = 0;
+        (self.rounds, self.stiffening, self.largest_gap) = (0, 1.0, f64::INFINITY);
+    }
+
+    /// The enforcement of the present round.
+    fn present(&self) -> Enforcement {
+        match self.enforcement {
+            Enforcement::Augmented(stiffness) => Enforcement::Augmented(self.stiffening * stiffness),
+            other => other,
+        }
     }
 
     fn multiplier(&self, slot: usize) -> f64 {
@@ -80,11 +102,11 @@ impl NodeToSurface {
     /// Equation of an active, paired slot with a gap at `n+1`.
     pub(crate) fn normal_row(&self, slot: usize, rule: ContactRule, gap: f64, pressure: f64) -> NormalRow {
         let ends = self.ends(slot, gap);
-        self.normal.enforcement.row(at_end(rule), ends, pressure, self.normal.multiplier(slot))
+        self.normal.present().row(at_end(rule), ends, pressure, self.normal.multiplier(slot))
     }
 
     pub(crate) fn normal_complementarity(&self, slot: usize, gap: f64) -> f64 {
-        self.normal.enforcement.complementarity(at_end(self.normal.rule), self.ends(slot, gap))
+        self.normal.present().complementarity(at_end(self.normal.rule), self.ends(slot, gap))
     }
 
     /// Energy of the springs of the active slots.
@@ -113,7 +135,7 @@ impl NodeToSurface {
         }
         self.normal.rounds += 1;
         let is_last = self.normal.rounds > MAX_AUGMENTATIONS;
-        let (mut unsettled, mut far_off) = (0, 0);
+        let (mut unsettled, mut far_off, mut largest) = (0, 0, 0.0_f64);
         for slot in 0..self.slots.len() {
             let Some(pairing) = self.slots[slot].pairing.filter(|_| active[slot]) else {
                 self.normal.multipliers[slot] = 0.0;
@@ -124,9 +146,14 @@ impl NodeToSurface {
             if end.abs() > CLOSED * self.length + 4.0 * f64::EPSILON * far {
                 self.normal.multipliers[slot] = pressures[slot].max(0.0);
                 unsettled += 1;
+                largest = largest.max(end.abs());
                 far_off += usize::from(end.abs() > CLOSE * self.length);
             }
         }
+        if far_off > 0 && largest > SLOWLY * self.normal.largest_gap {
+            self.normal.stiffening = (STIFFER * self.normal.stiffening).min(STIFFEST);
+        }
+        self.normal.largest_gap = largest;
         match is_last {
             false => Ok(unsettled),
             true if far_off == 0 => Ok(0),
