@@ -1,7 +1,7 @@
 //! The normal part behind [`Enforcement`]: row of a slot, multipliers of the augmented Lagrangian, energy of the springs.
 
 use crate::method::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions, position};
-use stoss_contact::friction::MAX_AUGMENTATIONS;
+use stoss_contact::friction::{MAX_AUGMENTATIONS, Stiffening};
 use stoss_contact::{ContactError, ContactRule, Enforcement, NormalRow};
 
 /// A closed node has this gap at most, in multiples of a master edge, once its multiplier has settled, or what round-off of the positions is.
@@ -9,12 +9,7 @@ const CLOSED: f64 = 1.0e-13;
 /// A gap that may be left when it has not settled after all rounds, in multiples of a master edge.
 const CLOSE: f64 = 1.0e-8;
 
-/// Rounds that leave more than this part of the largest gap are slow: the spring is soft against inertia (mass over area and the square of the step) or
-/// against the bodies.
-const SLOWLY: f64 = 0.25;
-/// Then the spring is this many times as stiff for the rest of the step, ...
-const STIFFER: f64 = 10.0;
-/// ... up to this many times the stiffness asked for.
+/// A spring becomes stiffer by this factor at most within a step.
 const STIFFEST: f64 = 1.0e8;
 
 /// Enforcement of a whole surface.
@@ -28,10 +23,8 @@ pub(crate) struct Normal {
     /// Those at the start of the step.
     committed: Vec<f64>,
     rounds: u32,
-    /// Factor on the stiffness of the augmentation in this step; what the rounds converge to does not depend on it.
-    stiffening: f64,
-    /// Of the last round.
-    largest_gap: f64,
+    /// By the largest gap of each round.
+    stiffening: Stiffening,
 }
 
 fn at_end(rule: ContactRule) -> bool {
@@ -47,19 +40,19 @@ impl Normal {
         let slots = if matches!(enforcement, Enforcement::Augmented(_)) { slots } else { 0 };
         let multipliers = vec![0.0; slots];
         let committed = multipliers.clone();
-        let (rule, rounds, stiffening, largest_gap) = (ContactRule::EndPoint, 0, 1.0, f64::INFINITY);
-        Ok(Self { enforcement, rule, multipliers, committed, rounds, stiffening, largest_gap })
+        let (rule, stiffening) = (ContactRule::EndPoint, Stiffening::default());
+        Ok(Self { enforcement, rule, multipliers, committed, rounds: 0, stiffening })
     }
 
     pub fn begin_step(&mut self) {
         self.multipliers.copy_from_slice(&self.committed);
-        (self.rounds, self.stiffening, self.largest_gap) = (0, 1.0, f64::INFINITY);
+        (self.rounds, self.stiffening) = (0, Stiffening::default());
     }
 
     /// The enforcement of the present round.
     fn present(&self) -> Enforcement {
         match self.enforcement {
-            Enforcement::Augmented(stiffness) => Enforcement::Augmented(self.stiffening * stiffness),
+            Enforcement::Augmented(stiffness) => Enforcement::Augmented(self.stiffening.factor() * stiffness),
             other => other,
         }
     }
@@ -150,10 +143,9 @@ impl NodeToSurface {
                 far_off += usize::from(end.abs() > CLOSE * self.length);
             }
         }
-        if far_off > 0 && largest > SLOWLY * self.normal.largest_gap {
-            self.normal.stiffening = (STIFFER * self.normal.stiffening).min(STIFFEST);
+        if far_off > 0 {
+            self.normal.stiffening.follow(largest, STIFFEST);
         }
-        self.normal.largest_gap = largest;
         match is_last {
             false => Ok(unsettled),
             true if far_off == 0 => Ok(0),

@@ -112,9 +112,12 @@ fn augmented_multipliers_close_exactly() {
         m.repair(&at(0.4, z), &ACTIVE).unwrap();
         let mut p = 0.0;
         for round in 0.. {
-            // p = push - spring z, with the row in p and z: z + (p - lambda) / STIFFNESS = 0.
-            let lambda = -STIFFNESS * row(&m, &start, &at(0.4, 0.0), 0.0, rule);
-            z = (lambda - push) / (STIFFNESS - spring);
+            // p = push - spring z, with the row in p and z: z + (p - lambda) / stiffness = 0. Slow rounds make the stiffness larger, never smaller.
+            let at_zero = |p: f64| row(&m, &start, &at(0.4, 0.0), p, rule);
+            let stiffness = 1.0 / (at_zero(1.0) - at_zero(0.0));
+            assert!(stiffness >= STIFFNESS * (1.0 - 1e-13), "{stiffness}");
+            let lambda = -stiffness * at_zero(0.0);
+            z = (lambda - push) / (stiffness - spring);
             p = push - spring * z;
             assert!(row(&m, &start, &at(0.4, z), p, rule).abs() < 1e-13);
             if m.augment(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE).unwrap() == 0 {

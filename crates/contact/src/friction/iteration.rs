@@ -13,9 +13,9 @@ const CLOSE: f64 = 1.0e-8;
 const STUCK: f64 = 1.0e-13;
 /// Relative change of the multiplier of a sliding point (its direction, that is) that counts as settled.
 const SETTLED: f64 = 1.0e-8;
-/// A sticking point whose slip does not fall below this fraction in a round gets a stiffness that is larger by [`STIFFER`]. A point that hits hard
-/// may need a traction that is far beyond stiffness times slip of a small step.
+/// A round of augmentation that leaves more than this fraction of a gap or slip is slow.
 const SLOWLY: f64 = 0.1;
+/// Factor on the stiffness after a slow round.
 const STIFFER: f64 = 100.0;
 /// The stiffness makes no more than this fraction of the pressure out of the round-off of positions, which Newton's method would not get below.
 const ROUND_OFF: f64 = 1.0e-10;
@@ -46,27 +46,50 @@ pub struct ConvergedPoint {
     pub far: f64,
 }
 
-/// State of the iterations of one step for one point; [`PointIteration::default`] at the start of every step.
+/// Factor on the stiffness of an augmented Lagrangian within a step. Where rounds are slow the spring is soft against inertia or against the bodies: what hits hard
+/// may need a force that is far beyond stiffness times gap or slip of a small step. What the rounds converge to does not depend on the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffening {
+    factor: f64,
+    last: f64,
+}
+
+impl Default for Stiffening {
+    /// At the start of every step.
+    fn default() -> Self {
+        Self { factor: 1.0, last: f64::INFINITY }
+    }
+}
+
+impl Stiffening {
+    /// The factor, at least 1.
+    pub fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// After a round that left a gap or slip of this size, a length; the factor does not exceed `stiffest`, or 1.
+    pub fn follow(&mut self, left: f64, stiffest: f64) {
+        if left > SLOWLY * self.last {
+            self.factor = (STIFFER * self.factor).min(stiffest).max(1.0);
+        }
+        self.last = left;
+    }
+}
+
+/// State of the iterations of one step for one point; [`PointIteration::default`] at the start of every step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointIteration {
-    stiffening: f64,
-    last_slip: f64,
+    stiffening: Stiffening,
     /// Traction at the last iterate, if the point slid there.
     sliding: Option<Plane>,
     looked: bool,
     reversed: bool,
 }
 
-impl Default for PointIteration {
-    fn default() -> Self {
-        Self { stiffening: 1.0, last_slip: f64::INFINITY, sliding: None, looked: false, reversed: false }
-    }
-}
-
 impl PointIteration {
     /// Factor on the tangential stiffness with which the multiplier is augmented, at least 1.
     pub fn stiffening(&self) -> f64 {
-        self.stiffening
+        self.stiffening.factor()
     }
 
     /// To be linearised on [`Friction::sticking_step`] although it slides, see [`Self::follow`].
@@ -118,11 +141,7 @@ impl PointIteration {
         if slip <= STUCK * at.edge + round_off {
             return Augmentation::Settled;
         }
-        if slip > SLOWLY * self.last_slip {
-            let stiffest = ROUND_OFF * at.pressure / (round_off * friction.penalty());
-            self.stiffening = (STIFFER * self.stiffening).min(stiffest).max(1.0);
-        }
-        self.last_slip = slip;
+        self.stiffening.follow(slip, ROUND_OFF * at.pressure / (round_off * friction.penalty()));
         Augmentation::Take
     }
 }

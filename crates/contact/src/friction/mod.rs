@@ -19,7 +19,7 @@ mod static_dynamic;
 mod step;
 
 pub use coulomb::Coulomb;
-pub use iteration::{AugmentationRound, ConvergedPoint, MAX_AUGMENTATIONS, PointIteration};
+pub use iteration::{AugmentationRound, ConvergedPoint, MAX_AUGMENTATIONS, PointIteration, Stiffening};
 pub use law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
 pub use regularised::Regularised;
 pub use static_dynamic::StaticDynamic;
