@@ -441,6 +441,55 @@ fn two_blocks_by_augmented_lagrangian() {
     }
 }
 
+/// Stick by an augmented Lagrangian does not depend on its stiffness, were it far below what inertia resists with: where nodes slide, too, the traction turns
+/// along the slip within a few rounds.
+#[test]
+fn soft_augmented_friction() {
+    for (scheme, method) in
+        ["energy-momentum", "backward-euler"].iter().flat_map(|s| ["nts", "mortar"].map(|method| (*s, method)))
+    {
+        let end = |stiffness: &str| {
+            let mut s = simulation(&format!(
+                r#"
+[scene]
+title = "oblique impact"
+kind = "dynamic"
+[time]
+end = 0.1
+step = 0.004
+integrator = {{ scheme = "{scheme}" }}
+[[body]]
+name = "lower"
+mesh = {{ generator = "block", min = [-1, -1, -1], max = [1, 1, 0], divisions = [3, 3, 1] }}
+material = {{ law = "neo-hooke", young = 1e3, poisson = 0.3 }}
+density = 1.0
+[[body]]
+name = "upper"
+mesh = {{ generator = "block", min = [-0.5, -0.5, 0.01], max = [0.5, 0.5, 1.01], divisions = [2, 2, 2] }}
+material = {{ law = "neo-hooke", young = 1e3, poisson = 0.3 }}
+density = 1.0
+velocity = [1.0, 0.5, -1.0]
+[[contact]]
+method = "{method}"
+slave = "upper.bottom"
+master = "lower.top"
+friction = {{ law = "coulomb", mu = 0.3, penalty = {stiffness}, stick = "augmented" }}
+"#
+            ));
+            let rows = run(&mut s);
+            assert!(rows.iter().any(|row| row.1 > 0), "{scheme} {method} {stiffness}: they touch");
+            assert_eq!(cuts(&s), 0, "{scheme} {method} {stiffness}");
+            s.state().q.clone()
+        };
+        let stiff = end("1e6");
+        for stiffness in ["1e1", "1e2", "1e4"] {
+            let soft = end(stiffness);
+            let far = stiff.iter().zip(&soft).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(far < 1e-8, "{scheme} {method} {stiffness}: {far:e}");
+        }
+    }
+}
+
 /// The residuals of the steps in contact fall quadratically. (Last digits: round-off.)
 #[test]
 fn newton_is_quadratic() {

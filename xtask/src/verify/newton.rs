@@ -4,7 +4,11 @@ use crate::table::Table;
 
 /// The iteration goes on until the residual falls no more, so the smallest residual of a step is its round-off; below this
 /// many times of it the figures are spoilt.
-pub const ABOVE_ROUND_OFF: f64 = 20.0;
+const ABOVE_ROUND_OFF: f64 = 20.0;
+
+/// Nor does a residual below this say anything: it is a sum of forces of the size 1, of which a few dozen carry an error of half an epsilon each. Where the
+/// positions happen to settle, the last residual is smaller by chance.
+const ROUND_OFF: f64 = 50.0 * f64::EPSILON;
 
 /// The residuals of one step, in the order in which they were found.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +21,14 @@ pub struct Step {
     pub iterations: usize,
     /// Norms of the residual since the active set changed last.
     pub residuals: Vec<f64>,
+}
+
+impl Step {
+    /// Residuals up to this are spoilt by round-off.
+    pub fn round_off(&self) -> f64 {
+        let smallest = self.residuals.iter().copied().fold(f64::INFINITY, f64::min);
+        ROUND_OFF.max(ABOVE_ROUND_OFF * smallest)
+    }
 }
 
 /// Three consecutive residuals of one step.
@@ -70,14 +82,14 @@ pub fn mean_iterations(steps: &[Step]) -> f64 {
 
 /// The last three residuals of every step that fall, and the last of which is above round-off.
 ///
-/// See [`ABOVE_ROUND_OFF`]; a step that stops early loses its last residual by this, which only makes the order look lower.
+/// See [`Step::round_off`]; a step that stops early loses its last residual by this, which only makes the order look lower.
 pub fn triples(steps: &[Step]) -> Vec<Triple> {
     steps.iter().filter_map(triple).collect()
 }
 
 fn triple(step: &Step) -> Option<Triple> {
-    let smallest = step.residuals.iter().copied().fold(f64::INFINITY, f64::min);
-    let useful = step.residuals.iter().rposition(|residual| *residual > ABOVE_ROUND_OFF * smallest)? + 1;
+    let round_off = step.round_off();
+    let useful = step.residuals.iter().rposition(|residual| *residual > round_off)? + 1;
     let residuals: [f64; 3] = step.residuals[..useful].last_chunk().copied()?;
     let falls = residuals[0] > residuals[1] && residuals[1] > residuals[2];
     falls.then_some(Triple { step: step.step, active: step.active, residuals })

@@ -129,19 +129,22 @@ impl PointIteration {
     fn augment(&mut self, friction: &Friction, step: &FrictionStep, at: &ConvergedPoint) -> Augmentation {
         let norm = |v: Plane| v[0].hypot(v[1]);
         let round_off = 4.0 * f64::EPSILON * at.far.max(at.edge);
-        if !step.sticks {
-            let change = norm([0, 1].map(|i| step.end[i] - at.multiplier[i]));
-            return match step.work < 0.0 {
-                true => Augmentation::Reset,
-                false if change <= SETTLED * norm(step.end) => Augmentation::Settled,
-                false => Augmentation::Take,
-            };
+        let left = if step.sticks {
+            norm(at.slip)
+        } else {
+            // The traction of a point that slides is to turn until it is along the slip, and a soft spring turns it little in a round.
+            (step.end[0] * at.slip[1] - step.end[1] * at.slip[0]).abs() / norm(step.end).max(f64::MIN_POSITIVE)
+        };
+        let change = norm([0, 1].map(|i| step.end[i] - at.multiplier[i]));
+        let settled =
+            if step.sticks { left <= STUCK * at.edge + round_off } else { change <= SETTLED * norm(step.end) };
+        if !step.sticks && step.work < 0.0 {
+            return Augmentation::Reset;
         }
-        let slip = norm(at.slip);
-        if slip <= STUCK * at.edge + round_off {
+        if settled {
             return Augmentation::Settled;
         }
-        self.stiffening.follow(slip, ROUND_OFF * at.pressure / (round_off * friction.penalty()));
+        self.stiffening.follow(left, ROUND_OFF * at.pressure / (round_off * friction.penalty()));
         Augmentation::Take
     }
 }
@@ -233,6 +236,28 @@ mod tests {
             iteration.follow(&bare);
             assert!(!iteration.is_reversed(), "only at the first iterate");
         }
+    }
+
+    /// A pressure of 2 and a slip that ever new rounds find the same, across a traction that a spring of 10 turns by little.
+    #[test]
+    fn traction_across_the_slip_is_turned_by_a_stiffer_spring() {
+        let law = Arc::new(Coulomb::new(0.5).unwrap());
+        let friction = Friction::new(law, 10.0, Stick::Augmented, MidpointFriction::C).unwrap();
+        let (mut iteration, mut start) = (PointIteration::default(), [1.0, 0.0]);
+        let mut rounds = 0;
+        while !iteration.sliding.is_some_and(|t| t[0].abs() < 1e-9) && rounds < 100 {
+            let mut point = point(2.0, 0.0);
+            (point.history, point.slip, point.stiffening) = (start, [0.0, 1e-3], iteration.stiffening());
+            let step = friction.step(false, &point);
+            iteration.sliding = Some(step.end);
+            let at = ConvergedPoint { multiplier: start, slip: point.slip, pressure: 2.0, edge: 1.0, far: 1.0 };
+            if iteration.augment(&friction, &step, &at) == Augmentation::Settled {
+                break;
+            }
+            start = step.end;
+            rounds += 1;
+        }
+        assert!(rounds < 8 && start[0].abs() < 1e-7 && (start[1] - 1.0).abs() < 1e-12, "{rounds} rounds, {start:?}");
     }
 
     #[test]
