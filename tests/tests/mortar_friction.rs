@@ -186,3 +186,63 @@ fn two_blocks_keep_momenta_and_lose_what_friction_dissipates() {
     let rise = all.windows(2).map(|w| (w[1] - w[0]) / all[0]).fold(0.0, f64::max);
     assert!(rise < 1e-12, "energy rises by {rise:e} in a step");
 }
+
+/// Supports that hold an edge of the slave along its normal, above a coarser master: pressures there would be more than there are motions.
+#[test]
+fn slave_edges_held_along_their_normal() {
+    for multipliers in ["standard", "dual"] {
+        for (min, max, lift) in [
+            ("0.44, -0.46", "0.46, 0.46", 0.0),
+            ("-0.46, 0.44", "0.46, 0.46", -0.03),
+            ("-0.46, -0.46", "-0.44, 0.46", -0.06),
+        ] {
+            let mut s = simulation(&format!(
+                r#"
+[scene]
+title = "held edge"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.05
+[[body]]
+name = "slab"
+mesh = {{ generator = "block", min = [-2, -1, -1], max = [3, 1, 0], divisions = [10, 4, 2] }}
+material = {{ law = "neo-hooke", young = 1e3, poisson = 0.3 }}
+[[body]]
+name = "block"
+mesh = {{ generator = "block", min = [-0.45, -0.45, 0], max = [0.45, 0.45, 0.5], divisions = [3, 3, 2] }}
+material = {{ law = "neo-hooke", young = 1e3, poisson = 0.3 }}
+[[prescribe]]
+set = "slab.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "block.top"
+components = ["x", "y", "z"]
+displacement = {{ table = [[0, 0, 0, 0], [0.3, 0, 0, -0.03], [1.0, 0.7, 0, -0.03]] }}
+[[set]]
+name = "block.edge"
+body = "block"
+box = {{ min = [{min}, -0.01], max = [{max}, 0.01] }}
+[[prescribe]]
+set = "block.edge"
+components = ["z"]
+displacement = {{ table = [[0, 0], [0.3, {lift}], [1.0, {lift}]] }}
+[[contact]]
+method = "mortar"
+slave = "block.bottom"
+master = "slab.top"
+multipliers = "{multipliers}"
+friction = {{ law = "coulomb", mu = 0.3 }}
+"#
+            ));
+            while !s.finished() {
+                s.advance().unwrap();
+            }
+            let cuts = s.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count();
+            assert_eq!(cuts, 0, "{multipliers} {min}");
+            let force = force_on_upper(&s);
+            assert!(force[2] > 0.0 && force[0] < -0.28 * force[2], "{multipliers} {min}: {force:?}");
+        }
+    }
+}

@@ -61,6 +61,8 @@ const EDGE_ON: f64 = 0.25;
 const HANDED_OVER: f64 = 0.05;
 /// It takes it back above this. The distance of the two keeps it from flipping with the iterate.
 const TAKEN_BACK: f64 = 0.1;
+/// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
+const FREE_ALONG_NORMAL: f64 = 0.1;
 
 /// Integrals at one configuration.
 #[derive(Clone, Debug)]
@@ -83,7 +85,7 @@ pub(crate) struct Integrated {
 /// facet instead of one a segment, choice).
 ///
 /// A node of which a part of the support is not covered keeps the weighted gap of the rest; below a twentieth of its reference area it hands
-/// its function over to the other nodes of its facets, below 1e-8 it is out of contact. A slave node with prescribed motion
+/// its function over to the other nodes of its facets, below 1e-8 it is out of contact. A slave node whose motion along the normal is prescribed
 /// beside free ones gets no multiplier ([`MortarContact::with_crosspoints`]).
 #[derive(Clone, Debug)]
 pub struct MortarContact {
@@ -165,12 +167,15 @@ impl MortarContact {
         Ok(method)
     }
 
-    /// Takes the multipliers of crosspoints away: slave nodes of which `is_fixed` says that all components are prescribed,
-    /// on facets that have free nodes too. Their functions go to the other nodes of the facet. A surface that is
-    /// prescribed as a whole (a rigid tool) keeps its multipliers.
+    /// Takes the multipliers of crosspoints away: slave nodes whose motion along their normal is prescribed, on facets that have other nodes too.
+    /// `prescribed`: which components of a global node are. Their functions go to the other nodes of the facet: beside a finer master they would be
+    /// harmless, beside a coarser one there would be more pressures than motions. A surface that is prescribed as a whole (a rigid tool) keeps its
+    /// multipliers.
     #[must_use]
-    pub fn with_crosspoints(mut self, is_fixed: impl Fn(u32) -> bool) -> Self {
-        let fixed: Vec<bool> = self.slave.nodes().iter().map(|&n| is_fixed(n)).collect();
+    pub fn with_crosspoints(mut self, prescribed: impl Fn(u32) -> [bool; 3]) -> Self {
+        let fixed: Vec<bool> = (self.slave.nodes().iter().enumerate())
+            .map(|(a, &n)| self.is_held_along_normal(a, prescribed(n)))
+            .collect();
         for node in 0..fixed.len() {
             let mut beside = self.slave.facets_around(node).iter().flat_map(|&f| self.slave.local_facets()[f as usize]);
             self.without[node] = fixed[node] && beside.any(|other| !fixed[other as usize]);
@@ -182,6 +187,14 @@ impl MortarContact {
             }
         }
         self
+    }
+
+    /// Whether prescribed components leave a slave node (local number) no motion along its reference normal.
+    pub fn is_held_along_normal(&self, local: usize, prescribed: [bool; 3]) -> bool {
+        let around = self.slave.facets_around(local).iter();
+        let sum: Vector3<f64> = around.map(|&f| self.reference_normals[f as usize]).sum();
+        let free: f64 = (0..3).filter(|&i| !prescribed[i]).map(|i| sum[i] * sum[i]).sum();
+        free.sqrt() <= FREE_ALONG_NORMAL * sum.norm()
     }
 
     /// The slave surface.

@@ -169,7 +169,7 @@ fn crosspoints_keep_the_area() {
     for dual in [false, true] {
         let mut plain = method(options(dual, true));
         // Nodes 0, 1, 2: one edge of the surface.
-        let mut crossed = method(options(dual, true)).with_crosspoints(|n| n < 3);
+        let mut crossed = method(options(dual, true)).with_crosspoints(|n| [n < 3; 3]);
         let total = |m: &mut MortarContact| {
             m.begin_step(&base(), 0.5).unwrap();
             m.supports()
@@ -180,8 +180,13 @@ fn crosspoints_keep_the_area() {
         let mut gaps = [0.0; SLAVE];
         crossed.complementarity_gaps(&base(), &[false; SLAVE], &mut gaps).unwrap();
         assert!(gaps[..3].iter().all(|g| g.is_infinite()));
+        // What matters is the motion along the normal, here z.
+        let mut normal = method(options(dual, true)).with_crosspoints(|n| [false, false, n < 3]);
+        assert_eq!(total(&mut normal), b);
+        let mut tangential = method(options(dual, true)).with_crosspoints(|n| [n < 3, n < 3, false]);
+        assert_eq!(total(&mut tangential), a);
         // A rigid tool keeps its multipliers.
-        let mut tool = method(options(dual, true)).with_crosspoints(|n| n < SLAVE as u32);
+        let mut tool = method(options(dual, true)).with_crosspoints(|n| [n < SLAVE as u32; 3]);
         assert_eq!(total(&mut tool), a);
     }
 }

@@ -57,15 +57,17 @@ pub(super) fn contact(
     }
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
         Ok(method) => {
-            let is_fixed = |n: u32| pair.tied.contains(&n) || fixed.get(&n).is_some_and(|c| c.iter().all(|f| *f));
-            if slave.iter().flatten().all(|&n| is_fixed(n)) {
+            let prescribed =
+                |n: u32| if pair.tied.contains(&n) { [true; 3] } else { fixed.get(&n).copied().unwrap_or_default() };
+            let mut slave_nodes = method.slave().nodes().iter().enumerate();
+            if slave_nodes.all(|(a, &n)| method.is_held_along_normal(a, prescribed(n))) {
                 warnings.push(format!(
-                    "{}: the motion of the whole slave surface is prescribed; where it has more nodes than the master beside it the pressures are not \
+                    "{}: the motion of the whole slave surface along its normal is prescribed; where it has more nodes than the master beside it the pressures are not \
                      determined, and the system is singular. Exchange slave and master",
                     item.label()
                 ));
             }
-            let mut method = method.with_crosspoints(is_fixed);
+            let mut method = method.with_crosspoints(prescribed);
             let complementarity = pair.prepare(&mut method, model, problems, warnings);
             let smoothing = item.smoothing.unwrap_or(0.0);
             if smoothing > 0.0
