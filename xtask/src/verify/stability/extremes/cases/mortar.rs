@@ -87,16 +87,45 @@ fn corners(combination: (&'static str, &'static str)) -> Case {
     impact("corner to corner", combination, Side::All, scene)
 }
 
-/// A block falls on a plate, whose facets are shorter or longer by 20 in one direction.
-fn contrast(combination: (&'static str, &'static str), finer: bool) -> Case {
-    let (lower, upper) = if finer { ([48, 1, 2], [2, 1, 2]) } else { ([2, 1, 2], [40, 1, 2]) };
-    let plate = Block { min: [-0.6, -0.1, -0.5], max: [0.6, 0.1, 0.0], divisions: lower };
-    let block = Block { min: [-0.5, -0.05, 0.01], max: [0.5, 0.05, 0.51], divisions: upper };
+/// In which directions facets differ by 20, and whether there is friction.
+#[derive(Clone, Copy)]
+enum Contrast {
+    /// Along x.
+    One,
+    /// Along x and y: one facet against more than 400.
+    Both,
+    /// Along x and y, with friction.
+    Friction,
+}
+
+/// A block falls on a plate, whose facets are shorter or longer by 20.
+fn contrast(combination: (&'static str, &'static str), finer: bool, contrast: Contrast) -> Case {
+    let (width, divisions) = match (contrast, finer) {
+        (Contrast::One, true) => ([0.2, 0.1], [[48, 1, 2], [2, 1, 2]]),
+        (Contrast::One, false) => ([0.2, 0.1], [[2, 1, 2], [40, 1, 2]]),
+        (_, true) => ([1.2, 1.0], [[24, 24, 1], [1, 1, 1]]),
+        (_, false) => ([1.2, 1.0], [[1, 1, 1], [20, 20, 1]]),
+    };
+    let [lower, upper] = width.map(|w| w / 2.0);
+    let plate = Block { min: [-0.6, -lower, -0.5], max: [0.6, lower, 0.0], divisions: divisions[0] };
+    let block = Block { min: [-0.5, -upper, 0.01], max: [0.5, upper, 0.51], divisions: divisions[1] };
     let scene = Scene::new(Some(combination.0), STEP, 30, 10)
         .block("lower", plate, Matter::new(SOFT, 1.0), [0.0; 3])
         .block("upper", block, Matter::new(SOFT, 1.0), [0.1, 0.05, -1.0]);
-    let family = if finer { "master finer by 20" } else { "master coarser by 20" };
-    impact(family, combination, Side::Bottom, scene)
+    let family = match (contrast, finer) {
+        (Contrast::One, true) => "master finer by 20",
+        (Contrast::One, false) => "master coarser by 20",
+        (Contrast::Both, true) => "master finer by 20 both ways",
+        (Contrast::Both, false) => "master coarser by 20 both ways",
+        (Contrast::Friction, true) => "master finer by 20 both ways, friction",
+        (Contrast::Friction, false) => "master coarser by 20 both ways, friction",
+    };
+    let mut case = impact(family, combination, Side::Bottom, scene);
+    if let Contrast::Friction = contrast {
+        // A key of the contact, which is the last thing in the scene.
+        case.scene = case.scene.also("friction = { law = \"coulomb\", mu = 0.3 }\n");
+    }
+    case
 }
 
 /// A block is pressed on a slab, pushed over its edge until it hangs in the air, and back: without friction the force is
@@ -139,8 +168,14 @@ pub fn cases() -> Vec<Case> {
         cases.push(warped(combination));
         cases.push(folding(combination));
         cases.push(corners(combination));
-        cases.push(contrast(combination, true));
-        cases.push(contrast(combination, false));
+        for finer in [true, false] {
+            cases.push(contrast(combination, finer, Contrast::One));
+            cases.push(contrast(combination, finer, Contrast::Both));
+            // Friction is for constraints that close gaps.
+            if combination.1 != "modified" {
+                cases.push(contrast(combination, finer, Contrast::Friction));
+            }
+        }
     }
     cases
 }
