@@ -40,6 +40,10 @@ struct Slid {
     crossings: usize,
     /// Least dissipation of a step.
     least: f64,
+    /// Least work of the friction in a step.
+    least_work: f64,
+    /// Largest pressure.
+    pressure: f64,
 }
 
 struct Run<'a> {
@@ -111,6 +115,11 @@ master = "strip.TOP"
             .windows(2)
             .map(|w| (w[1].balance.dissipation - w[0].balance.dissipation) / kinetic)
             .fold(0.0, f64::min),
+        least_work: records
+            .windows(2)
+            .map(|w| (w[1].balance.friction_work - w[0].balance.friction_work) / kinetic)
+            .fold(0.0, f64::min),
+        pressure: contact().map(|c| c.max_pressure).fold(0.0, f64::max),
     }
 }
 
@@ -187,5 +196,27 @@ fn a_ridge_gives_no_energy() {
         });
         println!("ridge {friction}: gain {:.1e}, deepest {:.3}, crossings {}", slid.gain, slid.deepest, slid.crossings);
         assert!(slid.gain < 1e-12 && slid.least >= -1e-14, "{} {}", slid.gain, slid.least);
+    }
+}
+
+/// A block with more nodes and friction: nodes go up the wall while the middle of their path projects on the floor.
+#[test]
+fn pressures_at_a_wall_are_determined() {
+    let wall = strip(|x| 4.0 * x.max(0.0), -4.0, 12);
+    for mu in [0.25, 0.3, 0.31] {
+        let slid = slide(&Run {
+            strip: &wall,
+            scheme: "energy-momentum",
+            step: 0.01,
+            end: 0.4,
+            position: [-1.0, 0.03, 0.201],
+            velocity: [4.0, 0.0, -0.1],
+            divisions: [2, 2, 2],
+            friction: &format!("friction = {{ law = \"coulomb\", mu = {mu} }}"),
+        });
+        println!("wall, mu {mu}: gain {:.1e}, pressure {:.1e}", slid.gain, slid.pressure);
+        assert!(slid.gain < 1e-13 && slid.least == 0.0, "mu {mu}: gain {:e}, least {:e}", slid.gain, slid.least);
+        assert!(slid.least_work > -1e-13, "mu {mu}: friction drives the block: {:e}", slid.least_work);
+        assert!(slid.pressure < 1e4 && slid.crossings > 0, "mu {mu}: {:e}", slid.pressure);
     }
 }

@@ -167,8 +167,8 @@ impl<T: Scalar> Arguments<T> {
         let carried = |share: f64| {
             let own = point.multiplier.map(|m| share * m);
             let start: [f64; 2] = std::array::from_fn(|i| point.start[i] + own[i]);
-            let carried = if start == [0.0; 2] { None } else { transport(start.map(T::constant), &old, &foot) };
-            carried.unwrap_or(own.map(T::constant))
+            // Between folded facets the old traction is dropped, and the multiplier is in the frame of the new foot.
+            transport(start.map(T::constant), &old, &foot).unwrap_or(own.map(T::constant))
         };
         let history = carried(1.0);
         let trial = if share == 1.0 { history } else { carried(share) };

@@ -107,10 +107,13 @@ impl NodeToSurface {
             Some(mid) => (mid, &element.mid),
             None => (end, &element.end),
         };
-        // Over an edge the feet lie on facets that are inclined to each other: only what the traction works on is a slip there.
+        // Over an edge the feet lie on facets that are inclined to each other: only what the traction works on is a slip there. With coordinate augmentation
+        // the feet are unknowns, and the traction works on their difference.
         let slip = match step.rule {
-            ContactRule::EnergyMomentum => Slip::Work(&placed.increment[..n]),
-            ContactRule::Midpoint if pairing.start != pairing.end => Slip::Work(&placed.increment[..n]),
+            ContactRule::EnergyMomentum if !self.augmented => Slip::Work(&placed.increment[..n]),
+            ContactRule::Midpoint if !self.augmented && pairing.start != pairing.end => {
+                Slip::Work(&placed.increment[..n])
+            }
             _ => Slip::Feet(end, &element.end),
         };
         Ok(Some(evaluate(&FrictionElement {

@@ -1,10 +1,11 @@
 //! Which facets a node is paired with, decided in [`stoss_contact::ContactMethod::repair`] and then fixed for the iterations.
 
+use crate::gradient::Work;
 use crate::kinematics::Gap;
 use crate::method::{ConstraintForm, NodeToSurface, position};
-use crate::slot::Pairing;
+use crate::slot::{ElementNodes, Pairing};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, MasterPoint, SearchView};
+use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration};
 
 /// How far the foot at `n` may lie on the extension of the facet that a node closes on, in convective coordinates: up to one
 /// facet beyond the edge the bilinear extension is still the same surface; farther off the crossing element is used.
@@ -19,6 +20,12 @@ const MAX_PIECES: f64 = 1000.0;
 
 /// A node off its surface comes back by at most this fraction of its slip in a step: the tilt of the contact force that keeps this free of work.
 const MOST_TILT: f64 = 0.1;
+
+/// Least part of the contact force over an edge, per pressure and area, along the normal of the facet at the midpoint; 1 where nothing is tilted.
+const LEAST_PRESSING: f64 = 0.5;
+
+/// Below this a pressure is determined by round-off.
+const UNDETERMINED: f64 = 1.0e-3;
 
 /// A node nearer to the surface than this (in multiples of a master edge) is not brought back on a facet that it stays on.
 const NEAR_ENOUGH: f64 = 1.0e-4;
@@ -45,6 +52,42 @@ impl NodeToSurface {
             let most = MOST_TILT * self.slip(slot, pairing.end, q_np1)?;
             if most > NEAR_ENOUGH * self.length {
                 self.slots[slot].cross(pairing, most);
+                changes += 1;
+            }
+        }
+        Ok(changes)
+    }
+
+    /// Takes another facet at the midpoint where the force over an edge presses the node hardly against the one that was chosen; returns how many. At most once a
+    /// step for each node; [`ContactError::Folded`] if the other one is no better.
+    ///
+    /// A node that moves along the normal of that facet and yet keeps its gap (it goes up a wall, and its midpoint projects on the floor) has a force across its
+    /// motion: nothing is left of the normal, and the pressure would be determined by round-off.
+    pub(crate) fn untilt(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        if self.augmented || !matches!(self.normal.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum) {
+            return Ok(0);
+        }
+        let mut work = Work::new();
+        let mut changes = 0;
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            let Some(pairing) = self.slots[slot].pairing.filter(|p| p.start != p.end) else { continue };
+            let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
+            let end = self.gap(slot, pairing.end, q_np1)?;
+            let step = StepConfiguration { q_n: &self.q_n, q_np1, rule: self.normal.rule };
+            self.gradient(slot, &element, pairing, &end, step, false, &mut work)?;
+            let middle = |node: u32| (position(&self.q_n, node) + position(q_np1, node)) * 0.5;
+            let corners = self.search.surface().facets()[pairing.mid as usize].map(middle);
+            let patch = stoss_geometry::BilinearPatch::new(corners);
+            let Some(mid) = Gap::project(&middle(self.node(slot)), &patch, [0.0, 0.0]) else { continue };
+            let pressing: f64 = (0..3).map(|i| mid.gradient[i] * work.gradient[i]).sum();
+            if self.slots[slot].rechosen {
+                if pressing.abs() < UNDETERMINED {
+                    return Err(ContactError::Folded { node: self.node(slot) });
+                }
+            } else if pressing < LEAST_PRESSING {
+                let mid = if pairing.mid == pairing.end { pairing.start } else { pairing.end };
+                self.slots[slot].pairing = Some(Pairing { mid, ..pairing });
+                self.slots[slot].rechosen = true;
                 changes += 1;
             }
         }

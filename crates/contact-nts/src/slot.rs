@@ -53,6 +53,8 @@ pub(crate) struct Slot {
     pub reference: f64,
     /// The constraint takes back a part of what is misplaced although the facet stays: the work is then counted by the crossing element.
     pub relaxing: bool,
+    /// The facet at the midpoint was chosen again in this step.
+    pub rechosen: bool,
     visited: [u32; MAX_VISITS],
     visits: usize,
     returns: u32,
@@ -71,6 +73,7 @@ impl Slot {
         gap_n: f64::INFINITY,
         reference: 0.0,
         relaxing: false,
+        rechosen: false,
         visited: [0; MAX_VISITS],
         visits: 0,
         returns: 0,

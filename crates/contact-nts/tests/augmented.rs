@@ -235,3 +235,44 @@ fn a_slot_without_a_facet_has_identity_rows() {
         assert_eq!(visits, 1);
     }
 }
+
+/// Over a ridge whose flanks turn in the step: the force of a sticking spring and the energy that it is booked with belong to one traction.
+#[test]
+fn over_an_edge_the_traction_booked_is_that_of_the_equations() {
+    const STIFFNESS: f64 = 40.0;
+    let surface = |h: &[f64], x: f64| h[x as usize] + (h[x as usize + 1] - h[x as usize]) * x.fract();
+    for (slope, turn, from, to) in
+        [(0.3, 0.0, 2.6, 3.4), (0.3, 0.1, 2.9, 3.2), (0.3, -0.3, 2.6, 3.4), (1.0, 0.1, 2.9, 3.2), (0.3, 0.1, 2.2, 2.6)]
+    {
+        let ridge: Vec<f64> = (0..=FACETS).map(|i| -slope * (f64::from(i) - 3.0).abs()).collect();
+        let turned: Vec<f64> = (0..=FACETS).map(|i| ridge[i as usize] + turn * (f64::from(i) - 3.0)).collect();
+        let path = [
+            positions(&ridge, [from - 0.1, 0.3, surface(&ridge, from - 0.1) + 0.1]),
+            positions(&ridge, [from, 0.3, surface(&ridge, from)]),
+            positions(&turned, [to, 0.3, surface(&turned, to)]),
+        ];
+        let law = Arc::new(Coulomb::new(1e6).unwrap());
+        let spring = Friction::new(law, STIFFNESS, Stick::Penalty, MidpointFriction::B).unwrap();
+        let rough = standard(FACETS).with_friction(spring).unwrap();
+        let options = AugmentedOptions { reduction: Reduction::Second, ..AugmentedOptions::default() };
+        let rule = ContactRule::Midpoint;
+        let [with, without] = [rough, standard(FACETS)]
+            .map(|m| second_step(CoordinateAugmented::new(m, options), &path, rule, STEP, 0.0));
+        let pressures = [PRESSURE, 0.0, 0.0, 0.0];
+        let force = |m: &CoordinateAugmented| {
+            let mut out = [0.0; 3];
+            let step = StepConfiguration { q_n: &path[1], q_np1: &path[2], rule };
+            m.assemble(step, &pressures, &ACTIVE, false, &mut |l| {
+                (0..3).for_each(|i| out[i] += l.residual[i]);
+            })
+            .unwrap();
+            out
+        };
+        let (with_friction, normal) = (force(&with), force(&without));
+        let squared: f64 = (0..3).map(|i| (with_friction[i] - normal[i]).powi(2)).sum();
+        let weight = with.report(&path[2]).unwrap()[0].weight;
+        let booked = with.work(&path[2], &pressures, &ACTIVE).unwrap().stored;
+        let expected = squared / (2.0 * STIFFNESS * weight);
+        assert!((booked / expected - 1.0).abs() < 1e-10, "slope {slope}, turn {turn}: {booked:e}, {expected:e}");
+    }
+}

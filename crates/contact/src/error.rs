@@ -17,6 +17,15 @@ pub enum ContactError {
         /// Rounds of augmentation.
         rounds: u32,
     },
+    /// Over an edge of the master the contact force has no part along the normal of either facet.
+    #[error(
+        "slave node {node} moves over an edge of the master as if its facets were folded upon each other, and its pressure is not determined; smaller steps or \
+         a rounder edge help"
+    )]
+    Folded {
+        /// Global slave node.
+        node: u32,
+    },
     /// A projection did not converge.
     #[error("closest-point projection of slave node {node} on master facet {facet} did not converge")]
     Projection {
