@@ -552,6 +552,25 @@ fn exact_stick_in_extreme_impacts() {
     }
 }
 
+/// A smooth law turns its traction within a slip far below that of an impact: down to a hundredth of the speed of approach no step is cut.
+#[test]
+fn regularised_friction_in_an_impact() {
+    for (method, scheme) in
+        ["nts", "cat", "mortar"].iter().flat_map(|m| ["energy-momentum", "midpoint", "backward-euler"].map(|s| (m, s)))
+    {
+        for (step, speed) in [(0.1, 0.01), (0.1, 0.001), (0.01, 0.005), (0.01, 0.001)] {
+            let contact =
+                format!("method = \"{method}\"\nfriction = {{ law = \"regularised\", mu = 0.5, speed = {speed} }}");
+            let mut s = simulation(&two_blocks(scheme, step, 5.0, [0.0; 3], &contact));
+            let rows = run(&mut s);
+            let name = format!("{method} {scheme} {step} {speed}");
+            assert!(rows.iter().any(|row| row.1 > 0), "{name}: they touch");
+            assert!(rows.windows(2).all(|w| w[1].0.dissipation >= w[0].0.dissipation), "{name}: dissipation falls");
+            assert_eq!(cuts(&s), 0, "{name}");
+        }
+    }
+}
+
 #[test]
 fn a_scheme_without_friction_is_refused() {
     let text = r#"

@@ -237,6 +237,34 @@ fn laws_at_known_speeds() {
     assert!(!law.is_elastic());
 }
 
+/// The branch of a law without stick that Newton's method may look along is its tangent at rest.
+#[test]
+fn the_branch_of_a_smooth_law_is_its_tangent_at_rest() {
+    let friction =
+        Friction::new(Arc::new(Regularised::new(0.5, 0.3).unwrap()), 10.0, Stick::Penalty, MidpointFriction::C);
+    let (friction, step_size) = (friction.unwrap(), 0.1);
+    let at = |slip: [f64; 2]| FrictionPoint {
+        history: [0.0; 2],
+        slip,
+        pressure: 2.0,
+        step_size,
+        slid: 0.0,
+        stiffening: 1.0,
+        yielded: [0.0; 2],
+    };
+    // mu p / (speed h), however large the slip.
+    let stiffness = 0.5 * 2.0 / (0.3 * step_size);
+    for slip in [[1e-9, 0.0], [0.4, -0.3]] {
+        let branch = friction.sticking_step(false, &at(slip));
+        for i in 0..2 {
+            assert!((branch.force[i] - stiffness * slip[i]).abs() <= 1e-14 * stiffness, "{branch:?}");
+            assert!((branch.d_slip[i][i] - stiffness).abs() <= 1e-14 * stiffness && branch.d_slip[i][1 - i] == 0.0);
+        }
+    }
+    let (small, branch) = (friction.step(false, &at([1e-9, 0.0])), friction.sticking_step(false, &at([1e-9, 0.0])));
+    assert!((small.force[0] / branch.force[0] - 1.0).abs() < 1e-14);
+}
+
 #[test]
 fn parameters_out_of_range_are_errors() {
     assert!(Coulomb::new(-0.1).is_err() && Coulomb::new(f64::NAN).is_err() && Coulomb::new(0.0).is_ok());

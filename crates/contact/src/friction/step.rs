@@ -216,30 +216,30 @@ impl Friction {
         self.step_with(at_end, point, false)
     }
 
-    /// The step as if the point stuck, whatever traction that takes: the linear branch that Newton's method may have to look along.
+    /// The step as if the point stuck, whatever traction that takes: the linear branch that Newton's method may have to look along. Of a law without stick the
+    /// branch is its tangent at rest: a smooth law turns its traction within a slip that may be far smaller than that of an iterate.
     pub fn sticking_step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
-        self.step_with(at_end, point, self.law.is_elastic())
+        self.step_with(at_end, point, true)
     }
 
     fn step_with(&self, at_end: bool, point: &FrictionPoint, stuck: bool) -> FrictionStep {
-        let law = |trial| {
-            self.law.traction(&FrictionInput {
-                pressure: point.pressure,
-                trial,
-                slip: point.slip,
-                step_size: point.step_size,
-                slid: point.slid,
-            })
+        let law_at = |trial, slip| {
+            let FrictionPoint { pressure, step_size, slid, .. } = *point;
+            self.law.traction(&FrictionInput { pressure, trial, slip, step_size, slid })
         };
-        let returned = |trial| {
-            let d_trial = [[1.0, 0.0], [0.0, 1.0]];
-            if stuck {
+        let law = |trial| law_at(trial, point.slip);
+        let elastic = self.law.is_elastic();
+        let returned = |trial| match (stuck, elastic) {
+            (false, _) => law(trial),
+            (true, true) => {
+                let d_trial = [[1.0, 0.0], [0.0, 1.0]];
                 FrictionOutput { traction: trial, sticks: true, d_trial, ..FrictionOutput::default() }
-            } else {
-                law(trial)
+            }
+            (true, false) => {
+                let rest = law_at(trial, [0.0; 2]);
+                FrictionOutput { traction: sum(rest.traction, apply(rest.d_slip, point.slip)), ..rest }
             }
         };
-        let elastic = self.law.is_elastic();
         let penalty = point.stiffening * self.stiffness;
         let is_exact = self.stick != Stick::Penalty;
         let stepping = if at_end || !elastic || is_exact { MidpointFriction::B } else { self.midpoint };
