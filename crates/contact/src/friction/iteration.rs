@@ -46,6 +46,22 @@ pub struct ConvergedPoint {
     pub far: f64,
 }
 
+impl ConvergedPoint {
+    /// Round-off of the slip, a length.
+    fn round_off(&self) -> f64 {
+        4.0 * f64::EPSILON * self.far.max(self.edge)
+    }
+
+    /// Whether the traction drives the slip, by more than round-off.
+    fn is_reversed(&self, step: &FrictionStep) -> bool {
+        step.work < -self.round_off() * norm(step.end)
+    }
+}
+
+fn norm(v: Plane) -> f64 {
+    v[0].hypot(v[1])
+}
+
 /// Factor on the stiffness of an augmented Lagrangian within a step. Where rounds are slow the spring is soft against inertia or against the bodies: what hits hard
 /// may need a force that is far beyond stiffness times gap or slip of a small step. What the rounds converge to does not depend on the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,20 +131,23 @@ impl PointIteration {
         self.sliding = (!step.sticks && !against).then_some(now);
     }
 
+    /// What round-off of the positions makes of the multiplier of a point, a traction.
+    fn noise(&self, friction: &Friction, at: &ConvergedPoint) -> f64 {
+        self.stiffening.factor() * friction.penalty() * at.round_off()
+    }
+
     /// Whether a multiplier that has not settled after all rounds may be left as it is.
-    fn is_close(step: &FrictionStep, at: &ConvergedPoint) -> bool {
-        let norm = |v: Plane| v[0].hypot(v[1]);
+    fn is_close(&self, friction: &Friction, step: &FrictionStep, at: &ConvergedPoint) -> bool {
         if step.sticks {
             return norm(at.slip) <= CLOSE * at.edge;
         }
         let change = norm([0, 1].map(|i| step.end[i] - at.multiplier[i]));
-        step.work >= 0.0 && change <= CLOSE.sqrt() * norm(step.end)
+        !at.is_reversed(step) && change <= CLOSE.sqrt() * norm(step.end) + self.noise(friction, at)
     }
 
     /// Decides on the multiplier after a converged iteration (augmented Lagrangian), and on the stiffness of the next one.
     fn augment(&mut self, friction: &Friction, step: &FrictionStep, at: &ConvergedPoint) -> Augmentation {
-        let norm = |v: Plane| v[0].hypot(v[1]);
-        let round_off = 4.0 * f64::EPSILON * at.far.max(at.edge);
+        let round_off = at.round_off();
         let left = if step.sticks {
             norm(at.slip)
         } else {
@@ -136,15 +155,19 @@ impl PointIteration {
             (step.end[0] * at.slip[1] - step.end[1] * at.slip[0]).abs() / norm(step.end).max(f64::MIN_POSITIVE)
         };
         let change = norm([0, 1].map(|i| step.end[i] - at.multiplier[i]));
-        let settled =
-            if step.sticks { left <= STUCK * at.edge + round_off } else { change <= SETTLED * norm(step.end) };
-        if !step.sticks && step.work < 0.0 {
+        let settled = if step.sticks {
+            left <= STUCK * at.edge + round_off
+        } else {
+            change <= SETTLED * norm(step.end) + self.noise(friction, at)
+        };
+        if !step.sticks && at.is_reversed(step) {
             return Augmentation::Reset;
         }
         if settled {
             return Augmentation::Settled;
         }
-        self.stiffening.follow(left, ROUND_OFF * at.pressure / (round_off * friction.penalty()));
+        let stiffest = friction.resistance().max(ROUND_OFF * at.pressure / round_off);
+        self.stiffening.follow(left, stiffest / friction.penalty());
         Augmentation::Take
     }
 }
@@ -182,7 +205,7 @@ impl AugmentationRound {
             Augmentation::Reset => *start = [0.0; 2],
         }
         self.unsettled += 1;
-        self.far_off += usize::from(!PointIteration::is_close(step, at));
+        self.far_off += usize::from(!iteration.is_close(friction, step, at));
     }
 
     /// How many multipliers have not settled; none after the last round if all are close.
@@ -282,10 +305,13 @@ mod tests {
         let at =
             |slip: f64| ConvergedPoint { multiplier: [0.0; 2], slip: [slip, 0.0], pressure: 1.0, edge: 2.0, far: 0.0 };
         let stuck = FrictionStep { sticks: true, ..FrictionStep::default() };
-        assert!(PointIteration::is_close(&stuck, &at(1.9e-8)) && !PointIteration::is_close(&stuck, &at(2.1e-8)));
+        let (friction, iteration) = (friction(0.5), PointIteration::default());
+        assert!(
+            iteration.is_close(&friction, &stuck, &at(1.9e-8)) && !iteration.is_close(&friction, &stuck, &at(2.1e-8))
+        );
         // A traction that works against the slip never is.
         let backward = FrictionStep { work: -1e-9, ..FrictionStep::default() };
-        assert!(!PointIteration::is_close(&backward, &at(0.0)));
+        assert!(!iteration.is_close(&friction, &backward, &at(0.0)));
     }
 
     #[test]

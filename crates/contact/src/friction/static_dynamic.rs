@@ -7,9 +7,9 @@ use crate::ContactError;
 /// Coulomb's law with a coefficient that depends on the speed `v = |slip| / step` of the step,
 /// `mu(v) = mu_d + (mu_s - mu_d) exp(-(v / v_c)^2)`.
 ///
-/// Smooth at rest, `mu_s` there, and within 2 % of `mu_s - mu_d` of the dynamic value beyond twice the speed `v_c`. It weakens with the speed:
-/// steps have to be small enough that the loss of traction with the slip does not exceed the stiffness of the bodies, or there
-/// are several solutions.
+/// Smooth at rest, `mu_s` there, and within 2 % of `mu_s - mu_d` of the dynamic value beyond twice the speed `v_c`. It weakens with the slip,
+/// by up to `0.86 (mu_s - mu_d) p / (v_c step)` a length. Where that exceeds what the bodies resist with, there are several solutions, and Newton's method may find none:
+/// in dynamics small steps help, because inertia resists with the mass over the square of the step; in statics only large ones, or a larger `v_c`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticDynamic {
     mu_static: f64,

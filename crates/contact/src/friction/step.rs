@@ -58,6 +58,9 @@ pub struct Friction {
     /// Mass per area of what sticks, and the stiffness that multipliers are weighed with in the present step.
     inertia: f64,
     stiffness: f64,
+    /// Stiffness of the bodies at the surface, and with the inertia of the present step.
+    bodies: f64,
+    resistance: f64,
     stick: Stick,
     midpoint: MidpointFriction,
 }
@@ -144,20 +147,35 @@ impl Friction {
         midpoint: MidpointFriction,
     ) -> Result<Self, ContactError> {
         let penalty = check("penalty", penalty, penalty > 0.0, "positive")?;
-        Ok(Self { law, penalty, inertia: 0.0, stiffness: penalty, stick, midpoint })
+        Ok(Self { law, penalty, inertia: 0.0, stiffness: penalty, bodies: 0.0, resistance: 0.0, stick, midpoint })
     }
 
     /// The same for bodies with inertia, of which the elements behind the surface have the mass `density` an area: in a small step `h` it is `density / h^2`
-    /// that tells which slip goes with which traction. For multipliers only; no result depends on it.
+    /// that tells which slip goes with which traction. For multipliers and augmented Lagrangians; no result depends on it.
     #[must_use]
     pub fn with_inertia(mut self, density: f64) -> Self {
         self.inertia = if density > 0.0 && density.is_finite() { density } else { 0.0 };
         self
     }
 
+    /// The same for the stiffness of the bodies at the surface, traction per length: the spring of an augmented Lagrangian may be stiffened to it whatever the
+    /// pressure, because round-off of the bodies' own forces is no smaller then. No result depends on it.
+    #[must_use]
+    pub fn with_bodies(mut self, stiffness: f64) -> Self {
+        self.bodies = if stiffness > 0.0 && stiffness.is_finite() { stiffness } else { 0.0 };
+        self.resistance = self.bodies;
+        self
+    }
+
+    /// What resists a slip in the present step, traction per length: bodies and inertia.
+    pub(super) fn resistance(&self) -> f64 {
+        self.resistance
+    }
+
     /// Begins a step of a size.
     pub fn begin(&mut self, step_size: f64) {
         let inertia = self.inertia / (step_size * step_size);
+        self.resistance = self.bodies + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
         self.stiffness = if weighs { self.penalty + inertia } else { self.penalty };
     }
