@@ -1,4 +1,4 @@
-//! One sheet of a folded master that covers a part of the slave twice: each point of the slave belongs to the nearer facet.
+//! A master that covers a part of the slave more than once, folded or in several sheets: each point of the slave belongs to the nearer facet.
 
 use crate::cell::{cross, inverse, sub};
 use crate::overlap::common_area;

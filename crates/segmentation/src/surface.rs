@@ -1,7 +1,6 @@
 //! One slave facet against a master surface.
 
 use crate::folded::unfold;
-use crate::overlap::common_area;
 use crate::{Segment, SegmentationError, SlaveFrame, segment_pair};
 use nalgebra::Vector3;
 
@@ -66,9 +65,9 @@ impl FacetSegmentation {
 
 /// Segments a slave facet against the candidates of a master surface.
 ///
-/// Two sheets (sets of candidates connected over edges) that cover the same part of the slave are no contact of both: of the one whose mean gap is larger in
-/// size the whole is listed as hidden if the nearer ones cover most of it, as the far side of a body is. Where they cover less, and where one sheet is
-/// folded, each part of the slave belongs to the nearer segment (by its mean gap): the other one is cut ([`crate::Provenance::Cut`]).
+/// Two sheets that cover the same part of the slave are no contact of both, nor are two parts of a folded one: each part of the slave belongs to the segment
+/// that is nearer there by the size of its mean gap, and the other one is cut ([`crate::Provenance::Cut`]). A facet of which nothing is left is listed as hidden,
+/// as those on the far side of a body are.
 ///
 /// # Errors
 /// Those of [`SlaveFrame::new`] and [`segment_pair`].
@@ -79,91 +78,11 @@ pub fn segment_facet(
 ) -> Result<FacetSegmentation, SegmentationError> {
     let frame = SlaveFrame::new(slave)?;
     let mut segments = Vec::new();
-    let mut owner = Vec::new();
-    let mut seen = Vec::new();
-    for (index, facet) in candidates.iter().enumerate() {
-        let start = segments.len();
+    for facet in candidates {
         segment_pair(&frame, facet.id, &facet.corners, &mut segments)?;
-        let mut k = start;
-        while k < segments.len() {
-            if range.meets(&segments[k]) {
-                k += 1;
-            } else {
-                segments.remove(k);
-            }
-        }
-        if segments.len() > start {
-            owner.resize(segments.len(), seen.len());
-            seen.push(index);
-        }
     }
+    segments.retain(|segment| range.meets(segment));
     let mut found = FacetSegmentation { frame, segments, hidden: Vec::new() };
-    hide(&mut found, candidates, &seen, &owner);
     unfold(&mut found, candidates);
     Ok(found)
-}
-
-/// A sheet of which nearer ones cover more than this part is behind them.
-const BEHIND: f64 = 0.5;
-
-fn root(parent: &mut [usize], mut k: usize) -> usize {
-    while parent[k] != k {
-        parent[k] = parent[parent[k]];
-        k = parent[k];
-    }
-    k
-}
-
-/// Removes sheets that are behind others. `seen`: candidates with segments; `owner`: for every segment the position
-/// in `seen`.
-fn hide(found: &mut FacetSegmentation, candidates: &[MasterFacet], seen: &[usize], owner: &[usize]) {
-    let mut parent: Vec<usize> = (0..seen.len()).collect();
-    for a in 0..seen.len() {
-        for b in 0..a {
-            let (p, q) = (&candidates[seen[a]].nodes, &candidates[seen[b]].nodes);
-            if p.iter().filter(|n| q.contains(n)).count() >= 2 {
-                let (ra, rb) = (root(&mut parent, a), root(&mut parent, b));
-                parent[ra.max(rb)] = ra.min(rb);
-            }
-        }
-    }
-    let sheet: Vec<usize> = owner.iter().map(|&o| root(&mut parent, o)).collect();
-    if sheet.iter().all(|&s| s == sheet[0]) {
-        return;
-    }
-    // Mean gap of every sheet.
-    let mut gap = vec![(0.0, 0.0); seen.len()];
-    for (segment, &s) in found.segments.iter().zip(&sheet) {
-        let v = segment.vertices();
-        let mean = v.iter().map(|v| v.gap).sum::<f64>() / v.len() as f64;
-        let area = segment.image_area();
-        gap[s].0 += area * mean;
-        gap[s].1 += area;
-    }
-    let size: Vec<f64> = gap.iter().map(|(g, a)| if *a > 0.0 { (g / a).abs() } else { f64::INFINITY }).collect();
-    let mut order: Vec<usize> = sheet.clone();
-    order.sort_by(|&a, &b| size[a].total_cmp(&size[b]).then(a.cmp(&b)));
-    order.dedup();
-    let mut kept: Vec<usize> = Vec::new();
-    for &s in &order {
-        let mut covered = 0.0;
-        for i in (0..sheet.len()).filter(|&i| sheet[i] == s) {
-            for j in (0..sheet.len()).filter(|&j| kept.contains(&sheet[j])) {
-                covered += common_area(&found.segments[i], &found.segments[j]);
-            }
-        }
-        if covered <= BEHIND * gap[s].1 {
-            kept.push(s);
-        }
-    }
-    let mut position = 0;
-    let hidden = &mut found.hidden;
-    found.segments.retain(|segment| {
-        let stays = kept.contains(&sheet[position]);
-        position += 1;
-        if !stays {
-            hidden.push(HiddenFacet { id: segment.master_facet, parametric_area: segment.parametric_area() });
-        }
-        stays
-    });
 }

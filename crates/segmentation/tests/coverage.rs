@@ -141,6 +141,20 @@ proptest! {
         }
     }
 
+    /// The rim of the sheet is flat and outside of the slave: whatever the facets inside do, they cover all of it.
+    #[test]
+    fn crumpled_sheets_cover_the_slave(n in 3usize..7, moves in prop::collection::vec(vector(0.9), 64)) {
+        let h = 6.0 / n as f64;
+        let facets = surface(n, 3.0, |k, x, y| {
+            let is_rim = x.abs().max(y.abs()) > 3.0 - 0.5 * h;
+            let p = if is_rim { Vector3::zeros() } else { moves[k] * h };
+            Vector3::new(x + p.x, y + p.y, 0.3 + 0.1 * p.z)
+        });
+        let found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
+        let report = check_coverage(&found, &facets, GapRange::ALL).unwrap();
+        prop_assert!(report.uncovered.abs() < 1e-9 && report.missing.is_empty(), "{report:?}");
+    }
+
     #[test]
     fn crumpled_surfaces_leave_no_gap(
         slave in slave_quad(),
@@ -253,10 +267,23 @@ fn of_two_sheets_the_near_one_stays() {
     assert!(found.segments.iter().all(|s| s.master_facet < 100) && found.hidden.is_empty());
 }
 
-/// Two treads of a stair, the upper one over the lower one by a little, or by more: nothing of the slave is lost.
+/// A hidden facet that no nearer one stands in for is missing.
+#[test]
+fn what_is_hidden_behind_nothing_is_reported() {
+    let mut facets = surface(1, 2.0, |_, x, y| Vector3::new(x, y, 0.5));
+    let near = surface(1, 2.0, |_, x, y| Vector3::new(x, y, -0.1));
+    facets.extend(near.into_iter().map(|f| MasterFacet { id: f.id + 100, nodes: f.nodes.map(|n| n + 100), ..f }));
+    let mut found = segment_facet(square(), &facets, GapRange::ALL).unwrap();
+    assert_eq!(found.hidden.len(), 1);
+    found.segments.clear();
+    let report = check_coverage(&found, &facets[..1], GapRange::ALL).unwrap();
+    assert!((report.uncovered_opposite() - 4.0).abs() < 1e-12 && !report.is_tiling(1e-12), "{report:?}");
+}
+
+/// Two treads of a stair, the upper one over the lower one by a little, by more, or by nearly all: nothing of the slave is lost.
 #[test]
 fn sheets_that_overlap_cover_all() {
-    for lip in [0.0, 1e-11, 1e-9, 1e-4, 0.02, 0.3] {
+    for lip in [0.0, 1e-11, 1e-9, 1e-4, 0.02, 0.3, 0.9, 1.0 - 1e-6] {
         let facet = |id: u32, from: f64, to: f64, z: f64| {
             let corner = |x: f64, y: f64| Vector3::new(x, y, z);
             let nodes = [0, 1, 2, 3].map(|k| 4 * id + k);
