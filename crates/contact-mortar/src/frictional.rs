@@ -9,6 +9,9 @@ use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, S
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
+/// Where less than this of a node's area is covered at the start of a step of the end point, exact stick is replaced by a spring that forgets: the slip of a sliver at the rim of the
+/// master is the motion of the rim, and a multiplier would need a traction out of all proportion to hold it.
+const SLIVER: f64 = 0.05;
 
 /// Friction of a whole surface.
 #[derive(Clone, Debug)]
@@ -24,6 +27,8 @@ pub(crate) struct SurfaceFriction {
     start: Vec<Slot>,
     /// Of the stick of each node, in multiples of one over the stiffness.
     compliance: Vec<f64>,
+    /// Nodes that hardly anything of is covered at the start of the step, see [`SLIVER`].
+    slivers: Vec<bool>,
 }
 
 /// History of one slot. Tractions have the components that they had at the start: the frame follows the slave's material.
@@ -63,8 +68,10 @@ impl MortarContact {
         }
         let points = vec![PointHistory::default(); self.without.len()];
         let (q_n, start, compliance) = (Vec::new(), Vec::new(), vec![0.0; self.without.len()]);
+        let slivers = vec![false; self.without.len()];
         let (step_size, rounds) = (0.0, 0);
-        self.friction = Some(SurfaceFriction { friction, measure, step_size, rounds, points, q_n, start, compliance });
+        self.friction =
+            Some(SurfaceFriction { friction, measure, step_size, rounds, points, q_n, start, compliance, slivers });
         Ok(self)
     }
 
@@ -107,6 +114,11 @@ impl MortarContact {
         surface.q_n.extend_from_slice(q_n);
         surface.start.clear();
         surface.start.extend(self.integrated.iter().flat_map(|i| &i.slots).cloned());
+        let exact = surface.friction.stick() != Stick::Penalty && self.rule == ContactRule::EndPoint;
+        for (sliver, (slot, area)) in surface.slivers.iter_mut().zip(surface.start.iter().zip(self.slave.nodal_areas()))
+        {
+            *sliver = exact && slot.support < SLIVER * area;
+        }
         for ((point, slot), &compliance) in surface.points.iter_mut().zip(&surface.start).zip(&surface.compliance) {
             // The springs of an area that has grown must not hold more energy than before; what a part that was uncovered held is lost.
             let stored =
@@ -121,6 +133,9 @@ impl MortarContact {
                 ..PointHistory::default()
             };
         }
+        for (point, _) in surface.points.iter_mut().zip(&surface.slivers).filter(|(_, sliver)| **sliver) {
+            point.start = [0.0; 2];
+        }
         Ok(())
     }
 
@@ -133,7 +148,7 @@ impl MortarContact {
             start,
             history: point.start,
             multiplier,
-            compliance: surface.compliance[slot],
+            compliance: if surface.slivers[slot] { surface.friction.spring() } else { surface.compliance[slot] },
             weight: self.slave.nodal_areas()[slot],
             slid: point.slid,
             stiffening: point.iteration.stiffening(),
@@ -207,6 +222,9 @@ impl MortarContact {
         let edge = self.slave.length_scale();
         let mut work = Scratch::default();
         for slot in (0..active.len()).filter(|&s| active[s]) {
+            if self.friction.as_ref().is_some_and(|surface| surface.slivers[slot]) {
+                continue;
+            }
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
             let far = at(q_np1, self.slave.nodes()[slot]).norm();
             let Some(surface) = &mut self.friction else { continue };
@@ -235,6 +253,11 @@ impl MortarContact {
                 continue;
             };
             let (support, at_n) = (self.slots()[slot].support, surface.start[slot].support);
+            if surface.slivers[slot] {
+                let friction_work = support * step.work;
+                total += ContactWork { dissipated: before + friction_work, friction_work, ..ContactWork::default() };
+                continue;
+            }
             // Of an area that was uncovered; `begin_friction` sees to it that nothing is gained.
             let uncovered = (before - at_n * energy(point.start)).max(0.0);
             // Of the compliance of multipliers, whose spring is loaded by backward Euler.
@@ -257,9 +280,10 @@ impl MortarContact {
             let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot], &mut work) } else { None };
             let support = self.slots().get(slot).map_or(0.0, |s| s.support);
             let Some(surface) = &mut self.friction else { continue };
+            let sliver = surface.slivers[slot];
             let point = &mut surface.points[slot];
             *point = state.map_or_else(PointHistory::default, |state| PointHistory {
-                committed: state.step.end,
+                committed: if sliver { [0.0; 2] } else { state.step.end },
                 slid: point.slid + if state.step.sticks { 0.0 } else { norm(state.slip) },
                 support,
                 ..PointHistory::default()

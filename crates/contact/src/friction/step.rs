@@ -207,6 +207,11 @@ impl Friction {
         self.midpoint
     }
 
+    /// The compliance with which a multiplier is a spring of [`Friction::stiffness`].
+    pub fn spring(&self) -> f64 {
+        self.penalty / self.stiffness
+    }
+
     /// Energy in the tangential spring of a multiplier with a compliance (see [`STICK_COMPLIANCE`]), per area.
     pub fn stored_by(&self, compliance: f64, traction: [f64; 2]) -> f64 {
         match self.stick() {
