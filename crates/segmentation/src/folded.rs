@@ -100,12 +100,13 @@ pub(crate) fn unfold(found: &mut FacetSegmentation, candidates: &[MasterFacet]) 
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|&a, &b| distance(&found.segments[a]).total_cmp(&distance(&found.segments[b])).then(a.cmp(&b)));
     let mut kept: Vec<(usize, Segment)> = Vec::new();
-    for &k in &order {
+    for (nearer, &k) in order.iter().enumerate() {
         let segment = found.segments[k].clone();
         let Some(master) = candidates.iter().find(|c| c.id == segment.master_facet) else { continue };
         let whole = segment.parametric_area();
         let mut parts = vec![segment];
-        for (_, winner) in &kept {
+        // All of the nearer ones, not what was left of them: the union is the same, and the parts of parts would be ever more.
+        for winner in order[..nearer].iter().filter(|&&j| meet(k, j)).map(|&j| &found.segments[j]) {
             let mut left = Vec::new();
             for part in parts {
                 if common_area(&part, winner) > 0.1 * tolerance {
