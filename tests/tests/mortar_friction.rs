@@ -176,7 +176,7 @@ fn two_blocks_keep_momenta_and_lose_what_friction_dissipates() {
         spread(&all[..first]),
         spread(&all[last..]),
         all[last] / all[0] - 1.0,
-        s.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count(),
+        cuts(&s),
     );
     assert!(drift(&linear) < 1e-11 && drift(&angular) < 1e-11);
     assert!(dissipated > 0.02);
@@ -187,31 +187,25 @@ fn two_blocks_keep_momenta_and_lose_what_friction_dissipates() {
     assert!(rise < 1e-12, "energy rises by {rise:e} in a step");
 }
 
-/// Supports that hold an edge of the slave along its normal, above a coarser master: pressures there would be more than there are motions.
-#[test]
-fn slave_edges_held_along_their_normal() {
-    for multipliers in ["standard", "dual"] {
-        for (min, max, lift) in [
-            ("0.44, -0.46", "0.46, 0.46", 0.0),
-            ("-0.46, 0.44", "0.46, 0.46", -0.03),
-            ("-0.46, -0.46", "-0.44, 0.46", -0.06),
-        ] {
-            let mut s = simulation(&format!(
-                r#"
+/// A quasi-static scene of two blocks: `slab` and `block` are mesh and Young's modulus, `path` the displacement of the block's top, `more` the rest with the keys of the
+/// contact last.
+fn pressed(step: f64, slab: (&str, f64), block: (&str, f64), path: &str, more: &str) -> Simulation {
+    simulation(&format!(
+        r#"
 [scene]
-title = "held edge"
+title = "a block is pressed on a slab"
 kind = "quasi-static"
 [time]
 end = 1.0
-step = 0.05
+step = {step}
 [[body]]
 name = "slab"
-mesh = {{ generator = "block", min = [-2, -1, -1], max = [3, 1, 0], divisions = [10, 4, 2] }}
-material = {{ law = "neo-hooke", young = 1e3, poisson = 0.3 }}
+mesh = {{ generator = "block", {} }}
+material = {{ law = "neo-hooke", young = {:?}, poisson = 0.3 }}
 [[body]]
 name = "block"
-mesh = {{ generator = "block", min = [-0.45, -0.45, 0], max = [0.45, 0.45, 0.5], divisions = [3, 3, 2] }}
-material = {{ law = "neo-hooke", young = 1e3, poisson = 0.3 }}
+mesh = {{ generator = "block", {} }}
+material = {{ law = "neo-hooke", young = {:?}, poisson = 0.3 }}
 [[prescribe]]
 set = "slab.bottom"
 components = ["x", "y", "z"]
@@ -219,7 +213,31 @@ fixed = true
 [[prescribe]]
 set = "block.top"
 components = ["x", "y", "z"]
-displacement = {{ table = [[0, 0, 0, 0], [0.3, 0, 0, -0.03], [1.0, 0.7, 0, -0.03]] }}
+displacement = {{ table = {path} }}
+{more}
+"#,
+        slab.0, slab.1, block.0, block.1
+    ))
+}
+
+fn cuts(s: &Simulation) -> usize {
+    s.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count()
+}
+
+/// Supports that hold an edge of the slave along its normal, above a coarser master: pressures there would be more than there are motions.
+#[test]
+fn slave_edges_held_along_their_normal() {
+    let slab = ("min = [-2, -1, -1], max = [3, 1, 0], divisions = [10, 4, 2]", 1e3);
+    let block = ("min = [-0.45, -0.45, 0], max = [0.45, 0.45, 0.5], divisions = [3, 3, 2]", 1e3);
+    let path = "[[0, 0, 0, 0], [0.3, 0, 0, -0.03], [1.0, 0.7, 0, -0.03]]";
+    for multipliers in ["standard", "dual"] {
+        for (min, max, lift) in [
+            ("0.44, -0.46", "0.46, 0.46", 0.0),
+            ("-0.46, 0.44", "0.46, 0.46", -0.03),
+            ("-0.46, -0.46", "-0.44, 0.46", -0.06),
+        ] {
+            let more = format!(
+                r#"
 [[set]]
 name = "block.edge"
 body = "block"
@@ -235,64 +253,44 @@ master = "slab.top"
 multipliers = "{multipliers}"
 friction = {{ law = "coulomb", mu = 0.3 }}
 "#
-            ));
+            );
+            let mut s = pressed(0.05, slab, block, path, &more);
             while !s.finished() {
                 s.advance().unwrap();
             }
-            let cuts = s.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count();
-            assert_eq!(cuts, 0, "{multipliers} {min}");
+            assert_eq!(cuts(&s), 0, "{multipliers} {min}");
             let force = force_on_upper(&s);
             assert!(force[2] > 0.0 && force[0] < -0.28 * force[2], "{multipliers} {min}: {force:?}");
         }
     }
 }
 
-/// A block whose rim lies on mesh lines of the slab, the slave, is pressed on it: its rim bulges over the lines, and covers slivers of the facets beyond. Exact stick must
-/// not hold what has no area.
+/// A block whose rim lies on mesh lines of the slab, the slave, is pressed on it: its rim bulges over the lines, and covers slivers of the facets beyond.
+/// Exact stick must not hold what has no area.
 #[test]
 fn rims_on_mesh_lines_of_the_slave() {
-    for (friction, step) in [("mu = 0.3", 0.1), ("mu = 0.3", 0.01), ("mu = 1.0", 0.1)] {
-        let mut s = simulation(&format!(
+    let slab = ("min = [0, 0, 0], max = [3, 3, 1], divisions = [6, 6, 2]", 1e3);
+    let block = ("min = [1, 1, 1], max = [2, 2, 2], divisions = [3, 3, 2]", 2e3);
+    for (mu, step) in [(0.3, 0.1), (0.3, 0.01), (1.0, 0.1)] {
+        let more = format!(
             r#"
-[scene]
-title = "rims on mesh lines"
-kind = "quasi-static"
-[time]
-end = 1.0
-step = {step}
-[[body]]
-name = "slab"
-mesh = {{ generator = "block", min = [0, 0, 0], max = [3, 3, 1], divisions = [6, 6, 2] }}
-material = {{ law = "neo-hooke", young = 1e3, poisson = 0.3 }}
-[[body]]
-name = "block"
-mesh = {{ generator = "block", min = [1, 1, 1], max = [2, 2, 2], divisions = [3, 3, 2] }}
-material = {{ law = "neo-hooke", young = 2e3, poisson = 0.3 }}
-[[prescribe]]
-set = "slab.bottom"
-components = ["x", "y", "z"]
-fixed = true
-[[prescribe]]
-set = "block.top"
-components = ["x", "y", "z"]
-displacement = {{ table = [[0, 0, 0, 0], [1.0, 0, 0, -0.1]] }}
 [[contact]]
 method = "mortar"
 slave = "slab.top"
 master = "block.bottom"
-friction = {{ law = "coulomb", {friction} }}
+friction = {{ law = "coulomb", mu = {mu:?} }}
 "#
-        ));
+        );
+        let mut s = pressed(step, slab, block, "[[0, 0, 0, 0], [1.0, 0, 0, -0.1]]", &more);
         let mut last = 0.0;
         while !s.finished() {
             let balance = s.advance().unwrap().balance;
-            assert!(balance.dissipation >= last, "{friction}, {step}: dissipation falls");
+            assert!(balance.dissipation >= last, "{mu}, {step}: dissipation falls");
             let rest = balance.friction_work - balance.friction_stored - balance.dissipation;
-            assert!(rest.abs() <= 1e-9 * balance.external_work, "{friction}, {step}: {balance:?}");
+            assert!(rest.abs() <= 1e-9 * balance.external_work, "{mu}, {step}: {balance:?}");
             last = balance.dissipation;
         }
-        let cuts = s.decisions().iter().filter(|d| d.kind == DecisionKind::Cut).count();
-        assert_eq!(cuts, 0, "{friction}, {step}");
-        assert!(force_on_upper(&s)[2] > 0.0);
+        assert_eq!(cuts(&s), 0, "{mu}, {step}");
+        assert!(force_on_upper(&s)[2] > 0.0, "{mu}, {step}");
     }
 }

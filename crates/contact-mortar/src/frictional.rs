@@ -1,6 +1,6 @@
 //! Friction as a part of the contact method: rules, history, augmentation, energies.
 
-use crate::method::{MortarContact, WeightedConstraint};
+use crate::method::{HANDED_OVER, MortarContact, WeightedConstraint};
 use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
@@ -9,9 +9,6 @@ use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, S
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
-/// Where less than this of a node's area is covered at the start of a step of the end point, exact stick is replaced by a spring that forgets: the slip of a sliver at the rim of the
-/// master is the motion of the rim, and a multiplier would need a traction out of all proportion to hold it.
-const SLIVER: f64 = 0.05;
 
 /// Friction of a whole surface.
 #[derive(Clone, Debug)]
@@ -27,7 +24,8 @@ pub(crate) struct SurfaceFriction {
     start: Vec<Slot>,
     /// Of the stick of each node, in multiples of one over the stiffness.
     compliance: Vec<f64>,
-    /// Nodes that hardly anything of is covered at the start of the step, see [`SLIVER`].
+    /// Nodes of which less than [`HANDED_OVER`] is covered at the start of a step of the end point. Exact stick is replaced by a spring that forgets there: the
+    /// slip of a sliver at the rim of the master is the motion of the rim, and a multiplier would need a traction out of all proportion to hold it.
     slivers: Vec<bool>,
 }
 
@@ -117,14 +115,19 @@ impl MortarContact {
         let exact = surface.friction.stick() != Stick::Penalty && self.rule == ContactRule::EndPoint;
         for (sliver, (slot, area)) in surface.slivers.iter_mut().zip(surface.start.iter().zip(self.slave.nodal_areas()))
         {
-            *sliver = exact && slot.support < SLIVER * area;
+            *sliver = exact && slot.support < HANDED_OVER * area;
         }
-        for ((point, slot), &compliance) in surface.points.iter_mut().zip(&surface.start).zip(&surface.compliance) {
+        let nodes = surface.start.iter().zip(&surface.compliance).zip(&surface.slivers);
+        for (point, ((slot, &compliance), &sliver)) in surface.points.iter_mut().zip(nodes) {
             // The springs of an area that has grown must not hold more energy than before; what a part that was uncovered held is lost.
             let stored =
                 surface.friction.stored(point.committed) + surface.friction.stored_by(compliance, point.committed);
             let stores = stored > 0.0 && slot.support > point.support;
-            let factor = if stores { (point.support / slot.support).sqrt() } else { 1.0 };
+            let factor = match (sliver, stores) {
+                (true, _) => 0.0,
+                (false, true) => (point.support / slot.support).sqrt(),
+                (false, false) => 1.0,
+            };
             *point = PointHistory {
                 start: point.committed.map(|t| factor * t),
                 committed: point.committed,
@@ -132,9 +135,6 @@ impl MortarContact {
                 support: point.support,
                 ..PointHistory::default()
             };
-        }
-        for (point, _) in surface.points.iter_mut().zip(&surface.slivers).filter(|(_, sliver)| **sliver) {
-            point.start = [0.0; 2];
         }
         Ok(())
     }
@@ -148,7 +148,11 @@ impl MortarContact {
             start,
             history: point.start,
             multiplier,
-            compliance: if surface.slivers[slot] { surface.friction.spring() } else { surface.compliance[slot] },
+            compliance: if surface.slivers[slot] {
+                surface.friction.spring_compliance()
+            } else {
+                surface.compliance[slot]
+            },
             weight: self.slave.nodal_areas()[slot],
             slid: point.slid,
             stiffening: point.iteration.stiffening(),
@@ -254,6 +258,7 @@ impl MortarContact {
             };
             let (support, at_n) = (self.slots()[slot].support, surface.start[slot].support);
             if surface.slivers[slot] {
+                // Nothing is kept for the next step.
                 let friction_work = support * step.work;
                 total += ContactWork { dissipated: before + friction_work, friction_work, ..ContactWork::default() };
                 continue;

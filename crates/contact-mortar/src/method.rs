@@ -58,7 +58,7 @@ const EDGE_ON: f64 = 0.25;
 /// A slave node of whose reference area less than this is covered hands its multiplier over to the other nodes of its facets (the functions
 /// still add up to one, so that constant pressures stay exact): a constraint on a sliver of the support would need pressures out of all
 /// proportion, of either sign.
-const HANDED_OVER: f64 = 0.05;
+pub(crate) const HANDED_OVER: f64 = 0.05;
 /// It takes it back above this. The distance of the two keeps it from flipping with the iterate.
 const TAKEN_BACK: f64 = 0.1;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.

@@ -413,7 +413,7 @@ impl ContactMethod for NodeToSurface {
                 changes += 1;
             }
         }
-        changes += self.relax(q_np1, active)? + self.untilt(q_np1, active)?;
+        changes += self.relax(q_np1, active)? + self.rechoose_midpoint_facets(q_np1, active)?;
         for (slot, &active) in self.slots.iter_mut().zip(active) {
             if !active {
                 // A released node that closes again is paired anew.

@@ -63,7 +63,7 @@ impl NodeToSurface {
     ///
     /// A node that moves along the normal of that facet and yet keeps its gap (it goes up a wall, and its midpoint projects on the floor) has a force across its
     /// motion: nothing is left of the normal, and the pressure would be determined by round-off.
-    pub(crate) fn untilt(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+    pub(crate) fn rechoose_midpoint_facets(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
         if self.augmented || !matches!(self.normal.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum) {
             return Ok(0);
         }
@@ -75,10 +75,7 @@ impl NodeToSurface {
             let end = self.gap(slot, pairing.end, q_np1)?;
             let step = StepConfiguration { q_n: &self.q_n, q_np1, rule: self.normal.rule };
             self.gradient(slot, &element, pairing, &end, step, false, &mut work)?;
-            let middle = |node: u32| (position(&self.q_n, node) + position(q_np1, node)) * 0.5;
-            let corners = self.search.surface().facets()[pairing.mid as usize].map(middle);
-            let patch = stoss_geometry::BilinearPatch::new(corners);
-            let Some(mid) = Gap::project(&middle(self.node(slot)), &patch, [0.0, 0.0]) else { continue };
+            let Some(mid) = self.gap_at_midpoint(slot, pairing.mid, q_np1) else { continue };
             let pressing: f64 = (0..3).map(|i| mid.gradient[i] * work.gradient[i]).sum();
             if self.slots[slot].rechosen {
                 if pressing.abs() < UNDETERMINED {
@@ -247,6 +244,13 @@ impl NodeToSurface {
         Ok(())
     }
 
+    /// Gap of a node to the extension of a facet, both at the midpoint; `None` without a foot.
+    fn gap_at_midpoint(&self, slot: usize, facet: u32, q_np1: &[f64]) -> Option<Gap> {
+        let middle = |node: u32| (position(&self.q_n, node) + position(q_np1, node)) * 0.5;
+        let corners = self.search.surface().facets()[facet as usize].map(middle);
+        Gap::project(&middle(self.node(slot)), &stoss_geometry::BilinearPatch::new(corners), [0.0, 0.0])
+    }
+
     /// The facet of the midpoint: start or end if the midpoint projects on one of them, else the facet found by the search.
     ///
     /// It is chosen here and not while assembling, so that the force is a smooth function of the iterate. Every choice conserves exactly.
@@ -254,13 +258,7 @@ impl NodeToSurface {
         if self.augmented {
             return end;
         }
-        let middle = |node: u32| (position(&self.q_n, node) + position(q_np1, node)) * 0.5;
-        let x = middle(self.node(slot));
-        let outside = |facet: u32| {
-            let corners = self.search.surface().facets()[facet as usize].map(middle);
-            let patch = stoss_geometry::BilinearPatch::new(corners);
-            Gap::project(&x, &patch, [0.0, 0.0]).map_or(f64::INFINITY, |gap| gap.outside())
-        };
+        let outside = |facet: u32| self.gap_at_midpoint(slot, facet, q_np1).map_or(f64::INFINITY, |gap| gap.outside());
         let (at_start, at_end) = (outside(start), outside(end));
         let (nearer, least) = if at_start < at_end { (start, at_start) } else { (end, at_end) };
         if least <= self.search.options().hysteresis {

@@ -59,7 +59,7 @@ pub struct Friction {
     inertia: f64,
     stiffness: f64,
     /// Stiffness of the bodies at the surface, and with the inertia of the present step.
-    bodies: f64,
+    body_stiffness: f64,
     resistance: f64,
     stick: Stick,
     midpoint: MidpointFriction,
@@ -147,7 +147,16 @@ impl Friction {
         midpoint: MidpointFriction,
     ) -> Result<Self, ContactError> {
         let penalty = check("penalty", penalty, penalty > 0.0, "positive")?;
-        Ok(Self { law, penalty, inertia: 0.0, stiffness: penalty, bodies: 0.0, resistance: 0.0, stick, midpoint })
+        Ok(Self {
+            law,
+            penalty,
+            inertia: 0.0,
+            stiffness: penalty,
+            body_stiffness: 0.0,
+            resistance: 0.0,
+            stick,
+            midpoint,
+        })
     }
 
     /// The same for bodies with inertia, of which the elements behind the surface have the mass `density` an area: in a small step `h` it is `density / h^2`
@@ -161,9 +170,9 @@ impl Friction {
     /// The same for the stiffness of the bodies at the surface, traction per length: the spring of an augmented Lagrangian may be stiffened to it whatever the
     /// pressure, because round-off of the bodies' own forces is no smaller then. No result depends on it.
     #[must_use]
-    pub fn with_bodies(mut self, stiffness: f64) -> Self {
-        self.bodies = if stiffness > 0.0 && stiffness.is_finite() { stiffness } else { 0.0 };
-        self.resistance = self.bodies;
+    pub fn with_body_stiffness(mut self, stiffness: f64) -> Self {
+        self.body_stiffness = if stiffness > 0.0 && stiffness.is_finite() { stiffness } else { 0.0 };
+        self.resistance = self.body_stiffness;
         self
     }
 
@@ -175,7 +184,7 @@ impl Friction {
     /// Begins a step of a size.
     pub fn begin(&mut self, step_size: f64) {
         let inertia = self.inertia / (step_size * step_size);
-        self.resistance = self.bodies + if inertia.is_finite() { inertia } else { 0.0 };
+        self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
         self.stiffness = if weighs { self.penalty + inertia } else { self.penalty };
     }
@@ -208,7 +217,7 @@ impl Friction {
     }
 
     /// The compliance with which a multiplier is a spring of [`Friction::stiffness`].
-    pub fn spring(&self) -> f64 {
+    pub fn spring_compliance(&self) -> f64 {
         self.penalty / self.stiffness
     }
 

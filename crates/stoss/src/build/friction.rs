@@ -140,5 +140,5 @@ pub(super) fn friction(
     };
     let made = Friction::new(law, stiffness, stick, midpoint);
     let friction = made.map_err(|error| problems.add(key, "", error.to_string(), "correct the parameter")).ok()?;
-    Some((friction.with_bodies(DEFAULT_TANGENTIAL_STIFFNESS * complementarity), plan))
+    Some((friction.with_body_stiffness(DEFAULT_TANGENTIAL_STIFFNESS * complementarity), plan))
 }

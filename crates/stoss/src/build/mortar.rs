@@ -62,8 +62,8 @@ pub(super) fn contact(
             let mut slave_nodes = method.slave().nodes().iter().enumerate();
             if slave_nodes.all(|(a, &n)| method.is_held_along_normal(a, prescribed(n))) {
                 warnings.push(format!(
-                    "{}: the motion of the whole slave surface along its normal is prescribed; where it has more nodes than the master beside it the pressures are not \
-                     determined, and the system is singular. Exchange slave and master",
+                    "{}: the motion of the whole slave surface along its normal is prescribed; where it has more nodes than the master beside it the \
+                     pressures are not determined, and the system is singular. Exchange slave and master",
                     item.label()
                 ));
             }

@@ -92,7 +92,7 @@ fn corners(combination: (&'static str, &'static str)) -> Case {
 enum Contrast {
     /// Along x.
     One,
-    /// Along x and y: one facet against more than 400.
+    /// Along x and y: one facet against 400 or more.
     Both,
     /// Along x and y, with friction.
     Friction,
@@ -112,15 +112,14 @@ fn contrast(combination: (&'static str, &'static str), finer: bool, contrast: Co
     let scene = Scene::new(Some(combination.0), STEP, 30, 10)
         .block("lower", plate, Matter::new(SOFT, 1.0), [0.0; 3])
         .block("upper", block, Matter::new(SOFT, 1.0), [0.1, 0.05, -1.0]);
-    let family = match (contrast, finer) {
-        (Contrast::One, true) => "master finer by 20",
-        (Contrast::One, false) => "master coarser by 20",
-        (Contrast::Both, true) => "master finer by 20 both ways",
-        (Contrast::Both, false) => "master coarser by 20 both ways",
-        (Contrast::Friction, true) => "master finer by 20 both ways, friction",
-        (Contrast::Friction, false) => "master coarser by 20 both ways, friction",
+    let size = if finer { "finer" } else { "coarser" };
+    let ways = match contrast {
+        Contrast::One => "",
+        Contrast::Both => " both ways",
+        Contrast::Friction => " both ways, friction",
     };
-    let mut case = impact(family, combination, Side::Bottom, scene);
+    let family = format!("master {size} by 20{ways}");
+    let mut case = impact(&family, combination, Side::Bottom, scene);
     if let Contrast::Friction = contrast {
         // A key of the contact, which is the last thing in the scene.
         case.scene = case.scene.also("friction = { law = \"coulomb\", mu = 0.3 }\n");
