@@ -59,6 +59,8 @@ const EDGE_ON: f64 = 0.25;
 /// still add up to one, so that constant pressures stay exact): a constraint on a sliver of the support would need pressures out of all
 /// proportion, of either sign.
 pub(crate) const HANDED_OVER: f64 = 0.05;
+/// On a facet of which all nodes have such small supports those with at least this part of the largest keep their multipliers.
+const KEPT: f64 = 0.5;
 /// It takes it back above this. The distance of the two keeps it from flipping with the iterate.
 const TAKEN_BACK: f64 = 0.1;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
@@ -95,8 +97,8 @@ pub struct MortarContact {
     pub(crate) options: MortarOptions,
     /// Slave nodes without a multiplier, by local number.
     pub(crate) without: Vec<bool>,
-    /// Slave nodes whose multiplier is handed over in this step because little of their support is covered, by local number.
-    handed_over: Vec<bool>,
+    /// Covered part of slave nodes whose multiplier is handed over in this step because that is little, an area, by local number.
+    handed_over: Vec<Option<f64>>,
     pub(crate) rule: ContactRule,
     range: GapRange,
     /// Depth from which facets behind are another part of the body, a length.
@@ -142,7 +144,7 @@ impl MortarContact {
         let mut method = Self {
             name: name.to_owned(),
             without: vec![false; count],
-            handed_over: vec![false; count],
+            handed_over: vec![None; count],
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
             deepest: DEPTH_OF_THICKNESS * (thickness(&slave, reference) + thickness(&master, reference)),
@@ -302,8 +304,9 @@ impl MortarContact {
         Ok(Integrated { segments, slots, bare_supports })
     }
 
-    /// Which slave facets are opposite the master. One that sees it edge-on only, and has a neighbour beyond a sharp edge that faces it, is not: the
-    /// side of a block that stands on the master and leans a little would have gaps as wide as the search reaches.
+    /// Which slave facets are opposite the master. One that sees it edge-on only would have gaps as wide as the search reaches. It is opposite if it goes over
+    /// smoothly, over other such facets or at once, into one that faces the master, and lies beyond no sharp edge from one: the side of a
+    /// block that stands on the master and leans a little is not, nor a surface that is edge-on as a whole.
     fn opposite(&self, segments: &SurfaceSegmentation, q: &[f64]) -> Vec<bool> {
         let Self { slave, master, reference_normals, .. } = self;
         let faces = |found: &FacetSegmentation| {
@@ -315,19 +318,34 @@ impl MortarContact {
             })
         };
         let faces: Vec<bool> = segments.facets.iter().map(faces).collect();
-        let beside_facing = |f: usize| {
+        let beside = |f: usize| {
             let around = slave.local_facets()[f].iter().flat_map(|&n| slave.facets_around(n as usize));
-            let is_sharp = |e: usize| reference_normals[e].dot(&reference_normals[f]) <= SHARP;
-            around.map(|&e| e as usize).any(|e| faces[e] && is_sharp(e))
+            around.map(|&e| e as usize)
         };
-        let found = segments.facets.iter().enumerate();
-        found.map(|(f, found)| !found.segments.is_empty() && (faces[f] || !beside_facing(f))).collect()
+        let is_sharp = |e: usize, f: usize| reference_normals[e].dot(&reference_normals[f]) <= SHARP;
+        let mut opposite = faces.clone();
+        let mut reached: Vec<usize> = (0..faces.len()).filter(|&f| faces[f]).collect();
+        while let Some(f) = reached.pop() {
+            for e in beside(f).filter(|&e| !is_sharp(e, f)) {
+                let is_edge_on = !opposite[e] && !segments.facets[e].segments.is_empty();
+                if is_edge_on && !beside(e).any(|d| faces[d] && is_sharp(d, e)) {
+                    opposite[e] = true;
+                    reached.push(e);
+                }
+            }
+        }
+        opposite
     }
 
-    /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, all keep it.
+    /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, those of which most is covered keep it.
     fn without_on(&self, nodes: [u32; 4]) -> [bool; 4] {
-        let small = nodes.map(|n| self.without[n as usize] || self.handed_over[n as usize]);
-        if small.iter().all(|s| *s) { nodes.map(|n| self.without[n as usize]) } else { small }
+        let covered = nodes.map(|n| self.handed_over[n as usize].filter(|_| !self.without[n as usize]));
+        let is_small = |n: u32| self.without[n as usize] || self.handed_over[n as usize].is_some();
+        if !nodes.iter().all(|&n| is_small(n)) {
+            return nodes.map(is_small);
+        }
+        let largest = covered.iter().flatten().copied().fold(0.0, f64::max);
+        covered.map(|covered| covered.is_none_or(|area| area < KEPT * largest))
     }
 
     /// Decides by the present integrals which multipliers are handed over; returns how many changed.
@@ -337,10 +355,10 @@ impl MortarContact {
         let mut changes = 0;
         for (handed_over, (&support, area)) in self.handed_over.iter_mut().zip(supports).filter(|(_, (s, _))| **s > 0.0)
         {
-            let limit = if *handed_over { TAKEN_BACK } else { HANDED_OVER };
+            let limit = if handed_over.is_some() { TAKEN_BACK } else { HANDED_OVER };
             let small = support < limit * area;
-            changes += usize::from(small != *handed_over);
-            *handed_over = small;
+            changes += usize::from(small != handed_over.is_some());
+            *handed_over = small.then(|| handed_over.unwrap_or(support));
         }
         changes
     }
@@ -402,7 +420,7 @@ impl ContactMethod for MortarContact {
         self.range = self.range_for(reach);
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
         // No memory of the last step: a run that is resumed has none.
-        self.handed_over.fill(false);
+        self.handed_over.fill(None);
         self.slide = self.half_slides(q_n)?;
         self.velocity.clear();
         self.range.min -= self.slide.iter().map(Vector3::norm).fold(0.0, f64::max);

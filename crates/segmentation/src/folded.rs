@@ -1,7 +1,7 @@
 //! A master that covers a part of the slave more than once, folded or in several sheets: each point of the slave belongs to the nearer facet.
 
 use crate::cell::{cross, inverse, sub};
-use crate::overlap::common_area;
+use crate::overlap::{common_area, sides};
 use crate::segment::{inside, weighted};
 use crate::{FacetSegmentation, HiddenFacet, MasterFacet, Provenance, Segment, SlaveFrame, Vertex};
 
@@ -60,10 +60,8 @@ fn difference(segment: &Segment, winner: &Segment, frame: &SlaveFrame, master: &
     };
     let mut rest: Vec<Corner> =
         segment.vertices().iter().map(|v| Corner { image: v.image, vertex: Some(*v) }).collect();
-    let sides = winner.vertices();
-    for (k, side) in sides.iter().enumerate() {
-        let next = &sides[(k + 1) % sides.len()];
-        let [left, right] = cut(&rest, side.image, next.image);
+    for [from, to] in sides(winner) {
+        let [left, right] = cut(&rest, from, to);
         if area(&right) > tiny {
             for k in 1..right.len() - 1 {
                 let triangle = [right[0], right[k], right[k + 1]];

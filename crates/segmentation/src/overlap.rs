@@ -8,6 +8,15 @@ const ROOM: usize = 2 * MAX_VERTICES + 2;
 /// polygon would have no end there, and beside a master edge that nearly follows a slave edge its neighbour may be as narrow as that side.
 const ROUND_OFF: f64 = 1e-14;
 
+/// The sides of a segment's image as their ends, without those of vertices that coincide to round-off: they have no direction.
+pub(crate) fn sides(segment: &Segment) -> impl Iterator<Item = [[f64; 2]; 2]> {
+    let v = segment.vertices();
+    let length = |[p, q]: [[f64; 2]; 2]| (q[0] - p[0]).hypot(q[1] - p[1]);
+    let size = v.iter().map(|w| length([v[0].image, w.image])).fold(0.0, f64::max);
+    let ends = (0..v.len()).map(|k| [v[k].image, v[(k + 1) % v.len()].image]);
+    ends.filter(move |ends| length(*ends) > ROUND_OFF * size)
+}
+
 /// Area that the images of two segments have in common (Sutherland-Hodgman).
 pub(crate) fn common_area(a: &Segment, b: &Segment) -> f64 {
     let mut polygon = [[0.0; 2]; ROOM];
@@ -15,15 +24,8 @@ pub(crate) fn common_area(a: &Segment, b: &Segment) -> f64 {
     for (p, v) in polygon.iter_mut().zip(a.vertices()) {
         *p = v.image;
     }
-    let sides = b.vertices();
-    let size = sides.iter().map(|v| sub(v.image, sides[0].image)).map(|d| d[0].hypot(d[1])).fold(0.0, f64::max);
-    for k in 0..sides.len() {
-        let (p, d) = (sides[k].image, sub(sides[(k + 1) % sides.len()].image, sides[k].image));
-        // Vertices that coincide to round-off make a side without direction.
-        if d[0].hypot(d[1]) <= ROUND_OFF * size {
-            continue;
-        }
-        let side = |x: [f64; 2]| cross(d, sub(x, p));
+    for [p, q] in sides(b) {
+        let side = |x: [f64; 2]| cross(sub(q, p), sub(x, p));
         let (mut next, mut kept) = ([[0.0; 2]; ROOM], 0);
         for i in 0..count {
             let (x, y) = (polygon[i], polygon[(i + 1) % count]);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use stoss_contact::ContactSurface;
-use stoss_contact_mortar::segmentation::GapRange;
+use stoss_contact_mortar::segmentation::{FacetSegmentation, GapRange};
 use stoss_contact_mortar::{CheckExtent, SurfaceCoverage, segment_surfaces};
 use stoss_tensor::Vector3;
 
@@ -15,20 +15,47 @@ use crate::workspace::Outcome;
 /// Master facets farther from the slave's box than this part of its size are not drawn.
 const SURROUNDINGS: f64 = 0.35;
 
+/// Where the two surfaces of an interface are in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Sides {
+    /// The bottom of the upper body, the slave, and the top of the lower one.
+    #[default]
+    Stacked,
+    /// On a sphere of this radius about the origin, the second body around the first one: the part above.
+    Sphere(f64),
+    /// The whole surfaces of both bodies, the first one the slave, as far as they are nearer than this.
+    Hulls(f64),
+}
+
 /// A slave and a master surface with their nodes' positions.
 pub struct Interface {
     pub slave: ContactSurface,
     pub master: ContactSurface,
     /// Three numbers a node.
     pub q: Vec<f64>,
+    /// Gaps at which facets are opposite each other.
+    pub range: GapRange,
 }
 
 impl Interface {
+    /// Of a frame with the sides in their places.
+    pub fn new(frame: &Grid, sides: Sides) -> Outcome<Self> {
+        match sides {
+            Sides::Stacked => Self::stacked(frame),
+            Sides::Sphere(radius) => Self::on_sphere(frame, radius),
+            Sides::Hulls(gap) => {
+                let range = GapRange { min: -gap, max: gap };
+                let interface = Self::between(frame, &hull(frame, 0.0)?, &hull(frame, 1.0)?)?;
+                Ok(Self { range, ..interface })
+            }
+        }
+    }
+
     /// Of a frame with two blocks one above the other: the bottom of the upper one is the slave, the top of the lower one the master.
-    pub fn new(frame: &Grid) -> Outcome<Self> {
-        let bodies = frame.cell_data.get("body").ok_or("no numbers of bodies in the frame")?;
+    fn stacked(frame: &Grid) -> Outcome<Self> {
+        let bodies = bodies(frame)?;
         let bounds = |body: f64| {
-            let cells = frame.hexahedra.iter().zip(&bodies.values).filter(move |(_, b)| **b == body);
+            let cells = frame.hexahedra.iter().zip(bodies).filter(move |(_, b)| **b == body);
             let heights = cells.flat_map(|(cell, _)| cell.iter().map(|&node| frame.points[node][2]));
             heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
         };
@@ -36,7 +63,7 @@ impl Interface {
         let upper = if first.1 > second.1 { 0.0 } else { 1.0 };
         // A facet of the bottom is on no top of another element, even if the bottom is curved.
         let layer = |body: f64, corners: [usize; 4]| -> Vec<[usize; 4]> {
-            let cells = frame.hexahedra.iter().zip(&bodies.values).filter(|(_, b)| **b == body);
+            let cells = frame.hexahedra.iter().zip(bodies).filter(|(_, b)| **b == body);
             cells.map(|(cell, _)| corners.map(|k| cell[k])).collect()
         };
         let sorted = |mut facet: [usize; 4]| {
@@ -54,24 +81,19 @@ impl Interface {
 
     /// Of a frame with a ball in a shell: the upper part of the second body's facets near the sphere about the origin is the slave, all of the first
     /// body's the master.
-    pub fn on_sphere(frame: &Grid, radius: f64) -> Outcome<Self> {
+    fn on_sphere(frame: &Grid, radius: f64) -> Outcome<Self> {
         /// Part of the radius that nodes may be off the sphere; part of it above which the slave's facets are.
         const NEAR: f64 = 0.08;
         const ABOVE: f64 = 0.35;
-        let bodies = frame.cell_data.get("body").ok_or("no numbers of bodies in the frame")?;
         let height = |node: usize| frame.points[node][2];
         let on = |facet: &[usize; 4]| {
             let distance = |node: usize| frame.points[node].iter().map(|x| x * x).sum::<f64>().sqrt() - radius;
             facet.iter().all(|&node| distance(node).abs() < NEAR * radius)
         };
-        let of = |body: f64| -> Vec<[usize; 4]> {
-            let cells = frame.hexahedra.iter().zip(&bodies.values).filter(|(_, b)| **b == body);
-            let cells: Vec<[usize; 8]> = cells.map(|(cell, _)| *cell).collect();
-            boundary(&cells).into_iter().filter(on).collect()
-        };
-        let mut slave = of(1.0);
-        slave.retain(|facet| facet.iter().all(|&node| height(node) > ABOVE * radius));
-        Self::between(frame, &slave, &of(0.0))
+        let [mut master, mut slave] = [hull(frame, 0.0)?, hull(frame, 1.0)?];
+        master.retain(on);
+        slave.retain(|facet| on(facet) && facet.iter().all(|&node| height(node) > ABOVE * radius));
+        Self::between(frame, &slave, &master)
     }
 
     /// In the frame's positions.
@@ -81,42 +103,66 @@ impl Interface {
         let q = reference.iter().zip(&displacement.values).map(|(x, u)| x + u).collect();
         let numbers = |facets: &[[usize; 4]]| facets.iter().map(|f| f.map(|node| node as u32)).collect::<Vec<_>>();
         let slave = ContactSurface::new("slave", &numbers(slave), &reference)?;
-        Ok(Self { slave, master: ContactSurface::new("master", &numbers(master), &reference)?, q })
+        let master = ContactSurface::new("master", &numbers(master), &reference)?;
+        Ok(Self { slave, master, q, range: GapRange::ALL })
     }
 
     /// Whether the segments of every slave facet tile its overlap with the whole master.
     pub fn coverage(&self) -> Outcome<SurfaceCoverage> {
-        let Self { slave, master, q } = self;
-        Ok(segment_surfaces(slave, master, q, GapRange::ALL)?.check(master, q, CheckExtent::Everything)?)
+        let Self { slave, master, q, range } = self;
+        Ok(segment_surfaces(slave, master, q, *range)?.check(master, q, CheckExtent::Everything)?)
     }
 }
 
-/// Both surfaces from above and the triangles of the segments between them, on the slave.
-pub fn segments(title: &str, interface: &Interface) -> Outcome<String> {
-    let Interface { slave, master, q } = interface;
-    let corners = |s: &ContactSurface| -> Vec<Vec<[f64; 2]>> {
-        let facets = 0..s.facets().len() as u32;
-        facets.map(|f| s.patch(f, q).corners.iter().map(|x| [x.x, x.y]).collect()).collect()
-    };
+/// Number of the body of every element.
+fn bodies(frame: &Grid) -> Outcome<&[f64]> {
+    Ok(&frame.cell_data.get("body").ok_or("no numbers of bodies in the frame")?.values)
+}
+
+/// All facets of a body's surface.
+fn hull(frame: &Grid, body: f64) -> Outcome<Vec<[usize; 4]>> {
+    let cells = frame.hexahedra.iter().zip(bodies(frame)?).filter(|(_, b)| **b == body);
+    Ok(boundary(&cells.map(|(cell, _)| *cell).collect::<Vec<_>>()))
+}
+
+/// Both surfaces from the side of the slave and the triangles of the segments between them, on the slave: from above, or, of whole surfaces, along the mean
+/// normal of the slave facets that are opposite the master. Nothing if no facet is.
+pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
+    let Interface { slave, master, q, range } = interface;
+    let found = segment_surfaces(slave, master, q, *range)?.facets;
+    let opposite: Vec<&FacetSegmentation> = found.iter().filter(|facet| !facet.segments.is_empty()).collect();
+    if opposite.is_empty() {
+        return Ok(None);
+    }
+    let whole = *range == GapRange::ALL;
+    let eye = if whole { Vector3::z() } else { -opposite.iter().map(|facet| facet.frame.normal()).sum::<Vector3>() };
+    let right = Vector3::y().cross(&eye).try_normalize(0.0).unwrap_or_else(Vector3::x);
+    let up = eye.cross(&right).try_normalize(0.0).unwrap_or_else(Vector3::y);
+    let project = |x: Vector3| [right.dot(&x), up.dot(&x)];
     let mut triangles: Vec<Vec<[f64; 2]>> = Vec::new();
-    for facet in &segment_surfaces(slave, master, q, GapRange::ALL)?.facets {
+    for facet in &opposite {
         for segment in &facet.segments {
             let place = |v: usize| {
                 let weights = segment.slave_map.weights(segment.vertices()[v].slave);
-                let x = facet.frame.corners().iter().zip(weights).map(|(x, w)| x * w).sum::<Vector3>();
-                [x.x, x.y]
+                project(facet.frame.corners().iter().zip(weights).map(|(x, w)| x * w).sum())
             };
             triangles.extend(segment.triangles().map(|triangle| triangle.iter().map(|&v| place(v)).collect()));
         }
     }
-    let slaves = corners(slave);
-    let masters = near(corners(master), &slaves);
+    let outline = |x: [Vector3; 4]| x.map(project).to_vec();
+    let drawn = found.iter().filter(|facet| whole || !facet.segments.is_empty());
+    let slaves: Vec<_> = drawn.map(|facet| outline(*facet.frame.corners())).collect();
+    // Seen through the slave: of whole surfaces the side that looks this way.
+    let patches = (0..master.facets().len() as u32).map(|f| master.patch(f, q).corners);
+    let seen = patches.filter(|x| whole || (x[2] - x[0]).cross(&(x[3] - x[1])).dot(&eye) > 0.0);
+    let masters = near(seen.map(outline).collect(), &slaves);
     let series = [
         outlines(&format!("{} triangles", triangles.len()), &triangles),
         outlines("master facets", &masters),
         outlines("slave facets", &slaves),
     ];
-    Ok(plot::trajectory(Labels { title, x: "x", y: "y" }, &series, Drawn::Lines))
+    let labels = if whole { Labels { title, x: "x", y: "y" } } else { Labels { title, x: "across", y: "up" } };
+    Ok(Some(plot::trajectory(labels, &series, Drawn::Lines)))
 }
 
 /// Smallest and largest coordinates.
@@ -181,13 +227,31 @@ mod tests {
             let shift = |p: &[f64; 3]| [if p[2] > 1.1 { 0.5 } else { 0.0 }, 0.0, 0.0];
             let moved = points.iter().flat_map(shift).collect();
             frame.point_data.insert("displacement".into(), Array { components: 3, values: moved });
-            let interface = Interface::new(&frame).unwrap();
+            let interface = Interface::new(&frame, Sides::Stacked).unwrap();
             let coverage = interface.coverage().unwrap();
             assert!(coverage.faults.is_empty());
             assert!((coverage.area - 1.0).abs() < 1e-14 && (coverage.covered - 0.5).abs() < 1e-14);
-            let drawn = segments("t", &interface).unwrap();
+            let drawn = segments("t", &interface).unwrap().unwrap();
             assert!(drawn.contains("master facets") && !drawn.contains("NaN"));
         }
+    }
+
+    /// Two unit cubes, side by side with a gap of a tenth and shifted by half an edge: of their whole surfaces the two sides between them are left.
+    #[test]
+    fn hulls_are_drawn_where_they_are_near() {
+        let other = CUBE.map(|[x, y, z]| [x + 1.1, y, z + 0.5]);
+        let points: Vec<[f64; 3]> = [CUBE, other].into_iter().flatten().collect();
+        let cells = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13, 14, 15]];
+        let mut frame = vtu::parse(&vtu::tests::write(&points, &cells, &[0.0; 16], true)).unwrap();
+        frame.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0] });
+        frame.point_data.insert("displacement".into(), Array { components: 3, values: vec![0.0; 48] });
+        let near = Interface::new(&frame, Sides::Hulls(0.2)).unwrap();
+        assert_eq!((near.slave.facets().len(), near.master.facets().len()), (6, 6));
+        let coverage = near.coverage().unwrap();
+        assert!(coverage.faults.is_empty() && (coverage.covered - 0.5).abs() < 1e-14, "{coverage:?}");
+        assert!(segments("t", &near).unwrap().unwrap().contains("2 triangles"));
+        let apart = Interface::new(&frame, Sides::Hulls(0.05)).unwrap();
+        assert!(segments("t", &apart).unwrap().is_none());
     }
 
     /// A cube with its corners on the sphere, and a block on its top.
@@ -200,7 +264,7 @@ mod tests {
         let mut frame = vtu::parse(&vtu::tests::write(&points, &cells, &[0.0; 16], true)).unwrap();
         frame.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0] });
         frame.point_data.insert("displacement".into(), Array { components: 3, values: vec![0.0; 48] });
-        let interface = Interface::on_sphere(&frame, 3.0_f64.sqrt()).unwrap();
+        let interface = Interface::new(&frame, Sides::Sphere(3.0_f64.sqrt())).unwrap();
         assert_eq!((interface.slave.facets().len(), interface.master.facets().len()), (1, 6));
         let coverage = interface.coverage().unwrap();
         assert!(coverage.faults.is_empty() && (coverage.covered - 4.0).abs() < 1e-14, "{coverage:?}");

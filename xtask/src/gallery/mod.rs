@@ -17,7 +17,7 @@ use crate::table::Table;
 use crate::vtu::{self, Grid};
 use crate::workspace::{Outcome, Workspace, read, write};
 use camera::Camera;
-pub use interface::{Interface, segments};
+pub use interface::{Interface, Sides, segments};
 use picture::{Shot, Style};
 use pictures::PICTURES;
 pub use pictures::{Picture, of};
@@ -39,7 +39,7 @@ pub fn command(workspace: &Workspace, scene: Option<&str>) -> Outcome<bool> {
     let program = Program::build(workspace)?;
     for (picture, compare) in chosen {
         let folder = run(workspace, &program, picture.scene)?;
-        save(workspace, picture.scene, &snapshots(picture, &folder)?)?;
+        save(workspace, picture.scene, &snapshots(picture, picture.fields[0], &folder)?)?;
         if !compare.is_empty() {
             let mut runs = vec![(picture.scene, folder)];
             for other in compare {
@@ -80,17 +80,17 @@ fn save(workspace: &Workspace, name: &str, svg: &str) -> Outcome<()> {
     Ok(())
 }
 
-/// A row of snapshots of a run.
-pub fn snapshots(picture: &Picture, folder: &Path) -> Outcome<String> {
+/// A row of snapshots of a run, coloured by one of the picture's fields.
+pub fn snapshots(picture: &Picture, field: &str, folder: &Path) -> Outcome<String> {
     let frames = vtu::collection(&read(&folder.join("frames.pvd"))?)?;
     let mut shots: Vec<Shot> = Vec::new();
     for (time, file) in chosen(&frames, picture.times) {
-        let surface = Surface::new(&vtu::load(&folder.join(file))?, picture.field)?;
+        let surface = Surface::new(&vtu::load(&folder.join(file))?, field)?;
         shots.push(Shot { caption: format!("t = {time:.2}"), surface });
     }
     let columns = picture::columns(shots.len());
     let width = if columns < shots.len() { ROW / columns as f64 } else { SHOT };
-    let style = Style { title: picture.title, label: &picture.field.replace('_', " "), width };
+    let style = Style { title: picture.title, label: &field.replace('_', " "), width };
     Ok(picture::draw(&shots, picture.camera, &style))
 }
 
@@ -108,14 +108,16 @@ fn chosen<'a>(frames: &'a [(f64, String)], times: &[f64]) -> Vec<&'a (f64, Strin
     chosen
 }
 
-/// The segments between two bodies at the picture's time, if it wants them and the run has come so far.
-pub fn interface(picture: &Picture, folder: &Path) -> Outcome<Option<String>> {
-    let Some(time) = picture.segments else { return Ok(None) };
+/// The segments between two bodies at the picture's times, as far as the run has come and the bodies are near each other.
+pub fn interfaces(picture: &Picture, folder: &Path) -> Outcome<Vec<String>> {
     let frames = vtu::collection(&read(&folder.join("frames.pvd"))?)?;
-    let [(time, file)] = chosen(&frames, &[time])[..] else { return Ok(None) };
-    let frame = vtu::load(&folder.join(file))?;
-    let found = picture.sphere.map_or_else(|| Interface::new(&frame), |radius| Interface::on_sphere(&frame, radius))?;
-    segments(&format!("Segments from above, t = {time:.2}"), &found).map(Some)
+    let mut drawn = Vec::new();
+    for (time, file) in chosen(&frames, picture.segments) {
+        let interface = Interface::new(&vtu::load(&folder.join(file))?, picture.sides)?;
+        let from = if matches!(picture.sides, Sides::Hulls(_)) { "along the normal" } else { "from above" };
+        drawn.extend(segments(&format!("Segments {from}, t = {time:.2}"), &interface)?);
+    }
+    Ok(drawn)
 }
 
 /// Total energy over time, relative to its value at the start.

@@ -1,31 +1,34 @@
 //! Which scene draws what: the one table for the report and for `docs/gallery`.
 
 use super::camera::Camera;
+use super::interface::Sides;
 
 /// What a scene draws beside its balances.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture {
     /// Name of the scene, and of the picture.
     pub scene: &'static str,
-    /// Array that gives the colour; of vectors the length.
-    pub field: &'static str,
+    /// Arrays that give the colour, a row of snapshots each; of vectors the length.
+    pub fields: &'static [&'static str],
     /// Title above the snapshots.
     pub title: &'static str,
+    /// Numbers of the thesis's figures that the section of the report stands for; empty if there are none.
+    pub thesis: &'static str,
     /// Times of the snapshots; the nearest frames are taken, those after the end of a shortened run left out.
     pub times: &'static [f64],
     /// Where it is seen from.
     pub camera: Camera,
     /// Probe of a reaction, drawn over time.
     pub reaction: Option<&'static str>,
-    /// Time at which the segments between the upper body's bottom and the lower body's top are drawn.
-    pub segments: Option<f64>,
-    /// The segments are those on a sphere of this radius about the origin instead, the second body around the first one.
-    pub sphere: Option<f64>,
+    /// Times at which the segments are drawn.
+    pub segments: &'static [f64],
+    /// Between which surfaces.
+    pub sides: Sides,
     /// Drawn into `docs/gallery` too; the scenes with the same data and another scheme, to compare the energies with.
     pub gallery: Option<&'static [&'static str]>,
 }
 
-const STRESS: &str = "von_mises";
+const STRESS: &[&str] = &["von_mises"];
 
 /// From the front, a little from the right and from above.
 const FRONT: Camera = Camera { azimuth: -70.0, elevation: 22.0 };
@@ -34,13 +37,14 @@ const FRONT: Camera = Camera { azimuth: -70.0, elevation: 22.0 };
 const fn report(scene: &'static str, title: &'static str, times: &'static [f64]) -> Picture {
     Picture {
         scene,
-        field: STRESS,
+        fields: STRESS,
         title,
+        thesis: "",
         times,
         camera: FRONT,
         reaction: None,
-        segments: None,
-        sphere: None,
+        segments: &[],
+        sides: Sides::Stacked,
         gallery: None,
     }
 }
@@ -48,18 +52,23 @@ const fn report(scene: &'static str, title: &'static str, times: &'static [f64])
 /// The tori fly along x and z: seen along y. They meet at 2.5.
 const fn tori(scene: &'static str, title: &'static str) -> Picture {
     let camera = Camera { azimuth: -80.0, elevation: 12.0 };
-    Picture { camera, ..report(scene, title, &[2.0, 2.5, 3.0, 3.5, 4.0, 5.0]) }
+    Picture { camera, thesis: "6.15 to 6.19", ..report(scene, title, &[0.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0]) }
+}
+
+/// With the segments where the tori are nearer than half a facet.
+const fn mortar_tori(scene: &'static str, title: &'static str) -> Picture {
+    Picture { segments: &[2.6, 3.0, 5.0], sides: Sides::Hulls(2.0), thesis: "6.35 to 6.38", ..tori(scene, title) }
 }
 
 /// Pressed down until 1, then drawn along x.
-const fn ironing(scene: &'static str, title: &'static str) -> Picture {
+const fn ironing(scene: &'static str, title: &'static str, thesis: &'static str) -> Picture {
     let reaction = Some("indenter");
-    Picture { reaction, segments: Some(5.0), ..report(scene, title, &[0.0, 1.0, 7.0, 14.0, 20.0]) }
+    Picture { reaction, segments: &[1.0, 10.0], thesis, ..report(scene, title, &[0.0, 1.0, 10.0, 15.0, 20.0]) }
 }
 
 /// They meet at 0.05.
-const fn blocks(scene: &'static str, title: &'static str) -> Picture {
-    Picture { segments: Some(0.06), ..report(scene, title, &[0.0, 0.05, 0.08, 0.12, 0.2]) }
+const fn blocks(scene: &'static str, title: &'static str, thesis: &'static str) -> Picture {
+    Picture { segments: &[0.06], thesis, ..report(scene, title, &[0.0, 0.06, 0.13, 0.2]) }
 }
 
 /// All pictures.
@@ -67,6 +76,7 @@ pub const PICTURES: &[Picture] = &[
     Picture {
         camera: Camera { azimuth: -58.0, elevation: 24.0 },
         gallery: Some(&["ball-plate-modified", "ball-plate-midpoint"]),
+        thesis: "6.6, 6.7, 6.9 and 6.10",
         ..report("ball-plate", "Hollow ball on plate", &[0.0, 0.16, 0.3, 0.6])
     },
     tori("tori", "Two tori without friction"),
@@ -75,20 +85,31 @@ pub const PICTURES: &[Picture] = &[
     tori("tori-cat", "Two tori without friction, coordinate augmentation"),
     tori("tori-cat-01", "Two tori, coefficient of friction 0.1, coordinate augmentation"),
     tori("tori-cat-03", "Two tori, coefficient of friction 0.3, coordinate augmentation"),
-    tori("tori-mortar", "Two tori without friction, mortar"),
-    tori("tori-mortar-friction", "Two tori, coefficient of friction 0.3, mortar"),
-    ironing("ironing-mortar", "Ironing without friction"),
-    ironing("ironing-mortar-friction", "Ironing with friction"),
-    blocks("two-blocks-mortar", "Two blocks without friction"),
-    blocks("two-blocks-mortar-02", "Two blocks, coefficient of friction 0.2"),
-    blocks("two-blocks-mortar-08", "Two blocks, coefficient of friction 0.8"),
+    mortar_tori("tori-mortar", "Two tori without friction, mortar"),
+    mortar_tori("tori-mortar-friction", "Two tori, coefficient of friction 0.3, mortar"),
+    ironing("ironing-mortar", "Ironing without friction", "6.23 to 6.25"),
+    ironing("ironing-mortar-friction", "Ironing with friction", "6.25, right"),
+    blocks("two-blocks-mortar", "Two blocks without friction", "6.29"),
+    blocks("two-blocks-mortar-02", "Two blocks, coefficient of friction 0.2", "6.29, 6.31 and 6.32"),
+    blocks("two-blocks-mortar-08", "Two blocks, coefficient of friction 0.8", "6.30, 6.33 and 6.34"),
     Picture {
+        fields: &["displacement", "von_mises"],
+        thesis: "6.26 to 6.28",
         reaction: Some("force"),
-        segments: Some(1.0),
+        segments: &[1.0, 2.0],
         ..report("rotating-indenter", "Rotating indenter", &[0.0, 1.0, 1.5, 2.0])
     },
-    Picture { segments: Some(1.0), sphere: Some(0.75), ..report("tied-spheres", "Tied spherical shells", &[0.0, 1.0]) },
-    Picture { segments: Some(1.0), ..report("patch-mortar", "Patch test with an overhang", &[0.0, 1.0]) },
+    Picture {
+        segments: &[1.0],
+        sides: Sides::Sphere(0.75),
+        ..report("tied-spheres", "Tied spherical shells", &[0.0, 1.0])
+    },
+    Picture {
+        fields: &["displacement", "von_mises"],
+        thesis: "6.20 to 6.22",
+        segments: &[0.0, 1.0],
+        ..report("patch-mortar", "Patch test with an overhang", &[0.0, 1.0])
+    },
 ];
 
 /// The picture of a scene, if it has one.
@@ -106,9 +127,10 @@ mod tests {
         for picture in PICTURES {
             let scene: toml::Table = workspace.read(format!("scenes/{}.toml", picture.scene)).unwrap().parse().unwrap();
             let end = scene["time"]["end"].as_float().unwrap();
-            let times = picture.times.iter().copied().chain(picture.segments);
+            let times = picture.times.iter().chain(picture.segments).copied();
             assert!(times.clone().all(|time| (0.0..=end).contains(&time)), "{}", picture.scene);
-            assert!(picture.times.is_sorted(), "{}", picture.scene);
+            assert!(picture.times.is_sorted() && picture.segments.is_sorted(), "{}", picture.scene);
+            assert!(!picture.fields.is_empty(), "{}", picture.scene);
             if let Some(name) = picture.reaction {
                 let probes = scene["probe"].as_array().unwrap();
                 let probe = probes.iter().find(|probe| probe["name"].as_str() == Some(name)).unwrap();

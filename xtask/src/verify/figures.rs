@@ -26,6 +26,8 @@ pub fn section(run: &Run) -> Outcome<Section> {
     ];
     let labels = Labels { title: "drift over the largest value of the run", x: "time", y: "" };
     let mut figures = vec![plot::logarithmic(labels, &drifts, FLOOR)];
+    figures.extend(components("linear momentum", time, &balance.linear));
+    figures.extend(components("angular momentum", time, &balance.angular));
     let table = run.table("balance.csv")?;
     let mut parts = Vec::new();
     for name in ["kinetic", "strain", "potential", "contact", "dissipation", "external_work", "total"] {
@@ -38,13 +40,25 @@ pub fn section(run: &Run) -> Outcome<Section> {
     figures.extend(forces(run)?);
     match gallery::of(&run.name) {
         Some(picture) => {
-            figures.push(gallery::snapshots(picture, &run.folder)?);
-            figures.extend(gallery::interface(picture, &run.folder)?);
+            for field in picture.fields {
+                figures.push(gallery::snapshots(picture, field, &run.folder)?);
+            }
+            figures.extend(gallery::interfaces(picture, &run.folder)?);
         }
         None => figures.push(gallery::last_frame(&run.last_frame()?)?),
     }
-    let title = format!("{} {}", run.name, if run.until.is_some() { "(shortened)" } else { "" });
+    let thesis = gallery::of(&run.name).map(|picture| picture.thesis).filter(|numbers| !numbers.is_empty());
+    let thesis = thesis.map(|numbers| format!(", figures {numbers} of the thesis")).unwrap_or_default();
+    let title = format!("{}{thesis}{}", run.name, if run.until.is_some() { " (shortened)" } else { "" });
     Ok(Section { title, figures, tables: vec![triples(&run.newton()?)] })
+}
+
+/// The three components of a momentum over time; nothing if it is zero throughout, as in statics.
+fn components(title: &str, time: &[f64], values: &[[f64; 3]]) -> Option<String> {
+    let line = |(i, name)| Series::new(name, time, values.iter().map(|value| value[i]));
+    let moves = values.iter().flatten().any(|value| *value != 0.0);
+    let series: Vec<Series> = ["x", "y", "z"].into_iter().enumerate().map(line).collect();
+    moves.then(|| plot::linear(Labels { title, x: "time", y: "" }, &series))
 }
 
 /// Forces over time: of the contact on all slave nodes, if there is contact, and the reaction that the scene's picture names.

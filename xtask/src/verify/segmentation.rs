@@ -303,12 +303,12 @@ fn picture(title: &str, slave: &[MasterFacet], master: &[MasterFacet]) -> Outcom
     let facets = [place(slave, 0), place(master, first)];
     let [slave, master] =
         [ContactSurface::new("slave", &facets[0], &q)?, ContactSurface::new("master", &facets[1], &q)?];
-    let interface = Interface { slave, master, q };
+    let interface = Interface { slave, master, q, range: GapRange::ALL };
     let faults = interface.coverage()?.faults.len();
     if faults > 0 {
         return Err(format!("{faults} facets of the picture are not covered").into());
     }
-    gallery::segments(title, &interface)
+    Ok(gallery::segments(title, &interface)?.ok_or("no facet of the picture faces another")?)
 }
 
 fn pictures() -> Outcome<Section> {

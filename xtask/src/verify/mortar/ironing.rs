@@ -8,7 +8,7 @@ use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run, newton};
 use super::ITERATIONS;
-use crate::gallery::Interface;
+use crate::gallery::{Interface, Sides};
 use crate::plot::{self, Labels, Series};
 use crate::vtu::{self, Grid as Frame};
 use crate::workspace::Outcome;
@@ -322,7 +322,7 @@ fn ironing(run: &Run, findings: &mut Findings, facet: f64, smooth: Bound) -> Out
 
 /// Number of slave facets whose segments do not tile their overlap, and the part of the slave's area that has no segments.
 fn coverage(frame: &Frame) -> Outcome<(usize, f64)> {
-    let report = Interface::new(frame)?.coverage()?;
+    let report = Interface::new(frame, Sides::Stacked)?.coverage()?;
     Ok((report.faults.len(), (1.0 - report.covered / report.area).abs()))
 }
 
