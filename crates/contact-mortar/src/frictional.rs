@@ -113,9 +113,8 @@ impl MortarContact {
         surface.start.clear();
         surface.start.extend(self.integrated.iter().flat_map(|i| &i.slots).cloned());
         let exact = surface.friction.stick() != Stick::Penalty && self.rule == ContactRule::EndPoint;
-        for (sliver, (slot, area)) in surface.slivers.iter_mut().zip(surface.start.iter().zip(self.slave.nodal_areas()))
-        {
-            *sliver = exact && slot.support < HANDED_OVER * area;
+        for (sliver, slot) in surface.slivers.iter_mut().zip(&surface.start) {
+            *sliver = exact && slot.support < HANDED_OVER * slot.area;
         }
         let nodes = surface.start.iter().zip(&surface.compliance).zip(&surface.slivers);
         for (point, ((slot, &compliance), &sliver)) in surface.points.iter_mut().zip(nodes) {

@@ -351,12 +351,12 @@ impl MortarContact {
     /// Decides by the present integrals which multipliers are handed over; returns how many changed.
     fn hand_over_small_supports(&mut self) -> usize {
         let Some(integrated) = &self.integrated else { return 0 };
-        let supports = integrated.bare_supports.iter().zip(self.slave.nodal_areas());
+        let supports = integrated.bare_supports.iter().zip(&integrated.slots);
         let mut changes = 0;
-        for (handed_over, (&support, area)) in self.handed_over.iter_mut().zip(supports).filter(|(_, (s, _))| **s > 0.0)
+        for (handed_over, (&support, slot)) in self.handed_over.iter_mut().zip(supports).filter(|(_, (s, _))| **s > 0.0)
         {
             let limit = if handed_over.is_some() { TAKEN_BACK } else { HANDED_OVER };
-            let small = support < limit * area;
+            let small = support < limit * slot.area;
             changes += usize::from(small != handed_over.is_some());
             *handed_over = small.then(|| handed_over.unwrap_or(support));
         }

@@ -34,6 +34,9 @@ pub(crate) struct Slot {
     pub nodes: Vec<u32>,
     /// `int phi_A dA` over the covered part; zero if the node has no partner.
     pub support: f64,
+    /// What it could be at most in the reference configuration: the node's area on the facets that are opposite something and on those that go over into
+    /// them smoothly. The side of a block is no part of what its lower edge could stand on.
+    pub area: f64,
     groups: Vec<Group>,
     /// One group a facet with areas as weights, for friction; empty if `groups` are these, or there is no friction.
     facets: Vec<Group>,
@@ -75,18 +78,36 @@ impl Slot {
         old: &[u32],
     ) -> Self {
         let [slave, master] = surfaces;
-        let mut slot = Self { nodes: old.to_vec(), support: 0.0, groups: Vec::new(), facets: Vec::new() };
+        let mut slot = Self {
+            nodes: old.to_vec(),
+            support: 0.0,
+            area: slave.nodal_areas()[local],
+            groups: Vec::new(),
+            facets: Vec::new(),
+        };
         if slot.nodes.is_empty() {
             slot.nodes.push(slave.nodes()[local]);
         }
         let around = slave.facets_around(local);
         let corner_of = |f: u32| slave.local_facets()[f as usize].iter().position(|&n| n as usize == local);
-        for &f in around {
-            if let (Some(w), Some(a)) = (&facets[f as usize], corner_of(f)) {
+        // What lies beyond a sharp edge and is opposite nothing has no part in the normal, nor in the area.
+        let takes_part = |f: u32| {
+            let smooth = |e: u32| reference_normals[e as usize].dot(&reference_normals[f as usize]) > SHARP;
+            around.iter().any(|&e| facets[e as usize].is_some() && (e == f || smooth(e)))
+        };
+        let mut area = 0.0;
+        for (&f, a) in around.iter().filter_map(|f| Some((f, corner_of(*f)?))) {
+            if let Some(w) = &facets[f as usize] {
                 slot.support += w.support[a];
             }
+            if takes_part(f) {
+                area += slave.corner_areas()[f as usize][a];
+            }
         }
-        if slot.support < 1e-8 * slave.nodal_areas()[local] {
+        if area > 0.0 {
+            slot.area = area;
+        }
+        if slot.support < 1e-8 * slot.area {
             slot.support = 0.0;
             return slot;
         }
@@ -106,11 +127,6 @@ impl Slot {
             maps.push(map);
         }
         let columns = 3 * slot.nodes.len();
-        // What lies beyond a sharp edge and is opposite nothing has no part in the normal.
-        let takes_part = |f: u32| {
-            let smooth = |e: u32| reference_normals[e as usize].dot(&reference_normals[f as usize]) > SHARP;
-            around.iter().any(|&e| facets[e as usize].is_some() && (e == f || smooth(e)))
-        };
         for (i, &f) in around.iter().enumerate().filter(|(_, f)| takes_part(**f)) {
             let corners = std::array::from_fn(|k| maps[i][k]);
             let first = slot.groups.is_empty();

@@ -97,13 +97,13 @@ impl MortarContact {
 
     /// Chooses the partners of a step by the supports at its start.
     pub(crate) fn begin_softening(&mut self) {
-        let supports = self.supports();
-        let (slave, without) = (&self.slave, &self.without);
+        let (slave, without, integrated) = (&self.slave, &self.without, &self.integrated);
+        let slots = integrated.as_ref().map_or(&[][..], |i| &i.slots);
         let Some(softening) = &mut self.softening else { return };
         softening.pressures.fill(0.0);
         let carries = |n: u32| {
             let n = n as usize;
-            !without[n] && supports.get(n).is_some_and(|s| *s >= PARTLY_COVERED * slave.nodal_areas()[n])
+            !without[n] && slots.get(n).is_some_and(|slot| slot.support >= PARTLY_COVERED * slot.area)
         };
         for (node, partners) in softening.partners.iter_mut().enumerate() {
             partners.clear();
@@ -123,8 +123,8 @@ impl MortarContact {
 
     fn blend(&self, slot: usize) -> Option<(Blend, &Softening)> {
         let softening = self.softening.as_ref().filter(|_| self.moves_integrals())?;
-        let support = self.slots().get(slot)?.support;
-        let blend = Blend::new(support, self.slave.nodal_areas()[slot], softening.stiffness, softening.smoothing)?;
+        let Slot { support, area, .. } = *self.slots().get(slot)?;
+        let blend = Blend::new(support, area, softening.stiffness, softening.smoothing)?;
         Some((blend, softening))
     }
 

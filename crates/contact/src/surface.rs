@@ -34,6 +34,7 @@ pub struct ContactSurface {
     around_start: Vec<u32>,
     around: Vec<u32>,
     nodal_areas: Vec<f64>,
+    corner_areas: Vec<[f64; 4]>,
     length_scale: f64,
     irregular_edges: Vec<IrregularEdge>,
 }
@@ -80,12 +81,15 @@ impl ContactSurface {
         let (around_start, around) = facets_around_nodes(&local_facets, nodes.len());
 
         let mut nodal_areas = vec![0.0; nodes.len()];
+        let mut corner_areas = Vec::with_capacity(facets.len());
         let (mut length, mut edges) = (0.0, 0usize);
         for (facet, local_nodes) in facets.iter().zip(&local_facets) {
             let patch = BilinearPatch::new(facet.map(|n| position(reference, n)));
-            for (node, area) in local_nodes.iter().zip(shape_integrals(&patch)) {
+            let areas = shape_integrals(&patch);
+            for (node, area) in local_nodes.iter().zip(areas) {
                 nodal_areas[*node as usize] += area;
             }
+            corner_areas.push(areas);
             for k in 0..4 {
                 length += (patch.corners[(k + 1) % 4] - patch.corners[k]).norm();
                 edges += 1;
@@ -99,6 +103,7 @@ impl ContactSurface {
             around_start,
             around,
             nodal_areas,
+            corner_areas,
             length_scale: length / edges as f64,
             irregular_edges,
         })
@@ -148,6 +153,11 @@ impl ContactSurface {
     /// `A^s = int N_s dA` over the reference surface for every local node (formulation §1.5), an area; 2x2 Gauss points a facet.
     pub fn nodal_areas(&self) -> &[f64] {
         &self.nodal_areas
+    }
+
+    /// What each facet adds to the nodal areas of its corners, an area.
+    pub fn corner_areas(&self) -> &[[f64; 4]] {
+        &self.corner_areas
     }
 
     /// Sum of the nodal areas.

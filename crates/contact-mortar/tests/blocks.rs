@@ -1,0 +1,75 @@
+//! The whole surface of a block, or a side of it, as the slave before a plate: what is opposite, and what a node could stand on.
+
+use proptest::prelude::*;
+use stoss_contact::{ContactMethod, ContactRule};
+use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
+
+/// Faces of a cube whose corner `k` is at the bits of `k`, numbered outward; the first one is the lower.
+const CUBE: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
+const SLAVE: usize = 8;
+
+/// A unit cube with its lowest corner at `at`, sheared by `lean` along x and y, over a plate of 4 by 4 in z = 0.
+fn positions(at: [f64; 3], lean: [f64; 2]) -> Vec<f64> {
+    let mut q = Vec::new();
+    for k in 0..SLAVE {
+        let up = (k >> 2) as f64;
+        q.extend([at[0] + (k & 1) as f64 + lean[0] * up, at[1] + (k >> 1 & 1) as f64 + lean[1] * up, at[2] + up]);
+    }
+    q.extend([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]].iter().flat_map(|[x, y]| [*x, *y, 0.0]));
+    q
+}
+
+fn method(slave: &[[u32; 4]], dual: bool, rule: ContactRule) -> MortarContact {
+    let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
+    let options = MortarOptions { space, ..MortarOptions::default() };
+    let mut method =
+        MortarContact::new("test", slave, &[[8, 9, 10, 11]], &positions([1.0; 3], [0.0; 2]), options).unwrap();
+    method.set_rule(rule, 0.1);
+    method
+}
+
+proptest! {
+    /// The lower face stands on the plate wholly, the sides count for nothing: the constraint of an edge or a corner is not that of a node of which
+    /// a part hangs over.
+    #[test]
+    fn a_whole_block_stands_on_its_lower_face_alone(gap in -0.1f64..0.2, lean in prop::array::uniform2(-0.2f64..0.2), dual in any::<bool>()) {
+        let q = positions([1.2, 1.3, gap], lean);
+        let mut gaps = [0.0; SLAVE];
+        let mut whole = method(&CUBE, dual, ContactRule::EndPoint).with_softening(20.0);
+        whole.begin_step(&q, 0.5).unwrap();
+        whole.complementarity_gaps(&q, &[true; SLAVE], &mut gaps).unwrap();
+        prop_assert!(gaps[..4].iter().all(|g| (g - gap).abs() < 1e-13), "{gaps:?}");
+        prop_assert!(gaps[4..].iter().all(|g| g.is_infinite()), "{gaps:?}");
+        prop_assert!(whole.supports()[..4].iter().all(|s| (s - 0.25).abs() < 1e-13));
+    }
+
+    /// A side that leans sees the plate edge-on and is opposite nothing, alone as beside the others; one that lies nearly flat is.
+    #[test]
+    fn a_side_is_opposite_nothing_until_it_lies_down(lean in 0.0f64..0.2, gap in 0.01f64..0.3, dual in any::<bool>()) {
+        for rule in [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum] {
+            let mut side = method(&CUBE[2..3], dual, rule);
+            side.begin_step(&positions([1.0, 1.0, gap], [0.0, -lean]), 2.0).unwrap();
+            prop_assert!(side.supports().iter().all(|s| *s == 0.0), "{rule:?}: {:?}", side.supports());
+            side.begin_step(&positions([1.0, 2.5, gap], [0.0, -2.0]), 2.0).unwrap();
+            prop_assert!(side.supports().iter().all(|s| *s > 0.0), "{rule:?}: {:?}", side.supports());
+        }
+    }
+
+    /// Of a block whose corner is over the plate by little all four lower nodes have next to nothing. Those with the most keep their multipliers, and all of
+    /// the area.
+    #[test]
+    fn a_sliver_of_a_facet_keeps_its_area(over in prop::array::uniform2(-4.0f64..-1.0), dual in any::<bool>()) {
+        let over = over.map(|e| 10f64.powf(e));
+        let q = positions([4.0 - over[0], 4.0 - over[1], 0.05], [0.0; 2]);
+        for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
+            let mut method = method(&CUBE[..1], dual, rule);
+            method.begin_step(&q, 0.5).unwrap();
+            let supports = method.supports();
+            let (sum, largest) = (supports.iter().sum::<f64>(), supports.iter().copied().fold(0.0, f64::max));
+            prop_assert!((sum - over[0] * over[1]).abs() < 1e-12 * sum.sqrt(), "{supports:?}");
+            prop_assert!(supports.iter().all(|s| *s == 0.0 || *s > 0.3 * largest), "{supports:?}");
+            let reports = method.report(&q).unwrap();
+            prop_assert!(reports.iter().all(|r| r.gap.is_none_or(|g| (g - 0.05).abs() < 1e-10)), "{reports:?}");
+        }
+    }
+}
