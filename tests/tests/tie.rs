@@ -358,3 +358,22 @@ pressure = {{ table = [[0, 0], [1, 60]] }}
         assert!(s.decisions().is_empty(), "{multipliers}: {:?}", s.decisions());
     }
 }
+
+/// A tie holds its surfaces at each other: a contact between them is refused, whichever is the slave; one between others is not.
+#[test]
+fn a_contact_between_tied_surfaces_is_refused() {
+    let tie = "slave = \"upper.bottom\"\nmaster = \"lower.top\"";
+    let contact = |slave: &str, master: &str| {
+        let text = format!(
+            "{}\n[[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n",
+            stack(LAWS[0], [0.0, 0.0], tie)
+        );
+        let scene = stoss::scene::parse(&text, "tied.toml").unwrap();
+        stoss::build::build(&scene, std::path::Path::new(".")).map(|_| ()).map_err(|errors| errors.to_string())
+    };
+    for (slave, master) in [("upper.bottom", "lower.top"), ("lower.top", "upper.bottom")] {
+        let errors = contact(slave, master).unwrap_err();
+        assert!(errors.contains("ties together") && errors.contains("contact[0]"), "{errors}");
+    }
+    assert!(contact("upper.left", "lower.top").is_ok());
+}

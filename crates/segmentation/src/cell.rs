@@ -129,7 +129,8 @@ pub(crate) fn inverse(map: FacetMap, images: &[[f64; 2]; 4], p: [f64; 2]) -> [f6
             let [a, b, c] = corners.map(|k| images[k as usize]);
             let (u, v, r) = (sub(b, a), sub(c, a), sub(p, a));
             let det = cross(u, v);
-            let (s, t) = (cross(r, v) / det, cross(u, r) / det);
+            // A triangle whose area is round-off.
+            let (s, t) = if det == 0.0 { (0.0, 0.0) } else { (cross(r, v) / det, cross(u, r) / det) };
             let [a, b, c] = corners.map(|k| quad4::VERTICES[k as usize]);
             std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]))
         }
@@ -154,9 +155,12 @@ fn inverse_bilinear(x: &[[f64; 2]; 4], p: [f64; 2]) -> [f64; 2] {
     } else {
         0.0
     };
+    // Where a side has no length left, any point of it will do.
+    let known = |x: f64| if x.is_finite() { x } else { 0.0 };
+    let eta = known(eta);
     let w = [b[0] + d[0] * eta, b[1] + d[1] * eta];
     let r = [q[0] - c[0] * eta, q[1] - c[1] * eta];
-    let xi = (r[0] * w[0] + r[1] * w[1]) / (w[0] * w[0] + w[1] * w[1]);
+    let xi = known((r[0] * w[0] + r[1] * w[1]) / (w[0] * w[0] + w[1] * w[1]));
     // One step of Newton takes off the round-off of the quadratic formula.
     let v = [c[0] + d[0] * xi, c[1] + d[1] * xi];
     let rest: [f64; 2] = std::array::from_fn(|i| q[i] - b[i] * xi - c[i] * eta - d[i] * xi * eta);

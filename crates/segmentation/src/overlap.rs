@@ -4,21 +4,26 @@ use crate::cell::{cross, sub};
 use crate::{MAX_VERTICES, Segment};
 
 const ROOM: usize = 2 * MAX_VERTICES + 2;
-/// Vertices closer than this fraction of the polygon coincide: a side between them has no direction. A longer side must not be left out: the
-/// polygon would have no end there, and beside a master edge that nearly follows a slave edge its neighbour may be as narrow as that side.
-const ROUND_OFF: f64 = 1e-14;
-
-/// The sides of a segment's image as their ends, without those of vertices that coincide to round-off: they have no direction.
+/// The sides of a segment's image as their ends, without those that round-off has turned: of vertices that nearly coincide, with others of the polygon
+/// farther to their right than they are long. How short a side is says nothing: beside a master edge that nearly follows a slave edge a segment
+/// may be as narrow as its end, and would have none without it.
 pub(crate) fn sides(segment: &Segment) -> impl Iterator<Item = [[f64; 2]; 2]> {
     let v = segment.vertices();
-    let length = |[p, q]: [[f64; 2]; 2]| (q[0] - p[0]).hypot(q[1] - p[1]);
-    let size = v.iter().map(|w| length([v[0].image, w.image])).fold(0.0, f64::max);
     let ends = (0..v.len()).map(|k| [v[k].image, v[(k + 1) % v.len()].image]);
-    ends.filter(move |ends| length(*ends) > ROUND_OFF * size)
+    ends.filter(move |&[p, q]| {
+        let d = sub(q, p);
+        let squared = d[0] * d[0] + d[1] * d[1];
+        squared > 0.0 && v.iter().all(|w| cross(d, sub(w.image, p)) >= -squared)
+    })
 }
 
-/// Area that the images of two segments have in common (Sutherland-Hodgman).
+/// Area that the images of two segments have in common. Of a sliver that round-off bends inward one of the two orders may find nothing.
 pub(crate) fn common_area(a: &Segment, b: &Segment) -> f64 {
+    clipped_area(a, b).max(clipped_area(b, a))
+}
+
+/// Area of what the sides of `b` leave of `a` (Sutherland-Hodgman).
+fn clipped_area(a: &Segment, b: &Segment) -> f64 {
     let mut polygon = [[0.0; 2]; ROOM];
     let mut count = a.vertices().len();
     for (p, v) in polygon.iter_mut().zip(a.vertices()) {

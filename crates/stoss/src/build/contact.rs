@@ -2,6 +2,7 @@
 
 use super::condition::{facets, not_built_in, resolve};
 use super::friction::gains_energy_in_impacts;
+use super::tie::Ties;
 use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
 use crate::scene::{ContactMethod, Enforcement, Scene};
 use crate::solver::Model;
@@ -13,7 +14,7 @@ pub(super) fn contacts(
     scene: &Scene,
     placed: &[Placed],
     laws: &OwnLaws,
-    tied: &BTreeSet<u32>,
+    ties: &Ties,
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
@@ -33,6 +34,12 @@ pub(super) fn contacts(
             continue;
         }
         seen.push((slave.clone(), master.clone(), item.label()));
+        if let Some(tie) = ties.of([&slave, &master]) {
+            let message =
+                format!("is between surfaces that `{tie}` ties together: they cannot part, nor touch any further");
+            problems.add(key, item.label(), message, "remove the contact or the tie, or choose other surfaces");
+            continue;
+        }
         if [&slave, &master].iter().all(|surface| is_prescribed(model, surface)) {
             let message =
                 "every node of both surfaces is prescribed in all components: no contact force could move them";
@@ -40,7 +47,7 @@ pub(super) fn contacts(
             continue;
         }
         let (bodies, facets) = ([slave_body, master_body], [&slave[..], &master[..]]);
-        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, held: &held, tied };
+        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, held: &held, tied: &ties.tied };
         plans.extend(match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),

@@ -106,7 +106,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         condition::prescriptions(scene, &placed, &mut model, &mut problems);
         let ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         condition::loads(scene, &placed, &mut model, &mut problems);
-        plans = contacts(scene, &placed, laws, &ties.tied, &mut model, &mut problems, &mut warnings);
+        plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties.pairs);
         probes = probe::probes(scene, &placed, &mut problems);
     }

@@ -11,11 +11,22 @@ use std::collections::BTreeSet;
 #[cfg(feature = "mortar")]
 const WHOLLY_TIED: f64 = 0.999;
 
-/// Ties of a scene, and the slave nodes that they hold.
+/// Ties of a scene, their surfaces (slave, master), and the slave nodes that they hold.
 #[derive(Default)]
 pub(super) struct Ties {
     pub pairs: Vec<ContactPair>,
+    pub surfaces: Vec<[BTreeSet<[u32; 4]>; 2]>,
     pub tied: BTreeSet<u32>,
+}
+
+impl Ties {
+    /// The tie that holds two surfaces together, whichever of them is its slave, if there is one.
+    pub fn of(&self, surfaces: [&[[u32; 4]]; 2]) -> Option<&str> {
+        let within = |tie: [&BTreeSet<[u32; 4]>; 2]| (0..2).all(|i| surfaces[i].iter().all(|f| tie[i].contains(f)));
+        let holds = |[slave, master]: &[BTreeSet<[u32; 4]>; 2]| within([slave, master]) || within([master, slave]);
+        let mut found = self.pairs.iter().zip(&self.surfaces).filter(|(_, surfaces)| holds(surfaces));
+        found.next().map(|(pair, _)| pair.name.as_str())
+    }
 }
 
 /// Makes the ties of a scene; moves slave nodes of the meshes and of the model where surfaces do not fit.
@@ -132,6 +143,7 @@ fn made(
                 100.0 * tie.tied_share()
             ));
         }
+        ties.surfaces.push([slave.into_iter().collect(), master.into_iter().collect()]);
         ties.pairs.push(ContactPair { name: item.label(), method: Box::new(tie), complementarity: 1.0 });
     }
     (ties, is_stale)
