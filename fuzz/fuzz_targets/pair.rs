@@ -17,9 +17,11 @@ fuzz_target!(|data: &[u8]| {
     let mut segments = Vec::new();
     segment_pair(&frame, 0, &master, &mut segments).expect("all coordinates are finite");
     let area: f64 = segments.iter().map(|s| s.image_area()).sum();
-    // Of facets with next to no area, or edge, or angle at a corner, the coordinates' round-off is left.
+    // Of images with next to no area, or edge, or a corner that is nearly flat, the coordinates' round-off is left.
+    let normal = frame.normal();
     let size = slave.iter().chain(&master).map(|x| x.norm()).fold(0.0, f64::max);
-    let corner = |x: &[Vector3<f64>; 4], k: usize| (x[(k + 1) % 4] - x[k]).cross(&(x[(k + 3) % 4] - x[k])).norm();
+    let corner =
+        |x: &[Vector3<f64>; 4], k: usize| (x[(k + 1) % 4] - x[k]).cross(&(x[(k + 3) % 4] - x[k])).dot(&normal).abs();
     let least = (0..4).map(|k| corner(&slave, k).min(corner(&master, k))).fold(size * size, f64::min);
     if let Some((expected, whole)) = common_area(&slave, &master).filter(|(_, whole)| whole.is_finite()) {
         let tolerance = 1e-10 * whole.max(expected) + 1e-15 * size.powi(4) / least.min(whole);

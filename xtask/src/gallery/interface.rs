@@ -126,7 +126,7 @@ fn hull(frame: &Grid, body: f64) -> Outcome<Vec<[usize; 4]>> {
 }
 
 /// Both surfaces from the side of the slave and the triangles of the segments between them, on the slave: from above, or, of whole surfaces, along the mean
-/// normal of the slave facets that are opposite the master. Nothing if no facet is.
+/// normal of the slave facets that are opposite the master, and of both only such facets. Nothing if no facet is.
 pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
     let Interface { slave, master, q, range } = interface;
     let found = segment_surfaces(slave, master, q, *range)?.facets;
@@ -152,10 +152,9 @@ pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
     let outline = |x: [Vector3; 4]| x.map(project).to_vec();
     let drawn = found.iter().filter(|facet| whole || !facet.segments.is_empty());
     let slaves: Vec<_> = drawn.map(|facet| outline(*facet.frame.corners())).collect();
-    // Seen through the slave: of whole surfaces the side that looks this way.
-    let patches = (0..master.facets().len() as u32).map(|f| master.patch(f, q).corners);
-    let seen = patches.filter(|x| whole || (x[2] - x[0]).cross(&(x[3] - x[1])).dot(&eye) > 0.0);
-    let masters = near(seen.map(outline).collect(), &slaves);
+    let opposed: BTreeSet<u32> = opposite.iter().flat_map(|facet| &facet.segments).map(|s| s.master_facet).collect();
+    let seen = (0..master.facets().len() as u32).filter(|f| whole || opposed.contains(f));
+    let masters = near(seen.map(|f| outline(master.patch(f, q).corners)).collect(), &slaves);
     let series = [
         outlines(&format!("{} triangles", triangles.len()), &triangles),
         outlines("master facets", &masters),
