@@ -228,3 +228,41 @@ fn whole_surfaces_meet_where_they_touch() {
         assert!(s.step() == 4 && active > 0 && active <= bottom, "{} steps, {active} of {bottom} nodes", s.step());
     }
 }
+
+/// Pins narrower than a facet of the slab below them, pressed in by the same way: whichever of the two is the slave, it takes about the same force, although
+/// of no node of the slab as much as half is covered.
+#[test]
+fn a_contact_within_one_facet_is_carried_from_both_sides() {
+    for (width, spread) in [(0.2, 0.01), (0.4, 0.05), (0.6, 0.08)] {
+        let force = |slave: &str, master: &str, multipliers: &str| {
+            let body = |name: &str, min: [f64; 3], max: [f64; 3], divisions: usize| {
+                format!(
+                    "[[body]]\nname = \"{name}\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\n\
+                     mesh = {{ generator = \"block\", min = {min:?}, max = {max:?}, divisions = {:?} }}\n",
+                    [divisions; 3]
+                )
+            };
+            let [low, high] = [0.5 - 0.5 * width, 0.5 + 0.5 * width];
+            let mut s = simulation(&format!(
+                "[scene]\ntitle = \"t\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.25\n{}{}\
+                 [[prescribe]]\nset = \"lower.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+                 [[prescribe]]\nset = \"upper.top\"\ncomponents = [\"x\", \"y\", \"z\"]\n\
+                 displacement = {{ table = [[0, 0, 0, 0], [1, 0, 0, -0.05]] }}\n\
+                 [[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\nmultipliers = \"{multipliers}\"\n",
+                body("lower", [0.0; 3], [2.0, 2.0, 1.0], 2),
+                body("upper", [low, low, 1.0], [high, high, 1.6], 3),
+            ));
+            let mut force = 0.0_f64;
+            while !s.finished() {
+                force = s.advance().unwrap().contact.map_or(0.0, |contact| contact.force_on_slave[2]);
+            }
+            force.abs()
+        };
+        for multipliers in ["standard", "dual"] {
+            let [slab, pin] = [("lower.top", "upper.bottom"), ("upper.bottom", "lower.top")]
+                .map(|(slave, master)| force(slave, master, multipliers));
+            println!("width {width}, {multipliers}: {slab} with the slab as the slave, {pin} with the pin");
+            assert!(pin > 1.0 && (slab / pin - 1.0).abs() < spread, "{width} {multipliers}: {slab} {pin}");
+        }
+    }
+}

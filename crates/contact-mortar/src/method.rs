@@ -87,7 +87,8 @@ pub(crate) struct Integrated {
 /// facet instead of one a segment, choice).
 ///
 /// A node of which a part of the support is not covered keeps the weighted gap of the rest; below a twentieth of its reference area it hands
-/// its function over to the other nodes of its facets, below 1e-8 it is out of contact. A slave node whose motion along the normal is prescribed
+/// its function over to the other nodes of its facets (where integrals move and there is a stiffness for it, it fades instead:
+/// [`MortarContact::with_softening`]), below 1e-8 it is out of contact. A slave node whose motion along the normal is prescribed
 /// beside free ones gets no multiplier ([`MortarContact::with_crosspoints`]).
 #[derive(Clone, Debug)]
 pub struct MortarContact {

@@ -329,13 +329,12 @@ impl Slot {
         let n = 3 * self.nodes.len();
         let dim = out.dim();
         let Work { force, end, motion, product, .. } = work;
-        let tangent_too = want_tangent;
         out.residual[n] -= end.value;
         Self::for_each_coefficient(group, |a, k, c| {
             for i in 0..3 {
                 let g = c * force.gradient[a][i];
                 out.residual[3 * k + i] -= p * g;
-                if tangent_too {
+                if want_tangent {
                     out.tangent[(3 * k + i) * dim + n] -= g;
                 }
             }

@@ -2,7 +2,8 @@
 //!
 //! A constraint on a sliver of a support needs a pressure out of all proportion, of either sign, and the slivers change with the iterate. Below a
 //! fraction of the reference area the constraint is blended, smoothly in the covered area, with the equation that the node has the mean pressure of
-//! its neighbours: its function then belongs to theirs, and constant pressures stay exact.
+//! its neighbours: its function then belongs to theirs, and constant pressures stay exact. Little is what is less than of the neighbour of which most is
+//! covered: where a contact is smaller than a facet, those nodes carry it that have the most of it.
 //!
 //! The same equation with a small factor on every node smooths the pressures ([`MortarContact::with_smoothing`]): where the slave is finer or stiffer
 //! than the master there are more pressures than the master's nodes can tell apart, and without it few of them carry all, other ones at every step.
@@ -11,7 +12,7 @@ use crate::method::MortarContact;
 use crate::slot::Slot;
 use stoss_contact::LocalContribution;
 
-/// Fraction of the reference area of a slave node below which its constraint gives way.
+/// Fraction of the reference area of a slave node below which its constraint gives way, or that of its best covered neighbour if that is less.
 const PARTLY_COVERED: f64 = 0.5;
 /// Compliance against the mean pressure, in edge lengths over Young's modulus, for a support that vanishes.
 const COMPLIANCE: f64 = 0.3;
@@ -39,28 +40,31 @@ pub(crate) struct Softening {
     smoothing: f64,
     /// Slots whose mean pressure a slot with little support takes, for each slot.
     partners: Vec<Vec<u32>>,
+    /// Fraction of the reference area from which on a slot's constraint is whole, for each slot.
+    whole: Vec<f64>,
     /// Pressures of the iterate.
     pressures: Vec<f64>,
 }
 
 impl Blend {
-    fn new(support: f64, area: f64, stiffness: f64, smoothing: f64) -> Option<Self> {
+    /// For a slot of whose `area` at most the part `whole` has to be covered. Nothing if the constraint is as it is.
+    fn new(support: f64, area: f64, whole: f64, stiffness: f64, smoothing: f64) -> Option<Self> {
         let fraction = support / area;
         let everywhere = smoothing * area / stiffness;
-        if fraction >= PARTLY_COVERED {
+        if fraction >= whole {
             let whole =
                 Self { constraint: 1.0, compliance: everywhere, d_constraint: 0.0, d_compliance: 0.0, area: support };
             return (smoothing > 0.0).then_some(whole);
         }
-        let part = fraction / PARTLY_COVERED;
-        let largest = COMPLIANCE * area * PARTLY_COVERED / stiffness;
-        let by_support = 1.0 / (area * PARTLY_COVERED);
+        let part = fraction / whole;
+        let largest = COMPLIANCE * area * whole / stiffness;
+        let by_support = 1.0 / (area * whole);
         Some(Self {
             constraint: part,
             compliance: everywhere + largest * (1.0 - part) * (1.0 - part),
             d_constraint: by_support,
             d_compliance: -2.0 * largest * (1.0 - part) * by_support,
-            area: area * PARTLY_COVERED * (COMPLIANCE + (1.0 - COMPLIANCE) * part),
+            area: area * whole * (COMPLIANCE + (1.0 - COMPLIANCE) * part),
         })
     }
 }
@@ -73,9 +77,14 @@ impl MortarContact {
     #[must_use]
     pub fn with_softening(mut self, stiffness: f64) -> Self {
         let valid = stiffness > 0.0 && stiffness.is_finite();
-        let partners = vec![Vec::new(); self.without.len()];
-        self.softening =
-            valid.then(|| Softening { stiffness, smoothing: 0.0, partners, pressures: vec![0.0; self.without.len()] });
+        let count = self.without.len();
+        self.softening = valid.then(|| Softening {
+            stiffness,
+            smoothing: 0.0,
+            partners: vec![Vec::new(); count],
+            whole: vec![PARTLY_COVERED; count],
+            pressures: vec![0.0; count],
+        });
         self
     }
 
@@ -101,14 +110,16 @@ impl MortarContact {
         let slots = integrated.as_ref().map_or(&[][..], |i| &i.slots);
         let Some(softening) = &mut self.softening else { return };
         softening.pressures.fill(0.0);
-        let carries = |n: u32| {
+        let covered = |n: u32| {
             let n = n as usize;
-            !without[n] && slots.get(n).is_some_and(|slot| slot.support >= PARTLY_COVERED * slot.area)
+            slots.get(n).filter(|_| !without[n]).map_or(0.0, |slot| slot.support / slot.area)
         };
-        for (node, partners) in softening.partners.iter_mut().enumerate() {
-            partners.clear();
+        for (node, (partners, whole)) in softening.partners.iter_mut().zip(&mut softening.whole).enumerate() {
             let beside = slave.facets_around(node).iter().flat_map(|&f| slave.local_facets()[f as usize]);
-            partners.extend(beside.filter(|&other| other as usize != node && carries(other)));
+            partners.clear();
+            partners.extend(beside);
+            *whole = partners.iter().map(|&n| covered(n)).fold(0.0, f64::max).min(PARTLY_COVERED);
+            partners.retain(|&other| other as usize != node && covered(other) >= *whole && *whole > 0.0);
             partners.sort_unstable();
             partners.dedup();
         }
@@ -122,9 +133,10 @@ impl MortarContact {
     }
 
     fn blend(&self, slot: usize) -> Option<(Blend, &Softening)> {
-        let softening = self.softening.as_ref().filter(|_| self.moves_integrals())?;
+        // Without a partner there is no pressure to be drawn to.
+        let softening = self.softening.as_ref().filter(|s| self.moves_integrals() && !s.partners[slot].is_empty())?;
         let Slot { support, area, .. } = *self.slots().get(slot)?;
-        let blend = Blend::new(support, area, softening.stiffness, softening.smoothing)?;
+        let blend = Blend::new(support, area, softening.whole[slot], softening.stiffness, softening.smoothing)?;
         Some((blend, softening))
     }
 

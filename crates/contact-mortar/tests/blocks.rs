@@ -71,5 +71,13 @@ proptest! {
             let reports = method.report(&q).unwrap();
             prop_assert!(reports.iter().all(|r| r.gap.is_none_or(|g| (g - 0.05).abs() < 1e-10)), "{reports:?}");
         }
+        // Where integrals move, too, the node with the most has its constraint as it is: there is no other that could carry it.
+        let mut soft = method(&CUBE[..1], dual, ContactRule::EndPoint).with_softening(20.0).with_smoothing(0.1);
+        soft.begin_step(&q, 0.5).unwrap();
+        let mut gaps = [0.0; SLAVE];
+        soft.complementarity_gaps(&q, &[true; SLAVE], &mut gaps).unwrap();
+        let supports = soft.supports();
+        let most = (0..4).max_by(|&a, &b| supports[a].total_cmp(&supports[b])).unwrap();
+        prop_assert!((gaps[most] - 0.05).abs() < 1e-10, "{gaps:?} {supports:?}");
     }
 }

@@ -217,7 +217,7 @@ pub struct Contact {
     /// edge length times the difference over Young's modulus. 0 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub smoothing: Option<f64>,
-    /// Friction; none if left out. With the standard constraint only.
+    /// Friction; none if left out. Not with the modified constraint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
 }

@@ -4,6 +4,7 @@ use crate::cell::{cross, sub};
 use crate::{MAX_VERTICES, Segment};
 
 const ROOM: usize = 2 * MAX_VERTICES + 2;
+
 /// The sides of a segment's image as their ends, without those that round-off has turned: of vertices that nearly coincide, with others of the polygon
 /// farther to their right than they are long. How short a side is says nothing: beside a master edge that nearly follows a slave edge a segment
 /// may be as narrow as its end, and would have none without it.

@@ -134,8 +134,9 @@ pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
     if opposite.is_empty() {
         return Ok(None);
     }
-    let whole = *range == GapRange::ALL;
-    let eye = if whole { Vector3::z() } else { -opposite.iter().map(|facet| facet.frame.normal()).sum::<Vector3>() };
+    let from_above = *range == GapRange::ALL;
+    let eye =
+        if from_above { Vector3::z() } else { -opposite.iter().map(|facet| facet.frame.normal()).sum::<Vector3>() };
     let right = Vector3::y().cross(&eye).try_normalize(0.0).unwrap_or_else(Vector3::x);
     let up = eye.cross(&right).try_normalize(0.0).unwrap_or_else(Vector3::y);
     let project = |x: Vector3| [right.dot(&x), up.dot(&x)];
@@ -150,17 +151,17 @@ pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
         }
     }
     let outline = |x: [Vector3; 4]| x.map(project).to_vec();
-    let drawn = found.iter().filter(|facet| whole || !facet.segments.is_empty());
+    let drawn = found.iter().filter(|facet| from_above || !facet.segments.is_empty());
     let slaves: Vec<_> = drawn.map(|facet| outline(*facet.frame.corners())).collect();
     let opposed: BTreeSet<u32> = opposite.iter().flat_map(|facet| &facet.segments).map(|s| s.master_facet).collect();
-    let seen = (0..master.facets().len() as u32).filter(|f| whole || opposed.contains(f));
+    let seen = (0..master.facets().len() as u32).filter(|f| from_above || opposed.contains(f));
     let masters = near(seen.map(|f| outline(master.patch(f, q).corners)).collect(), &slaves);
     let series = [
         outlines(&format!("{} triangles", triangles.len()), &triangles),
         outlines("master facets", &masters),
         outlines("slave facets", &slaves),
     ];
-    let labels = if whole { Labels { title, x: "x", y: "y" } } else { Labels { title, x: "across", y: "up" } };
+    let labels = if from_above { Labels { title, x: "x", y: "y" } } else { Labels { title, x: "across", y: "up" } };
     Ok(Some(plot::trajectory(labels, &series, Drawn::Lines)))
 }
 

@@ -110,7 +110,8 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let friction = table.optional("friction", |n| {
         let friction = friction(n, method.map(|method| method == ContactMethod::Mortar), world.own_friction)?;
         if constraint == Some(Constraint::Modified) {
-            return n.fail("needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
+            let remedy = "set `constraint` to \"one-sided\" (mortar) or \"standard\"";
+            return n.fail("does not go with the modified constraint", remedy);
         }
         Some(friction)
     });
