@@ -3,7 +3,7 @@
 //! A constraint on a sliver of a support needs a pressure out of all proportion, of either sign, and the slivers change with the iterate. Below a
 //! fraction of the reference area the constraint is blended, smoothly in the covered area, with the equation that the node has the mean pressure of
 //! its neighbours: its function then belongs to theirs, and constant pressures stay exact. Little is what is less than of the neighbour of which most is
-//! covered: where a contact is smaller than a facet, those nodes carry it that have the most of it.
+//! covered: where a contact is smaller than a facet, those nodes carry it that have the most of it, until that is next to nothing.
 //!
 //! The same equation with a small factor on every node smooths the pressures ([`MortarContact::with_smoothing`]): where the slave is finer or stiffer
 //! than the master there are more pressures than the master's nodes can tell apart, and without it few of them carry all, other ones at every step.
@@ -14,6 +14,8 @@ use stoss_contact::LocalContribution;
 
 /// Fraction of the reference area of a slave node below which its constraint gives way, or that of its best covered neighbour if that is less.
 const PARTLY_COVERED: f64 = 0.5;
+/// The least such fraction: where less is covered of all nodes around, their pressures give way, down to nothing at the end of a slide off an edge.
+const LEAST_COVERED: f64 = 0.1;
 /// Compliance against the mean pressure, in edge lengths over Young's modulus, for a support that vanishes.
 const COMPLIANCE: f64 = 0.3;
 
@@ -118,8 +120,9 @@ impl MortarContact {
             let beside = slave.facets_around(node).iter().flat_map(|&f| slave.local_facets()[f as usize]);
             partners.clear();
             partners.extend(beside);
-            *whole = partners.iter().map(|&n| covered(n)).fold(0.0, f64::max).min(PARTLY_COVERED);
-            partners.retain(|&other| other as usize != node && covered(other) >= *whole && *whole > 0.0);
+            let most = partners.iter().map(|&n| covered(n)).fold(LEAST_COVERED, f64::max);
+            *whole = most.min(PARTLY_COVERED);
+            partners.retain(|&other| other as usize != node && covered(other) >= *whole);
             partners.sort_unstable();
             partners.dedup();
         }
@@ -133,10 +136,11 @@ impl MortarContact {
     }
 
     fn blend(&self, slot: usize) -> Option<(Blend, &Softening)> {
-        // Without a partner there is no pressure to be drawn to.
-        let softening = self.softening.as_ref().filter(|s| self.moves_integrals() && !s.partners[slot].is_empty())?;
+        let softening = self.softening.as_ref().filter(|_| self.moves_integrals())?;
         let Slot { support, area, .. } = *self.slots().get(slot)?;
-        let blend = Blend::new(support, area, softening.whole[slot], softening.stiffness, softening.smoothing)?;
+        // Without a partner there is no pressure to be drawn to, but for that of nothing where next to nothing is covered.
+        let smoothing = if softening.partners[slot].is_empty() { 0.0 } else { softening.smoothing };
+        let blend = Blend::new(support, area, softening.whole[slot], softening.stiffness, smoothing)?;
         Some((blend, softening))
     }
 

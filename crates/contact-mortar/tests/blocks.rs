@@ -71,7 +71,13 @@ proptest! {
             let reports = method.report(&q).unwrap();
             prop_assert!(reports.iter().all(|r| r.gap.is_none_or(|g| (g - 0.05).abs() < 1e-10)), "{reports:?}");
         }
-        // Where integrals move, too, the node with the most has its constraint as it is: there is no other that could carry it.
+    }
+
+    /// Where integrals move, too, the node with the most has its constraint as it is, although less than half of it is covered: there is no other that could
+    /// carry it.
+    #[test]
+    fn a_corner_is_carried_by_the_node_with_most_of_it(over in prop::array::uniform2(0.2f64..1.0), dual in any::<bool>()) {
+        let q = positions([4.0 - over[0], 4.0 - over[1], 0.05], [0.0; 2]);
         let mut soft = method(&CUBE[..1], dual, ContactRule::EndPoint).with_softening(20.0).with_smoothing(0.1);
         soft.begin_step(&q, 0.5).unwrap();
         let mut gaps = [0.0; SLAVE];
