@@ -208,7 +208,7 @@ pub(super) fn contacts(
     scene: &Scene,
     _: &[Placed],
     _: &super::OwnLaws,
-    _: &std::collections::BTreeSet<u32>,
+    _: &super::tie::Ties,
     _: &mut Model,
     problems: &mut Problems<'_>,
     _: &mut Vec<String>,

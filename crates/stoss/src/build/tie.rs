@@ -13,6 +13,10 @@ const WHOLLY_TIED: f64 = 0.999;
 
 /// Ties of a scene, their surfaces (slave, master), and the slave nodes that they hold.
 #[derive(Default)]
+#[cfg_attr(
+    not(any(feature = "nts", feature = "mortar")),
+    allow(dead_code, reason = "for contacts, which are not built in")
+)]
 pub(super) struct Ties {
     pub pairs: Vec<ContactPair>,
     pub surfaces: Vec<[BTreeSet<[u32; 4]>; 2]>,
