@@ -23,6 +23,7 @@ pub(super) struct Ties {
     pub tied: BTreeSet<u32>,
 }
 
+#[cfg(any(feature = "nts", feature = "mortar"))]
 impl Ties {
     /// The tie that holds two surfaces together, whichever of them is its slave, if there is one.
     pub fn of(&self, surfaces: [&[[u32; 4]]; 2]) -> Option<&str> {
