@@ -59,10 +59,10 @@ const EDGE_ON: f64 = 0.25;
 /// still add up to one, so that constant pressures stay exact): a constraint on a sliver of the support would need pressures out of all
 /// proportion, of either sign.
 pub(crate) const HANDED_OVER: f64 = 0.05;
-/// On a facet of which all nodes have such small supports those with at least this part of the largest keep their multipliers.
-const KEPT: f64 = 0.5;
 /// It takes it back above this. The distance of the two keeps it from flipping with the iterate.
 const TAKEN_BACK: f64 = 0.1;
+/// On a facet of which all nodes have small supports those with at least this part of the largest keep their multipliers.
+const KEPT: f64 = 0.5;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
 const FREE_ALONG_NORMAL: f64 = 0.1;
 

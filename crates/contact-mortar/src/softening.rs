@@ -54,9 +54,9 @@ impl Blend {
         let fraction = support / area;
         let everywhere = smoothing * area / stiffness;
         if fraction >= whole {
-            let whole =
+            let smoothed =
                 Self { constraint: 1.0, compliance: everywhere, d_constraint: 0.0, d_compliance: 0.0, area: support };
-            return (smoothing > 0.0).then_some(whole);
+            return (smoothing > 0.0).then_some(smoothed);
         }
         let part = fraction / whole;
         let largest = COMPLIANCE * area * whole / stiffness;
@@ -138,7 +138,7 @@ impl MortarContact {
     fn blend(&self, slot: usize) -> Option<(Blend, &Softening)> {
         let softening = self.softening.as_ref().filter(|_| self.moves_integrals())?;
         let Slot { support, area, .. } = *self.slots().get(slot)?;
-        // Without a partner there is no pressure to be drawn to, but for that of nothing where next to nothing is covered.
+        // Without a partner there is no mean to smooth towards. Where less than the least is covered the pressure fades to zero all the same.
         let smoothing = if softening.partners[slot].is_empty() { 0.0 } else { softening.smoothing };
         let blend = Blend::new(support, area, softening.whole[slot], softening.stiffness, smoothing)?;
         Some((blend, softening))

@@ -55,8 +55,6 @@ pub struct SurfaceCoverage {
 
 /// Parametric tolerance of the invariant (the facet has 4).
 const TOLERANCE: f64 = 1e-12;
-/// Round-off of areas over the square of a facet's length. It matters where facets are a thousand times as long as wide.
-const ROUND_OFF: f64 = 1e-15;
 
 fn corners(surface: &ContactSurface, facet: u32, q: &[f64]) -> [Vector3<f64>; 4] {
     surface.patch(facet, q).corners
@@ -223,9 +221,7 @@ impl SurfaceSegmentation {
             out.worst = out.worst.max(0.25 * report.uncovered_opposite().max(report.double).max(too_much));
             out.area += found.frame.image_area();
             out.covered += found.segments.iter().map(|s| s.image_area()).sum::<f64>();
-            let [a, b, c, d] = found.frame.corners();
-            let squared = (c - a).norm_squared().max((d - b).norm_squared());
-            if !report.is_tiling(TOLERANCE + ROUND_OFF * squared / found.frame.image_area()) {
+            if !report.is_tiling(TOLERANCE) {
                 out.faults.push(CoverageFault {
                     slave_facet: facet,
                     uncovered_opposite: scale * report.uncovered_opposite(),

@@ -18,13 +18,8 @@ pub(crate) fn sides(segment: &Segment) -> impl Iterator<Item = [[f64; 2]; 2]> {
     })
 }
 
-/// Area that the images of two segments have in common. Of a sliver that round-off bends inward one of the two orders may find nothing.
+/// Area that the images of two segments have in common (Sutherland-Hodgman).
 pub(crate) fn common_area(a: &Segment, b: &Segment) -> f64 {
-    clipped_area(a, b).max(clipped_area(b, a))
-}
-
-/// Area of what the sides of `b` leave of `a` (Sutherland-Hodgman).
-fn clipped_area(a: &Segment, b: &Segment) -> f64 {
     let mut polygon = [[0.0; 2]; ROOM];
     let mut count = a.vertices().len();
     for (p, v) in polygon.iter_mut().zip(a.vertices()) {

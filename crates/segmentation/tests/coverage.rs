@@ -348,6 +348,40 @@ fn master_much_finer_and_much_coarser() {
 
 /// Mesh lines of the master that nearly follow the edges of the slave, turned by next to nothing: the facet beyond is there as a sliver, and its
 /// neighbours have a side as short as the sliver is wide.
+/// Found by fuzzing: a side of a nearer segment whose ends nearly coincide points the wrong way, and cut off what it did not hide.
+#[test]
+fn a_side_that_round_off_has_turned_does_not_cut() {
+    let slave = [
+        [-0.9374999999417923, -0.015625, -0.015625],
+        [-0.015625, -0.015625, 0.0],
+        [0.0, 0.0, 1.1093711853027344],
+        [-0.5156288146972656, 1.109375, 0.0],
+    ];
+    let nodes = [
+        [0.0, 1.375, 0.921875],
+        [1.375, -0.9375, -0.9375],
+        [0.0; 3],
+        [0.0; 3],
+        [0.0; 3],
+        [0.0, -5.421010862427522e-20, -0.015625],
+        [-0.015625, -0.015625, -0.015625],
+        [-0.515625, -0.015625, -0.0157470703125],
+        [0.109375, 0.0, 0.5],
+        [0.0, -1.921875, -0.015625],
+        [-0.015625, -0.015625, 0.125],
+        [0.0, 0.0, -3.814697265625e-06],
+        [1.109375, 1.1093711853027344, 0.0],
+        [0.0, 1.375, -1.468780517578125],
+        [0.625, 1.0625, -0.015625],
+        [-0.9375, 0.0, 0.0],
+    ];
+    let master = surface(3, 1.0, |k, _, _| Vector3::from(nodes[k]));
+    let found = segment_facet(slave.map(Vector3::from), &master, GapRange::ALL).unwrap();
+    let report = check_coverage(&found, &master, GapRange::ALL).unwrap();
+    assert!(report.cut && !found.frame.is_split());
+    assert!(report.is_tiling(1e-12), "{report:?}");
+}
+
 #[test]
 fn nearly_aligned_edges_are_not_covered_twice() {
     for exponent in 6..16 {

@@ -223,6 +223,21 @@ fn slivers_are_kept() {
     }
 }
 
+/// Found by fuzzing: corners of the facets lie on a line, and a coordinate of a vertex was 0/0.
+#[test]
+fn vertices_on_facets_without_area_are_numbers() {
+    let s = [
+        [0.0, 1.34375, 0.0],
+        [0.0, 0.0, 5.820766091346741e-11],
+        [-1.6718749999417923, 0.015625, 0.0],
+        [0.0, -1.7763568394002505e-15, 0.0],
+    ];
+    let m = [[0.0, 0.0, 0.0], [0.0, -0.953125, 0.0], [0.0, 0.515625, 0.0], [-0.984375, 0.765625, 0.0]];
+    let (_, out) = segments(&s.map(Vector3::from), &m.map(Vector3::from));
+    let vertices = out.iter().flat_map(Segment::vertices);
+    assert!(vertices.flat_map(|v| v.slave.into_iter().chain(v.master)).all(f64::is_finite));
+}
+
 #[test]
 fn bad_input_is_an_error() {
     let point = [Vector3::zeros(); 4];

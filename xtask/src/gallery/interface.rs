@@ -16,10 +16,9 @@ use crate::workspace::Outcome;
 const SURROUNDINGS: f64 = 0.35;
 
 /// Where the two surfaces of an interface are in a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sides {
     /// The bottom of the upper body, the slave, and the top of the lower one.
-    #[default]
     Stacked,
     /// On a sphere of this radius about the origin, the second body around the first one: the part above.
     Sphere(f64),
@@ -107,6 +106,11 @@ impl Interface {
         Ok(Self { slave, master, q, range: GapRange::ALL })
     }
 
+    /// Whether all facets are shown, from above; of whole surfaces only those that are opposite each other can be told apart.
+    pub fn is_seen_from_above(&self) -> bool {
+        self.range == GapRange::ALL
+    }
+
     /// Whether the segments of every slave facet tile its overlap with the whole master.
     pub fn coverage(&self) -> Outcome<SurfaceCoverage> {
         let Self { slave, master, q, range } = self;
@@ -134,7 +138,7 @@ pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
     if opposite.is_empty() {
         return Ok(None);
     }
-    let from_above = *range == GapRange::ALL;
+    let from_above = interface.is_seen_from_above();
     let eye =
         if from_above { Vector3::z() } else { -opposite.iter().map(|facet| facet.frame.normal()).sum::<Vector3>() };
     let right = Vector3::y().cross(&eye).try_normalize(0.0).unwrap_or_else(Vector3::x);

@@ -114,7 +114,7 @@ pub fn interfaces(picture: &Picture, folder: &Path) -> Outcome<Vec<String>> {
     let mut drawn = Vec::new();
     for (time, file) in chosen(&frames, picture.segments) {
         let interface = Interface::new(&vtu::load(&folder.join(file))?, picture.sides)?;
-        let from = if matches!(picture.sides, Sides::Hulls(_)) { "along the normal" } else { "from above" };
+        let from = if interface.is_seen_from_above() { "from above" } else { "along the normal" };
         drawn.extend(segments(&format!("Segments {from}, t = {time:.2}"), &interface)?);
     }
     Ok(drawn)

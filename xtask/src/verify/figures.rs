@@ -38,7 +38,8 @@ pub fn section(run: &Run) -> Outcome<Section> {
     }
     figures.push(plot::linear(Labels { title: "energies", x: "time", y: "" }, &parts));
     figures.extend(forces(run)?);
-    match gallery::of(&run.name) {
+    let picture = gallery::of(&run.name);
+    match picture {
         Some(picture) => {
             for field in picture.fields {
                 figures.push(gallery::snapshots(picture, field, &run.folder)?);
@@ -47,7 +48,7 @@ pub fn section(run: &Run) -> Outcome<Section> {
         }
         None => figures.push(gallery::last_frame(&run.last_frame()?)?),
     }
-    let thesis = gallery::of(&run.name).map(|picture| picture.thesis).filter(|numbers| !numbers.is_empty());
+    let thesis = picture.map(|picture| picture.thesis).filter(|numbers| !numbers.is_empty());
     let thesis = thesis.map(|numbers| format!(", figures {numbers} of the thesis")).unwrap_or_default();
     let title = format!("{}{thesis}{}", run.name, if run.until.is_some() { " (shortened)" } else { "" });
     Ok(Section { title, figures, tables: vec![triples(&run.newton()?)] })

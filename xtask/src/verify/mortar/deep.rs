@@ -17,8 +17,9 @@ const ITERATIONS: f64 = 5.0;
 const CONVERGED: f64 = 0.005;
 /// The same where the slab is the slave, and its facets beside the rims of the block are part of what is seen.
 const CONVERGED_SLAB: f64 = 0.02;
-/// Compliance of the pressures where the slab's nodes wrap round the rim of the block, and stiffness of the springs of stick.
+/// Compliance of the pressures where the slab's nodes wrap round the rim of the block.
 const SMOOTHING: f64 = 0.2;
+/// Stiffness there of the springs of stick.
 const SPRINGS: f64 = 1.0;
 
 /// The block as the slave, the slab as the slave before the block's lower face, and before its sides as well.
