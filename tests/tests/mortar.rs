@@ -199,6 +199,54 @@ fn kept_gaps_with_integrals_that_move_are_refused() {
     }
 }
 
+/// What a contact is built with that says nothing of its constraint: that which gives no energy where integrals stay in the step.
+#[test]
+fn the_constraint_that_a_scene_leaves_out_gives_no_energy() {
+    let text = scene_file("two-blocks-mortar.toml").replace("constraint = \"standard\"\n", "");
+    for (method, scheme, expected) in [
+        ("mortar", "energy-momentum", "one-sided"),
+        ("mortar", "midpoint", "one-sided"),
+        ("mortar", "backward-euler", "standard"),
+        ("nts", "energy-momentum", "standard"),
+    ] {
+        let text = text.replace("\"mortar\"", &format!("\"{method}\"")).replace("energy-momentum", scheme);
+        let scene = stoss::scene::parse(&text, "test.toml").unwrap();
+        let built = stoss::build::build(&scene, std::path::Path::new(".")).unwrap();
+        assert_eq!(built.contacts[0].constraint, expected, "{method} {scheme}");
+    }
+}
+
+/// Two cubes that stand on their vertices meet with these: the area that they have in common is next to nothing, and new at every step.
+#[test]
+fn corners_that_meet_gain_no_energy_in_any_step() {
+    let cube = |name: &str, motion: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\ndensity = 1.0\n\
+             mesh = {{ generator = \"block\", size = [0.5, 0.5, 0.5], divisions = [2, 2, 2] }}\n\
+             rotation = [{{ axis = [0, 0, 1], degrees = 45 }}, {{ axis = [1, 0, 0], degrees = 54.735610317245346 }}]\n{motion}"
+        )
+    };
+    let mut s = simulation(&format!(
+        "[scene]\ntitle = \"t\"\nkind = \"dynamic\"\n[time]\nend = 0.16\nstep = 0.004\nintegrator = {{ scheme = \"energy-momentum\" }}\n{}{}\
+         [[contact]]\nmethod = \"mortar\"\nslave = \"upper.boundary\"\nmaster = \"lower.boundary\"\n",
+        cube("lower", ""),
+        cube("upper", "position = [0.02, 0.01, 0.8760254037844386]\nvelocity = [0.0, 0.0, -1.0]\n"),
+    ));
+    let (mut energy, mut touched) = (vec![1.0 / 16.0], 0);
+    while !s.finished() {
+        let record = s.advance().unwrap();
+        touched += record.contact.map_or(0, |contact| contact.active);
+        energy.push(record.balance.total());
+    }
+    let rise = energy.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    println!(
+        "{} steps, {touched} contacts, energy {:.4} of the first, largest rise {rise:.1e}",
+        s.step(),
+        energy[energy.len() - 1] * 16.0
+    );
+    assert!(s.step() == 40 && touched > 0 && rise < 1e-13 * energy[0], "{rise:e}");
+}
+
 /// A block held at its bottom and one that is pressed onto it by 0.05, in statics; `blocks` are the lower and the upper one, each by its corners and divisions.
 fn pressed(blocks: [([f64; 3], [f64; 3], [usize; 3]); 2], contact: &str) -> Simulation {
     let names = ["lower", "upper"];

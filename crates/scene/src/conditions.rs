@@ -187,9 +187,10 @@ pub struct Contact {
     pub slave: String,
     /// Master surface, `body.set`, of another body.
     pub master: String,
-    /// Standard or modified constraint.
-    #[serde(default = "Contact::default_constraint")]
-    pub constraint: Constraint,
+    /// What an active constraint asks for. If left out `one-sided` for `mortar` with a scheme under which integrals stay in the step (`energy-momentum`,
+    /// `midpoint`), `standard` for the rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub constraint: Option<Constraint>,
     /// `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`.
     #[serde(default, skip_serializing_if = "Enforcement::is_multiplier")]
     pub enforcement: Enforcement,
@@ -223,10 +224,6 @@ pub struct Contact {
 }
 
 impl Contact {
-    fn default_constraint() -> Constraint {
-        Constraint::Standard
-    }
-
     /// The given name, or `slave/master`.
     pub fn label(&self) -> String {
         self.name.clone().unwrap_or_else(|| format!("{}/{}", self.slave, self.master))

@@ -86,7 +86,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         table.required("method", "method = \"nts\"", |n| n.choice(ContactMethod::NAMES, ContactMethod::from_name));
     let slave = table.required("slave", "slave = \"ball.outer\"", |n| set_reference(n, world));
     let master = table.required("master", "master = \"plate.top\"", |n| set_reference(n, world));
-    let constraint = table.default("constraint", Constraint::Standard, |n| {
+    let constraint = table.optional("constraint", |n| {
         let constraint = n.choice(Constraint::NAMES, Constraint::from_name)?;
         if constraint != Constraint::Standard && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("is for dynamic scenes only", "use \"standard\", which closes the gap");
@@ -102,14 +102,14 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
             return n
                 .fail("is for method = \"nts\" only: the other methods have pressures as multipliers", "remove it");
         }
-        if matches!(enforcement, Enforcement::Penalty(_)) && constraint == Some(Constraint::Modified) {
+        if matches!(enforcement, Enforcement::Penalty(_)) && constraint == Some(Some(Constraint::Modified)) {
             return n.fail("a penalty needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
         }
         Some(enforcement)
     });
     let friction = table.optional("friction", |n| {
         let friction = friction(n, method.map(|method| method == ContactMethod::Mortar), world.own_friction)?;
-        if constraint == Some(Constraint::Modified) {
+        if constraint == Some(Some(Constraint::Modified)) {
             let remedy = "set `constraint` to \"one-sided\" (mortar) or \"standard\"";
             return n.fail("does not go with the modified constraint", remedy);
         }

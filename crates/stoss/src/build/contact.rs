@@ -4,7 +4,7 @@ use super::condition::{facets, not_built_in, resolve};
 use super::friction::gains_energy_in_impacts;
 use super::tie::Ties;
 use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
-use crate::scene::{ContactMethod, Enforcement, Scene};
+use crate::scene::{Constraint, ContactMethod, Enforcement, Scene};
 use crate::solver::Model;
 use std::collections::BTreeSet;
 use stoss_contact::Auxiliary;
@@ -100,12 +100,17 @@ impl PairInput<'_> {
     }
 
     /// What the contact will be computed with.
-    pub fn plan(&self, method: &dyn stoss_contact::ContactMethod, friction: Option<FrictionPlan>) -> ContactPlan {
+    pub fn plan(
+        &self,
+        method: &dyn stoss_contact::ContactMethod,
+        constraint: Constraint,
+        friction: Option<FrictionPlan>,
+    ) -> ContactPlan {
         let item = self.item;
         ContactPlan {
             name: item.label(),
             method: item.method.name().to_owned(),
-            constraint: item.constraint.name().to_owned(),
+            constraint: constraint.name().to_owned(),
             enforcement: match item.enforcement {
                 Enforcement::Multiplier => "multiplier".to_owned(),
                 Enforcement::Penalty(stiffness) => format!("penalty {stiffness:e}"),

@@ -25,6 +25,10 @@ pub(super) fn contact(
         Some(Points::TwelvePoint) => TriangleRule::TwelvePoint,
         Some(Points::SevenPoint) | None => TriangleRule::SevenPoint,
     };
+    // Integrals that are renewed from step to step turn closed nodes into penetrating ones, and to push those out gives energy.
+    let constant = scheme_with_constant_integrals(pair.scene);
+    let default = if constant.is_some() { Constraint::OneSided } else { Constraint::Standard };
+    let constraint = item.constraint.unwrap_or(default);
     let options = MortarOptions {
         space: match item.multipliers {
             Some(Multipliers::Dual) => MultiplierSpace::Dual,
@@ -35,16 +39,16 @@ pub(super) fn contact(
             Some(Normals::Facet) => NormalField::Facet,
             Some(Normals::Averaged) | None => NormalField::Averaged,
         },
-        constraint: match item.constraint {
+        constraint: match constraint {
             Constraint::Standard => WeightedConstraint::Standard,
             Constraint::Modified => WeightedConstraint::Modified,
             Constraint::OneSided => WeightedConstraint::OneSided,
         },
     };
-    if options.constraint != WeightedConstraint::Standard && scheme_with_constant_integrals(pair.scene).is_none() {
+    if constraint != Constraint::Standard && constant.is_none() {
         let message = "needs integrals that stay in the step; in statics and with this scheme they move";
         let remedy = "use `standard`, or `energy-momentum` or `midpoint`";
-        problems.add(format!("{}.constraint", pair.key), item.constraint.name(), message, remedy);
+        problems.add(format!("{}.constraint", pair.key), constraint.name(), message, remedy);
         return None;
     }
     let [slave, master] = pair.facets;
@@ -71,7 +75,7 @@ pub(super) fn contact(
             let complementarity = pair.prepare(&mut method, model, problems, warnings);
             let smoothing = item.smoothing.unwrap_or(0.0);
             if smoothing > 0.0
-                && let Some(scheme) = scheme_with_constant_integrals(pair.scene)
+                && let Some(scheme) = constant
             {
                 let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
                 let key = format!("{}.smoothing", pair.key);
@@ -87,7 +91,7 @@ pub(super) fn contact(
                     Some(Slip::Objective) | None => SlipMeasure::Objective,
                 };
                 if slip == SlipMeasure::Yang
-                    && let Some(scheme) = scheme_with_constant_integrals(pair.scene)
+                    && let Some(scheme) = constant
                 {
                     let message =
                         format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
@@ -108,7 +112,7 @@ pub(super) fn contact(
                     }
                 };
             }
-            let plan = pair.plan(&method, plan);
+            let plan = pair.plan(&method, constraint, plan);
             model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
             Some(plan)
         }

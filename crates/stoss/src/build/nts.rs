@@ -15,7 +15,8 @@ pub(super) fn contact(
     warnings: &mut Vec<String>,
 ) -> Option<ContactPlan> {
     let item = pair.item;
-    let constraint = match item.constraint {
+    let constraint = item.constraint.unwrap_or(Constraint::Standard);
+    let form = match constraint {
         Constraint::Standard => ConstraintForm::Standard,
         Constraint::Modified => ConstraintForm::Modified,
         // The reader refuses it; a scene that was made in memory comes here.
@@ -30,7 +31,7 @@ pub(super) fn contact(
         Enforced::Penalty(stiffness) => Enforcement::Penalty(stiffness),
         Enforced::Augmented(stiffness) => Enforcement::Augmented(stiffness),
     };
-    let options = NodeToSurfaceOptions { constraint, enforcement, ..NodeToSurfaceOptions::default() };
+    let options = NodeToSurfaceOptions { constraint: form, enforcement, ..NodeToSurfaceOptions::default() };
     let [slave, master] = pair.facets;
     let mut method = match NodeToSurface::new(&item.label(), slave, master, &model.reference, options) {
         Ok(method) => method,
@@ -67,7 +68,7 @@ pub(super) fn contact(
         }
         _ => Box::new(method),
     };
-    let plan = pair.plan(&*method, plan);
+    let plan = pair.plan(&*method, constraint, plan);
     model.contacts.push(ContactPair { name: item.label(), method, complementarity });
     Some(plan)
 }

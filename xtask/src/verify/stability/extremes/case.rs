@@ -123,6 +123,8 @@ pub struct Case {
     pub scheme: Option<&'static str>,
     /// True with the modified constraint.
     pub modified: bool,
+    /// True with the one-sided constraint: contact takes energy and never gives any.
+    pub one_sided: bool,
     /// The scene.
     pub scene: Scene,
     /// Files that the scene refers to.
@@ -147,6 +149,7 @@ impl Case {
             combination: scheme.unwrap_or("quasi-static").to_owned(),
             scheme,
             modified: false,
+            one_sided: false,
             scene,
             files: Vec::new(),
             touch: None,
@@ -164,10 +167,10 @@ impl Case {
         scene: Scene,
         touch: Touch,
     ) -> Self {
-        let modified = constraint == "modified";
-        let combination = if modified { format!("{scheme} modified") } else { scheme.to_owned() };
+        let combination = if constraint == "standard" { scheme.to_owned() } else { format!("{scheme} {constraint}") };
         let case = Self::new(family, Some(scheme), scene, Oracle::Conservation);
-        Self { combination, modified, touch: Some(touch), ..case }
+        let (modified, one_sided) = (constraint == "modified", constraint == "one-sided");
+        Self { combination, modified, one_sided, touch: Some(touch), ..case }
     }
 
     /// With another name of the combination.

@@ -152,6 +152,8 @@ struct Drifts {
     angular: f64,
     gain: f64,
     loss: f64,
+    /// Largest gain of a step.
+    rise: f64,
     /// Largest drift of the energy in stretches of steps in which no node closes.
     between: f64,
     /// What the round-off of positions makes of velocities, over the speed.
@@ -159,6 +161,8 @@ struct Drifts {
     claims: [bool; 3],
     /// The scheme keeps the energy but for steps in which a node closes.
     but_for_closings: bool,
+    /// The scheme keeps the energy and the contact gives none.
+    never_rises: bool,
 }
 
 impl Drifts {
@@ -182,6 +186,7 @@ impl Drifts {
             angular: balance.angular_drift(Some(momentum * scene.extent)),
             gain: (largest - start) / scale,
             loss: (start - least) / scale,
+            rise: balance.total.windows(2).map(|pair| (pair[1] - pair[0]) / scale).fold(0.0, f64::max),
             between,
             // Velocities are differences of positions over the step.
             round_off: if scene.speed > 0.0 {
@@ -191,6 +196,7 @@ impl Drifts {
             },
             claims: [claims.linear_momentum, claims.angular_momentum, claims.energy && !case.renews_integrals],
             but_for_closings: standard,
+            never_rises: claims.energy && case.one_sided,
         })
     }
 
@@ -211,6 +217,7 @@ impl Drifts {
             ("angular momentum", angular, self.angular),
             ("energy", energy, self.between),
             ("gain of energy", energy, self.gain),
+            ("gain of energy in a step", self.never_rises, self.rise),
         ];
         match rows.iter().find(|(_, claimed, drift)| *claimed && !Bound::AtMost(bound).holds(*drift)) {
             Some((name, _, drift)) => Err(format!("{name}: {} against {}", number(*drift), number(bound))),
@@ -260,6 +267,9 @@ mod tests {
         assert!(Drifts { claims: [true, true, false], ..bad }.claims_hold().is_ok());
         assert!(Drifts { angular: f64::NAN, ..good }.claims_hold().unwrap_err().starts_with("angular"));
         assert!(Drifts { round_off: 1e-5, ..bad }.claims_hold().is_ok());
+        assert!(Drifts { rise: 1e-6, ..good }.claims_hold().is_ok());
+        let rising = Drifts { rise: 1e-6, never_rises: true, ..good };
+        assert!(rising.claims_hold().unwrap_err().starts_with("gain of energy in a step"));
     }
 
     #[test]

@@ -6,10 +6,12 @@ use super::super::geometry::Side;
 use super::super::scene::{Block, Matter, Scene};
 use crate::workspace::Outcome;
 
-const SCHEMES: [(&str, &str); 4] = [
+const SCHEMES: [(&str, &str); 6] = [
     ("energy-momentum", "standard"),
     ("energy-momentum", "modified"),
+    ("energy-momentum", "one-sided"),
     ("midpoint", "standard"),
+    ("midpoint", "one-sided"),
     ("backward-euler", "standard"),
 ];
 
