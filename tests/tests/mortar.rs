@@ -286,6 +286,26 @@ fn whole_surfaces_meet_where_they_touch() {
     }
 }
 
+/// A block on a slab of which the facets reach beyond it, pressed in: the block's sides, which these facets see as soon as they bulge, change nothing, whether
+/// they are in the master or not.
+#[test]
+fn sides_of_the_master_do_not_count_in_the_contact_below_it() {
+    for multipliers in ["standard", "dual"] {
+        let [bottom, boundary] = ["upper.bottom", "upper.boundary"].map(|master| {
+            let blocks = [([0.0; 3], [2.0, 2.0, 1.0], [5, 5, 2]), ([0.5, 0.5, 1.0], [1.5, 1.5, 2.0], [3; 3])];
+            let contact = format!("slave = \"lower.top\"\nmaster = \"{master}\"\nmultipliers = \"{multipliers}\"");
+            let mut s = pressed(blocks, &contact);
+            let mut force = 0.0;
+            while !s.finished() {
+                force = s.advance().unwrap().contact.map_or(0.0, |contact| contact.force_on_slave[2]);
+            }
+            force
+        });
+        println!("{multipliers}: {bottom} with the bottom alone, {boundary} with all sides");
+        assert!(bottom < -10.0 && (boundary / bottom - 1.0).abs() < 1e-6, "{multipliers}: {bottom} {boundary}");
+    }
+}
+
 /// Pins narrower than a facet of the slab below them, pressed in by the same way: whichever of the two is the slave, it takes about the same force, although
 /// of no node of the slab as much as half is covered.
 #[test]

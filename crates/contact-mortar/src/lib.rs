@@ -44,6 +44,7 @@ mod kernel;
 mod matrices;
 mod method;
 mod multiplier;
+mod opposite;
 mod points;
 mod slide;
 mod slip;

@@ -1,7 +1,8 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::frictional::SurfaceFriction;
-use crate::slot::{NormalField, SHARP, Slot, Work};
+use crate::opposite::unit_normals;
+use crate::slot::{NormalField, Slot, Work};
 use crate::softening::Softening;
 use crate::surfaces::{segment_shifted, thickness};
 use crate::tangential::Scratch;
@@ -12,7 +13,7 @@ use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
     StepConfiguration, clear_inactive, multipliers_of,
 };
-use stoss_segmentation::{FacetSegmentation, GapRange};
+use stoss_segmentation::GapRange;
 
 /// What is kept zero while a node is closed (formulation §9.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,8 +54,6 @@ const DEPTH_OF_THICKNESS: f64 = 0.25;
 const DEPTH_AT_START: f64 = 1.0;
 /// How much farther than the step's reach facets are looked for, in lengths of facets.
 const MARGIN: f64 = 2.0;
-/// Cosine of the angle between opposed normals below which a facet sees another one edge-on (75 degrees).
-const EDGE_ON: f64 = 0.25;
 /// A slave node of whose reference area less than this is covered hands its multiplier over to the other nodes of its facets (the functions
 /// still add up to one, so that constant pressures stay exact): a constraint on a sliver of the support would need pressures out of all
 /// proportion, of either sign.
@@ -105,12 +104,16 @@ pub struct MortarContact {
     /// Depth from which facets behind are another part of the body, a length.
     deepest: f64,
     /// Unit normals of the slave facets in the reference configuration.
-    reference_normals: Vec<Vector3<f64>>,
+    pub(crate) reference_normals: Vec<Vector3<f64>>,
+    /// Those of the master facets.
+    pub(crate) master_normals: Vec<Vector3<f64>>,
     pub(crate) step_size: f64,
     /// Velocities at the start of the step; empty if nobody told.
     pub(crate) velocity: Vec<f64>,
     /// Half the slide of each slave facet in the step, a length; empty if there is none.
     slide: Vec<Vector3<f64>>,
+    /// Positions at the start of the step.
+    pub(crate) start: Vec<f64>,
     /// Positions that the integrals belong to; empty before the first step.
     at: Vec<f64>,
     pub(crate) integrated: Option<Integrated>,
@@ -149,13 +152,12 @@ impl MortarContact {
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
             deepest: DEPTH_OF_THICKNESS * (thickness(&slave, reference) + thickness(&master, reference)),
-            reference_normals: (0..slave.facets().len() as u32)
-                .map(|f| slave.patch(f, reference).corners)
-                .map(|x| (x[2] - x[0]).cross(&(x[3] - x[1])).try_normalize(0.0).unwrap_or_default())
-                .collect(),
+            reference_normals: unit_normals(&slave, reference),
+            master_normals: unit_normals(&master, reference),
             step_size: 0.0,
             velocity: Vec::new(),
             slide: Vec::new(),
+            start: reference.to_vec(),
             at: Vec::new(),
             integrated: None,
             derivatives: vec![false; count],
@@ -268,15 +270,19 @@ impl MortarContact {
         let Self { slave, master, options, .. } = self;
         let opposite = self.opposite(&segments, q);
         let weights = |measure| -> Vec<Option<FacetWeights>> {
-            let facets = segments.facets.iter().zip(slave.local_facets()).zip(&opposite);
-            let of_facet = |((found, nodes), opposite): ((&FacetSegmentation, &[u32; 4]), &bool)| {
+            let of_facet = |(slave_facet, opposite): (usize, &bool)| {
+                let (found, nodes) = (&segments.facets[slave_facet], &slave.local_facets()[slave_facet]);
                 let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
                 let without = self.without_on(*nodes);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
-                opposite.then(|| facet_weights(found, corners, space, rule, measure, without, wanted))
+                let weights = || {
+                    let found = self.without_walls(slave_facet, found);
+                    facet_weights(&found, corners, space, rule, measure, without, wanted)
+                };
+                opposite.then(weights)
             };
-            facets.map(of_facet).collect()
+            opposite.iter().enumerate().map(of_facet).collect()
         };
         let facets = weights(measure);
         let mut bare_supports = vec![0.0; slave.nodes().len()];
@@ -303,39 +309,6 @@ impl MortarContact {
             }
         };
         Ok(Integrated { segments, slots, bare_supports })
-    }
-
-    /// Which slave facets are opposite the master. One that sees it edge-on only would have gaps as wide as the search reaches. It is opposite if it goes over
-    /// smoothly, over other such facets or at once, into one that faces the master, and lies beyond no sharp edge from one: the side of a
-    /// block that stands on the master and leans a little is not, nor a surface that is edge-on as a whole.
-    fn opposite(&self, segments: &SurfaceSegmentation, q: &[f64]) -> Vec<bool> {
-        let Self { slave, master, reference_normals, .. } = self;
-        let faces = |found: &FacetSegmentation| {
-            let normal = found.frame.normal();
-            found.segments.iter().any(|segment| {
-                let x = master.patch(segment.master_facet, q).corners;
-                let other = (x[2] - x[0]).cross(&(x[3] - x[1]));
-                -normal.dot(&other) > EDGE_ON * other.norm()
-            })
-        };
-        let faces: Vec<bool> = segments.facets.iter().map(faces).collect();
-        let beside = |f: usize| {
-            let around = slave.local_facets()[f].iter().flat_map(|&n| slave.facets_around(n as usize));
-            around.map(|&e| e as usize)
-        };
-        let is_sharp = |e: usize, f: usize| reference_normals[e].dot(&reference_normals[f]) <= SHARP;
-        let mut opposite = faces.clone();
-        let mut reached: Vec<usize> = (0..faces.len()).filter(|&f| faces[f]).collect();
-        while let Some(f) = reached.pop() {
-            for e in beside(f).filter(|&e| !is_sharp(e, f)) {
-                let is_edge_on = !opposite[e] && !segments.facets[e].segments.is_empty();
-                if is_edge_on && !beside(e).any(|d| faces[d] && is_sharp(d, e)) {
-                    opposite[e] = true;
-                    reached.push(e);
-                }
-            }
-        }
-        opposite
     }
 
     /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, those of which most is covered keep it.
@@ -419,6 +392,8 @@ impl ContactMethod for MortarContact {
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
         self.range = self.range_for(reach);
+        self.start.clear();
+        self.start.extend_from_slice(q_n);
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
         // No memory of the last step: a run that is resumed has none.
         self.handed_over.fill(None);

@@ -187,8 +187,8 @@ pub struct Contact {
     pub slave: String,
     /// Master surface, `body.set`, of another body.
     pub master: String,
-    /// What an active constraint asks for. If left out `one-sided` for `mortar` with a scheme under which integrals stay in the step (`energy-momentum`,
-    /// `midpoint`), `standard` for the rest.
+    /// What an active constraint asks for. If left out `one-sided` for `mortar` with a scheme under which integrals stay in the step (all but
+    /// `backward-euler` and other end-point schemes), `standard` for the rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub constraint: Option<Constraint>,
     /// `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`.

@@ -126,6 +126,7 @@ impl PairInput<'_> {
     pub fn prepare(
         &self,
         method: &mut dyn stoss_contact::ContactMethod,
+        constraint: Constraint,
         model: &Model,
         problems: &mut Problems<'_>,
         warnings: &mut Vec<String>,
@@ -137,9 +138,14 @@ impl PairInput<'_> {
                 let inside = reports.iter().filter(|r| r.gap.is_some_and(|g| g < -tolerance)).count();
                 let deepest = reports.iter().filter_map(|r| r.gap).fold(0.0, f64::min);
                 if inside > 0 {
+                    let then = match constraint {
+                        Constraint::Standard => "the first step closes that gap and changes the energy",
+                        Constraint::Modified | Constraint::OneSided => {
+                            "they keep that gap; constraint = \"standard\" closes it in the first step and changes the energy"
+                        }
+                    };
                     warnings.push(format!(
-                        "{}: {inside} slave nodes begin behind the master surface (deepest gap {deepest:.3e}); the first step closes \
-                         that gap and changes the energy",
+                        "{}: {inside} slave nodes begin behind the master surface (deepest gap {deepest:.3e}); {then}",
                         item.label()
                     ));
                 }

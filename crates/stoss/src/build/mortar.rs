@@ -47,7 +47,7 @@ pub(super) fn contact(
     };
     if constraint != Constraint::Standard && constant.is_none() {
         let message = "needs integrals that stay in the step; in statics and with this scheme they move";
-        let remedy = "use `standard`, or `energy-momentum` or `midpoint`";
+        let remedy = "use `standard`, or a scheme such as `energy-momentum`, under which they stay";
         problems.add(format!("{}.constraint", pair.key), constraint.name(), message, remedy);
         return None;
     }
@@ -72,7 +72,7 @@ pub(super) fn contact(
                 ));
             }
             let mut method = method.with_crosspoints(prescribed);
-            let complementarity = pair.prepare(&mut method, model, problems, warnings);
+            let complementarity = pair.prepare(&mut method, constraint, model, problems, warnings);
             let smoothing = item.smoothing.unwrap_or(0.0);
             if smoothing > 0.0
                 && let Some(scheme) = constant

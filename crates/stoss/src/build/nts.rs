@@ -40,7 +40,7 @@ pub(super) fn contact(
             return None;
         }
     };
-    let complementarity = pair.prepare(&mut method, model, problems, warnings);
+    let complementarity = pair.prepare(&mut method, constraint, model, problems, warnings);
     let mut plan = None;
     if let Some(friction) = &item.friction {
         let (friction, described) = super::friction::friction(pair, friction, complementarity, problems, warnings)?;
