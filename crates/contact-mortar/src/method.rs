@@ -271,16 +271,14 @@ impl MortarContact {
         let opposite = self.opposite(&segments, q);
         let weights = |measure| -> Vec<Option<FacetWeights>> {
             let of_facet = |(slave_facet, opposite): (usize, &bool)| {
-                let (found, nodes) = (&segments.facets[slave_facet], &slave.local_facets()[slave_facet]);
+                let nodes = &slave.local_facets()[slave_facet];
                 let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
                 let without = self.without_on(*nodes);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
-                let weights = || {
-                    let found = self.without_walls(slave_facet, found);
-                    facet_weights(&found, corners, space, rule, measure, without, wanted)
-                };
-                opposite.then(weights)
+                let found = opposite.then(|| self.without_walls(&segments, slave_facet))?;
+                (!found.segments.is_empty())
+                    .then(|| facet_weights(&found, corners, space, rule, measure, without, wanted))
             };
             opposite.iter().enumerate().map(of_facet).collect()
         };

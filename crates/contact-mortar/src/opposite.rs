@@ -39,22 +39,17 @@ impl MortarContact {
     /// smoothly, over other such facets or at once, into one that faces the master, and lies beyond no sharp edge from one: the side of a
     /// block that stands on the master and leans a little is not, nor a surface that is edge-on as a whole.
     pub(crate) fn opposite(&self, segments: &SurfaceSegmentation, q: &[f64]) -> Vec<bool> {
-        let slave = &self.slave;
         let faces = |found: &FacetSegmentation| {
             found.segments.iter().any(|s| self.face(&found.frame.normal(), s.master_facet, q))
         };
         let faces: Vec<bool> = segments.facets.iter().map(faces).collect();
-        let beside = |f: usize| {
-            let around = slave.local_facets()[f].iter().flat_map(|&n| slave.facets_around(n as usize));
-            around.map(|&e| e as usize)
-        };
         let is_sharp = |e: usize, f: usize| is_sharp(&self.reference_normals, e, f);
         let mut opposite = faces.clone();
         let mut reached: Vec<usize> = (0..faces.len()).filter(|&f| faces[f]).collect();
         while let Some(f) = reached.pop() {
-            for e in beside(f).filter(|&e| !is_sharp(e, f)) {
+            for e in self.beside(f).filter(|&e| !is_sharp(e, f)) {
                 let is_edge_on = !opposite[e] && !segments.facets[e].segments.is_empty();
-                if is_edge_on && !beside(e).any(|d| faces[d] && is_sharp(d, e)) {
+                if is_edge_on && !self.beside(e).any(|d| faces[d] && is_sharp(d, e)) {
                     opposite[e] = true;
                     reached.push(e);
                 }
@@ -63,32 +58,34 @@ impl MortarContact {
         opposite
     }
 
-    /// The segments of a slave facet but for those with walls: master facets that it sees edge-on, and that go over into those that face it by a sharp edge only.
-    /// Beyond the edge of a block that stands on it, it sees the block's side as soon as that bulges; the side's wide gaps are no gaps of the contact
-    /// below the block. The positions at the start of the step decide, so that iterates do not come and go.
+    /// The segments of a slave facet but for those with walls: master facets that it sees edge-on, and that go over into those that face it by a sharp edge only;
+    /// if none does, into those that face the slave facets beside it. Beyond the edge of a block that stands on it, it sees the block's side as soon as that
+    /// bulges; the side's wide gaps are no gaps of the contact below the block. The positions at the start of the step decide, so that iterates do not
+    /// come and go.
     pub(crate) fn without_walls<'a>(
         &self,
+        segments: &'a SurfaceSegmentation,
         slave_facet: usize,
-        found: &'a FacetSegmentation,
     ) -> Cow<'a, FacetSegmentation> {
-        let normal = area_vector(&self.slave, slave_facet as u32, &self.start).try_normalize(0.0).unwrap_or_default();
-        let facing: Vec<bool> =
-            found.segments.iter().map(|s| self.face(&normal, s.master_facet, &self.start)).collect();
-        if facing.iter().all(|&f| f) || !facing.contains(&true) {
+        let found = &segments.facets[slave_facet];
+        let facing = self.facing(found, slave_facet);
+        if facing.len() == found.segments.len() {
             return Cow::Borrowed(found);
         }
-        let with = |wanted: bool| {
-            let pairs = found.segments.iter().zip(&facing).filter(move |(_, f)| **f == wanted);
-            pairs.map(|(segment, _)| segment.master_facet)
-        };
-        let mut reached: Vec<u32> = with(true).collect();
+        let has = |facet: u32| found.segments.iter().any(|s| s.master_facet == facet);
+        let mut reached = facing;
+        if reached.is_empty() {
+            for e in self.beside(slave_facet).filter(|&e| !is_sharp(&self.reference_normals, e, slave_facet)) {
+                reached.extend(self.facing(&segments.facets[e], e));
+            }
+        }
         let mut next = 0;
         while next < reached.len() {
             let facet = reached[next];
             next += 1;
             for neighbour in (0..4).filter_map(|edge| self.master.neighbour(facet, edge)) {
                 let is_wall = is_sharp(&self.master_normals, facet as usize, neighbour as usize);
-                if !is_wall && !reached.contains(&neighbour) && with(false).any(|f| f == neighbour) {
+                if !is_wall && !reached.contains(&neighbour) && has(neighbour) {
                     reached.push(neighbour);
                 }
             }
@@ -96,5 +93,18 @@ impl MortarContact {
         let mut without = found.clone();
         without.segments.retain(|segment| reached.contains(&segment.master_facet));
         Cow::Owned(without)
+    }
+
+    /// Master facets that face a slave facet at the start of the step, once for each segment.
+    fn facing(&self, found: &FacetSegmentation, slave_facet: usize) -> Vec<u32> {
+        let normal = area_vector(&self.slave, slave_facet as u32, &self.start).try_normalize(0.0).unwrap_or_default();
+        let masters = found.segments.iter().map(|s| s.master_facet);
+        masters.filter(|&facet| self.face(&normal, facet, &self.start)).collect()
+    }
+
+    /// Slave facets that share a node with one, itself among them.
+    fn beside(&self, facet: usize) -> impl Iterator<Item = usize> {
+        let around = self.slave.local_facets()[facet].iter().flat_map(|&n| self.slave.facets_around(n as usize));
+        around.map(|&e| e as usize)
     }
 }
