@@ -35,6 +35,15 @@ fn unevenness(simulation: &Simulation) -> (f64, [f64; 6]) {
     unevenness_of(&stresses)
 }
 
+/// Runs to the end; the vertical force on the slave there.
+fn last_vertical_force(mut simulation: Simulation) -> f64 {
+    let mut force = 0.0;
+    while !simulation.finished() {
+        force = simulation.advance().unwrap().contact.map_or(0.0, |contact| contact.force_on_slave[2]);
+    }
+    force
+}
+
 /// Position of the node that started at `x`.
 fn position(simulation: &Simulation, x: [f64; 3]) -> [f64; 3] {
     let reference = &simulation.model().reference;
@@ -294,12 +303,7 @@ fn sides_of_the_master_do_not_count_in_the_contact_below_it() {
         let [bottom, boundary] = ["upper.bottom", "upper.boundary"].map(|master| {
             let blocks = [([0.0; 3], [2.0, 2.0, 1.0], [5, 5, 2]), ([0.5, 0.5, 1.0], [1.5, 1.5, 2.0], [3; 3])];
             let contact = format!("slave = \"lower.top\"\nmaster = \"{master}\"\nmultipliers = \"{multipliers}\"");
-            let mut s = pressed(blocks, &contact);
-            let mut force = 0.0;
-            while !s.finished() {
-                force = s.advance().unwrap().contact.map_or(0.0, |contact| contact.force_on_slave[2]);
-            }
-            force
+            last_vertical_force(pressed(blocks, &contact))
         });
         println!("{multipliers}: {bottom} with the bottom alone, {boundary} with all sides");
         assert!(bottom < -10.0 && (boundary / bottom - 1.0).abs() < 1e-6, "{multipliers}: {bottom} {boundary}");
@@ -317,12 +321,7 @@ fn a_contact_within_one_facet_is_carried_from_both_sides() {
         [("lower.top", "upper.bottom"), ("upper.bottom", "lower.top")].map(|(slave, master)| {
             let blocks = [([0.0; 3], [2.0, 2.0, 1.0], [2; 3]), ([low, low, 1.0], [high, high, 1.6], [3; 3])];
             let contact = format!("slave = \"{slave}\"\nmaster = \"{master}\"\nmultipliers = \"{multipliers}\"");
-            let mut s = pressed(blocks, &contact);
-            let mut force = 0.0;
-            while !s.finished() {
-                force = s.advance().unwrap().contact.map_or(0.0, |contact| contact.force_on_slave[2]);
-            }
-            force
+            last_vertical_force(pressed(blocks, &contact))
         })
     };
     for width in [0.4, 0.6, 0.8] {

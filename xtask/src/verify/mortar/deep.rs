@@ -5,6 +5,7 @@ use toml::{Table, Value};
 use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run};
+use super::{entry, resistance};
 use crate::workspace::Outcome;
 
 /// Meshes of the slab.
@@ -15,8 +16,8 @@ const STEADY: f64 = 14.0;
 const ITERATIONS: f64 = 5.0;
 /// Change of the ratio from the second to the third mesh, relative.
 const CONVERGED: f64 = 0.005;
-/// The same over that from the first to the second, where the slab is the slave and lies against the block's sides, the more the finer it is.
-const CONVERGING: f64 = 0.5;
+/// The same where the slab is the slave and lies against the block's sides.
+const CONVERGED_SLAB: f64 = 0.02;
 /// Compliance of the pressures where the slab's nodes wrap round the rim of the block.
 const SMOOTHING: f64 = 1.0;
 /// Stiffness there of the springs of stick.
@@ -54,12 +55,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let what = "slab, sides are master too";
         ratios.extend(judge(&run, what, slab, Bound::AtMost(0.0), iterations, findings, &mut rows)?);
     }
-    if let &[first, second, third] = &ratios[..] {
-        let changes = [(second - first).abs(), (third - second).abs()];
-        let quantity = "Fx over Fz: change from the second mesh to the third over that to the second";
-        let check = Check::new("deep-slab-sides-36", quantity, changes[1] / changes[0], Bound::AtMost(CONVERGING));
-        findings.checks.push(check.noted(format!("changes {} and {}", number(changes[0]), number(changes[1]))));
-    }
+    convergence("deep-slab-sides-36", &ratios, CONVERGED_SLAB, findings);
     // What soft springs take from the friction.
     for slab in &SLABS[..2] {
         let mut scene = before_sides(&on_slab(&deep, *slab)?)?;
@@ -84,7 +80,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         tables: vec![Grid {
             caption: format!(
                 "Depth 0.7, coefficient 0.5; mean of the ratio from t = {STEADY}. With the sides in the master the friction there is part of it, the more the finer \
-                 the slab, which lies against them. Springs of {SPRINGS} hold the full friction only after a slip of 0.75: exact stick gives a little more"
+                 the slab, which lies against them. Springs of {SPRINGS} hold the full friction only after a slip of 0.75: exact stick gives more, and the more the finer"
             ),
             head: head.map(str::to_owned).to_vec(),
             rows,
@@ -121,12 +117,7 @@ fn judge(
         run.summary_number("mean_iterations")?,
         run.summary_number("cpu_seconds")?,
     ];
-    let probes = run.table("probes.csv")?;
-    let columns = [probes.column("time")?, probes.column("indenter.x")?, probes.column("indenter.z")?];
-    let ratio: Vec<f64> = (0..columns[0].len())
-        .filter(|&k| columns[0][k] >= STEADY)
-        .map(|k| (columns[1][k] / columns[2][k]).abs())
-        .collect();
+    let ratio = resistance(run, STEADY)?;
     let average = ratio.iter().sum::<f64>() / ratio.len() as f64;
     let apart = ratio.iter().map(|r| (r - average).abs()).fold(0.0, f64::max);
     let row =
@@ -149,11 +140,6 @@ fn judge(
         number(apart),
     ]);
     Ok(Some(average))
-}
-
-fn entry<'a>(scene: &'a mut Table, list: &str, index: usize) -> Outcome<&'a mut Table> {
-    let item = scene.get_mut(list).and_then(Value::as_array_mut).and_then(|items| items.get_mut(index));
-    Ok(item.and_then(Value::as_table_mut).ok_or_else(|| format!("{list}[{index}] is not as the suite knows it"))?)
 }
 
 fn on_slab(scene: &Table, slab: [i64; 3]) -> Outcome<Table> {

@@ -7,7 +7,7 @@ use toml::{Table, Value};
 use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run, newton};
-use super::ITERATIONS;
+use super::{ITERATIONS, entry, resistance};
 use crate::gallery::{Interface, Sides};
 use crate::plot::{self, Labels, Series};
 use crate::vtu::{self, Grid as Frame};
@@ -112,7 +112,7 @@ fn frictional(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let found = ironing(&run, findings, facet, Bound::AtMost(SMOOTH))?;
         if run.succeeded() {
             bench.show(&run, findings)?;
-            resistance(&run, findings)?;
+            judge_resistance(&run, findings)?;
         }
         keep(&mut lines, &mut rows, &format!("depth 0.4, indenter is slave, slab of {slab}"), found);
     }
@@ -121,14 +121,13 @@ fn frictional(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     if bench.quick {
         scene = variant(&scene, 3.0, Some(0.7), None)?;
     }
-    let contacts = scene.get_mut("contact").and_then(Value::as_array_mut);
-    let contact = contacts.and_then(|list| list.first_mut()?.as_table_mut()).ok_or("the scene has no contact")?;
+    let contact = entry(&mut scene, "contact", 0)?;
     contact.insert("slave".into(), "slab.top".into());
     contact.insert("master".into(), "indenter.bottom".into());
     let run = bench.run_variant("ironing-mortar-friction-deep", &scene)?;
     let found = ironing(&run, findings, FACET, Bound::Told)?;
     if run.succeeded() {
-        resistance(&run, findings)?;
+        judge_resistance(&run, findings)?;
     }
     keep(&mut lines, &mut rows, "depth 0.7, slab is slave, not smoothed", found);
     findings.sections.push(section("Ironing with friction", &lines, rows));
@@ -136,12 +135,8 @@ fn frictional(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
 }
 
 /// Force along the slab over that on it: no more than the coefficient of friction, but for what the slope of the surface adds.
-fn resistance(run: &Run, findings: &mut Findings) -> Outcome<()> {
-    let probes = run.table("probes.csv")?;
-    let [time, along, down] = ["time", "indenter.x", "indenter.z"].map(|name| probes.column(name));
-    let (time, along, down) = (time?, along?, down?);
-    let steady: Vec<f64> =
-        (0..time.len()).filter(|&k| time[k] >= SLIDING - 1e-9).map(|k| (along[k] / down[k]).abs()).collect();
+fn judge_resistance(run: &Run, findings: &mut Findings) -> Outcome<()> {
+    let steady = resistance(run, SLIDING)?;
     if steady.is_empty() {
         return Ok(());
     }
@@ -156,8 +151,7 @@ fn resistance(run: &Run, findings: &mut Findings) -> Outcome<()> {
 fn independence(bench: &Bench, findings: &mut Findings, scene: &Table, slid: &Run) -> Outcome<()> {
     let [place, time] = PLACE;
     let mut scene = variant(scene, 1.0, None, None)?;
-    let body = scene.get_mut("body").and_then(Value::as_array_mut).and_then(|list| list.first_mut()?.as_table_mut());
-    body.ok_or("the scene has no bodies")?.insert("position".into(), vec![place, 0.0, 0.0].into());
+    entry(&mut scene, "body", 0)?.insert("position".into(), vec![place, 0.0, 0.0].into());
     let straight = bench.run_variant("ironing-mortar-straight", &scene)?;
     findings.checks.push(straight.completed(0));
     if !(slid.succeeded() && straight.succeeded()) {
@@ -187,8 +181,7 @@ fn quadratic(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             scene = plain(&scene)?;
         }
         // Stick by springs: the residual is that of the forces, and the rows of multipliers are not among them.
-        let contact = scene.get_mut("contact").and_then(Value::as_array_mut).and_then(|list| list.first_mut());
-        if let Some(friction) = contact.and_then(|c| c.get_mut("friction")).and_then(Value::as_table_mut) {
+        if let Some(friction) = entry(&mut scene, "contact", 0)?.get_mut("friction").and_then(Value::as_table_mut) {
             friction.insert("penalty".into(), 10.0.into());
         }
         let solver: Table = "relative_tolerance = 1e-13\nfactors = \"new\"".parse()?;
@@ -264,9 +257,7 @@ fn keep(lines: &mut Vec<(String, [Series; 2])>, rows: &mut Vec<Vec<String>>, nam
 /// The scene with pressures that are not smoothed.
 fn plain(scene: &Table) -> Outcome<Table> {
     let mut scene = scene.clone();
-    let contacts = scene.get_mut("contact").and_then(Value::as_array_mut);
-    let contact = contacts.and_then(|list| list.first_mut()?.as_table_mut()).ok_or("the scene has no contact")?;
-    contact.remove("smoothing");
+    entry(&mut scene, "contact", 0)?.remove("smoothing");
     Ok(scene)
 }
 

@@ -11,8 +11,10 @@ mod rotating;
 
 use std::path::Path;
 
+use toml::{Table, Value};
+
 use super::check::{Bound, Check};
-use super::{Bench, Findings, Suite};
+use super::{Bench, Findings, Run, Suite};
 use crate::workspace::Outcome;
 
 /// Fields, momenta, impact, oblique impact, ironing, deep ironing in few steps, rotating indenter, Hertz, tied cantilever.
@@ -91,6 +93,21 @@ fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
 fn spread(values: &[f64]) -> f64 {
     let Some(first) = values.first() else { return f64::NAN };
     values.iter().map(|value| (value / first - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// An entry of a list of the scene, as `body` and `contact` are.
+fn entry<'a>(scene: &'a mut Table, list: &str, index: usize) -> Outcome<&'a mut Table> {
+    let item = scene.get_mut(list).and_then(Value::as_array_mut).and_then(|items| items.get_mut(index));
+    Ok(item.and_then(Value::as_table_mut).ok_or_else(|| format!("{list}[{index}] is not as the suite knows it"))?)
+}
+
+/// Force along the slab over that on it in steps of an ironing run from a time on.
+fn resistance(run: &Run, from: f64) -> Outcome<Vec<f64>> {
+    let probes = run.table("probes.csv")?;
+    let [time, along, down] = ["time", "indenter.x", "indenter.z"].map(|name| probes.column(name));
+    let (time, along, down) = (time?, along?, down?);
+    let steady = (0..time.len()).filter(|&k| time[k] >= from - 1e-9);
+    Ok(steady.map(|k| (along[k] / down[k]).abs()).collect())
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use toml::{Table, Value};
 
 use super::super::check::{Bound, Check};
 use super::super::{Bench, Findings};
-use super::ITERATIONS;
+use super::{ITERATIONS, entry};
 use crate::workspace::Outcome;
 
 /// Coefficients of friction.
@@ -58,9 +58,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
 fn variant(shipped: &Table, mu: f64, slave: &str, master: &str) -> Outcome<Table> {
     let mut scene = shipped.clone();
     scene.remove("expect");
-    let contacts = scene.get_mut("contact").and_then(Value::as_array_mut);
-    let contact = contacts.and_then(|list| list.first_mut()).and_then(Value::as_table_mut);
-    let contact = contact.ok_or("block-impact-mortar has no contact")?;
+    let contact = entry(&mut scene, "contact", 0)?;
     contact.insert("slave".into(), slave.into());
     contact.insert("master".into(), master.into());
     if mu == 0.0 {
