@@ -106,9 +106,9 @@ proptest! {
         let n = x.len();
         let (_, tangent) = dense(&m, &path, &x, &auxiliaries, true);
         let numeric = central_difference_jacobian(
-            |x, out| out.copy_from_slice(&dense(&m, &path, x, &auxiliaries, false).0), &x, 2e-4, n,
+            |x, out| out.copy_from_slice(&dense(&m, &path, x, &auxiliaries, false).0), &x, DIFFERENCE, n,
         );
-        assert_jacobian_close(&tangent, &numeric, n, 1e-7, "augmented tangent");
+        assert_jacobian_close(&tangent, &numeric, n, 1e-8, "augmented tangent");
     }
 
     #[test]
@@ -123,8 +123,8 @@ proptest! {
             dense(&m, &on_foot, x, &on_foot.start(&m), want)
         };
         let (_, tangent) = step(&at, true);
-        let numeric = central_difference_jacobian(|x, out| out.copy_from_slice(&step(x, false).0), &at, 2e-4, n);
-        assert_jacobian_close(&tangent, &numeric, n, 1e-7, "condensed tangent");
+        let numeric = central_difference_jacobian(|x, out| out.copy_from_slice(&step(x, false).0), &at, DIFFERENCE, n);
+        assert_jacobian_close(&tangent, &numeric, n, 1e-8, "condensed tangent");
     }
 
     #[test]

@@ -123,9 +123,9 @@ proptest! {
         at.push(PRESSURE);
         let numeric = central_difference_jacobian(
             |x, out| out.copy_from_slice(&assembled(&m, &path.q[1], &x[..n - 1], x[n - 1], path.rule, false).0),
-            &at, 2e-4, n,
+            &at, DIFFERENCE, n,
         );
-        assert_jacobian_close(&tangent, &numeric, n, 1e-7, "tangent with friction");
+        assert_jacobian_close(&tangent, &numeric, n, 1e-8, "tangent with friction");
     }
 
     #[test]
@@ -145,9 +145,9 @@ proptest! {
         let (_, tangent) = assembled_with(&m, &path.q[1], path.rule, &x, &auxiliaries, true);
         let numeric = central_difference_jacobian(
             |x, out| out.copy_from_slice(&assembled_with(&m, &path.q[1], path.rule, x, &auxiliaries, false).0),
-            &x, 2e-4, n,
+            &x, DIFFERENCE, n,
         );
-        assert_jacobian_close(&tangent, &numeric, n, 1e-7, "tangent with multipliers");
+        assert_jacobian_close(&tangent, &numeric, n, 1e-8, "tangent with multipliers");
     }
 
     /// Newton's method for the two multipliers alone, in a step that slides: the traction has the size that the law says and the direction of the slip, so

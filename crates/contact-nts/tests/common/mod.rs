@@ -8,6 +8,10 @@ use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 pub const ACTIVE: [bool; 4] = [true, false, false, false];
 pub const OPEN: [bool; 4] = [false; 4];
 
+/// Step of differences of forces of friction: the direction of a slip changes over the slip's own length, and their error is of fourth order in the
+/// step over that.
+pub const DIFFERENCE: f64 = 2.5e-5;
+
 /// Master: facets of edge one in a row along x, heights given at x = 0, 1, ...; slave: a facet of edge one half, its
 /// first node at `at`, the others above it.
 pub fn positions(heights: &[f64], at: [f64; 3]) -> Vec<f64> {
