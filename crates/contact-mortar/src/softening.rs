@@ -5,7 +5,7 @@
 //! its neighbours: its function then belongs to theirs, and constant pressures stay exact. Little is what is less than of the neighbour of which most is
 //! covered: where a contact is smaller than a facet, those nodes carry it that have the most of it, until that is next to nothing.
 //!
-//! The same equation with a small factor on every node smooths the pressures ([`MortarContact::with_smoothing`]): where the slave is finer or stiffer
+//! The same equation with a small factor on every node smooths the pressures: where the slave is finer or stiffer
 //! than the master there are more pressures than the master's nodes can tell apart, and without it few of them carry all, other ones at every step.
 
 use crate::method::MortarContact;
@@ -72,33 +72,26 @@ impl Blend {
 }
 
 impl MortarContact {
-    /// The same contact with a compliance for slave nodes of which less than half is covered, where integrals move with the iterate
-    /// (backward Euler, statics). `stiffness` is a traction per length, Young's modulus over an edge length, say; it decides on how a node fades
-    /// when its support does, not on the rest. One that is not positive and finite is as none. Without it such nodes hand their
+    /// The same contact with two compliances, where integrals move with the iterate (backward Euler, statics).
+    ///
+    /// Of slave nodes of which less than half is covered: `stiffness` is a traction per length, Young's modulus over an edge length, say; it decides on how
+    /// a node fades when its support does, not on the rest. One that is not positive and finite is as none. Without it such nodes hand their
     /// multiplier over below a twentieth, all at once.
+    ///
+    /// Of every slave node against the difference of its pressure from the mean of its neighbours: its gap is `-smoothing * (p - mean) / stiffness`.
+    /// Constant pressures stay exact; others are smoothed by what falls with the third power of the edge length. 0.1 to 0.5 let a slave that is finer
+    /// or stiffer than its master slide in steps of the size of facets; 0, or what is not positive and finite, leaves the pressures as they are.
     #[must_use]
-    pub fn with_softening(mut self, stiffness: f64) -> Self {
-        let valid = stiffness > 0.0 && stiffness.is_finite();
+    pub fn with_softening(mut self, stiffness: f64, smoothing: f64) -> Self {
+        let valid = |x: f64| x > 0.0 && x.is_finite();
         let count = self.without.len();
-        self.softening = valid.then(|| Softening {
+        self.softening = valid(stiffness).then(|| Softening {
             stiffness,
-            smoothing: 0.0,
+            smoothing: if valid(smoothing) { smoothing } else { 0.0 },
             partners: vec![Vec::new(); count],
             whole: vec![PARTLY_COVERED; count],
             pressures: vec![0.0; count],
         });
-        self
-    }
-
-    /// The same contact with a compliance of every slave node against the difference of its pressure from the mean of its neighbours, where integrals
-    /// move with the iterate: the gap of a node is `-smoothing * (p - mean) / stiffness` then, with the stiffness of [`Self::with_softening`], which comes
-    /// first. Constant pressures stay exact; others are smoothed by what falls with the third power of the edge length. 0.1 to 0.5 let a slave that is finer
-    /// or stiffer than its master slide in steps of the size of facets.
-    #[must_use]
-    pub fn with_smoothing(mut self, smoothing: f64) -> Self {
-        if let Some(softening) = self.softening.as_mut().filter(|_| smoothing >= 0.0 && smoothing.is_finite()) {
-            softening.smoothing = smoothing;
-        }
         self
     }
 

@@ -35,7 +35,7 @@ proptest! {
     fn a_whole_block_stands_on_its_lower_face_alone(gap in -0.1f64..0.2, lean in prop::array::uniform2(-0.2f64..0.2), dual in any::<bool>()) {
         let q = positions([1.2, 1.3, gap], lean);
         let mut gaps = [0.0; SLAVE];
-        let mut whole = method(&CUBE, dual, ContactRule::EndPoint).with_softening(20.0);
+        let mut whole = method(&CUBE, dual, ContactRule::EndPoint).with_softening(20.0, 0.0);
         whole.begin_step(&q, 0.5).unwrap();
         whole.complementarity_gaps(&q, &[true; SLAVE], &mut gaps).unwrap();
         prop_assert!(gaps[..4].iter().all(|g| (g - gap).abs() < 1e-13), "{gaps:?}");
@@ -78,7 +78,7 @@ proptest! {
     #[test]
     fn a_corner_is_carried_by_the_node_with_most_of_it(over in prop::array::uniform2(0.2f64..1.0), dual in any::<bool>()) {
         let q = positions([4.0 - over[0], 4.0 - over[1], 0.05], [0.0; 2]);
-        let mut soft = method(&CUBE[..1], dual, ContactRule::EndPoint).with_softening(20.0).with_smoothing(0.1);
+        let mut soft = method(&CUBE[..1], dual, ContactRule::EndPoint).with_softening(20.0, 0.1);
         soft.begin_step(&q, 0.5).unwrap();
         let mut gaps = [0.0; SLAVE];
         soft.complementarity_gaps(&q, &[true; SLAVE], &mut gaps).unwrap();

@@ -41,7 +41,7 @@ proptest! {
         (0..SLAVE).for_each(|k| q_n[3 * k] += 0.8 * shift);
         let mut q: Vec<f64> = q_n.iter().zip(&e).map(|(x, e)| x + 0.3 * e).collect();
         (0..SLAVE).for_each(|k| q[3 * k] += 0.2 * shift);
-        let mut method = method(options(dual, averaged)).with_softening(20.0).with_smoothing(smoothing);
+        let mut method = method(options(dual, averaged)).with_softening(20.0, smoothing);
         if let Some(error) = tangent_error(&mut method, ContactRule::EndPoint, &q_n, &q, &p) {
             prop_assert!(error < 1e-7, "dual {dual} averaged {averaged}: {error:e}");
         }
@@ -57,7 +57,7 @@ proptest! {
             q[3 * k] += shift;
             q[3 * k + 2] = 1.0;
         }
-        let mut method = method(options(dual, true)).with_softening(20.0).with_smoothing(smoothing);
+        let mut method = method(options(dual, true)).with_softening(20.0, smoothing);
         method.set_rule(ContactRule::EndPoint, 0.1);
         method.begin_step(&q, 0.5).unwrap();
         let carries: Vec<bool> = (0..SLAVE).map(|k| method.supports()[k] >= 0.5 * method.slot_weight(k)).collect();

@@ -21,26 +21,39 @@ pub(super) fn contacts(
 ) -> Vec<ContactPlan> {
     let mut plans = Vec::new();
     warnings.extend(impacts(scene));
-    let mut seen: Vec<(Vec<[u32; 4]>, Vec<[u32; 4]>, String)> = Vec::new();
+    let mut seen: Vec<([Vec<[u32; 4]>; 2], &crate::scene::Contact)> = Vec::new();
     let held = held_nodes(scene, placed, model);
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
         let slave = resolve(scene, placed, &format!("{key}.slave"), &item.slave, problems, facets);
         let master = resolve(scene, placed, &format!("{key}.master"), &item.master, problems, facets);
         let (Some((slave_body, slave)), Some((master_body, master))) = (slave, master) else { continue };
-        if let Some((.., other)) = seen.iter().find(|(s, m, _)| *s == slave && *m == master) {
-            let message = format!("is the same contact as `{other}`: its constraints would be there twice");
+        let surfaces = [slave, master];
+        if let Some((_, other)) = seen.iter().find(|(other, _)| *other == surfaces) {
+            let message = format!("is the same contact as `{}`: its constraints would be there twice", other.label());
             problems.add(format!("{key}.name"), item.label(), message, "remove one of the two");
             continue;
         }
-        seen.push((slave.clone(), master.clone(), item.label()));
-        if let Some(tie) = ties.of([&slave, &master]) {
+        let [slave, master] = &surfaces;
+        let is_exact = |contact: &crate::scene::Contact| !matches!(contact.enforcement, Enforcement::Penalty(_));
+        if let Some((_, other)) = seen.iter().find(|([s, m], _)| s == master && m == slave)
+            && is_exact(item)
+            && is_exact(other)
+        {
+            warnings.push(format!(
+                "{} is {} with slave and master exchanged: the nodes of both cannot all be kept out exactly, and pressures may not be determined. Remove \
+                 one of the two; `nts` may have both with penalties",
+                item.label(),
+                other.label()
+            ));
+        }
+        if let Some(tie) = ties.of([slave, master]) {
             let message =
                 format!("is between surfaces that `{tie}` ties together: they cannot part, nor touch any further");
             problems.add(key, item.label(), message, "remove the contact or the tie, or choose other surfaces");
             continue;
         }
-        if [&slave, &master].iter().all(|surface| is_prescribed(model, surface)) {
+        if surfaces.iter().all(|surface| is_prescribed(model, surface)) {
             let message =
                 "every node of both surfaces is prescribed in all components: no contact force could move them";
             problems.add(key, item.label(), message, "remove the contact, or free one of the surfaces");
@@ -59,6 +72,7 @@ pub(super) fn contacts(
                 None
             }
         });
+        seen.push((surfaces, item));
     }
     plans
 }

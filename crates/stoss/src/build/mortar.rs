@@ -51,6 +51,14 @@ pub(super) fn contact(
         problems.add(format!("{}.constraint", pair.key), constraint.name(), message, remedy);
         return None;
     }
+    // True if an entry cannot be had, which is said.
+    let refuse = |entry: &str, value: &str, remedy: &str, problems: &mut Problems<'_>| {
+        if let Some(scheme) = constant {
+            let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
+            problems.add(format!("{}.{entry}", pair.key), value, message, format!("{remedy}, or use `backward-euler`"));
+        }
+        constant.is_some()
+    };
     let [slave, master] = pair.facets;
     let mut fixed: BTreeMap<u32, [bool; 3]> = BTreeMap::new();
     for prescription in &model.prescriptions {
@@ -74,15 +82,10 @@ pub(super) fn contact(
             let mut method = method.with_crosspoints(prescribed);
             let complementarity = pair.prepare(&mut method, constraint, model, problems, warnings);
             let smoothing = item.smoothing.unwrap_or(0.0);
-            if smoothing > 0.0
-                && let Some(scheme) = constant
-            {
-                let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
-                let key = format!("{}.smoothing", pair.key);
-                problems.add(key, smoothing.to_string(), message, "remove it, or use `backward-euler`");
+            if smoothing > 0.0 && refuse("smoothing", &smoothing.to_string(), "remove it", problems) {
                 return None;
             }
-            method = method.with_softening(complementarity).with_smoothing(smoothing);
+            method = method.with_softening(complementarity, smoothing);
             let mut plan = None;
             if let Some(friction) = &item.friction {
                 let slip = match friction.slip() {
@@ -90,13 +93,7 @@ pub(super) fn contact(
                     Some(Slip::Yang) => SlipMeasure::Yang,
                     Some(Slip::Objective) | None => SlipMeasure::Objective,
                 };
-                if slip == SlipMeasure::Yang
-                    && let Some(scheme) = constant
-                {
-                    let message =
-                        format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
-                    let remedy = "use `objective`, or `backward-euler`";
-                    problems.add(format!("{}.friction.slip", pair.key), "yang", message, remedy);
+                if slip == SlipMeasure::Yang && refuse("friction.slip", "yang", "use `objective`", problems) {
                     return None;
                 }
                 let (friction, described) =
