@@ -1,7 +1,7 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::frictional::SurfaceFriction;
-use crate::opposite::unit_normals;
+use crate::opposite::{Overlap, Seen, at_sharp_edges, sheets, unit_normals};
 use crate::slot::{NormalField, Slot, Work};
 use crate::softening::Softening;
 use crate::surfaces::{segment_shifted, thickness};
@@ -9,6 +9,7 @@ use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
     StepConfiguration, clear_inactive, multipliers_of,
@@ -69,6 +70,8 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub(crate) struct Integrated {
     segments: SurfaceSegmentation,
+    /// Overlaps of every slave facet.
+    pub(crate) overlaps: Vec<Vec<Overlap>>,
     pub(crate) slots: Vec<Slot>,
     /// Covered part of every slave node before functions were handed over, an area.
     bare_supports: Vec<f64>,
@@ -101,12 +104,19 @@ pub struct MortarContact {
     handed_over: Vec<Option<f64>>,
     pub(crate) rule: ContactRule,
     range: GapRange,
+    /// How much surfaces approach each other in the step if both are as fast as the fastest node, a length.
+    pub(crate) reach: f64,
     /// Depth from which facets behind are another part of the body, a length.
     deepest: f64,
     /// Unit normals of the slave facets in the reference configuration.
     pub(crate) reference_normals: Vec<Vector3<f64>>,
-    /// Those of the master facets.
-    pub(crate) master_normals: Vec<Vector3<f64>>,
+    /// Which slave and master facets are at sharp edges of their surfaces.
+    pub(crate) slave_edges: Vec<bool>,
+    pub(crate) master_edges: Vec<bool>,
+    /// The sheet between sharp edges that a master facet belongs to.
+    pub(crate) master_sheets: Vec<u32>,
+    /// What was seen in this step of slave facets and sheets.
+    pub(crate) seen: BTreeMap<(usize, u32), Seen>,
     pub(crate) step_size: f64,
     /// Velocities at the start of the step; empty if nobody told.
     pub(crate) velocity: Vec<f64>,
@@ -145,15 +155,20 @@ impl MortarContact {
         let master = ContactSurface::new("master", master_facets, reference)?;
         slave.check_disjoint(&master)?;
         let count = slave.nodes().len();
+        let [reference_normals, master_normals] = [&slave, &master].map(|surface| unit_normals(surface, reference));
         let mut method = Self {
             name: name.to_owned(),
             without: vec![false; count],
             handed_over: vec![None; count],
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
+            reach: 0.0,
             deepest: DEPTH_OF_THICKNESS * (thickness(&slave, reference) + thickness(&master, reference)),
-            reference_normals: unit_normals(&slave, reference),
-            master_normals: unit_normals(&master, reference),
+            slave_edges: at_sharp_edges(&slave, &reference_normals),
+            master_edges: at_sharp_edges(&master, &master_normals),
+            master_sheets: sheets(&master, &master_normals),
+            reference_normals,
+            seen: BTreeMap::new(),
             step_size: 0.0,
             velocity: Vec::new(),
             slide: Vec::new(),
@@ -268,7 +283,8 @@ impl MortarContact {
         let segments =
             segment_shifted(&self.slave, &self.master, q, slide, self.range).map_err(|e| segmentation_error(&e))?;
         let Self { slave, master, options, .. } = self;
-        let opposite = self.opposite(&segments, q);
+        let overlaps = self.overlaps(&segments);
+        let opposite = self.opposite(&segments, &overlaps, q);
         let weights = |measure| -> Vec<Option<FacetWeights>> {
             let of_facet = |(slave_facet, opposite): (usize, &bool)| {
                 let nodes = &slave.local_facets()[slave_facet];
@@ -276,7 +292,7 @@ impl MortarContact {
                 let without = self.without_on(*nodes);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
-                let found = opposite.then(|| self.without_walls(&segments, slave_facet))?;
+                let found = opposite.then(|| self.counted(&segments, &overlaps, slave_facet))?;
                 (!found.segments.is_empty())
                     .then(|| facet_weights(&found, corners, space, rule, measure, without, wanted))
             };
@@ -306,7 +322,7 @@ impl MortarContact {
                 (0..count).map(|s| gather(s).with_facets(s, surfaces, edges, &areas)).collect()
             }
         };
-        Ok(Integrated { segments, slots, bare_supports })
+        Ok(Integrated { segments, overlaps, slots, bare_supports })
     }
 
     /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, those of which most is covered keep it.
@@ -350,6 +366,7 @@ impl MortarContact {
         let pairs = new.slots.iter().zip(self.slots()).zip(active);
         let changed = pairs.filter(|(_, a)| **a).any(|((new, old), _)| new.nodes.len() != old.nodes.len());
         self.integrated = Some(new);
+        self.remember_overlaps();
         self.derivatives.fill(false);
         if want_tangent {
             self.derivatives.copy_from_slice(active);
@@ -390,15 +407,19 @@ impl ContactMethod for MortarContact {
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
         self.range = self.range_for(reach);
+        let speed = self.velocity.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        self.reach = 2.0 * speed * self.step_size;
         self.start.clear();
         self.start.extend_from_slice(q_n);
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
         // No memory of the last step: a run that is resumed has none.
         self.handed_over.fill(None);
+        self.seen.clear();
         self.slide = self.half_slides(q_n)?;
         self.velocity.clear();
         self.range.min -= self.slide.iter().map(Vector3::norm).fold(0.0, f64::max);
         self.integrated = Some(self.integrate(q_n, &self.slide, &[], &[], measure)?);
+        self.remember_overlaps();
         if self.is_soft() {
             self.begin_softening();
         } else if self.hand_over_small_supports() > 0 {
