@@ -15,7 +15,7 @@ const EDGE_ON: f64 = 0.25;
 const AS_MUCH: f64 = 0.9;
 /// A sheet touches a slave facet if the mean gap where they overlap is at most this part of the width of the overlap, beyond what they may move in the step. Over an
 /// edge at which they touch only, it is half the tangent of the angle between them, more than that from 27 degrees on.
-const TOUCHING: f64 = 0.25;
+const TOUCHING: f64 = 0.05;
 
 /// `d1 x d2` of the diagonals of a facet at positions `q`, an area.
 fn area_vector(surface: &ContactSurface, facet: u32, q: &[f64]) -> Vector3<f64> {
@@ -204,13 +204,26 @@ impl MortarContact {
         Cow::Owned(counted)
     }
 
-    /// Sheets that a slave facet faces and may touch in the step: as much as it and the facets beside it face any, or near it. Beyond the edge of a block that
-    /// stands on it, a facet sees the block's side as soon as that bulges, and over the rim of a slab the bottom of a block sees the slab's side; their wide gaps
-    /// are no gaps of the contact before the edge.
+    /// Sheets that a slave facet faces and may touch in the step: those near it or near a facet beside it; the others only if nothing beyond a sharp edge, of the
+    /// slave or of the master, is near it or a facet beside it, nor faced more. Over the rim of a slab the bottom of a block sees the slab's side, and the side of
+    /// a block that stands on a floor sees the next wall; their wide gaps are no gaps of the contact before the edge.
     fn touched(&self, overlaps: &[Vec<Overlap>], slave_facet: usize) -> Vec<u32> {
         let faced = |f: usize| overlaps[f].iter().filter(|o| o.facing > EDGE_ON && !o.seen.is_far_behind);
-        let most = beside(&self.slave, slave_facet).flat_map(faced).map(|o| o.facing).fold(0.0, f64::max);
-        let counts = |o: &&Overlap| o.facing >= AS_MUCH * most || o.seen.touches;
-        faced(slave_facet).filter(counts).map(|o| o.sheet).collect()
+        // Facets beside it, themselves among them, with what they face: whether they are beyond an edge of the slave, and that.
+        let around = || {
+            let of_facet = |e: usize| {
+                let beyond_edge = is_sharp(&self.reference_normals, e, slave_facet);
+                faced(e).map(move |o| (beyond_edge, o))
+            };
+            beside(&self.slave, slave_facet).flat_map(of_facet)
+        };
+        let counts = |overlap: &Overlap| {
+            let is_other = |(beyond_edge, o): &(bool, &Overlap)| *beyond_edge || o.sheet != overlap.sheet;
+            around().any(|there| !is_other(&there) && there.1.seen.touches)
+                || !around().any(|there| {
+                    is_other(&there) && (there.1.seen.touches || overlap.facing < AS_MUCH * there.1.facing)
+                })
+        };
+        faced(slave_facet).filter(|o| counts(o)).map(|o| o.sheet).collect()
     }
 }
