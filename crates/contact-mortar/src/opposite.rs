@@ -85,8 +85,10 @@ pub(crate) struct Seen {
     /// is in the master by little, at a block that tips over the rim of a slab, say, has facets beyond it that see the far side of the master through
     /// its inside: what resolves such an overlap is the contact across it.
     is_far_behind: bool,
-    /// They touch, or may before the step is over.
+    /// They touch where they overlap, or may before the step is over.
     touches: bool,
+    /// They do so somewhere, at an edge, say.
+    meets: bool,
 }
 
 impl MortarContact {
@@ -121,21 +123,27 @@ impl MortarContact {
             // Breadth of the overlap, all of the facet's or little where only an edge is over it; gaps of the same points at the start of the step and now,
             // times that.
             let [mut width, mut gap_n, mut gap] = [0.0; 3];
+            let [mut least_n, mut least] = [f64::INFINITY; 2];
             for segment in segments() {
                 let master = self.master.patch(segment.master_facet, &self.start);
                 let start = |v: &Vertex| (master.point(v.master) - slave.point(v.slave)).dot(&normal);
                 let vertices = segment.vertices();
                 let share = segment.image_area() / length;
                 width += share;
+                least_n = vertices.iter().map(start).fold(least_n, f64::min);
+                least = vertices.iter().map(|v| v.gap).fold(least, f64::min);
                 gap_n += share * vertices.iter().map(start).sum::<f64>() / vertices.len() as f64;
                 gap += share * vertices.iter().map(|v| v.gap).sum::<f64>() / vertices.len() as f64;
             }
-            let near = TOUCHING * width * width;
+            let near = TOUCHING * width;
             let ends = || self.slave_edges[slave_facet] && masters().any(|m| self.master_edges[m as usize]);
             let before = self.seen.get(&(slave_facet, sheet));
             let seen = Seen {
                 is_far_behind: before.map_or_else(|| -gap_n > width * width && ends(), |seen| seen.is_far_behind),
-                touches: gap_n <= near + self.reach * width || gap <= near || before.is_some_and(|seen| seen.touches),
+                touches: gap_n <= (near + self.reach) * width
+                    || gap <= near * width
+                    || before.is_some_and(|seen| seen.touches),
+                meets: least_n <= near + self.reach || least <= near || before.is_some_and(|seen| seen.meets),
             };
             let facing = masters().map(|m| self.facing(&normal, m, &self.start)).fold(-1.0, f64::max);
             Overlap { sheet, facing, seen }
@@ -204,25 +212,27 @@ impl MortarContact {
         Cow::Owned(counted)
     }
 
-    /// Sheets that a slave facet faces and may touch in the step: those near it or near a facet beside it; the others only if nothing beyond a sharp edge, of the
-    /// slave or of the master, is near it or a facet beside it, nor faced more. Over the rim of a slab the bottom of a block sees the slab's side, and the side of
-    /// a block that stands on a floor sees the next wall; their wide gaps are no gaps of the contact before the edge.
+    /// Sheets that a slave facet faces and may touch in the step: those near it or near a facet beside it. The others only if nothing beyond a sharp edge, of the
+    /// slave or of the master, is faced more by it or a facet beside it, nor near one unless they meet it, too. Over the rim of a slab the bottom of a block sees
+    /// the slab's side, and the side of a block that stands on a floor sees the next wall; their wide gaps are no gaps of the contact before the edge.
     fn touched(&self, overlaps: &[Vec<Overlap>], slave_facet: usize) -> Vec<u32> {
         let faced = |f: usize| overlaps[f].iter().filter(|o| o.facing > EDGE_ON && !o.seen.is_far_behind);
-        // Facets beside it, themselves among them, with what they face: whether they are beyond an edge of the slave, and that.
-        let around = || {
-            let of_facet = |e: usize| {
-                let beyond_edge = is_sharp(&self.reference_normals, e, slave_facet);
-                faced(e).map(move |o| (beyond_edge, o))
-            };
-            beside(&self.slave, slave_facet).flat_map(of_facet)
-        };
         let counts = |overlap: &Overlap| {
-            let is_other = |(beyond_edge, o): &(bool, &Overlap)| *beyond_edge || o.sheet != overlap.sheet;
-            around().any(|there| !is_other(&there) && there.1.seen.touches)
-                || !around().any(|there| {
-                    is_other(&there) && (there.1.seen.touches || overlap.facing < AS_MUCH * there.1.facing)
-                })
+            let mut others = Vec::new();
+            for e in beside(&self.slave, slave_facet) {
+                let beyond_edge = is_sharp(&self.reference_normals, e, slave_facet);
+                for other in faced(e) {
+                    if beyond_edge || other.sheet != overlap.sheet {
+                        others.push(other);
+                    } else if other.seen.touches {
+                        return true;
+                    }
+                }
+            }
+            let allows = |other: &&Overlap| {
+                overlap.facing >= AS_MUCH * other.facing && (overlap.seen.meets || !other.seen.touches)
+            };
+            others.iter().all(allows)
         };
         faced(slave_facet).filter(|o| counts(o)).map(|o| o.sheet).collect()
     }
