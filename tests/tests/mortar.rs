@@ -333,3 +333,37 @@ fn a_contact_within_one_facet_is_carried_from_both_sides() {
         }
     }
 }
+
+/// A block whose sides lean, pressed into a slab that is wider: they face the slab from 15 degrees on, but only the lower side touches it, whichever of the two is
+/// the slave.
+#[test]
+fn leaning_sides_do_not_count_in_the_contact_below_them() {
+    let forces = |degrees: f64, surfaces: &str| {
+        let (low, top) = (0.5, 0.5 + degrees.to_radians().tan());
+        let corners: Vec<[f64; 3]> = [(low, 0.0), (top, 1.0)]
+            .iter()
+            .flat_map(|&(r, z)| [[-r, -r, z], [r, -r, z], [r, r, z], [-r, r, z]])
+            .collect();
+        last_vertical_force(simulation(&format!(
+            "[scene]\ntitle = \"frustum\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.5\n\
+             [[body]]\nname = \"slab\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\n\
+             mesh = {{ generator = \"block\", min = [-1, -1, -1], max = [1, 1, 0], divisions = [6, 6, 2] }}\n\
+             [[body]]\nname = \"block\"\nmaterial = {{ law = \"neo-hooke\", young = 1e5, poisson = 0.3 }}\n\
+             mesh = {{ generator = \"hexahedron\", corners = {corners:?}, divisions = [3, 3, 2] }}\n\
+             [[prescribe]]\nset = \"slab.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+             [[prescribe]]\nset = \"block.top\"\ncomponents = [\"x\", \"y\", \"z\"]\n\
+             displacement = {{ table = [[0, 0, 0, 0], [1, 0, 0, -0.03]] }}\n\
+             [[contact]]\nmethod = \"mortar\"\n{surfaces}\n"
+        )))
+    };
+    for degrees in [0.0, 14.0, 16.0, 20.0, 30.0] {
+        for (all, bottom) in [
+            ("slave = \"slab.top\"\nmaster = \"block.boundary\"", "slave = \"slab.top\"\nmaster = \"block.bottom\""),
+            ("slave = \"block.boundary\"\nmaster = \"slab.top\"", "slave = \"block.bottom\"\nmaster = \"slab.top\""),
+        ] {
+            let (all, bottom) = (forces(degrees, all), forces(degrees, bottom));
+            println!("{degrees} degrees: {bottom} with the bottom alone, {all} with all sides");
+            assert!(bottom.abs() > 10.0 && (all / bottom - 1.0).abs() < 1e-6, "{degrees}: {bottom} {all}");
+        }
+    }
+}

@@ -43,6 +43,25 @@ proptest! {
         prop_assert!(whole.supports()[..4].iter().all(|s| (s - 0.25).abs() < 1e-13));
     }
 
+    /// Of a block that stands on the plate beside a wall the lower nodes have the plate's gap: the wall is no part of it.
+    #[test]
+    fn a_wall_beside_a_block_has_no_part_in_what_it_stands_on(
+        gap in -0.05f64..0.05, clearance in 0.1f64..2.0, dual in any::<bool>(), rule in 0..3_usize,
+    ) {
+        let mut q = positions([3.0 - clearance, 1.4, gap], [0.0; 2]);
+        q.extend([4.0, 0.0, 4.0, 4.0, 4.0, 4.0]);
+        let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
+        let options = MortarOptions { space, ..MortarOptions::default() };
+        let corner = [[8, 9, 10, 11], [9, 12, 13, 10]];
+        let mut method = MortarContact::new("test", &CUBE, &corner, &q, options).unwrap();
+        let rules = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
+        method.set_rule(rules[rule], 0.1);
+        method.begin_step(&q, 0.5).unwrap();
+        let mut gaps = [0.0; SLAVE];
+        method.complementarity_gaps(&q, &[true; SLAVE], &mut gaps).unwrap();
+        prop_assert!(gaps[..4].iter().all(|g| (g - gap).abs() < 1e-12), "{gaps:?}");
+    }
+
     /// A side that leans sees the plate edge-on and is opposite nothing, alone as beside the others; one that lies nearly flat is.
     #[test]
     fn a_side_is_opposite_nothing_until_it_lies_down(lean in 0.0f64..0.2, gap in 0.01f64..0.3, dual in any::<bool>()) {
