@@ -8,8 +8,8 @@ use stoss_contact::{ContactRule, ContactSurface, LocalContribution, StepConfigur
 /// Which normals a weighted gap is measured along.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalField {
-    /// The mean of the normals of the facets around the slave node, weighted by their areas. Facets beyond a sharp edge (60 degrees in the reference
-    /// configuration) that are opposite nothing are left out: a block that stands on its lower side has that side's normal up to its edges.
+    /// The mean of the normals of the facets around the slave node, weighted by their areas, on either side of a sharp edge (60 degrees in the reference
+    /// configuration) for itself: a block in a corner has the normals of floor and wall up to its edge.
     #[default]
     Averaged,
     /// Each facet's own normal at its centre. The energy-momentum element always has this one.
@@ -91,10 +91,9 @@ impl Slot {
         let around = slave.facets_around(local);
         let corner_of = |f: u32| slave.local_facets()[f as usize].iter().position(|&n| n as usize == local);
         // What lies beyond a sharp edge and is opposite nothing has no part in the normal, nor in the area.
-        let takes_part = |f: u32| {
-            let smooth = |e: u32| reference_normals[e as usize].dot(&reference_normals[f as usize]) > SHARP;
-            around.iter().any(|&e| facets[e as usize].is_some() && (e == f || smooth(e)))
-        };
+        let smooth =
+            |e: u32, f: u32| e == f || reference_normals[e as usize].dot(&reference_normals[f as usize]) > SHARP;
+        let takes_part = |f: u32| around.iter().any(|&e| facets[e as usize].is_some() && smooth(e, f));
         let mut area = 0.0;
         for (&f, a) in around.iter().filter_map(|f| Some((f, corner_of(*f)?))) {
             if let Some(w) = &facets[f as usize] {
@@ -127,13 +126,17 @@ impl Slot {
             maps.push(map);
         }
         let columns = 3 * slot.nodes.len();
+        let mut members: Vec<Vec<u32>> = Vec::new();
         for (i, &f) in around.iter().enumerate().filter(|(_, f)| takes_part(**f)) {
             let corners = std::array::from_fn(|k| maps[i][k]);
-            let first = slot.groups.is_empty();
-            if first || normals == NormalField::Facet {
+            let averaged = |group: &Vec<u32>| normals == NormalField::Averaged && group.iter().any(|&e| smooth(e, f));
+            let at = members.iter().position(averaged).unwrap_or_else(|| {
+                members.push(Vec::new());
                 slot.groups.push(Group { weights: vec![0.0; slot.nodes.len()], ..Group::default() });
-            }
-            let Some(group) = slot.groups.last_mut() else { continue };
+                slot.groups.len() - 1
+            });
+            members[at].push(f);
+            let group = &mut slot.groups[at];
             group.corners.push(corners);
             let (Some(w), Some(a)) = (&facets[f as usize], corner_of(f)) else { continue };
             let count = w.node_count();
