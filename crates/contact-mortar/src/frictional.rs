@@ -55,7 +55,7 @@ impl MortarContact {
     ///
     /// Under [`ContactRule::EndPoint`] force and slip have the integrals of the iterate, the slip at both ends of the step: it is the relative motion of
     /// what came to lie opposite each other, also at a node that had no partner at `q_n`. Under [`ContactRule::Midpoint`] and
-    /// [`ContactRule::EnergyMomentum`] integrals are those of `q_n` for both; with [`SlipMeasure::Objective`] the work of the friction is exact then.
+    /// [`ContactRule::EnergyMomentum`] integrals stay in the step for both; with [`SlipMeasure::Objective`] the work of the friction is exact then.
     ///
     /// # Errors
     /// [`ContactError::FrictionUnavailable`] with the modified constraint: its nodes bounce at every step, so that nothing sticks.

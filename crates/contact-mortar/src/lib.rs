@@ -32,8 +32,8 @@
 //!
 //! # Contact
 //! [`MortarContact`] is the contact method: weighted gaps `Phi_A = n_A . (D_AJ x1_J - M_AK x2_K)` with
-//! complementary nodal pressures, integrals that move with the iterate in statics and stay those of `q_n` in the steps of
-//! dynamics, an energy-momentum element with directors. [`MortarContact::with_friction`] adds a law of `stoss_contact::friction` with tractions at
+//! complementary nodal pressures, integrals that move with the iterate in statics and with backward Euler and stay those of the
+//! expected middle of the step with other schemes, an energy-momentum element with directors. [`MortarContact::with_friction`] adds a law of `stoss_contact::friction` with tractions at
 //! the slave nodes and slips that are weighted as the gaps are ([`SlipMeasure`]).
 
 mod derivatives;

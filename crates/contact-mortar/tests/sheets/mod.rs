@@ -96,7 +96,7 @@ pub fn kinds(method: &MortarContact) -> Vec<(u32, Provenance)> {
 }
 
 /// Largest difference between tangent and central differences, relative to the largest entry; `None` if the segments
-/// change their kind within the differences.
+/// change their kind within the differences, or nothing is active.
 pub fn tangent_error(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Option<f64> {
     // Beside a sliver third derivatives are large: an error of the difference falls with its step.
     let error = tangent_error_with(2e-6, method, rule, q_n, q, p)?;
@@ -141,7 +141,8 @@ fn tangent_error_with(
             worst = worst.max((difference - exact.tangent[row * ALL + column]).abs());
         }
     }
-    Some(worst / size)
+    // Nothing is judged where no slot is active.
+    (worst > 0.0 || size > 0.0).then_some(worst / size)
 }
 
 /// Resultant and moment about `x` of the forces in a residual.
