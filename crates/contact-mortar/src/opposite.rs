@@ -14,7 +14,7 @@ const EDGE_ON: f64 = 0.25;
 /// A sheet faces a slave facet as much as another one if the cosine is at least this part of the other's.
 const AS_MUCH: f64 = 0.9;
 /// A sheet touches a slave facet if the mean gap where they overlap is at most this part of the width of the overlap, beyond what they may move in the step. Over an
-/// edge at which they touch only, it is half the tangent of the angle between them, more than that from 27 degrees on.
+/// edge at which they touch only, it is half the tangent of the angle between them, more than that from 6 degrees on.
 const TOUCHING: f64 = 0.05;
 
 /// `d1 x d2` of the diagonals of a facet at positions `q`, an area.
@@ -30,7 +30,7 @@ pub(crate) fn unit_normals(surface: &ContactSurface, q: &[f64]) -> Vec<Vector3<f
 }
 
 /// Whether an edge between facets with these reference normals is sharp.
-fn is_sharp(normals: &[Vector3<f64>], e: usize, f: usize) -> bool {
+pub(crate) fn is_sharp(normals: &[Vector3<f64>], e: usize, f: usize) -> bool {
     normals[e].dot(&normals[f]) <= SHARP
 }
 

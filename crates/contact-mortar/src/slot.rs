@@ -1,6 +1,7 @@
 //! The weighted gap of one slave node: weights gathered from the facets around it, force, tangent and constraint row.
 
 use crate::kernel::Term;
+use crate::opposite::is_sharp;
 use crate::weights::FacetWeights;
 use nalgebra::{Matrix3, Vector3};
 use stoss_contact::{ContactRule, ContactSurface, LocalContribution, StepConfiguration};
@@ -91,8 +92,7 @@ impl Slot {
         let around = slave.facets_around(local);
         let corner_of = |f: u32| slave.local_facets()[f as usize].iter().position(|&n| n as usize == local);
         // What lies beyond a sharp edge and is opposite nothing has no part in the normal, nor in the area.
-        let smooth =
-            |e: u32, f: u32| e == f || reference_normals[e as usize].dot(&reference_normals[f as usize]) > SHARP;
+        let smooth = |e: u32, f: u32| e == f || !is_sharp(reference_normals, e as usize, f as usize);
         let takes_part = |f: u32| around.iter().any(|&e| facets[e as usize].is_some() && smooth(e, f));
         let mut area = 0.0;
         for (&f, a) in around.iter().filter_map(|f| Some((f, corner_of(*f)?))) {

@@ -1,7 +1,7 @@
 //! The whole surface of a block, or a side of it, as the slave before a plate: what is opposite, and what a node could stand on.
 
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule};
+use stoss_contact::{ContactMethod, ContactRule, StepConfiguration};
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
 
 /// Faces of a cube whose corner `k` is at the bits of `k`, numbered outward; the first one is the lower.
@@ -28,6 +28,18 @@ fn method(slave: &[[u32; 4]], dual: bool, rule: ContactRule) -> MortarContact {
     method
 }
 
+/// The cube with its lowest corner at `at`, the plate and a wall at its end, x = 4: positions, and the method at the begin of a step.
+fn in_corner(at: [f64; 3], dual: bool, rule: ContactRule) -> (Vec<f64>, MortarContact) {
+    let mut q = positions(at, [0.0; 2]);
+    q.extend([4.0, 0.0, 4.0, 4.0, 4.0, 4.0]);
+    let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
+    let options = MortarOptions { space, ..MortarOptions::default() };
+    let mut method = MortarContact::new("test", &CUBE, &[[8, 9, 10, 11], [9, 12, 13, 10]], &q, options).unwrap();
+    method.set_rule(rule, 0.1);
+    method.begin_step(&q, 0.5).unwrap();
+    (q, method)
+}
+
 proptest! {
     /// The lower face stands on the plate wholly, the sides count for nothing: the constraint of an edge or a corner is not that of a node of which
     /// a part hangs over.
@@ -48,18 +60,31 @@ proptest! {
     fn a_wall_beside_a_block_has_no_part_in_what_it_stands_on(
         gap in -0.05f64..0.05, clearance in 0.1f64..2.0, dual in any::<bool>(), rule in 0..3_usize,
     ) {
-        let mut q = positions([3.0 - clearance, 1.4, gap], [0.0; 2]);
-        q.extend([4.0, 0.0, 4.0, 4.0, 4.0, 4.0]);
-        let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
-        let options = MortarOptions { space, ..MortarOptions::default() };
-        let corner = [[8, 9, 10, 11], [9, 12, 13, 10]];
-        let mut method = MortarContact::new("test", &CUBE, &corner, &q, options).unwrap();
         let rules = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
-        method.set_rule(rules[rule], 0.1);
-        method.begin_step(&q, 0.5).unwrap();
+        let (q, method) = in_corner([3.0 - clearance, 1.4, gap], dual, rules[rule]);
         let mut gaps = [0.0; SLAVE];
         method.complementarity_gaps(&q, &[true; SLAVE], &mut gaps).unwrap();
         prop_assert!(gaps[..4].iter().all(|g| (g - gap).abs() < 1e-12), "{gaps:?}");
+    }
+
+    /// A block in a corner: under one pressure on floor and wall each takes the pressure times its area, the edge between them included.
+    #[test]
+    fn floor_and_wall_take_a_uniform_pressure_each_for_itself(along in 0.1f64..2.9, pressure in 0.1f64..9.0, dual in any::<bool>()) {
+        let (q, method) = in_corner([3.0, along, 0.0], dual, ContactRule::EndPoint);
+        // Nodes of the lower side and of that at the wall.
+        let active = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| k < 4 || k % 2 == 1);
+        let pressures = active.map(|a| if a { pressure } else { 0.0 });
+        let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPoint };
+        let mut force = [0.0; 3];
+        method
+            .assemble(step, &pressures, &active, false, &mut |local| {
+                let slave = local.nodes.iter().zip(local.residual.chunks_exact(3)).filter(|(n, _)| **n < SLAVE as u32);
+                slave.for_each(|(_, f)| (0..3).for_each(|i| force[i] += f[i]));
+            })
+            .unwrap();
+        let expected = [pressure, 0.0, -pressure];
+        let sign = force[0].signum();
+        prop_assert!((0..3).all(|i| (sign * force[i] - expected[i]).abs() < 1e-12 * pressure), "{force:?}");
     }
 
     /// A side that leans sees the plate edge-on and is opposite nothing, alone as beside the others; one that lies nearly flat is.
