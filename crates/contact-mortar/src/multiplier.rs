@@ -74,18 +74,19 @@ impl MultiplierBasis {
         self.coefficients.map(|c| (0..4).map(|i| c[i] * shape[i]).sum())
     }
 
-    /// `D_AJ = int phi_A N_J dA`. Dual and lumped: diagonal, its entries `int phi_A dA`, so that row sums agree with
-    /// those of [`MultiplierBasis::master_block`] to round-off.
+    /// `D_AJ = int phi_A N_J dA`. Dual and lumped: diagonal, `int phi_A dA` as the row sums of
+    /// [`MultiplierBasis::master_block`], with which they have to agree even where dual functions are large.
     pub fn slave_block(&self, integrals: &FacetIntegrals) -> [[f64; 4]; 4] {
-        if self.diagonal {
-            let mut d = [[0.0; 4]; 4];
-            for (a, row) in d.iter_mut().enumerate() {
-                row[a] = (0..4).map(|i| self.coefficients[a][i] * integrals.shape[i]).sum();
-            }
-            d
-        } else {
-            rows(&(matrix(&self.coefficients) * matrix(&integrals.mass)))
+        if !self.diagonal {
+            return rows(&(matrix(&self.coefficients) * matrix(&integrals.mass)));
         }
+        let mut d = [[0.0; 4]; 4];
+        for pair in &integrals.pairs {
+            for (a, row) in self.master_block(&pair.coupling).iter().enumerate() {
+                d[a][a] += row.iter().sum::<f64>();
+            }
+        }
+        d
     }
 
     /// `M_AK = int phi_A N_K^(2) dA` from `int N_i N_K^(2) dA` of a pair.
