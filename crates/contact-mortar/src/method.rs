@@ -9,12 +9,13 @@ use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
 use nalgebra::Vector3;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use stoss_contact::{
-    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, LocalContribution, SlotReport,
-    StepConfiguration, clear_inactive, multipliers_of,
+    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, LocalContribution,
+    SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
-use stoss_segmentation::GapRange;
+use stoss_segmentation::{FacetSegmentation, GapRange};
 
 /// What is kept zero while a node is closed (formulation §9.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,6 +76,8 @@ pub(crate) struct Integrated {
     pub(crate) slots: Vec<Slot>,
     /// Covered part of every slave node before functions were handed over, an area.
     bare_supports: Vec<f64>,
+    /// Area of the segments that do not count.
+    left_out: f64,
 }
 
 /// Slave surface against master surface with one pressure (traction) a slave node and weighted gaps (formulation §8.1).
@@ -133,6 +136,11 @@ pub struct MortarContact {
     gap_n: Vec<f64>,
     pub(crate) friction: Option<SurfaceFriction>,
     pub(crate) softening: Option<Softening>,
+}
+
+/// Area of the segments of these facets.
+fn covered<'a>(facets: impl Iterator<Item = &'a FacetSegmentation>) -> f64 {
+    facets.flat_map(|found| &found.segments).map(|segment| segment.image_area()).sum()
 }
 
 fn segmentation_error(error: &MortarError) -> ContactError {
@@ -285,18 +293,23 @@ impl MortarContact {
         let Self { slave, master, options, .. } = self;
         let overlaps = self.overlaps(&segments);
         let opposite = self.opposite(&segments, &overlaps, q);
+        let counted: Vec<Option<Cow<'_, FacetSegmentation>>> = opposite
+            .iter()
+            .enumerate()
+            .map(|(slave_facet, opposite)| opposite.then(|| self.counted(&segments, &overlaps, slave_facet)))
+            .map(|found| found.filter(|found| !found.segments.is_empty()))
+            .collect();
+        let left_out = covered(segments.facets.iter()) - covered(counted.iter().flatten().map(AsRef::as_ref));
         let weights = |measure| -> Vec<Option<FacetWeights>> {
-            let of_facet = |(slave_facet, opposite): (usize, &bool)| {
+            let of_facet = |(slave_facet, found): (usize, &Option<Cow<'_, FacetSegmentation>>)| {
                 let nodes = &slave.local_facets()[slave_facet];
                 let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
                 let without = self.without_on(*nodes);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
-                let found = opposite.then(|| self.counted(&segments, &overlaps, slave_facet))?;
-                (!found.segments.is_empty())
-                    .then(|| facet_weights(&found, corners, space, rule, measure, without, wanted))
+                Some(facet_weights(found.as_ref()?, corners, space, rule, measure, without, wanted))
             };
-            opposite.iter().enumerate().map(of_facet).collect()
+            counted.iter().enumerate().map(of_facet).collect()
         };
         let facets = weights(measure);
         let mut bare_supports = vec![0.0; slave.nodes().len()];
@@ -322,7 +335,7 @@ impl MortarContact {
                 (0..count).map(|s| gather(s).with_facets(s, surfaces, edges, &areas)).collect()
             }
         };
-        Ok(Integrated { segments, overlaps, slots, bare_supports })
+        Ok(Integrated { segments, overlaps, slots, bare_supports, left_out })
     }
 
     /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, those of which most is covered keep it.
@@ -575,10 +588,13 @@ impl ContactMethod for MortarContact {
         self.load_friction(bytes)
     }
 
-    fn verify(&self) -> Result<f64, ContactError> {
-        let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else { return Ok(0.0) };
+    fn verify(&self) -> Result<Coverage, ContactError> {
+        let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else {
+            return Ok(Coverage::default());
+        };
+        let left_out = self.integrated.as_ref().map_or(0.0, |i| i.left_out);
         match coverage.faults.first() {
-            None => Ok(coverage.worst),
+            None => Ok(Coverage { defect: coverage.worst, left_out }),
             Some(first) => Err(ContactError::Coverage {
                 faults: coverage.faults.len(),
                 facet: first.slave_facet,

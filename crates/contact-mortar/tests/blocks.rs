@@ -65,6 +65,9 @@ proptest! {
         let mut gaps = [0.0; SLAVE];
         method.complementarity_gaps(&q, &[true; SLAVE], &mut gaps).unwrap();
         prop_assert!(gaps[..4].iter().all(|g| (g - gap).abs() < 1e-12), "{gaps:?}");
+        // The side before the wall, as high as the wall sees it.
+        let left_out = method.verify().unwrap().left_out;
+        prop_assert!((left_out - (1.0 + gap.min(0.0))).abs() < 1e-12, "{left_out}");
     }
 
     /// A block in a corner: under one pressure on floor and wall each takes the pressure times its area, the edge between them included.
@@ -85,6 +88,7 @@ proptest! {
         let expected = [pressure, 0.0, -pressure];
         let sign = force[0].signum();
         prop_assert!((0..3).all(|i| (sign * force[i] - expected[i]).abs() < 1e-12 * pressure), "{force:?}");
+        prop_assert_eq!(method.verify().unwrap().left_out, 0.0);
     }
 
     /// A side that leans sees the plate edge-on and is opposite nothing, alone as beside the others; one that lies nearly flat is.

@@ -20,7 +20,7 @@ pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use method::{
-    Auxiliary, ContactMethod, ContactRule, ContactWork, LocalContribution, SlotReport, StepConfiguration,
+    Auxiliary, ContactMethod, ContactRule, ContactWork, Coverage, LocalContribution, SlotReport, StepConfiguration,
     clear_inactive, multipliers_of,
 };
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};

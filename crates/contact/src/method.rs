@@ -131,6 +131,16 @@ pub struct SlotReport {
     pub feature: &'static str,
 }
 
+/// How the surfaces of a discretisation are covered by what it integrates over.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coverage {
+    /// By how much the invariant is missed, round-off: of mortar contact the largest part of a slave facet that lies opposite the master and has no
+    /// segment, or has two.
+    pub defect: f64,
+    /// Area of the slave that has the master within the depth of the search and does not count as contact.
+    pub left_out: f64,
+}
+
 /// Energy of the contact in a step, as far as it is not that of the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactWork {
@@ -271,10 +281,9 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     fn work(&self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<ContactWork, ContactError> {
         Ok(ContactWork::default())
     }
-    /// Checks invariants of the discretisation at the end of a converged step, before it is accepted. Returns by how much they are missed, a number
-    /// of the size of round-off; of mortar contact the largest part of a slave facet that lies opposite the master and has no segment, or has two.
-    fn verify(&self) -> Result<f64, ContactError> {
-        Ok(0.0)
+    /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
+    fn verify(&self) -> Result<Coverage, ContactError> {
+        Ok(Coverage::default())
     }
     /// Gap, normal and feature of every slot at a configuration, for output and probes.
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;

@@ -2,6 +2,7 @@
 
 use crate::Balance;
 use serde::{Deserialize, Serialize};
+use stoss_contact::Coverage;
 
 /// One row of the Newton history.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,8 +62,8 @@ pub struct ContactSummary {
     pub min_gap: f64,
     /// Largest pressure.
     pub max_pressure: f64,
-    /// What the methods miss their invariants by (`ContactMethod::verify`): the part of a facet without segment, or with two.
-    pub coverage_defect: f64,
+    /// Largest defect of all pairs, and the sum of the areas that they left out.
+    pub coverage: Coverage,
     /// Sum over the contact pairs of the force that each exerts on its slave nodes.
     pub force_on_slave: [f64; 3],
     /// The force of each pair on its slave nodes; its own only, where nodes belong to several pairs.

@@ -5,7 +5,7 @@ use crate::assembly::{Iterate, no_auxiliaries};
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{Balance, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord};
-use stoss_contact::{ContactWork, StepConfiguration as ContactStep};
+use stoss_contact::{ContactWork, Coverage, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
 use stoss_linalg::vector;
@@ -186,11 +186,13 @@ impl Simulation {
         {
             return Err(error);
         }
-        let mut coverage_defect = 0.0_f64;
+        let mut coverage = Coverage::default();
         for pair in &self.model.contacts {
-            coverage_defect = coverage_defect.max(pair.method.verify()?);
+            let of_pair = pair.method.verify()?;
+            coverage.defect = coverage.defect.max(of_pair.defect);
+            coverage.left_out += of_pair.left_out;
         }
-        let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage_defect, ..c });
+        let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
         let work = self.contact_work(&attempt.iterate)?;
         let next = self.next_state(&attempt.iterate, dt, rule)?;
         Ok(Completed { attempt, next, rule, strain, contact, work, inside_out, solves })

@@ -17,7 +17,7 @@ const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,c
 const FRICTION: &str = "friction_work,friction_stored";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
-contact_force_x,contact_force_y,contact_force_z,coverage_defect";
+contact_force_x,contact_force_y,contact_force_z,coverage_defect,area_left_out";
 
 /// What the folder remembers in a checkpoint.
 #[derive(Debug, Serialize, Deserialize)]
@@ -221,7 +221,7 @@ impl ResultFolder {
             table
                 .numbers(&[c.min_gap, c.max_pressure])
                 .numbers(&c.force_on_slave)
-                .number(c.coverage_defect)
+                .numbers(&[c.coverage.defect, c.coverage.left_out])
                 .end_row()?;
         }
         self.memo.drifts.follow(b);
