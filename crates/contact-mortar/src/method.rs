@@ -1,7 +1,7 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::frictional::SurfaceFriction;
-use crate::opposite::{Overlap, Seen, at_sharp_edges, sheets, unit_normals};
+use crate::opposite::{Overlap, Seen, Sides, at_sharp_edges, sheets, unit_normals};
 use crate::slot::{NormalField, Slot, Work};
 use crate::softening::Softening;
 use crate::surfaces::{segment_shifted, thickness};
@@ -107,12 +107,12 @@ pub struct MortarContact {
     handed_over: Vec<Option<f64>>,
     pub(crate) rule: ContactRule,
     range: GapRange,
-    /// How much surfaces approach each other in the step if both are as fast as the fastest node, a length.
-    pub(crate) reach: f64,
     /// Depth from which facets behind are another part of the body, a length.
     deepest: f64,
     /// Unit normals of the slave facets in the reference configuration.
     pub(crate) reference_normals: Vec<Vector3<f64>>,
+    /// Sides of the slave nodes.
+    slave_sides: Sides,
     /// Which slave and master facets are at sharp edges of their surfaces.
     pub(crate) slave_edges: Vec<bool>,
     pub(crate) master_edges: Vec<bool>,
@@ -121,7 +121,9 @@ pub struct MortarContact {
     /// What was seen in this step of slave facets and sheets.
     pub(crate) seen: BTreeMap<(usize, u32), Seen>,
     pub(crate) step_size: f64,
-    /// Velocities at the start of the step; empty if nobody told.
+    /// Velocities at the start of the next step; empty if nobody told.
+    told_velocity: Vec<f64>,
+    /// The same of this step.
     pub(crate) velocity: Vec<f64>,
     /// Half the slide of each slave facet in the step, a length; empty if there is none.
     slide: Vec<Vector3<f64>>,
@@ -170,14 +172,15 @@ impl MortarContact {
             handed_over: vec![None; count],
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
-            reach: 0.0,
             deepest: DEPTH_OF_THICKNESS * (thickness(&slave, reference) + thickness(&master, reference)),
             slave_edges: at_sharp_edges(&slave, &reference_normals),
             master_edges: at_sharp_edges(&master, &master_normals),
             master_sheets: sheets(&master, &master_normals),
+            slave_sides: Sides::new(&slave, &reference_normals),
             reference_normals,
             seen: BTreeMap::new(),
             step_size: 0.0,
+            told_velocity: Vec::new(),
             velocity: Vec::new(),
             slide: Vec::new(),
             start: reference.to_vec(),
@@ -292,7 +295,7 @@ impl MortarContact {
             segment_shifted(&self.slave, &self.master, q, slide, self.range).map_err(|e| segmentation_error(&e))?;
         let Self { slave, master, options, .. } = self;
         let overlaps = self.overlaps(&segments);
-        let opposite = self.opposite(&segments, &overlaps, q);
+        let opposite = self.opposite(&segments, &overlaps);
         let counted: Vec<Option<Cow<'_, FacetSegmentation>>> = opposite
             .iter()
             .enumerate()
@@ -321,18 +324,18 @@ impl MortarContact {
         let normals = if measure == Measure::Parametric { NormalField::Facet } else { options.normals };
         let surfaces = [slave, master];
         let kept = |s| old.get(s).map_or(&[][..], |s: &Slot| &s.nodes);
-        let edges = &self.reference_normals;
-        let gather = |s| Slot::gather(s, surfaces, edges, &facets, normals, kept(s));
+        let sides = &self.slave_sides;
+        let gather = |s| Slot::gather(s, surfaces, sides, &facets, normals, kept(s));
         let count = slave.nodes().len();
         let slots: Vec<Slot> = match (&self.friction, measure, normals) {
             // The groups of the pressures do.
             (None, ..) | (Some(_), Measure::Area, NormalField::Facet) => (0..count).map(gather).collect(),
             (Some(_), Measure::Area, NormalField::Averaged) => {
-                (0..count).map(|s| gather(s).with_facets(s, surfaces, edges, &facets)).collect()
+                (0..count).map(|s| gather(s).with_facets(s, surfaces, sides, &facets)).collect()
             }
             (Some(_), Measure::Parametric, _) => {
                 let areas = weights(Measure::Area);
-                (0..count).map(|s| gather(s).with_facets(s, surfaces, edges, &areas)).collect()
+                (0..count).map(|s| gather(s).with_facets(s, surfaces, sides, &areas)).collect()
             }
         };
         Ok(Integrated { segments, overlaps, slots, bare_supports, left_out })
@@ -414,14 +417,14 @@ impl ContactMethod for MortarContact {
     }
 
     fn set_velocity(&mut self, v_n: &[f64]) {
-        self.velocity.clear();
-        self.velocity.extend_from_slice(v_n);
+        self.told_velocity.clear();
+        self.told_velocity.extend_from_slice(v_n);
     }
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
         self.range = self.range_for(reach);
-        let speed = self.velocity.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
-        self.reach = 2.0 * speed * self.step_size;
+        std::mem::swap(&mut self.velocity, &mut self.told_velocity);
+        self.told_velocity.clear();
         self.start.clear();
         self.start.extend_from_slice(q_n);
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
@@ -429,7 +432,6 @@ impl ContactMethod for MortarContact {
         self.handed_over.fill(None);
         self.seen.clear();
         self.slide = self.half_slides(q_n)?;
-        self.velocity.clear();
         self.range.min -= self.slide.iter().map(Vector3::norm).fold(0.0, f64::max);
         self.integrated = Some(self.integrate(q_n, &self.slide, &[], &[], measure)?);
         self.remember_overlaps();

@@ -1,7 +1,7 @@
 //! The weighted gap of one slave node: weights gathered from the facets around it, force, tangent and constraint row.
 
 use crate::kernel::Term;
-use crate::opposite::is_sharp;
+use crate::opposite::Sides;
 use crate::weights::FacetWeights;
 use nalgebra::{Matrix3, Vector3};
 use stoss_contact::{ContactRule, ContactSurface, LocalContribution, StepConfiguration};
@@ -9,7 +9,7 @@ use stoss_contact::{ContactRule, ContactSurface, LocalContribution, StepConfigur
 /// Which normals a weighted gap is measured along.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalField {
-    /// The mean of the normals of the facets around the slave node, weighted by their areas, on either side of a sharp edge (60 degrees in the reference
+    /// The mean of the normals of the facets around the slave node, weighted by their areas, on either side of a sharp edge (55 degrees in the reference
     /// configuration) for itself: a block in a corner has the normals of floor and wall up to its edge.
     #[default]
     Averaged,
@@ -20,6 +20,8 @@ pub enum NormalField {
 /// A part of a weighted gap that has one normal.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
+    /// The slave facet, the first of those that make the normal.
+    pub facet: u32,
     /// Corners of the facets that make the normal, as positions in [`Slot::nodes`].
     pub corners: Vec<[usize; 4]>,
     /// One weight a node, an area (or free of units with directors).
@@ -59,21 +61,18 @@ pub(crate) struct Work {
 /// Coefficient of a corner in the two diagonals.
 const DIAGONAL: [[f64; 4]; 2] = [[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0]];
 
-/// Cosine of the angle between the normals of two facets in the reference configuration from which on the edge between them is sharp.
-pub(crate) const SHARP: f64 = 0.5;
-
 pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
     let k = 3 * node as usize;
     Vector3::new(q[k], q[k + 1], q[k + 2])
 }
 
 impl Slot {
-    /// Gathers the weights of the facets around local slave node `local`. `reference_normals`: one a slave facet. `old` are nodes to keep in
+    /// Gathers the weights of the facets around local slave node `local`. `sides` are those of the slave; `old` are nodes to keep in
     /// front.
     pub fn gather(
         local: usize,
         surfaces: [&ContactSurface; 2],
-        reference_normals: &[Vector3<f64>],
+        sides: &Sides,
         facets: &[Option<FacetWeights>],
         normals: NormalField,
         old: &[u32],
@@ -92,8 +91,8 @@ impl Slot {
         let around = slave.facets_around(local);
         let corner_of = |f: u32| slave.local_facets()[f as usize].iter().position(|&n| n as usize == local);
         // What lies beyond a sharp edge and is opposite nothing has no part in the normal, nor in the area.
-        let smooth = |e: u32, f: u32| e == f || !is_sharp(reference_normals, e as usize, f as usize);
-        let takes_part = |f: u32| around.iter().any(|&e| facets[e as usize].is_some() && smooth(e, f));
+        let side_of = |f: u32| corner_of(f).map(|a| sides.of(f, a));
+        let takes_part = |f: u32| around.iter().any(|&e| facets[e as usize].is_some() && side_of(e) == side_of(f));
         let mut area = 0.0;
         for (&f, a) in around.iter().filter_map(|f| Some((f, corner_of(*f)?))) {
             if let Some(w) = &facets[f as usize] {
@@ -126,16 +125,13 @@ impl Slot {
             maps.push(map);
         }
         let columns = 3 * slot.nodes.len();
-        let mut members: Vec<Vec<u32>> = Vec::new();
         for (i, &f) in around.iter().enumerate().filter(|(_, f)| takes_part(**f)) {
             let corners = std::array::from_fn(|k| maps[i][k]);
-            let averaged = |group: &Vec<u32>| normals == NormalField::Averaged && group.iter().any(|&e| smooth(e, f));
-            let at = members.iter().position(averaged).unwrap_or_else(|| {
-                members.push(Vec::new());
-                slot.groups.push(Group { weights: vec![0.0; slot.nodes.len()], ..Group::default() });
+            let has_it = |group: &Group| normals == NormalField::Averaged && side_of(group.facet) == side_of(f);
+            let at = slot.groups.iter().position(has_it).unwrap_or_else(|| {
+                slot.groups.push(Group { facet: f, weights: vec![0.0; slot.nodes.len()], ..Group::default() });
                 slot.groups.len() - 1
             });
-            members[at].push(f);
             let group = &mut slot.groups[at];
             group.corners.push(corners);
             let (Some(w), Some(a)) = (&facets[f as usize], corner_of(f)) else { continue };
@@ -164,11 +160,11 @@ impl Slot {
         mut self,
         local: usize,
         surfaces: [&ContactSurface; 2],
-        reference_normals: &[Vector3<f64>],
+        sides: &Sides,
         areas: &[Option<FacetWeights>],
     ) -> Self {
         // The same segments have the same nodes.
-        self.facets = Self::gather(local, surfaces, reference_normals, areas, NormalField::Facet, &self.nodes).groups;
+        self.facets = Self::gather(local, surfaces, sides, areas, NormalField::Facet, &self.nodes).groups;
         self
     }
 

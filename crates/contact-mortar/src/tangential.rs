@@ -1,7 +1,7 @@
 //! Friction of one slot: traction, force, tangent.
 //!
-//! The traction of a node has two components in an orthonormal frame of its tangent plane. The normal is that of the averaged weighted gap; the first
-//! tangent follows a diagonal of the first facet around the node. Components are the history: the traction turns with the slave's material.
+//! The traction of a node has two components in an orthonormal frame of its tangent plane. The normal is the mean of those of all its facets, on both
+//! sides of a sharp edge; the first tangent follows a diagonal of the first facet around the node. Components are the history: the traction turns with the slave's material.
 
 use crate::slip::{Facet, SlipMeasure, normal_part, tangents};
 use crate::slot::{Group, Slot, at};
@@ -118,9 +118,9 @@ impl NodeFriction<'_> {
         arguments.clear();
         start.clear();
         let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
-        for (f, group) in slot.facets().iter().enumerate() {
+        for group in slot.facets() {
             // Weights of the start have the same nodes in front. Those of the end are there also for a node that had no partner at the start.
-            let old = self.start.facets().get(f);
+            let old = self.old(group);
             let at_n = slot.facet(if at_end { Some(group) } else { old }, step.q_n);
             let end = slot.facet(Some(group), step.q_np1);
             let x = if at_end {
@@ -156,6 +156,11 @@ impl NodeFriction<'_> {
         let settled = if self.has_slip(at_end) { done.force } else { [0.0; 2] };
         let mismatch = [0, 1].map(|i| (history[i] + multiplier[i] - settled[i]) / self.friction.stiffness());
         Some(FrictionState { step: done, slip: node.slip, mismatch, traction: node.vector(done.force), branch })
+    }
+
+    /// The same facet at the start of the step.
+    fn old(&self, group: &Group) -> Option<&Group> {
+        self.start.facets().iter().find(|old| old.facet == group.facet)
     }
 
     /// Whether slip is measured with the weights of the end, which move with the iterate.
@@ -386,7 +391,7 @@ impl NodeFriction<'_> {
         if weights_of_end {
             return;
         }
-        for (k, w) in self.start.facets().get(f).into_iter().flat_map(|old| &old.weights).enumerate() {
+        for (k, w) in self.old(group).into_iter().flat_map(|old| &old.weights).enumerate() {
             for i in 0..3 {
                 motion[(9 + i) * n + 3 * k + i] += w;
             }
