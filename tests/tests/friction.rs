@@ -640,3 +640,49 @@ fn slip_and_stick_in_turn_need_no_cut() {
         }
     }
 }
+
+/// A block that is pressed on a held one and pulled along without sliding: the table of the contact has the load, whatever enforces stick.
+#[test]
+fn the_contact_force_of_a_sticking_block_is_its_load() {
+    for method in ["mortar", "nts", "cat"] {
+        for stick in ["", ", stick = \"penalty\""] {
+            let text = format!(
+                r#"
+[scene]
+title = "stick"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.25
+[[body]]
+name = "lower"
+mesh = {{ generator = "block", min = [-1, -1, -1], max = [2, 2, 0], divisions = [3, 3, 1] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[body]]
+name = "upper"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [2, 2, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[contact]]
+method = "{method}"
+slave = "upper.bottom"
+master = "lower.top"
+friction = {{ law = "coulomb", mu = 0.3{stick} }}
+[[prescribe]]
+set = "lower.all"
+components = ["x", "y", "z"]
+fixed = true
+[[load]]
+set = "upper.top"
+traction = {{ table = [[0.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, -20.0], [1.0, 3.0, 1.0, -20.0]] }}
+"#
+            );
+            let mut simulation = simulation(&text);
+            let mut force = [0.0; 3];
+            for _ in 0..4 {
+                force = simulation.advance().unwrap().contact.unwrap().force_on_slave;
+            }
+            let error = [-3.0, -1.0, 20.0].iter().zip(force).map(|(e, f)| (e - f).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-6, "{method}{stick}: {force:?}");
+        }
+    }
+}

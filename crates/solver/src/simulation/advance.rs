@@ -381,7 +381,9 @@ impl Simulation {
             let configuration =
                 ContactStep { q_n: &self.state.q, q_np1: &iterate.q, rule: contact_rule(rule.constraint.rule) };
             self.timings.measure(Phase::Contact, || {
-                pair.method.assemble(configuration, &iterate.pressures[c], &iterate.active[c], false, &mut |local| {
+                let Iterate { pressures, auxiliaries, active, .. } = iterate;
+                let [values, multipliers] = [&pressures[c], &auxiliaries[c]];
+                pair.method.assemble_with(configuration, values, multipliers, &active[c], false, &mut |local| {
                     for (node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                         if is_slave[*node as usize] {
                             for i in 0..3 {
