@@ -89,6 +89,67 @@ fn patch_with_overhang_is_uniform_for_all_laws() {
     }
 }
 
+/// A block on one facet of a larger one, which it covers to round-off, and which is the slave: four nodes carry it, none of them with as much as half of
+/// its area covered. Hydrostatic compression in one or more steps about the corner (1, 1, -1).
+#[test]
+fn a_patch_on_one_slave_facet_is_uniform() {
+    for steps in [1, 4, 8] {
+        for contact in [STANDARD, DUAL] {
+            let mut text = format!(
+                r#"
+[scene]
+title = "patch on one facet"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = {}
+[[body]]
+name = "lower"
+mesh = {{ generator = "block", min = [0, 0, -1], max = [3, 3, 0], divisions = [3, 3, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[body]]
+name = "upper"
+mesh = {{ generator = "block", min = [1, 1, 0], max = [2, 2, 1], divisions = [4, 4, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[contact]]
+{contact}
+slave = "lower.top"
+master = "upper.bottom"
+"#,
+                1.0 / f64::from(steps)
+            );
+            let sides = ["left", "right", "front", "back"];
+            let mut loaded: Vec<String> = sides.iter().map(|side| format!("lower.{side}")).collect();
+            loaded.extend(["upper.right", "upper.back", "upper.top"].map(str::to_owned));
+            for (set, [min, max]) in [
+                ("lower.x", [[1.0, 0.0, -1.0], [1.0, 3.0, 0.0]]),
+                ("lower.y", [[0.0, 1.0, -1.0], [3.0, 1.0, 0.0]]),
+                ("lower.free-left", [[0.0, 0.0, 0.0], [1.0, 3.0, 0.0]]),
+                ("lower.free-right", [[2.0, 0.0, 0.0], [3.0, 3.0, 0.0]]),
+                ("lower.free-front", [[1.0, 0.0, 0.0], [2.0, 1.0, 0.0]]),
+                ("lower.free-back", [[1.0, 2.0, 0.0], [2.0, 3.0, 0.0]]),
+            ] {
+                text +=
+                    &format!("[[set]]\nname = \"{set}\"\nbody = \"lower\"\nbox = {{ min = {min:?}, max = {max:?} }}\n");
+                loaded.extend(set.starts_with("lower.free").then(|| set.to_owned()));
+            }
+            for set in loaded {
+                text += &format!("[[load]]\nset = \"{set}\"\npressure = {{ table = [[0.0, 0.0], [1.0, 100.0]] }}\n");
+            }
+            for (set, component) in
+                [("lower.x", "x"), ("lower.y", "y"), ("lower.bottom", "z"), ("upper.left", "x"), ("upper.front", "y")]
+            {
+                text += &format!("[[prescribe]]\nset = \"{set}\"\ncomponents = [\"{component}\"]\nfixed = true\n");
+            }
+            let mut simulation = simulation(&text);
+            run(&mut simulation);
+            let (uneven, _) = unevenness(&simulation);
+            println!("{steps} steps, {contact:?}: uneven by {uneven:.1e}");
+            assert!(uneven < 1e-10, "{steps} steps, {contact:?}: {uneven:e}");
+        }
+    }
+}
+
 #[test]
 fn flat_and_inclined_patches_are_uniform() {
     for slope in [0.0, 1.0] {

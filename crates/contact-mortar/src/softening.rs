@@ -12,8 +12,11 @@ use crate::method::MortarContact;
 use crate::slot::Slot;
 use stoss_contact::LocalContribution;
 
-/// Fraction of the reference area of a slave node below which its constraint gives way, or that of its best covered neighbour if that is less.
+/// Fraction of the reference area of a slave node below which its constraint gives way.
 const PARTLY_COVERED: f64 = 0.5;
+/// Or this part of the fraction of its best covered neighbour if that is less. What the best one loses in a step beyond the rest has no neighbour to
+/// give its pressure to, so that a uniform one would no longer be exact.
+const OF_THE_BEST: f64 = 0.8;
 /// The least such fraction: where less is covered of all nodes around, their pressures give way, down to nothing at the end of a slide off an edge.
 const LEAST_COVERED: f64 = 0.1;
 /// Compliance against the mean pressure, in edge lengths over Young's modulus, for a support that vanishes.
@@ -113,8 +116,8 @@ impl MortarContact {
             let beside = slave.facets_around(node).iter().flat_map(|&f| slave.local_facets()[f as usize]);
             partners.clear();
             partners.extend(beside);
-            let most = partners.iter().map(|&n| covered(n)).fold(LEAST_COVERED, f64::max);
-            *whole = most.min(PARTLY_COVERED);
+            let most = partners.iter().map(|&n| covered(n)).fold(0.0, f64::max);
+            *whole = (OF_THE_BEST * most).clamp(LEAST_COVERED, PARTLY_COVERED);
             partners.retain(|&other| other as usize != node && covered(other) >= *whole);
             partners.sort_unstable();
             partners.dedup();
