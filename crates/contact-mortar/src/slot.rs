@@ -9,7 +9,7 @@ use stoss_contact::{ContactRule, ContactSurface, LocalContribution, StepConfigur
 /// Which normals a weighted gap is measured along.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalField {
-    /// The mean of the normals of the facets around the slave node, weighted by their areas, on either side of a sharp edge (55 degrees in the reference
+    /// The mean of the normals of the facets around the slave node, weighted by their areas, on either side of a sharp edge (35 degrees in the reference
     /// configuration) for itself: a block in a corner has the normals of floor and wall up to its edge.
     #[default]
     Averaged,
