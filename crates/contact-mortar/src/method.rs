@@ -1,7 +1,7 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::frictional::SurfaceFriction;
-use crate::opposite::{Overlap, Seen, Sides, at_sharp_edges, sheets, unit_normals};
+use crate::opposite::{Counted, Overlap, Seen, Sides, at_sharp_edges, sheets, unit_normals};
 use crate::slot::{NormalField, Slot, Work};
 use crate::softening::Softening;
 use crate::surfaces::{segment_shifted, thickness};
@@ -9,7 +9,6 @@ use crate::tangential::Scratch;
 use crate::weights::{FacetWeights, Measure, facet_weights};
 use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
 use nalgebra::Vector3;
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, LocalContribution,
@@ -28,7 +27,11 @@ pub enum WeightedConstraint {
     Modified,
     /// `Phi_np1 = min(Phi_n, 0)`, both with the integrals of the step. When integrals are renewed at the start of a step, a closed node has a small gap
     /// of either sign; to set it to zero costs energy if it is open and *gives* energy if it is not. The latter is left out, so that sliding contact
-    /// never gains energy; penetrations stay at what the renewals add up to. Not with [`ContactRule::EndPoint`].
+    /// never gains energy; penetrations stay at what the renewals add up to.
+    ///
+    /// With [`ContactRule::EndPoint`], where integrals follow the iterate, a node that closes keeps the penetration that it had at the start of the step, and a
+    /// closed one what it came to by another choice of what counts as contact at an edge. From then on it falls by a tenth a step: what would be thrown out at once is
+    /// let out slowly.
     OneSided,
 }
 
@@ -66,6 +69,18 @@ const TAKEN_BACK: f64 = 0.1;
 const KEPT: f64 = 0.5;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
 const FREE_ALONG_NORMAL: f64 = 0.1;
+
+/// How much of a penetration that is kept where integrals follow the iterate is left in the next step.
+const STAYS: f64 = 0.9;
+
+/// What is known of a closed slot from the last step, lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Closed {
+    /// The penetration that it kept, not positive.
+    kept: f64,
+    /// The gap at the end.
+    gap: f64,
+}
 
 /// Integrals at one configuration.
 #[derive(Clone, Debug)]
@@ -136,6 +151,8 @@ pub struct MortarContact {
     derivatives: Vec<bool>,
     /// Weighted gap at `q_n` with the integrals of the step over the support, a length each.
     gap_n: Vec<f64>,
+    /// What each slot kept in the last step; `None` if it was open, or keeps nothing from step to step.
+    closed: Vec<Option<Closed>>,
     pub(crate) friction: Option<SurfaceFriction>,
     pub(crate) softening: Option<Softening>,
 }
@@ -188,6 +205,7 @@ impl MortarContact {
             integrated: None,
             derivatives: vec![false; count],
             gap_n: vec![0.0; count],
+            closed: vec![None; count],
             friction: None,
             softening: None,
             slave,
@@ -270,12 +288,21 @@ impl MortarContact {
             WeightedConstraint::Standard => 0.0,
             WeightedConstraint::Modified if active => gap_n,
             // A node that was released while it kept a negative gap must not be caught by that.
-            WeightedConstraint::Modified | WeightedConstraint::OneSided => gap_n.min(0.0),
+            WeightedConstraint::Modified => gap_n.min(0.0),
+            WeightedConstraint::OneSided => match self.closed[slot].filter(|_| self.keeps_penetrations()) {
+                None => gap_n.min(0.0),
+                Some(Closed { kept, gap }) => (STAYS * (kept + (gap_n - gap).min(0.0))).max(gap_n.min(0.0)),
+            },
         }
     }
 
+    /// Whether nodes keep penetrations over several steps.
+    fn keeps_penetrations(&self) -> bool {
+        self.rule == ContactRule::EndPoint && self.options.constraint == WeightedConstraint::OneSided
+    }
+
     pub(crate) fn moves_integrals(&self) -> bool {
-        self.rule == ContactRule::EndPoint && self.options.constraint == WeightedConstraint::Standard
+        self.rule == ContactRule::EndPoint && self.options.constraint != WeightedConstraint::Modified
     }
 
     fn directors(&self) -> bool {
@@ -296,21 +323,22 @@ impl MortarContact {
         let Self { slave, master, options, .. } = self;
         let overlaps = self.overlaps(&segments);
         let opposite = self.opposite(&segments, &overlaps);
-        let counted: Vec<Option<Cow<'_, FacetSegmentation>>> = opposite
+        let counted: Vec<Option<Counted<'_>>> = opposite
             .iter()
             .enumerate()
             .map(|(slave_facet, opposite)| opposite.then(|| self.counted(&segments, &overlaps, slave_facet)))
-            .map(|found| found.filter(|found| !found.segments.is_empty()))
+            .map(|counted| counted.filter(|counted| !counted.found.segments.is_empty()))
             .collect();
-        let left_out = covered(segments.facets.iter()) - covered(counted.iter().flatten().map(AsRef::as_ref));
+        let left_out = covered(segments.facets.iter()) - covered(counted.iter().flatten().map(|c| c.found.as_ref()));
         let weights = |measure| -> Vec<Option<FacetWeights>> {
-            let of_facet = |(slave_facet, found): (usize, &Option<Cow<'_, FacetSegmentation>>)| {
+            let of_facet = |(slave_facet, counted): (usize, &Option<Counted<'_>>)| {
                 let nodes = &slave.local_facets()[slave_facet];
                 let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
                 let without = self.without_on(*nodes);
                 let (space, rule) = (options.space, options.quadrature);
                 let corners = |f| master.patch(f, q).corners;
-                Some(facet_weights(found.as_ref()?, corners, space, rule, measure, without, wanted))
+                let Counted { found, part } = counted.as_ref()?;
+                Some(facet_weights(found, corners, space, rule, measure, without, wanted).scaled(*part))
             };
             counted.iter().enumerate().map(of_facet).collect()
         };
@@ -537,11 +565,16 @@ impl ContactMethod for MortarContact {
                     out.tangent[row * dim + row] = -weight;
                 }
             } else {
-                let reference = self.kept_gap(k, true) * slot.support;
+                let kept = self.kept_gap(k, true);
+                let reference = kept * slot.support;
                 let there = slot.contribute(step, pressures[k], reference, want_tangent, &mut work, &mut out)
                     && self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out);
                 if !there {
                     return Err(ContactError::NoNormal { node: slot.nodes[0] });
+                }
+                if want_tangent && kept != 0.0 {
+                    let row = 3 * slot.nodes.len() * out.dim();
+                    slot.for_each_support_derivative(|column, d| out.tangent[row + column] += kept * d);
                 }
                 self.soften(k, slot, pressures, active, want_tangent, &mut out);
             }
@@ -555,8 +588,8 @@ impl ContactMethod for MortarContact {
         let directors = self.directors();
         for (k, (slot, out)) in self.slots().iter().zip(out).enumerate() {
             let gap = slot.gap(q_np1, directors, &mut work);
-            *out = gap.map_or(f64::INFINITY, |g| self.soft_gap(k, g, slot.support));
-            *out -= self.kept_gap(k, active[k]);
+            let kept = self.kept_gap(k, active[k]) * slot.support;
+            *out = gap.map_or(f64::INFINITY, |g| self.soft_gap(k, g - kept, slot.support));
         }
         Ok(())
     }
@@ -580,14 +613,40 @@ impl ContactMethod for MortarContact {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
+        let keeps = self.keeps_penetrations();
+        let mut work = Work::default();
+        for (k, active) in active.iter().enumerate() {
+            let slot = self.slots().get(k).filter(|_| keeps && *active);
+            let gap = slot.and_then(|slot| Some(slot.gap(q_np1, false, &mut work)? / slot.support));
+            self.closed[k] = gap.map(|gap| Closed { kept: self.kept_gap(k, true), gap });
+        }
     }
 
     fn save_history(&self) -> Vec<u8> {
-        self.save_friction()
+        let mut bytes = self.save_friction();
+        if self.closed.iter().any(Option::is_some) {
+            let values = |closed: &Option<Closed>| closed.map_or([f64::NAN; 2], |closed| [closed.kept, closed.gap]);
+            bytes.extend(self.closed.iter().flat_map(values).flat_map(f64::to_le_bytes));
+        }
+        bytes
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        self.load_friction(bytes)
+        let count = self.closed.len();
+        let kept = if bytes.len() == self.friction_history() { 0 } else { 16 * count };
+        let Some(friction) = bytes.len().checked_sub(kept).filter(|friction| *friction == self.friction_history())
+        else {
+            let reason = format!("{} bytes for {count} slave nodes", bytes.len());
+            return Err(ContactError::History { reason });
+        };
+        let (friction, kept) = bytes.split_at(friction);
+        self.load_friction(friction);
+        self.closed.fill(None);
+        for (closed, bytes) in self.closed.iter_mut().zip(kept.chunks_exact(16)) {
+            let [kept, gap] = [0, 8].map(|at| f64::from_le_bytes(std::array::from_fn(|k| bytes[at + k])));
+            *closed = Some(Closed { kept, gap }).filter(|_| !kept.is_nan());
+        }
+        Ok(())
     }
 
     fn verify(&self) -> Result<Coverage, ContactError> {

@@ -12,6 +12,11 @@ use stoss_segmentation::{FacetSegmentation, Vertex};
 const EDGE_ON: f64 = 0.25;
 /// A sheet faces a slave facet as much as another one if the cosine is at least this part of the other's.
 const AS_MUCH: f64 = 0.9;
+/// Sine of the angle to a sheet up to which a facet lies flat on it (3 degrees), so that the facets beyond its sharp edges are no part of the contact however they
+/// lean.
+const FLAT: f64 = 0.05;
+/// Sine of the angle from which on it is one side of an edge that points at the sheet (12 degrees).
+const AT_EDGE: f64 = 0.2;
 /// A sheet touches a slave facet if the mean gap where they overlap is at most this part of the width of the overlap, beyond what they may move in the step. Over an
 /// edge at which they touch only, it is half the tangent of the angle between them, more than that from 6 degrees on.
 const TOUCHING: f64 = 0.05;
@@ -235,54 +240,85 @@ impl MortarContact {
         opposite
     }
 
-    /// The segments of a slave facet with those sheets of the master that it may touch. Where it faces none those count that the facets beside it may touch.
+    /// The segments of a slave facet with those sheets of the master that it may touch, and the part of its weight with which it counts. Where it faces none those
+    /// sheets count that the facets beside it may touch.
     pub(crate) fn counted<'a>(
         &self,
         segments: &'a SurfaceSegmentation,
         overlaps: &[Vec<Overlap>],
         slave_facet: usize,
-    ) -> Cow<'a, FacetSegmentation> {
+    ) -> Counted<'a> {
         let found = &segments.facets[slave_facet];
         let own = &overlaps[slave_facet];
         let is_edge_on = |o: &Overlap| o.facing <= EDGE_ON && !o.seen.is_far_behind;
-        let mut sheets = self.touched(overlaps, slave_facet);
+        let touched = self.touched(overlaps, slave_facet);
+        let part = if touched.is_empty() { 1.0 } else { touched.iter().map(|sheet| sheet.1).fold(0.0, f64::max) };
+        let mut sheets: Vec<u32> = touched.iter().map(|sheet| sheet.0).collect();
         if sheets.is_empty() {
             let around = beside(&self.slave, slave_facet);
             let around = around.filter(|&e| !is_sharp(&self.reference_normals, e, slave_facet));
-            let touched: Vec<u32> = around.flat_map(|e| self.touched(overlaps, e)).collect();
+            let touched: Vec<u32> = around.flat_map(|e| self.touched(overlaps, e)).map(|sheet| sheet.0).collect();
             sheets.extend(own.iter().filter(|o| is_edge_on(o)).map(|o| o.sheet).filter(|s| touched.contains(s)));
         }
         if own.iter().all(|o| sheets.contains(&o.sheet)) {
-            return Cow::Borrowed(found);
+            return Counted { found: Cow::Borrowed(found), part };
         }
         let mut counted = found.clone();
         counted.segments.retain(|segment| sheets.contains(&self.master_sheets[segment.master_facet as usize]));
-        Cow::Owned(counted)
+        Counted { found: Cow::Owned(counted), part }
     }
 
-    /// Sheets that a slave facet faces and may touch in the step: those near it or near a facet beside it. The others only if nothing beyond a sharp edge, of the
-    /// slave or of the master, is faced more by it or a facet beside it, nor near one unless they meet it, too. Over the rim of a slab the bottom of a block sees
-    /// the slab's side, and the side of a block that stands on a floor sees the next wall; their wide gaps are no gaps of the contact before the edge.
-    fn touched(&self, overlaps: &[Vec<Overlap>], slave_facet: usize) -> Vec<u32> {
+    /// Sheets that a slave facet faces and may touch in the step, those near it or near a facet beside it, with the part of its weight with which it counts. The
+    /// others only if nothing beyond a sharp edge, of the slave or of the master, is faced more by it or a facet beside it, nor near one unless they meet it,
+    /// too. Over the rim of a slab the bottom of a block sees the slab's side, and the side of a block that stands on a floor sees the next wall; their wide gaps
+    /// are no gaps of the contact before the edge.
+    ///
+    /// Both sides of an edge that points at one sheet count, by the cosines of their angles to it: with sides of one size at a right angle, as with the three
+    /// sides of a corner, the force has then the direction of the sheet's normal, and nothing jumps when the body turns. The less upright one fades out as the other
+    /// one lies down.
+    fn touched(&self, overlaps: &[Vec<Overlap>], slave_facet: usize) -> Vec<(u32, f64)> {
         let faced = |f: usize| overlaps[f].iter().filter(|o| o.is_faced());
-        let counts = |overlap: &Overlap| {
-            let mut others = Vec::new();
+        let part_of = |overlap: &Overlap| {
+            let (mut part, mut touches) = (1.0_f64, false);
             for e in beside(&self.slave, slave_facet) {
                 let beyond_edge = is_sharp(&self.reference_normals, e, slave_facet);
                 for other in faced(e) {
-                    if beyond_edge || other.sheet != overlap.sheet {
-                        others.push(other);
-                    } else if other.seen.touches {
-                        return true;
+                    let same = other.sheet == overlap.sheet;
+                    if same && !beyond_edge {
+                        touches |= other.seen.touches;
+                    } else if other.seen.touches && !overlap.seen.meets {
+                        part = 0.0;
+                    } else {
+                        part = part.min(share(overlap.facing, other.facing, same));
                     }
                 }
             }
-            let allows = |other: &&Overlap| {
-                overlap.facing >= AS_MUCH * other.facing && (overlap.seen.meets || !other.seen.touches)
-            };
-            others.iter().all(allows)
+            if touches && part == 0.0 { 1.0 } else { part }
         };
-        faced(slave_facet).filter(|o| counts(o)).map(|o| o.sheet).collect()
+        faced(slave_facet).map(|o| (o.sheet, part_of(o))).filter(|sheet| sheet.1 > 0.0).collect()
+    }
+}
+
+/// What counts of a slave facet.
+#[derive(Clone, Debug)]
+pub(crate) struct Counted<'a> {
+    /// The segments.
+    pub found: Cow<'a, FacetSegmentation>,
+    /// Which part of their weight, over 0.
+    pub part: f64,
+}
+
+/// Part of its weight with which a facet counts that has another one before it beyond an edge, by the cosines of the angles to their sheets, `same` if they are one.
+/// Over an edge of the master it counts wholly or not at all: the normal of the force is the slave's.
+fn share(facing: f64, other: f64, same: bool) -> f64 {
+    if facing >= AS_MUCH * other {
+        return if same { (facing / other).min(1.0) } else { 1.0 };
+    }
+    let sine = (1.0 - other * other).max(0.0).sqrt();
+    let upright = ((sine - FLAT) / (AT_EDGE - FLAT)).clamp(0.0, 1.0);
+    match same {
+        true => facing / other * upright,
+        false => upright.round(),
     }
 }
 

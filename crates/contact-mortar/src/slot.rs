@@ -99,7 +99,8 @@ impl Slot {
                 slot.support += w.support[a];
             }
             if takes_part(f) {
-                area += slave.corner_areas()[f as usize][a];
+                let part = facets[f as usize].as_ref().map_or(1.0, |w| w.part);
+                area += part * slave.corner_areas()[f as usize][a];
             }
         }
         if area > 0.0 {

@@ -27,12 +27,21 @@ pub(crate) struct FacetWeights {
     pub support: [f64; 4],
     /// The same before functions were handed over.
     pub bare_support: [f64; 4],
+    /// Part of the facet's own weight that all these are.
+    pub part: f64,
 }
 
 impl FacetWeights {
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
         4 + 4 * self.masters.len()
+    }
+
+    /// This part of all weights.
+    pub fn scaled(mut self, part: f64) -> Self {
+        let values = self.weights.iter_mut().chain(&mut self.derivative);
+        values.chain(&mut self.support).chain(&mut self.bare_support).chain([&mut self.part]).for_each(|w| *w *= part);
+        self
     }
 }
 
@@ -89,6 +98,7 @@ pub(crate) fn facet_weights(
         derivative: Vec::new(),
         support: (give * bare).into(),
         bare_support: bare.into(),
+        part: 1.0,
     };
     let d = give * matrix(&basis.slave_block(&integrals));
     for a in 0..4 {

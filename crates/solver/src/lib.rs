@@ -37,5 +37,6 @@ pub use model::{Body, ContactPair, Model, Prescription};
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, StepRecord};
 pub use rotation::AxisRotation;
 pub use simulation::{InsideOutRule, Plan, Settings, Simulation};
+pub use system::contact_rule;
 pub use table::{Table, TableError};
 pub use timing::{Phase, PhaseTime, Timings};

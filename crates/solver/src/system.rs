@@ -18,7 +18,7 @@ pub(crate) fn stress_rule(rule: ForceRule) -> StressRule {
 }
 
 /// The contact rule of a scheme's rule for constraints.
-pub(crate) fn contact_rule(rule: GradientRule) -> ContactRule {
+pub fn contact_rule(rule: GradientRule) -> ContactRule {
     match rule {
         GradientRule::StartPoint => ContactRule::StartPoint,
         GradientRule::Midpoint => ContactRule::Midpoint,

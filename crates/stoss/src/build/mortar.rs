@@ -3,7 +3,7 @@
 use super::contact::PairInput;
 use super::{ContactPlan, Problems};
 use crate::scene::{Constraint, Multipliers, Normals, Quadrature as Points, Scene, Slip};
-use crate::solver::{ContactPair, Model};
+use crate::solver::{ContactPair, Model, contact_rule};
 use std::collections::BTreeMap;
 use stoss_contact::ContactMethod;
 use stoss_contact_mortar::{
@@ -25,9 +25,12 @@ pub(super) fn contact(
         Some(Points::TwelvePoint) => TriangleRule::TwelvePoint,
         Some(Points::SevenPoint) | None => TriangleRule::SevenPoint,
     };
-    // Integrals that are renewed from step to step turn closed nodes into penetrating ones, and to push those out gives energy.
-    let constant = scheme_with_constant_integrals(pair.scene);
-    let default = if constant.is_some() { Constraint::OneSided } else { Constraint::Standard };
+    let gradient = gradient_rule(pair.scene);
+    let constant = pair.scene.time.integrator.as_ref().filter(|_| gradient != GradientRule::EndPoint);
+    let constant = constant.map(|integrator| integrator.scheme.as_str());
+    // What comes to count as contact while it is inside, by integrals that are renewed or beyond an edge, gives energy if it is pushed out.
+    let dynamic = pair.scene.time.integrator.is_some();
+    let default = if dynamic { Constraint::OneSided } else { Constraint::Standard };
     let constraint = item.constraint.unwrap_or(default);
     let options = MortarOptions {
         space: match item.multipliers {
@@ -45,9 +48,9 @@ pub(super) fn contact(
             Constraint::OneSided => WeightedConstraint::OneSided,
         },
     };
-    if constraint != Constraint::Standard && constant.is_none() {
+    if constraint == Constraint::Modified && constant.is_none() {
         let message = "needs integrals that stay in the step; in statics and with this scheme they move";
-        let remedy = "use `standard`, or a scheme such as `energy-momentum`, under which they stay";
+        let remedy = "use `one-sided` or `standard`, or a scheme such as `energy-momentum`, under which they stay";
         problems.add(format!("{}.constraint", pair.key), constraint.name(), message, remedy);
         return None;
     }
@@ -80,6 +83,7 @@ pub(super) fn contact(
                 ));
             }
             let mut method = method.with_crosspoints(prescribed);
+            method.set_rule(contact_rule(gradient), pair.scene.time.step);
             let complementarity = pair.prepare(&mut method, constraint, model, problems, warnings);
             let smoothing = item.smoothing.unwrap_or(0.0);
             if smoothing > 0.0 && refuse("smoothing", &smoothing.to_string(), "remove it", problems) {
@@ -120,10 +124,9 @@ pub(super) fn contact(
     }
 }
 
-/// Name of the scene's scheme if mortar integrals are those of the start of the step under it.
-fn scheme_with_constant_integrals(scene: &Scene) -> Option<&str> {
-    let integrator = scene.time.integrator.as_ref()?;
+/// Where the scene takes the gradient of the gaps: in statics at the end point. Under every other rule mortar integrals are those of the start of the step.
+fn gradient_rule(scene: &Scene) -> GradientRule {
     // A scheme that cannot be made is reported where it is named.
-    let rule = integrator.make().ok()?.rule(scene.time.step).constraint.rule;
-    (rule != GradientRule::EndPoint).then_some(integrator.scheme.as_str())
+    let scheme = scene.time.integrator.as_ref().and_then(|integrator| integrator.make().ok());
+    scheme.map_or(GradientRule::EndPoint, |scheme| scheme.rule(scene.time.step).constraint.rule)
 }
