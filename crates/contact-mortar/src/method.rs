@@ -140,6 +140,8 @@ pub struct MortarContact {
     told_velocity: Vec<f64>,
     /// The same of this step.
     pub(crate) velocity: Vec<f64>,
+    /// Whether it is that of a motion: then it foretells what may touch in the step.
+    pub(crate) moves: bool,
     /// Half the slide of each slave facet in the step, a length; empty if there is none.
     slide: Vec<Vector3<f64>>,
     /// Positions at the start of the step.
@@ -199,6 +201,7 @@ impl MortarContact {
             step_size: 0.0,
             told_velocity: Vec::new(),
             velocity: Vec::new(),
+            moves: false,
             slide: Vec::new(),
             start: reference.to_vec(),
             at: Vec::new(),
@@ -453,6 +456,7 @@ impl ContactMethod for MortarContact {
         self.range = self.range_for(reach);
         std::mem::swap(&mut self.velocity, &mut self.told_velocity);
         self.told_velocity.clear();
+        self.moves = self.velocity.iter().any(|v| *v != 0.0);
         self.start.clear();
         self.start.extend_from_slice(q_n);
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };

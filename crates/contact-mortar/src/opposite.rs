@@ -194,9 +194,9 @@ impl MortarContact {
             let seen = Seen {
                 is_far_behind: before.map_or_else(|| -gap_n > width * width && ends(), |seen| seen.is_far_behind),
                 touches: gap_n <= (near + reach) * width
-                    || gap <= near * width
+                    || !self.moves && gap <= near * width
                     || before.is_some_and(|seen| seen.touches),
-                meets: least_n <= near + reach || least <= near || before.is_some_and(|seen| seen.meets),
+                meets: least_n <= near + reach || !self.moves && least <= near || before.is_some_and(|seen| seen.meets),
             };
             Overlap { sheet, facing, seen }
         };

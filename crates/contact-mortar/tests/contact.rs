@@ -35,13 +35,18 @@ proptest! {
     #[test]
     fn tangents_of_fading_constraints_are_derivatives(
         d in warp(), e in warp(), p in pressures(), shift in 0.0f64..1.4, dual in any::<bool>(), averaged in any::<bool>(),
-        smoothing in prop::sample::select(vec![0.0, 0.3]),
+        smoothing in prop::sample::select(vec![0.0, 0.3]), one_sided in any::<bool>(), lift in -0.3f64..0.1,
     ) {
         let mut q_n = moved(&d);
         (0..SLAVE).for_each(|k| q_n[3 * k] += 0.8 * shift);
+        if one_sided {
+            (0..SLAVE).for_each(|k| q_n[3 * k + 2] += lift);
+        }
         let mut q: Vec<f64> = q_n.iter().zip(&e).map(|(x, e)| x + 0.3 * e).collect();
         (0..SLAVE).for_each(|k| q[3 * k] += 0.2 * shift);
-        let mut method = method(options(dual, averaged)).with_softening(20.0, smoothing);
+        // Kept penetrations move with the support.
+        let constraint = if one_sided { WeightedConstraint::OneSided } else { WeightedConstraint::Standard };
+        let mut method = method(MortarOptions { constraint, ..options(dual, averaged) }).with_softening(20.0, smoothing);
         if let Some(error) = tangent_error(&mut method, ContactRule::EndPoint, &q_n, &q, &p) {
             prop_assert!(error < 1e-7, "dual {dual} averaged {averaged}: {error:e}");
         }
@@ -212,6 +217,33 @@ fn the_one_sided_constraint_keeps_penetrations_only() {
     assert!(!open.is_empty() && open.iter().all(|g| *g > 0.05), "{open:?}");
     assert!(!deep.is_empty() && deep.iter().all(|g| g.abs() < 1e-14), "{deep:?}");
     assert!(gaps_from(-0.3, -0.28).iter().all(|g| (g - 0.02).abs() < 1e-2), "pushed out by 0.02");
+}
+
+/// Where integrals follow the iterate, too, a node keeps the penetration with which it closes; from then on a tenth of it is let out in a step, also over a restart.
+#[test]
+fn kept_penetrations_are_let_out_slowly() {
+    let options = MortarOptions { constraint: WeightedConstraint::OneSided, ..options(false, true) };
+    let mut deep = base();
+    (0..SLAVE).for_each(|k| deep[3 * k + 2] -= 0.3);
+    let gaps = |method: &mut MortarContact, q: &[f64]| {
+        method.set_rule(ContactRule::EndPoint, 0.1);
+        method.begin_step(q, 0.5).unwrap();
+        let mut gaps = [0.0; SLAVE];
+        method.complementarity_gaps(q, &[true; SLAVE], &mut gaps).unwrap();
+        gaps
+    };
+    let mut first = method(options);
+    assert!(gaps(&mut first, &deep).iter().all(|g| g.abs() < 1e-14 || g.is_infinite()));
+    let truly: Vec<Option<f64>> = first.report(&deep).unwrap().iter().map(|report| report.gap).collect();
+    first.commit(&deep, &[1.0; SLAVE], &[true; SLAVE]);
+    let mut again = method(options);
+    again.load_history(&first.save_history()).unwrap();
+    for method in [&mut first, &mut again] {
+        for (gap, truly) in gaps(method, &deep).into_iter().zip(&truly) {
+            // What stays of it is 0.9: the node is as much too deep.
+            assert!(truly.map_or(gap.is_infinite(), |truly| (gap - 0.1 * truly).abs() < 1e-14), "{gap} {truly:?}");
+        }
+    }
 }
 
 /// Where integrals stay those of the start, what is more than a facet behind the master is not opposite: the far side of a hollow body.

@@ -65,7 +65,8 @@ named! {
         /// dynamics only.
         Modified = "modified",
         /// Mortar in dynamics only: a gap that is open at the start of a step is closed, a penetration keeps its value. Where surfaces slide, integrals
-        /// that are renewed turn closed nodes into slightly open or penetrating ones; so they do no positive work.
+        /// that are renewed turn closed nodes into slightly open or penetrating ones; so they do no positive work. Under `backward-euler` a tenth of a
+        /// penetration that is kept is let out in a step.
         OneSided = "one-sided",
     }
 }
@@ -187,8 +188,7 @@ pub struct Contact {
     pub slave: String,
     /// Master surface, `body.set`, of another body.
     pub master: String,
-    /// What an active constraint asks for. If left out `one-sided` for `mortar` with a scheme under which integrals stay in the step (all but
-    /// `backward-euler` and other end-point schemes), `standard` for the rest.
+    /// What an active constraint asks for. If left out `one-sided` for `mortar` in dynamics, `standard` for the rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub constraint: Option<Constraint>,
     /// `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`.
