@@ -30,7 +30,7 @@ pub enum WeightedConstraint {
     /// never gains energy; penetrations stay at what the renewals add up to.
     ///
     /// With [`ContactRule::EndPoint`], where integrals follow the iterate, a node that closes keeps the penetration that it had at the start of the step, and a
-    /// closed one what it came to by another choice of what counts as contact at an edge. From then on it falls by a tenth a step: what would be thrown out at once is
+    /// closed one what it came to by another choice of what counts as contact at an edge. From then on it falls by a tenth a step (of full size): what would be thrown out at once is
     /// let out slowly.
     OneSided,
 }
@@ -70,7 +70,7 @@ const KEPT: f64 = 0.5;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
 const FREE_ALONG_NORMAL: f64 = 0.1;
 
-/// How much of a penetration that is kept where integrals follow the iterate is left in the next step.
+/// How much of a penetration that is kept where integrals follow the iterate is left after the next step of full size.
 const STAYS: f64 = 0.9;
 
 /// What is known of a closed slot from the last step, lengths.
@@ -127,7 +127,7 @@ pub struct MortarContact {
     /// Unit normals of the slave facets in the reference configuration.
     pub(crate) reference_normals: Vec<Vector3<f64>>,
     /// Sides of the slave nodes.
-    slave_sides: Sides,
+    pub(crate) slave_sides: Sides,
     /// Which slave and master facets are at sharp edges of their surfaces.
     pub(crate) slave_edges: Vec<bool>,
     pub(crate) master_edges: Vec<bool>,
@@ -140,8 +140,8 @@ pub struct MortarContact {
     told_velocity: Vec<f64>,
     /// The same of this step.
     pub(crate) velocity: Vec<f64>,
-    /// Whether it is that of a motion: then it foretells what may touch in the step.
-    pub(crate) moves: bool,
+    /// The longest step that was asked for so far; a scene asks for its nominal one first.
+    longest_step: f64,
     /// Half the slide of each slave facet in the step, a length; empty if there is none.
     slide: Vec<Vector3<f64>>,
     /// Positions at the start of the step.
@@ -185,6 +185,7 @@ impl MortarContact {
         slave.check_disjoint(&master)?;
         let count = slave.nodes().len();
         let [reference_normals, master_normals] = [&slave, &master].map(|surface| unit_normals(surface, reference));
+        let slave_sides = Sides::new(&slave, &reference_normals);
         let mut method = Self {
             name: name.to_owned(),
             without: vec![false; count],
@@ -192,16 +193,16 @@ impl MortarContact {
             rule: ContactRule::EndPoint,
             range: GapRange::ALL,
             deepest: DEPTH_OF_THICKNESS * (thickness(&slave, reference) + thickness(&master, reference)),
-            slave_edges: at_sharp_edges(&slave, &reference_normals),
-            master_edges: at_sharp_edges(&master, &master_normals),
+            slave_edges: at_sharp_edges(&slave, &slave_sides),
+            master_edges: at_sharp_edges(&master, &Sides::new(&master, &master_normals)),
             master_sheets: sheets(&master, &master_normals),
-            slave_sides: Sides::new(&slave, &reference_normals),
+            slave_sides,
             reference_normals,
             seen: BTreeMap::new(),
             step_size: 0.0,
             told_velocity: Vec::new(),
             velocity: Vec::new(),
-            moves: false,
+            longest_step: 0.0,
             slide: Vec::new(),
             start: reference.to_vec(),
             at: Vec::new(),
@@ -294,7 +295,11 @@ impl MortarContact {
             WeightedConstraint::Modified => gap_n.min(0.0),
             WeightedConstraint::OneSided => match self.closed[slot].filter(|_| self.keeps_penetrations()) {
                 None => gap_n.min(0.0),
-                Some(Closed { kept, gap }) => (STAYS * (kept + (gap_n - gap).min(0.0))).max(gap_n.min(0.0)),
+                Some(Closed { kept, gap }) => {
+                    // Steps that are cut let out as much less.
+                    let steps = if self.longest_step > 0.0 { self.step_size / self.longest_step } else { 1.0 };
+                    (STAYS.powf(steps) * (kept + (gap_n - gap).min(0.0))).max(gap_n.min(0.0))
+                }
             },
         }
     }
@@ -444,6 +449,7 @@ impl ContactMethod for MortarContact {
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.rule = rule;
         self.step_size = step_size;
+        self.longest_step = self.longest_step.max(step_size);
         self.set_friction_step(step_size);
     }
 
@@ -456,7 +462,6 @@ impl ContactMethod for MortarContact {
         self.range = self.range_for(reach);
         std::mem::swap(&mut self.velocity, &mut self.told_velocity);
         self.told_velocity.clear();
-        self.moves = self.velocity.iter().any(|v| *v != 0.0);
         self.start.clear();
         self.start.extend_from_slice(q_n);
         let measure = if self.directors() { Measure::Parametric } else { Measure::Area };

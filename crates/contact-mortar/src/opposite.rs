@@ -40,7 +40,7 @@ pub(crate) fn unit_normals(surface: &ContactSurface, q: &[f64]) -> Vec<Vector3<f
 }
 
 /// Whether an edge between facets with these reference normals is sharp.
-pub(crate) fn is_sharp(normals: &[Vector3<f64>], e: usize, f: usize) -> bool {
+fn is_sharp(normals: &[Vector3<f64>], e: usize, f: usize) -> bool {
     normals[e].dot(&normals[f]) <= SHARP
 }
 
@@ -64,12 +64,6 @@ pub(crate) fn sheets(surface: &ContactSurface, normals: &[Vector3<f64>]) -> Vec<
         }
     }
     sheets
-}
-
-/// Which facets have a node of a sharp edge of the surface.
-pub(crate) fn at_sharp_edges(surface: &ContactSurface, normals: &[Vector3<f64>]) -> Vec<bool> {
-    let is_at = |f: usize| beside(surface, f).any(|e| is_sharp(normals, e, f));
-    (0..normals.len()).map(is_at).collect()
 }
 
 /// Into which sides sharp edges divide the facets around each node of a surface: facets are on one side if edges at the node that are not sharp lead from one
@@ -108,6 +102,18 @@ impl Sides {
     pub fn of(&self, facet: u32, corner: usize) -> u32 {
         self.0[facet as usize][corner]
     }
+
+    /// Whether two facets are on one side of a node that they share: no sharp edge is between them.
+    pub fn join(&self, surface: &ContactSurface, e: usize, f: usize) -> bool {
+        let facets = surface.local_facets();
+        let same = |a: usize, b: usize| facets[e][a] == facets[f][b] && self.0[e][a] == self.0[f][b];
+        (0..4).any(|a| (0..4).any(|b| same(a, b)))
+    }
+}
+
+/// Which facets have a node at which the surface has several sides.
+pub(crate) fn at_sharp_edges(surface: &ContactSurface, sides: &Sides) -> Vec<bool> {
+    (0..surface.facets().len()).map(|f| beside(surface, f).any(|e| !sides.join(surface, e, f))).collect()
 }
 
 /// Facets that share a node with one, itself among them.
@@ -147,6 +153,11 @@ impl Overlap {
 }
 
 impl MortarContact {
+    /// Whether no sharp edge is between two slave facets that share a node.
+    fn is_smooth(&self, e: usize, f: usize) -> bool {
+        self.slave_sides.join(&self.slave, e, f)
+    }
+
     /// Overlaps of every slave facet with all sheets.
     pub(crate) fn overlaps(&self, segments: &SurfaceSegmentation) -> Vec<Vec<Overlap>> {
         let facets = segments.facets.iter().enumerate();
@@ -194,9 +205,9 @@ impl MortarContact {
             let seen = Seen {
                 is_far_behind: before.map_or_else(|| -gap_n > width * width && ends(), |seen| seen.is_far_behind),
                 touches: gap_n <= (near + reach) * width
-                    || !self.moves && gap <= near * width
+                    || gap <= near * width
                     || before.is_some_and(|seen| seen.touches),
-                meets: least_n <= near + reach || !self.moves && least <= near || before.is_some_and(|seen| seen.meets),
+                meets: least_n <= near + reach || least <= near || before.is_some_and(|seen| seen.meets),
             };
             Overlap { sheet, facing, seen }
         };
@@ -225,13 +236,12 @@ impl MortarContact {
     /// block that stands on the master and leans a little is not, nor a surface that is edge-on as a whole.
     pub(crate) fn opposite(&self, segments: &SurfaceSegmentation, overlaps: &[Vec<Overlap>]) -> Vec<bool> {
         let faces: Vec<bool> = overlaps.iter().map(|all| all.iter().any(Overlap::is_faced)).collect();
-        let is_sharp = |e: usize, f: usize| is_sharp(&self.reference_normals, e, f);
         let mut opposite = faces.clone();
         let mut reached: Vec<usize> = (0..faces.len()).filter(|&f| faces[f]).collect();
         while let Some(f) = reached.pop() {
-            for e in beside(&self.slave, f).filter(|&e| !is_sharp(e, f)) {
+            for e in beside(&self.slave, f).filter(|&e| self.is_smooth(e, f)) {
                 let is_edge_on = !opposite[e] && !segments.facets[e].segments.is_empty();
-                if is_edge_on && !beside(&self.slave, e).any(|d| faces[d] && is_sharp(d, e)) {
+                if is_edge_on && !beside(&self.slave, e).any(|d| faces[d] && !self.is_smooth(d, e)) {
                     opposite[e] = true;
                     reached.push(e);
                 }
@@ -256,7 +266,7 @@ impl MortarContact {
         let mut sheets: Vec<u32> = touched.iter().map(|sheet| sheet.0).collect();
         if sheets.is_empty() {
             let around = beside(&self.slave, slave_facet);
-            let around = around.filter(|&e| !is_sharp(&self.reference_normals, e, slave_facet));
+            let around = around.filter(|&e| self.is_smooth(e, slave_facet));
             let touched: Vec<u32> = around.flat_map(|e| self.touched(overlaps, e)).map(|sheet| sheet.0).collect();
             sheets.extend(own.iter().filter(|o| is_edge_on(o)).map(|o| o.sheet).filter(|s| touched.contains(s)));
         }
@@ -269,19 +279,18 @@ impl MortarContact {
     }
 
     /// Sheets that a slave facet faces and may touch in the step, those near it or near a facet beside it, with the part of its weight with which it counts. The
-    /// others only if nothing beyond a sharp edge, of the slave or of the master, is faced more by it or a facet beside it, nor near one unless they meet it,
-    /// too. Over the rim of a slab the bottom of a block sees the slab's side, and the side of a block that stands on a floor sees the next wall; their wide gaps
+    /// others only if nothing beyond a sharp edge, of the slave or of the master, is near one unless they meet it, too, and none lies flat on its sheet that faces
+    /// it more. Over the rim of a slab the bottom of a block sees the slab's side, and the side of a block that stands on a floor sees the next wall; their wide gaps
     /// are no gaps of the contact before the edge.
     ///
-    /// Both sides of an edge that points at one sheet count, by the cosines of their angles to it: with sides of one size at a right angle, as with the three
-    /// sides of a corner, the force has then the direction of the sheet's normal, and nothing jumps when the body turns. The less upright one fades out as the other
-    /// one lies down.
+    /// Both sides of an edge that points at one sheet count, their facets at the edge by the cosines of their angles to it: with sides of one size at a right angle, as
+    /// with the three sides of a corner, the force has then the direction of the sheet's normal. The less upright one fades out as the other one lies down.
     fn touched(&self, overlaps: &[Vec<Overlap>], slave_facet: usize) -> Vec<(u32, f64)> {
         let faced = |f: usize| overlaps[f].iter().filter(|o| o.is_faced());
         let part_of = |overlap: &Overlap| {
             let (mut part, mut touches) = (1.0_f64, false);
             for e in beside(&self.slave, slave_facet) {
-                let beyond_edge = is_sharp(&self.reference_normals, e, slave_facet);
+                let beyond_edge = !self.is_smooth(e, slave_facet);
                 for other in faced(e) {
                     let same = other.sheet == overlap.sheet;
                     if same && !beyond_edge {
@@ -304,7 +313,7 @@ impl MortarContact {
 pub(crate) struct Counted<'a> {
     /// The segments.
     pub found: Cow<'a, FacetSegmentation>,
-    /// Which part of their weight, over 0.
+    /// Which part of their weight, over 0: the largest of all sheets that count. Pressures of nodes at such an edge stand for this part of the area.
     pub part: f64,
 }
 
@@ -358,6 +367,21 @@ mod tests {
                 prop_assert!(sides.iter().all(|n| *n == expected), "{edges}: {sides:?}");
             }
         }
+    }
+
+    /// Round both ways with twelve facets a turn: facets that share but a node are 41 degrees apart, those that share an edge 30.
+    #[test]
+    fn a_ball_has_no_sharp_edges() {
+        let slope = std::f64::consts::FRAC_PI_6.tan();
+        let node = |k: u32| Vector3::new(slope * (f64::from(k % 3) - 1.0), slope * (f64::from(k / 3) - 1.0), 1.0);
+        let q: Vec<f64> = (0..9).flat_map(|k| <[f64; 3]>::from(node(k).normalize())).collect();
+        let facets = [0, 1, 3, 4].map(|k| [k, k + 1, k + 4, k + 3]);
+        let surface = ContactSurface::new("slave", &facets, &q).unwrap();
+        let normals = unit_normals(&surface, &q);
+        assert!(is_sharp(&normals, 0, 3) && !is_sharp(&normals, 0, 1));
+        let sides = Sides::new(&surface, &normals);
+        assert!((0..4).all(|e| (0..4).all(|f| sides.join(&surface, e, f))));
+        assert_eq!(at_sharp_edges(&surface, &sides), [false; 4]);
     }
 
     /// Of three planes that meet at a node two have a sharp edge, the third one none with either: all are on one side, whichever comes first.

@@ -2,8 +2,8 @@
 //!
 //! A constraint on a sliver of a support needs a pressure out of all proportion, of either sign, and the slivers change with the iterate. Below a
 //! fraction of the reference area the constraint is blended, smoothly in the covered area, with the equation that the node has the mean pressure of
-//! its neighbours: its function then belongs to theirs, and constant pressures stay exact. Little is what is less than of the neighbour of which most is
-//! covered: where a contact is smaller than a facet, those nodes carry it that have the most of it, until that is next to nothing.
+//! its neighbours: its function then belongs to theirs, and constant pressures stay exact. Little is what is less than four fifths of that of the neighbour
+//! of which most is covered: where a contact is smaller than a facet, those nodes carry it that have the most of it, until that is next to nothing.
 //!
 //! The same equation with a small factor on every node smooths the pressures: where the slave is finer or stiffer
 //! than the master there are more pressures than the master's nodes can tell apart, and without it few of them carry all, other ones at every step.

@@ -65,8 +65,8 @@ named! {
         /// dynamics only.
         Modified = "modified",
         /// Mortar in dynamics only: a gap that is open at the start of a step is closed, a penetration keeps its value. Where surfaces slide, integrals
-        /// that are renewed turn closed nodes into slightly open or penetrating ones; so they do no positive work. Under `backward-euler` a tenth of a
-        /// penetration that is kept is let out in a step.
+        /// that are renewed turn closed nodes into slightly open or penetrating ones; so they do no positive work. With `backward-euler` and
+        /// other schemes that take forces at the end point a tenth of a penetration that is kept is let out in a step of full size.
         OneSided = "one-sided",
     }
 }

@@ -155,7 +155,8 @@ impl PairInput<'_> {
                     let then = match constraint {
                         Constraint::Standard => "the first step closes that gap and changes the energy",
                         Constraint::Modified | Constraint::OneSided => {
-                            "they keep that gap; constraint = \"standard\" closes it in the first step and changes the energy"
+                            "they keep that gap (with schemes that take forces at the end point it is let out slowly); constraint = \"standard\" closes it in \
+                             the first step and changes the energy"
                         }
                     };
                     warnings.push(format!(
