@@ -40,6 +40,7 @@ mod derivatives;
 mod error;
 mod frictional;
 mod integrals;
+mod kept;
 mod kernel;
 mod matrices;
 mod method;

@@ -1,6 +1,7 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::frictional::SurfaceFriction;
+use crate::kept::Closed;
 use crate::opposite::{Counted, Overlap, Seen, Sides, at_sharp_edges, sheets, unit_normals};
 use crate::slot::{NormalField, Slot, Work};
 use crate::softening::Softening;
@@ -70,18 +71,6 @@ const KEPT: f64 = 0.5;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
 const FREE_ALONG_NORMAL: f64 = 0.1;
 
-/// How much of a penetration that is kept where integrals follow the iterate is left after the next step of full size.
-const STAYS: f64 = 0.9;
-
-/// What is known of a closed slot from the last step, lengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Closed {
-    /// The penetration that it kept, not positive.
-    kept: f64,
-    /// The gap at the end.
-    gap: f64,
-}
-
 /// Integrals at one configuration.
 #[derive(Clone, Debug)]
 pub(crate) struct Integrated {
@@ -141,7 +130,7 @@ pub struct MortarContact {
     /// The same of this step.
     pub(crate) velocity: Vec<f64>,
     /// The longest step that was asked for so far; a scene asks for its nominal one first.
-    longest_step: f64,
+    pub(crate) longest_step: f64,
     /// Half the slide of each slave facet in the step, a length; empty if there is none.
     slide: Vec<Vector3<f64>>,
     /// Positions at the start of the step.
@@ -152,9 +141,9 @@ pub struct MortarContact {
     /// Slots whose derivatives are there.
     derivatives: Vec<bool>,
     /// Weighted gap at `q_n` with the integrals of the step over the support, a length each.
-    gap_n: Vec<f64>,
+    pub(crate) gap_n: Vec<f64>,
     /// What each slot kept in the last step; `None` if it was open, or keeps nothing from step to step.
-    closed: Vec<Option<Closed>>,
+    pub(crate) closed: Vec<Option<Closed>>,
     pub(crate) friction: Option<SurfaceFriction>,
     pub(crate) softening: Option<Softening>,
 }
@@ -283,30 +272,6 @@ impl MortarContact {
         let h = self.slave.length_scale().max(self.master.length_scale());
         let depth = if self.moves_integrals() { (DEPTH * h).min(self.deepest) } else { DEPTH_AT_START * h };
         GapRange { min: -depth, max: reach + MARGIN * h }
-    }
-
-    /// The gap that a node keeps in the step, a length.
-    fn kept_gap(&self, slot: usize, active: bool) -> f64 {
-        let gap_n = Some(self.gap_n[slot]).filter(|gap| gap.is_finite()).unwrap_or(0.0);
-        match self.options.constraint {
-            WeightedConstraint::Standard => 0.0,
-            WeightedConstraint::Modified if active => gap_n,
-            // A node that was released while it kept a negative gap must not be caught by that.
-            WeightedConstraint::Modified => gap_n.min(0.0),
-            WeightedConstraint::OneSided => match self.closed[slot].filter(|_| self.keeps_penetrations()) {
-                None => gap_n.min(0.0),
-                Some(Closed { kept, gap }) => {
-                    // Steps that are cut let out as much less.
-                    let steps = if self.longest_step > 0.0 { self.step_size / self.longest_step } else { 1.0 };
-                    (STAYS.powf(steps) * (kept + (gap_n - gap).min(0.0))).max(gap_n.min(0.0))
-                }
-            },
-        }
-    }
-
-    /// Whether nodes keep penetrations over several steps.
-    fn keeps_penetrations(&self) -> bool {
-        self.rule == ContactRule::EndPoint && self.options.constraint == WeightedConstraint::OneSided
     }
 
     pub(crate) fn moves_integrals(&self) -> bool {
@@ -622,21 +587,12 @@ impl ContactMethod for MortarContact {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
-        let keeps = self.keeps_penetrations();
-        let mut work = Work::default();
-        for (k, active) in active.iter().enumerate() {
-            let slot = self.slots().get(k).filter(|_| keeps && *active);
-            let gap = slot.and_then(|slot| Some(slot.gap(q_np1, false, &mut work)? / slot.support));
-            self.closed[k] = gap.map(|gap| Closed { kept: self.kept_gap(k, true), gap });
-        }
+        self.commit_kept(q_np1, active);
     }
 
     fn save_history(&self) -> Vec<u8> {
         let mut bytes = self.save_friction();
-        if self.closed.iter().any(Option::is_some) {
-            let values = |closed: &Option<Closed>| closed.map_or([f64::NAN; 2], |closed| [closed.kept, closed.gap]);
-            bytes.extend(self.closed.iter().flat_map(values).flat_map(f64::to_le_bytes));
-        }
+        self.save_kept(&mut bytes);
         bytes
     }
 
@@ -650,11 +606,7 @@ impl ContactMethod for MortarContact {
         };
         let (friction, kept) = bytes.split_at(friction);
         self.load_friction(friction);
-        self.closed.fill(None);
-        for (closed, bytes) in self.closed.iter_mut().zip(kept.chunks_exact(16)) {
-            let [kept, gap] = [0, 8].map(|at| f64::from_le_bytes(std::array::from_fn(|k| bytes[at + k])));
-            *closed = Some(Closed { kept, gap }).filter(|_| !kept.is_nan());
-        }
+        self.load_kept(kept);
         Ok(())
     }
 
