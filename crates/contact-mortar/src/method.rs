@@ -114,7 +114,7 @@ pub struct MortarContact {
     /// Depth from which facets behind are another part of the body, a length.
     deepest: f64,
     /// Unit normals of the slave facets in the reference configuration.
-    pub(crate) reference_normals: Vec<Vector3<f64>>,
+    reference_normals: Vec<Vector3<f64>>,
     /// Sides of the slave nodes.
     pub(crate) slave_sides: Sides,
     /// Which slave and master facets are at sharp edges of their surfaces.
@@ -149,7 +149,7 @@ pub struct MortarContact {
 }
 
 /// Area of the segments of these facets.
-fn covered<'a>(facets: impl Iterator<Item = &'a FacetSegmentation>) -> f64 {
+fn segment_area<'a>(facets: impl Iterator<Item = &'a FacetSegmentation>) -> f64 {
     facets.flat_map(|found| &found.segments).map(|segment| segment.image_area()).sum()
 }
 
@@ -302,7 +302,8 @@ impl MortarContact {
             .map(|(slave_facet, opposite)| opposite.then(|| self.counted(&segments, &overlaps, slave_facet)))
             .map(|counted| counted.filter(|counted| !counted.found.segments.is_empty()))
             .collect();
-        let left_out = covered(segments.facets.iter()) - covered(counted.iter().flatten().map(|c| c.found.as_ref()));
+        let left_out =
+            segment_area(segments.facets.iter()) - segment_area(counted.iter().flatten().map(|c| c.found.as_ref()));
         let weights = |measure| -> Vec<Option<FacetWeights>> {
             let of_facet = |(slave_facet, counted): (usize, &Option<Counted<'_>>)| {
                 let nodes = &slave.local_facets()[slave_facet];

@@ -255,6 +255,15 @@ fn kept_penetrations_are_let_out_slowly() {
         assert!(gaps.iter().zip(&truly).all(|(gap, t)| t.is_none_or(|t| (gap - part * t).abs() < 1e-14)), "{gaps:?}");
     }
     assert!(again.load_history(&[0; 12]).is_err());
+    // What comes to be deeper between two steps, by another choice of what counts, is kept as well.
+    let deeper: Vec<f64> =
+        (0..deep.len()).map(|k| deep[k] - if k < 3 * SLAVE && k % 3 == 2 { 0.05 } else { 0.0 }).collect();
+    let found = gaps(&mut again, &deeper);
+    let truly: Vec<Option<f64>> = again.report(&deeper).unwrap().iter().map(|report| report.gap).collect();
+    assert!(
+        truly.iter().zip(found).all(|(truly, gap)| truly.is_none_or(|t| (gap - 0.1 * t).abs() < 1e-14)),
+        "{found:?}"
+    );
 }
 
 /// Where integrals stay those of the start, what is more than a facet behind the master is not opposite: the far side of a hollow body.
