@@ -6,13 +6,14 @@ use super::super::geometry::Side;
 use super::super::scene::{Block, Matter, Scene};
 use crate::workspace::Outcome;
 
-const SCHEMES: [(&str, &str); 6] = [
+const SCHEMES: [(&str, &str); 7] = [
     ("energy-momentum", "standard"),
     ("energy-momentum", "modified"),
     ("energy-momentum", "one-sided"),
     ("midpoint", "standard"),
     ("midpoint", "one-sided"),
     ("backward-euler", "standard"),
+    ("backward-euler", "one-sided"),
 ];
 
 const STEP: f64 = 0.004;
