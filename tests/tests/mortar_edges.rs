@@ -3,6 +3,7 @@
 
 mod support;
 
+use stoss::solver::DecisionKind;
 use support::simulation;
 
 /// Energies (kinetic, strain, of position) after every step.
@@ -75,5 +76,37 @@ fn a_cube_that_falls_on_its_edge_is_not_thrown_out() {
         let most = energies.iter().copied().fold(0.0, f64::max) / energies[0];
         println!("{degrees} degrees: {} steps, at most {most} of the first energy", energies.len() - 1);
         assert!(most < 1.15, "{most}");
+    }
+}
+
+/// A block that falls on the rim of a slab and leans over it, the slab with dual multipliers: what backward Euler makes of it is told, once, and energy-momentum
+/// makes nothing of it.
+#[test]
+fn a_gain_of_energy_is_told() {
+    for (scheme, gains) in [("backward-euler", true), ("energy-momentum", false)] {
+        let bodies = [
+            block("lower", [0.0; 3], [2.0, 2.0, 1.0], [4, 3, 2], 1000.0, 1.0, ""),
+            block(
+                "upper",
+                [-0.159, 0.523, 1.02],
+                [0.741, 1.323, 1.7],
+                [3, 3, 2],
+                1000.0,
+                1.0,
+                "rotation = [{ axis = [0, 0, 1], degrees = 31.23 }]\nvelocity = [0.27, 0.19, -2.0]\n",
+            ),
+        ];
+        let mut s = simulation(&format!(
+            "[scene]\ntitle = \"rim\"\nkind = \"dynamic\"\n[time]\nend = 0.3\nstep = 0.01\nintegrator = {{ scheme = \"{scheme}\" }}\n{}{}\
+             [[contact]]\nmethod = \"mortar\"\nmultipliers = \"dual\"\nslave = \"lower.top\"\nmaster = \"upper.bottom\"\n",
+            bodies[0], bodies[1]
+        ));
+        let mut most = 0.0_f64;
+        let first = s.balance().total();
+        while !s.finished() {
+            most = most.max(s.advance().unwrap().balance.total() / first);
+        }
+        let told = s.decisions().iter().filter(|d| d.kind == DecisionKind::Warning).count();
+        assert_eq!((told == 1, most > 1.05), (gains, gains), "{scheme}: {told} warnings, {most}");
     }
 }

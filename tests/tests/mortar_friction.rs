@@ -294,3 +294,54 @@ friction = {{ law = "coulomb", mu = {mu:?} }}
         assert!(force_on_upper(&s)[2] > 0.0, "{mu}, {step}");
     }
 }
+
+/// Two blocks without load, one above the other, are brought together and pressed: the first forces of all are those of the contact, with friction.
+#[test]
+fn the_first_touch_of_bodies_without_load() {
+    let slab = ("min = [0, 0, 0], max = [2, 2, 1], divisions = [4, 4, 2]", 1e3);
+    let block = ("min = [0.45, 0.4, 1.03], max = [1.5, 1.55, 2.03], divisions = [3, 3, 2]", 1e3);
+    for method in ["mortar", "nts"] {
+        for (slave, master) in [("block.bottom", "slab.top"), ("slab.top", "block.bottom")] {
+            let more = format!(
+                "[[contact]]\nmethod = \"{method}\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n\
+                 friction = {{ law = \"coulomb\", mu = 0.5 }}\n"
+            );
+            // Together, apart, and together again.
+            let path = "[[0, 0, 0, 0], [0.4, 0, 0, -0.08], [0.7, 0, 0, 0], [1.0, 0.01, 0, -0.08]]";
+            let mut s = pressed(0.05, slab, block, path, &more);
+            let mut forces = Vec::new();
+            while !s.finished() {
+                let time = s.advance().unwrap().time;
+                if [0.4, 0.7, 1.0].iter().any(|t| (time - t).abs() < 1e-9) {
+                    forces.push(force_on_upper(&s)[2]);
+                }
+            }
+            assert_eq!(cuts(&s), 0, "{method}, {slave}: {:?}", s.decisions());
+            assert!(forces[0] > 10.0 && forces[1].abs() < 1e-9 && forces[2] > 10.0, "{method}, {slave}: {forces:?}");
+        }
+    }
+}
+
+/// Ironing with springs of stick, symmetric about a plane along the way: tractions of friction turn with the material as their mirror images do, so that there
+/// is no force across.
+#[test]
+fn friction_of_mirror_images_is_a_mirror_image() {
+    let slab = ("min = [0, 0, 0], max = [4, 2, 1], divisions = [8, 5, 2]", 1.0);
+    let block = ("min = [0.6, 0.5, 1], max = [1.6, 1.5, 2], divisions = [3, 3, 2]", 1e3);
+    let path = "[[0, 0, 0, 0], [0.3, 0, 0, -0.2], [1.0, 1.2, 0, -0.2]]";
+    for (slave, master) in [("block.bottom", "slab.top"), ("slab.top", "block.bottom")] {
+        let more = format!(
+            "[[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\nsmoothing = 0.5\n\
+             friction = {{ law = \"coulomb\", mu = 0.5, penalty = 2.0 }}\n"
+        );
+        let mut s = pressed(0.1, slab, block, path, &more);
+        let mut slid = 0.0_f64;
+        while !s.finished() {
+            s.advance().unwrap();
+            let force = force_on_upper(&s);
+            slid = slid.max(force[0].abs());
+            assert!(force[1].abs() < 1e-9 * force[2], "{slave}: {force:?}");
+        }
+        assert!(slid > 0.01, "{slave}: {slid}");
+    }
+}

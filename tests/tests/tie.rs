@@ -354,8 +354,15 @@ set = "upper.top"
 pressure = {{ table = [[0, 0], [1, 60]] }}
 "#
         ));
-        run(&mut s);
+        let mut force = [0.0; 3];
+        while !s.finished() {
+            force = s.advance().unwrap().contact.unwrap().force_on_slave;
+        }
         assert!(s.decisions().is_empty(), "{multipliers}: {:?}", s.decisions());
+        // That of the contact without what the tie holds: the load is shared between both.
+        let base: f64 = (0..s.model().node_count()).map(|n| s.reactions()[3 * n + 2]).sum();
+        let wall: f64 = s.model().bodies[1].nodes.clone().map(|n| s.reactions()[3 * n as usize + 2]).sum();
+        assert!(wall > 1.0 && (force[2] - (base - wall)).abs() < 1e-9 * base, "{multipliers}: {force:?} {base} {wall}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! Friction as a part of the contact method: rules, history, augmentation, energies.
 
+use crate::frames::MaterialFrames;
 use crate::method::{HANDED_OVER, MortarContact, WeightedConstraint};
 use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
@@ -15,6 +16,7 @@ const HISTORY: usize = 32;
 pub(crate) struct SurfaceFriction {
     friction: Friction,
     measure: SlipMeasure,
+    frames: MaterialFrames,
     step_size: f64,
     /// Rounds of augmentation in this step.
     rounds: u32,
@@ -68,8 +70,20 @@ impl MortarContact {
         let (q_n, start, compliance) = (Vec::new(), Vec::new(), vec![0.0; self.without.len()]);
         let slivers = vec![false; self.without.len()];
         let (step_size, rounds) = (0.0, 0);
-        self.friction =
-            Some(SurfaceFriction { friction, measure, step_size, rounds, points, q_n, start, compliance, slivers });
+        // Before the first step these are the reference positions.
+        let frames = MaterialFrames::new(&self.slave, &self.start);
+        self.friction = Some(SurfaceFriction {
+            friction,
+            measure,
+            frames,
+            step_size,
+            rounds,
+            points,
+            q_n,
+            start,
+            compliance,
+            slivers,
+        });
         Ok(self)
     }
 
@@ -144,6 +158,8 @@ impl MortarContact {
         Some(NodeFriction {
             friction: &surface.friction,
             measure: surface.measure,
+            frames: &surface.frames,
+            local: slot,
             start,
             history: point.start,
             multiplier,

@@ -38,6 +38,7 @@
 
 mod derivatives;
 mod error;
+mod frames;
 mod frictional;
 mod integrals;
 mod kept;

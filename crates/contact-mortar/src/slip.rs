@@ -87,9 +87,12 @@ pub(crate) fn normal_part<T: Scalar>(x: &Facet<T>) -> V3<T> {
     cross(x[2], x[1])
 }
 
-/// Tangent vectors at a node with a normal of this direction: the first one along a material line, so that components stay as the slave turns.
-pub(crate) fn tangents<T: Scalar>(normal: V3<T>, line: V3<T>) -> [V3<T>; 2] {
+/// Tangent vectors at a node with a normal `n` of this direction. The first one has the direction of `a + b x n` with the sums `a`, `b` of diagonals times
+/// their coordinates ([`crate::frames`]): `E_1` turned as the material is.
+pub(crate) fn tangents<T: Scalar>(normal: V3<T>, along: [V3<T>; 2]) -> [V3<T>; 2] {
     let n = unit(normal);
+    let one = T::constant(1.0);
+    let line = sum(one, along[0], one, cross(along[1], n));
     let e_1 = unit(sum(T::constant(1.0), line, -dot(n, line), n));
     [e_1, cross(n, e_1)]
 }

@@ -1,8 +1,9 @@
 //! Friction of one slot: traction, force, tangent.
 //!
 //! The traction of a node has two components in an orthonormal frame of its tangent plane. The normal is the mean of those of all its facets, on both
-//! sides of a sharp edge; the first tangent follows a diagonal of the first facet around the node. Components are the history: the traction turns with the slave's material.
+//! sides of a sharp edge; the tangents turn with the slave's material ([`crate::frames`]). Components are the history: the traction turns with the material.
 
+use crate::frames::{Coordinates, MaterialFrames};
 use crate::slip::{Facet, SlipMeasure, normal_part, tangents};
 use crate::slot::{Group, Slot, at};
 use nalgebra::Vector3;
@@ -18,6 +19,8 @@ const FACET: usize = 12;
 pub(crate) struct Scratch {
     arguments: Vec<Facet<f64>>,
     start: Vec<[V3<f64>; 3]>,
+    /// Coordinates of the diagonals.
+    material: Vec<Coordinates>,
     /// Derivatives of the arguments with respect to the positions at the end, facet by facet, row-major.
     motion: Vec<f64>,
     /// Derivative of the traction.
@@ -29,6 +32,10 @@ pub(crate) struct Scratch {
 pub(crate) struct NodeFriction<'a> {
     pub friction: &'a Friction,
     pub measure: SlipMeasure,
+    /// What the frame of the node follows.
+    pub frames: &'a MaterialFrames,
+    /// Local number of the node.
+    pub local: usize,
     /// The slot as it was at the start of the step.
     pub start: &'a Slot,
     /// Components of the traction there.
@@ -61,27 +68,30 @@ pub(crate) struct FrictionState {
     branch: Option<(FrictionStep, V3<f64>)>,
 }
 
-/// Derivatives of a node's traction (of normal, line and slip vector inside the dual numbers) and of the mismatch of its multipliers.
+/// What the traction of a node depends on, in components: direction of the normal, two sums of diagonals, weighted slip.
+const NODE: usize = 12;
+
+/// Derivatives of a node's traction (of those inside the dual numbers) and of the mismatch of its multipliers.
 struct ByNode {
-    traction: V3<Dual<9>>,
+    traction: V3<Dual<NODE>>,
     of_pressure: V3<f64>,
     of_multipliers: [V3<f64>; 2],
-    mismatch: [Dual<9>; 2],
+    mismatch: [Dual<NODE>; 2],
     mismatch_of_pressure: [f64; 2],
     mismatch_of_multipliers: [[f64; 2]; 2],
     /// Of the traction, then of the mismatch, by the support that slip is divided by.
     of_support: [f64; 5],
 }
 
-/// Frame of a node and its slip there, from normal direction, material line and weighted slip.
+/// Frame of a node and its slip there, from normal direction, sums of diagonals and weighted slip.
 struct Node<T> {
     tangents: [V3<T>; 2],
     slip: [T; 2],
 }
 
 impl<T: Scalar> Node<T> {
-    fn new(normal: V3<T>, line: V3<T>, weighted_slip: V3<T>, support: f64) -> Self {
-        let tangents = tangents(normal, line);
+    fn new(normal: V3<T>, along: [V3<T>; 2], weighted_slip: V3<T>, support: f64) -> Self {
+        let tangents = tangents(normal, along);
         // A node that had no partner at the start of the step begins to slip with the next one.
         let inverse = if support > 0.0 { 1.0 / support } else { 0.0 };
         Self { tangents, slip: tangents.map(|e| dot(e, weighted_slip).scale(inverse)) }
@@ -95,6 +105,14 @@ impl<T: Scalar> Node<T> {
 
 fn add(a: V3<f64>, b: V3<f64>) -> V3<f64> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Sums of the diagonals times their coordinates.
+fn along(arguments: &[Facet<f64>], material: &[Coordinates]) -> [V3<f64>; 2] {
+    [0, 1].map(|a| {
+        let parts = arguments.iter().zip(material);
+        parts.fold([0.0; 3], |sum, (x, c)| std::array::from_fn(|i| sum[i] + c[0][a] * x[1][i] + c[1][a] * x[2][i]))
+    })
 }
 
 impl Slot {
@@ -114,9 +132,10 @@ impl NodeFriction<'_> {
     /// Evaluates the step of a slot with a partner; `None` if the node has no tangent plane.
     pub fn state(&self, slot: &Slot, step: StepConfiguration<'_>, work: &mut Scratch) -> Option<FrictionState> {
         let at_end = step.rule == ContactRule::EndPoint;
-        let Scratch { arguments, start, .. } = work;
+        let Scratch { arguments, start, material, .. } = work;
         arguments.clear();
         start.clear();
+        self.frames.coordinates(self.local, slot.facets().iter().map(|group| group.facet), material);
         let (mut normal, mut slip) = ([0.0; 3], [0.0; 3]);
         for group in slot.facets() {
             // Weights of the start have the same nodes in front. Those of the end are there also for a node that had no partner at the start.
@@ -137,7 +156,7 @@ impl NodeFriction<'_> {
             arguments.push(x);
             start.push(at_n);
         }
-        let node = Node::new(normal, arguments.first()?[1], slip, self.support(slot, at_end));
+        let node = Node::new(normal, along(arguments, material), slip, self.support(slot, at_end));
         let size: f64 = arguments.iter().map(|x| (dot(x[1], x[1]) * dot(x[2], x[2])).sqrt()).sum();
         let regular = dot(normal, normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
         if !regular {
@@ -229,11 +248,12 @@ impl NodeFriction<'_> {
             normal = add(normal, normal_part(x));
             slip = add(slip, self.measure.slip(at_end, x, start));
         }
-        let line = work.arguments.first().map_or([0.0; 3], |x| x[1]);
+        let [a, b] = along(&work.arguments, &work.material);
         let variable = |v: V3<f64>, first: usize| std::array::from_fn(|i| Dual::variable(v[i], first + i));
-        let node = Node::<Dual<9>>::new(variable(normal, 0), variable(line, 3), variable(slip, 6), support);
+        let node =
+            Node::<Dual<NODE>>::new(variable(normal, 0), [variable(a, 3), variable(b, 6)], variable(slip, 9), support);
         let step = state.branch.as_ref().map_or(&state.step, |(branch, _)| branch);
-        let components: [Dual<9>; 2] = std::array::from_fn(|i| {
+        let components: [Dual<NODE>; 2] = std::array::from_fn(|i| {
             let [a, b] = step.d_slip[i];
             let partial = std::array::from_fn(|k| a * node.slip[0].partial[k] + b * node.slip[1].partial[k]);
             Dual { value: state.step.force[i], partial }
@@ -248,7 +268,7 @@ impl NodeFriction<'_> {
         let mismatch = components.map(|c| c.scale(of_force));
         // The slip is inverse to the support.
         let inverse = if support > 0.0 { 1.0 / support } else { 0.0 };
-        let by_support = |x: &Dual<9>| -inverse * (0..3).map(|i| x.partial[6 + i] * slip[i]).sum::<f64>();
+        let by_support = |x: &Dual<NODE>| -inverse * (0..3).map(|i| x.partial[9 + i] * slip[i]).sum::<f64>();
         let [a, b, c] = &traction;
         ByNode {
             of_support: [a, b, c, &mismatch[0], &mismatch[1]].map(by_support),
@@ -281,12 +301,12 @@ impl NodeFriction<'_> {
         let rows = 3 + multipliers;
         let [a, b, c] = of.traction;
         let by_node = [a, b, c, of.mismatch[0], of.mismatch[1]];
-        let Scratch { arguments, start, motion, traction, product } = work;
+        let Scratch { arguments, start, material, motion, traction, product } = work;
         motion.clear();
         motion.resize(FACET * n * arguments.len(), 0.0);
         traction.clear();
         traction.resize(rows * n, 0.0);
-        for (f, (x, start)) in arguments.iter().zip(start.iter()).enumerate() {
+        for (f, ((x, start), material)) in arguments.iter().zip(start.iter()).zip(material.iter()).enumerate() {
             let motion = &mut motion[FACET * n * f..][..FACET * n];
             self.move_arguments(slot, f, step, motion);
             // The traction by the facet's arguments.
@@ -295,9 +315,12 @@ impl NodeFriction<'_> {
             let (normal, slip) = (normal_part(&x), self.measure.slip(at_end, &x, start));
             for (row, by_node) in traction.chunks_exact_mut(n).zip(&by_node[..rows]) {
                 for (k, from) in motion.chunks_exact(n).enumerate() {
-                    let mut d = if f == 0 && (3..6).contains(&k) { by_node.partial[k] } else { 0.0 };
+                    let mut d = 0.0;
+                    if let Some(coordinates) = (k / 3).checked_sub(1).and_then(|a| material.get(a)) {
+                        d += by_node.partial[3 + k % 3] * coordinates[0] + by_node.partial[6 + k % 3] * coordinates[1];
+                    }
                     for i in 0..3 {
-                        d += by_node.partial[i] * normal[i].partial[k] + by_node.partial[6 + i] * slip[i].partial[k];
+                        d += by_node.partial[i] * normal[i].partial[k] + by_node.partial[9 + i] * slip[i].partial[k];
                     }
                     if d != 0.0 {
                         row.iter_mut().zip(from).for_each(|(t, m)| *t += d * m);

@@ -31,10 +31,14 @@ const SHORT_STEP: f64 = 0.5;
 /// Relative difference of residuals that are taken for the same.
 const SAME_RESIDUAL: f64 = 0.02;
 
+/// A residual below this share of what the violation of constraints counts for is none. The forces that the constraints will need are still to come,
+/// and neither the residual nor its scale says how large they are: contact that closes on bodies without load has both as small as one likes.
+const IN_BALANCE: f64 = 1e-3;
+
 /// Norms of an iterate.
 #[derive(Clone, Copy)]
 struct Norms {
-    /// The larger of the residual and of the violation times the scale: what has to fall.
+    /// The larger of the residual and of the violation times the scale, of which no more than the whole counts: what has to fall.
     measure: f64,
     residual: f64,
     scale: f64,
@@ -52,8 +56,10 @@ impl Norms {
 }
 
 fn measure(residual: f64, scale: f64, violation: f64) -> f64 {
-    // Not `max`, which loses a NaN.
-    if violation * scale > residual { violation * scale } else { residual }
+    // A multiplier of stick far beyond what friction can carry violates its row by many lengths: it will slide. A residual of forces is not much larger
+    // than their scale, however wrong the iterate is. Neither `min` nor `max`, which lose a NaN.
+    let part = if violation > 1.0 { 1.0 } else { violation };
+    if part * scale > residual { part * scale } else { residual }
 }
 
 fn assemble<P: NewtonProblem>(problem: &mut P) -> Result<Norms, P::Error> {
@@ -85,7 +91,7 @@ impl Course<'_> {
         if !norms.is_finite() {
             return Ok(StopReason::NotFinite);
         }
-        let divergence = o.divergence_factor * norms.measure.max(norms.scale);
+        let mut divergence = o.divergence_factor * norms.measure.max(norms.scale);
         let mut smallest = norms.measure;
         let mut since_smallest = 0;
         let mut solves = 0;
@@ -108,6 +114,10 @@ impl Course<'_> {
                 Step::NotAcceptable => return Ok(StopReason::LineSearchFailed),
                 Step::NotFinite => return Ok(StopReason::NotFinite),
             };
+            if self.begins_in_balance(previous) {
+                divergence = divergence.max(o.divergence_factor * norms.scale);
+                smallest = norms.measure;
+            }
             self.record(norms, increment, length);
             if self.within_tolerance(norms) {
                 continue;
@@ -210,7 +220,10 @@ impl Course<'_> {
         let mut last_error = None;
         match full {
             // Also below the tolerance: a residual at round-off may grow by any factor.
-            Ok(norms) if norms.is_finite() && (norms.measure <= limit || self.within_tolerance(norms)) => {
+            Ok(norms)
+                if norms.is_finite()
+                    && (norms.measure <= limit || self.within_tolerance(norms) || self.begins_in_balance(previous)) =>
+            {
                 return Ok(Step::Taken { norms, length: first });
             }
             Ok(_) => {}
@@ -235,6 +248,11 @@ impl Course<'_> {
             }
         }
         last_error.map_or(Ok(Step::NotAcceptable), Err)
+    }
+
+    /// Whether `previous` is the first iterate of all, and only constraints are violated there.
+    fn begins_in_balance(&self, previous: Norms) -> bool {
+        self.records.len() == 1 && previous.residual < IN_BALANCE * previous.violation * previous.scale
     }
 
     fn within_tolerance(&self, norms: Norms) -> bool {

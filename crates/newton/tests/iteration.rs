@@ -429,3 +429,47 @@ fn the_absolute_tolerance_is_not_one_of_constraints() {
     assert_eq!(last.relative_residual(), 1e-3);
     assert_eq!(report.iterations[0].relative_residual(), 0.5);
 }
+
+/// A constraint that is violated by little closes on a body without load: the first step brings forces a million times those that were there.
+struct Closing {
+    iterations: u32,
+    /// Residual of the first iterate, in multiples of its scale.
+    residual: f64,
+}
+
+impl NewtonProblem for Closing {
+    type Error = std::convert::Infallible;
+
+    fn assemble(&mut self) -> Result<ResidualNorms, Self::Error> {
+        Ok(match self.iterations {
+            0 => ResidualNorms { residual: self.residual * 1e-6, scale: 1e-6 },
+            k => ResidualNorms { residual: 0.01_f64.powi(k as i32 - 1), scale: 4.0 },
+        })
+    }
+
+    fn solve(&mut self) -> Result<f64, Self::Error> {
+        self.iterations += 1;
+        Ok(1.0)
+    }
+
+    fn update(&mut self, _factor: f64) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    fn relative_violation(&self) -> f64 {
+        if self.iterations == 0 { 1e-5 } else { 0.0 }
+    }
+}
+
+#[test]
+fn forces_may_come_with_the_first_step() {
+    // Tiny next to the forces that come, so that a bound by what was there would end the iteration as diverged, too.
+    let options = NewtonOptions { divergence_factor: 1e3, ..with_line_search() };
+    let report = solve(&mut Closing { iterations: 0, residual: 1e-12 }, &options).unwrap();
+    assert!(report.iterations[1..].iter().all(|record| record.step_length == 1.0));
+    // A residual of forces does tell how large they are.
+    match solve(&mut Closing { iterations: 0, residual: 1e-3 }, &options) {
+        Err(NewtonFailure::NotConverged(report)) => assert_eq!(report.reason, StopReason::LineSearchFailed),
+        other => panic!("{other:?}"),
+    }
+}

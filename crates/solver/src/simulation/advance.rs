@@ -14,6 +14,9 @@ use stoss_linalg::vector;
 /// fraction of their motion.
 const EXTRAPOLATION_FITS: f64 = 0.1;
 
+/// A gain of energy in one step of dynamics that is told, relative to the largest part of the balance so far.
+const TOLD_GAIN: f64 = 0.05;
+
 /// From where the iterations start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
@@ -225,6 +228,26 @@ impl Simulation {
         self.decisions.extend(warnings);
     }
 
+    /// Says once in a run that energy came from nowhere, with what `before` was at the start of the step. Contact can give it, at edges or where closed
+    /// nodes are inside, under every scheme that does not conserve; friction and damping cannot.
+    fn warn_energy_gain(&mut self, before: &Balance) {
+        let now = &self.balance;
+        let parts = [now.kinetic, now.strain, now.potential, now.contact, now.dissipation, now.external_work];
+        let gain = now.total() - before.total();
+        self.largest_energy = parts.iter().fold(self.largest_energy, |most, part| most.max(part.abs()));
+        if self.model.contacts.is_empty() || self.scheme.is_none() || gain <= TOLD_GAIN * self.largest_energy {
+            return;
+        }
+        let share = 100.0 * gain / self.largest_energy;
+        let reason = format!(
+            "the energy rises by {share:.0} % of what there is although nothing does work: the contact gives it; the motion is doubtful from here on. \
+             `energy-momentum` with the one-sided or the modified constraint does not gain; smaller steps, or exchanging slave and master, may help. This \
+             is said once"
+        );
+        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+        self.largest_energy = f64::INFINITY;
+    }
+
     /// Velocities and whatever else the scheme carries, at the end of a converged step.
     fn next_state(&mut self, iterate: &Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
         let mut next = State { v: self.state.v.clone(), ..State::at_rest(iterate.q.clone()) };
@@ -304,6 +327,7 @@ impl Simulation {
         self.pressures = iterate.pressures;
         self.active = iterate.active;
         let balance = self.measure_balance(strain, self.balance.external_work + work);
+        let before = self.balance;
         self.balance = Balance {
             contact: contact_work.stored,
             dissipation: self.balance.dissipation + contact_work.dissipated,
@@ -312,6 +336,7 @@ impl Simulation {
             ..balance
         };
         self.step += 1;
+        self.warn_energy_gain(&before);
         if self.clock.accept() {
             let reason = format!("{} steps succeeded in a row", self.control.grow_after);
             self.decisions.push(decision(self.step, time, dt, DecisionKind::Grow, reason));
@@ -396,8 +421,9 @@ impl Simulation {
             for report in &reports {
                 is_slave[report.node as usize] = false;
             }
+            // Contact, not what ties hold.
             for i in 0..3 {
-                summary.force_on_slave[i] += force[i];
+                summary.force_on_slave[i] += if pair.method.is_permanent() { 0.0 } else { force[i] };
             }
             summary.force_of_pair.push(force);
         }

@@ -54,6 +54,13 @@ pub(super) fn contact(
         problems.add(format!("{}.constraint", pair.key), constraint.name(), message, remedy);
         return None;
     }
+    if dynamic && constant.is_none() && item.multipliers == Some(Multipliers::Dual) {
+        warnings.push(format!(
+            "{}: with integrals that move in the step dual multipliers gave blocks on the rim of a slab up to twenty times their energy. Use \
+             `multipliers = \"standard\"` (twice at most), or `energy-momentum`, which gives none with either",
+            item.label()
+        ));
+    }
     // True if an entry cannot be had, which is said.
     let refuse = |entry: &str, value: &str, remedy: &str, problems: &mut Problems<'_>| {
         if let Some(scheme) = constant {
