@@ -40,11 +40,8 @@ impl MaterialFrames {
             // Into the slave, as in `tangential`. The two sides of a fold have no mean.
             let size: f64 = around.iter().map(|f| area(f).norm()).sum();
             let normal = if sum.norm() > FLAT * size { sum } else { area(&around[0]) }.normalize();
-            let line = diagonals[around[0] as usize][0];
-            let other = diagonals[around[0] as usize][1];
-            let project = |v: Vector3<f64>| v - normal * normal.dot(&v);
-            let longer = if project(line).norm() >= project(other).norm() { line } else { other };
-            let first = project(longer).normalize();
+            let [a, b] = diagonals[around[0] as usize].map(|d| d - normal * normal.dot(&d));
+            let first = if a.norm() >= b.norm() { a } else { b }.normalize();
             [first, normal.cross(&first)]
         };
         Self { tangents: (0..slave.nodes().len()).map(tangents).collect(), diagonals }
