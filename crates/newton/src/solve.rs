@@ -57,8 +57,9 @@ impl Norms {
 
 fn measure(residual: f64, scale: f64, violation: f64) -> f64 {
     // A multiplier of stick far beyond what friction can carry violates its row by many lengths: it will slide. A residual of forces is not much larger
-    // than their scale, however wrong the iterate is. Neither `min` nor `max`, which lose a NaN.
-    let part = if violation > 1.0 { 1.0 } else { violation };
+    // than their scale, however wrong the iterate is.
+    let part = violation.min(1.0);
+    // Not `max`, which loses a residual that is NaN; a violation is looked at by `Norms::is_finite`.
     if part * scale > residual { part * scale } else { residual }
 }
 
@@ -217,6 +218,8 @@ impl Course<'_> {
             return Ok(if norms.is_finite() { Step::Taken { norms, length: first } } else { Step::NotFinite });
         };
         let limit = max_growth * previous.measure.max(small * previous.scale);
+        // Then any step is as good as any other: all bring forces that were not there.
+        let unbounded = self.begins_in_balance(previous);
         let mut last_error = None;
         match full {
             // Also below the tolerance: a residual at round-off may grow by any factor.
@@ -238,7 +241,7 @@ impl Course<'_> {
                 Err(error) => Err(error),
             };
             match trial {
-                Ok(residual) if residual <= limit => {
+                Ok(residual) if residual <= limit || unbounded => {
                     let norms = assemble(problem)?;
                     return Ok(if norms.is_finite() { Step::Taken { norms, length } } else { Step::NotFinite });
                 }
@@ -250,9 +253,9 @@ impl Course<'_> {
         last_error.map_or(Ok(Step::NotAcceptable), Err)
     }
 
-    /// Whether `previous` is the first iterate of all, and only constraints are violated there.
+    /// Whether `previous` is the first iterate of this solution (of a step, or after a change of constraints), and only constraints are violated there.
     fn begins_in_balance(&self, previous: Norms) -> bool {
-        self.records.len() == 1 && previous.residual < IN_BALANCE * previous.violation * previous.scale
+        self.records.len() == 1 && previous.residual < IN_BALANCE * previous.measure
     }
 
     fn within_tolerance(&self, norms: Norms) -> bool {

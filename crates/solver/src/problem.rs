@@ -13,7 +13,7 @@ use stoss_newton::{NewtonProblem, ResidualNorms};
 /// Motions below this fraction of an edge length in a step are not resolved relative to themselves: the forces that they
 /// need are the smallest scale that the residual is measured against. Without it a free, unstressed flight, whose
 /// forces are round-off, could never converge relatively.
-const SMALLEST_RESOLVED_MOTION: f64 = 1.0e-4;
+pub(crate) const SMALLEST_RESOLVED_MOTION: f64 = 1.0e-4;
 
 /// Relative residual of linear solutions by iteration. Newton's own residual falls at most by this factor in an iteration then, which is what it
 /// gains at best where it converges quadratically and the residual is not yet at round-off. (Two tori with friction, 25 steps: as many Newton

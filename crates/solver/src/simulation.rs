@@ -108,8 +108,6 @@ pub struct Simulation {
     reactions: Vec<f64>,
     contact_force: Vec<f64>,
     balance: Balance,
-    /// Largest energy or work of the steps so far; infinite once a gain was told.
-    largest_energy: f64,
     timings: Timings,
     decisions: Vec<Decision>,
     solves: u64,
@@ -160,7 +158,6 @@ impl Simulation {
             state,
             step: 0,
             balance: Balance::default(),
-            largest_energy: 0.0,
             timings: Timings::default(),
             decisions: Vec::new(),
             solves: 0,

@@ -2,9 +2,12 @@
 
 use super::{InsideOutRule, Simulation};
 use crate::assembly::{Iterate, no_auxiliaries};
+use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
-use crate::{Balance, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord};
+use crate::{
+    Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord,
+};
 use stoss_contact::{ContactWork, Coverage, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
@@ -14,8 +17,10 @@ use stoss_linalg::vector;
 /// fraction of their motion.
 const EXTRAPOLATION_FITS: f64 = 0.1;
 
-/// A gain of energy in one step of dynamics that is told, relative to the largest part of the balance so far.
+/// A gain of energy by contact in one step of dynamics that is told, relative to what the bodies have.
 const TOLD_GAIN: f64 = 0.05;
+/// Beginning of what is told then.
+const CONTACT_GAVE: &str = "contact gave the bodies";
 
 /// From where the iterations start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -228,24 +233,25 @@ impl Simulation {
         self.decisions.extend(warnings);
     }
 
-    /// Says once in a run that energy came from nowhere, with what `before` was at the start of the step. Contact can give it, at edges or where closed
-    /// nodes are inside, under every scheme that does not conserve; friction and damping cannot.
-    fn warn_energy_gain(&mut self, before: &Balance) {
+    /// Says once in a run that contact gave energy: its forces did this `work` in the step, which what springs stored does not account for. It can, at edges
+    /// or where closed nodes are inside, under every scheme that does not conserve.
+    fn warn_contact_gain(&mut self, work: f64, before: &Balance) {
         let now = &self.balance;
-        let parts = [now.kinetic, now.strain, now.potential, now.contact, now.dissipation, now.external_work];
-        let gain = now.total() - before.total();
-        self.largest_energy = parts.iter().fold(self.largest_energy, |most, part| most.max(part.abs()));
-        if self.model.contacts.is_empty() || self.scheme.is_none() || gain <= TOLD_GAIN * self.largest_energy {
+        let gain = work + now.contact - before.contact;
+        let energy = (now.kinetic + now.strain).max(before.kinetic + before.strain);
+        let length = self.model.contacts.iter().map(|pair| pair.method.length_scale()).fold(0.0, f64::max);
+        // Of motions that are not resolved.
+        let nothing = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION * self.system.stiffness_force * length;
+        let told = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(CONTACT_GAVE);
+        if gain <= TOLD_GAIN * energy || gain <= nothing || self.decisions.iter().any(told) {
             return;
         }
-        let share = 100.0 * gain / self.largest_energy;
         let reason = format!(
-            "the energy rises by {share:.0} % of what there is although nothing does work: the contact gives it; the motion is doubtful from here on. \
-             `energy-momentum` with the one-sided or the modified constraint does not gain; smaller steps, or exchanging slave and master, may help. This \
-             is said once"
+            "{CONTACT_GAVE} {:.0} % of their energy in this step; the motion is doubtful from here on. `energy-momentum` with the one-sided or the modified \
+             constraint does not do that; smaller steps, or exchanging slave and master, may help. This is said once",
+            100.0 * gain / energy
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
-        self.largest_energy = f64::INFINITY;
     }
 
     /// Velocities and whatever else the scheme carries, at the end of a converged step.
@@ -309,6 +315,8 @@ impl Simulation {
         for ((f, q1), q0) in varying.iter().zip(&next.q).zip(&self.state.q) {
             work += f * (q1 - q0);
         }
+        let moved = next.q.iter().zip(&self.state.q).map(|(q1, q0)| q1 - q0);
+        let work_of_contact: f64 = moved.zip(&self.system.buffers.constraint).map(|(dq, f)| f * dq).sum();
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
             pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
         }
@@ -336,7 +344,9 @@ impl Simulation {
             ..balance
         };
         self.step += 1;
-        self.warn_energy_gain(&before);
+        if self.scheme.is_some() && contact.is_some() {
+            self.warn_contact_gain(work_of_contact, &before);
+        }
         if self.clock.accept() {
             let reason = format!("{} steps succeeded in a row", self.control.grow_after);
             self.decisions.push(decision(self.step, time, dt, DecisionKind::Grow, reason));
