@@ -360,9 +360,9 @@ pressure = {{ table = [[0, 0], [1, 60]] }}
         }
         assert!(s.decisions().is_empty(), "{multipliers}: {:?}", s.decisions());
         // That of the contact without what the tie holds: the load is shared between both.
-        let base: f64 = (0..s.model().node_count()).map(|n| s.reactions()[3 * n + 2]).sum();
+        let all: f64 = (0..s.model().node_count()).map(|n| s.reactions()[3 * n + 2]).sum();
         let wall: f64 = s.model().bodies[1].nodes.clone().map(|n| s.reactions()[3 * n as usize + 2]).sum();
-        assert!(wall > 1.0 && (force[2] - (base - wall)).abs() < 1e-9 * base, "{multipliers}: {force:?} {base} {wall}");
+        assert!(wall > 1.0 && (force[2] - (all - wall)).abs() < 1e-9 * all, "{multipliers}: {force:?} {all} {wall}");
     }
 }
 

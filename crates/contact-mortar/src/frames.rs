@@ -102,7 +102,7 @@ mod tests {
     proptest! {
         #[test]
         fn frames_turn_with_the_rotation_of_the_polar_decomposition(
-            u in prop::array::uniform3(-0.4f64..0.4), axis in prop::array::uniform3(-1.5f64..1.5), mirror in any::<bool>(),
+            u in prop::array::uniform3(-0.4f64..0.4), axis in prop::array::uniform3(-1.5f64..1.5),
         ) {
             let (surface, q) = patch();
             let frames = MaterialFrames::new(&surface, &q);
@@ -118,13 +118,11 @@ mod tests {
                 prop_assert!((turn * a - b).amax() < 1e-13, "{:?} {:?}", turn * a, b);
             }
             // Which way round its facets are numbered is nothing to the material.
-            if mirror {
-                let turned: Vec<[u32; 4]> = surface.facets().iter().map(|f| [f[1], f[2], f[3], f[0]]).collect();
-                let other = ContactSurface::new("slave", &turned, &q).unwrap();
-                let frames = MaterialFrames::new(&other, &q);
-                let (b, a) = (frame(&frames, &other, &q), frame(&frames, &other, &moved));
-                prop_assert!((turn * b[0] - a[0]).amax() < 1e-13);
-            }
+            let turned: Vec<[u32; 4]> = surface.facets().iter().map(|f| [f[1], f[2], f[3], f[0]]).collect();
+            let other = ContactSurface::new("slave", &turned, &q).unwrap();
+            let frames = MaterialFrames::new(&other, &q);
+            let (before, after) = (frame(&frames, &other, &q), frame(&frames, &other, &moved));
+            prop_assert!((turn * before[0] - after[0]).amax() < 1e-13);
         }
     }
 }

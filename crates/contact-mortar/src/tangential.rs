@@ -315,10 +315,9 @@ impl NodeFriction<'_> {
             let (normal, slip) = (normal_part(&x), self.measure.slip(at_end, &x, start));
             for (row, by_node) in traction.chunks_exact_mut(n).zip(&by_node[..rows]) {
                 for (k, from) in motion.chunks_exact(n).enumerate() {
-                    let mut d = 0.0;
-                    if let Some(coordinates) = (k / 3).checked_sub(1).and_then(|a| material.get(a)) {
-                        d += by_node.partial[3 + k % 3] * coordinates[0] + by_node.partial[6 + k % 3] * coordinates[1];
-                    }
+                    let coordinates = (k / 3).checked_sub(1).and_then(|diagonal| material.get(diagonal));
+                    let mut d = coordinates
+                        .map_or(0.0, |[a, b]| by_node.partial[3 + k % 3] * a + by_node.partial[6 + k % 3] * b);
                     for i in 0..3 {
                         d += by_node.partial[i] * normal[i].partial[k] + by_node.partial[9 + i] * slip[i].partial[k];
                     }

@@ -223,10 +223,7 @@ impl Course<'_> {
         let mut last_error = None;
         match full {
             // Also below the tolerance: a residual at round-off may grow by any factor.
-            Ok(norms)
-                if norms.is_finite()
-                    && (norms.measure <= limit || self.within_tolerance(norms) || self.begins_in_balance(previous)) =>
-            {
+            Ok(norms) if norms.is_finite() && (norms.measure <= limit || self.within_tolerance(norms) || unbounded) => {
                 return Ok(Step::Taken { norms, length: first });
             }
             Ok(_) => {}

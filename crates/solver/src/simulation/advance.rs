@@ -315,8 +315,11 @@ impl Simulation {
         for ((f, q1), q0) in varying.iter().zip(&next.q).zip(&self.state.q) {
             work += f * (q1 - q0);
         }
-        let moved = next.q.iter().zip(&self.state.q).map(|(q1, q0)| q1 - q0);
-        let work_of_contact: f64 = moved.zip(&self.system.buffers.constraint).map(|(dq, f)| f * dq).sum();
+        // Nothing is judged by it in statics.
+        let work_of_contact = (!quasi_static && contact.is_some()).then(|| -> f64 {
+            let moved = next.q.iter().zip(&self.state.q).map(|(q1, q0)| q1 - q0);
+            moved.zip(&self.system.buffers.constraint).map(|(dq, f)| f * dq).sum()
+        });
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
             pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
         }
@@ -344,8 +347,8 @@ impl Simulation {
             ..balance
         };
         self.step += 1;
-        if self.scheme.is_some() && contact.is_some() {
-            self.warn_contact_gain(work_of_contact, &before);
+        if let Some(work) = work_of_contact {
+            self.warn_contact_gain(work, &before);
         }
         if self.clock.accept() {
             let reason = format!("{} steps succeeded in a row", self.control.grow_after);
