@@ -53,6 +53,12 @@ enum Command {
         /// Shortens long scenes.
         #[arg(long)]
         quick: bool,
+        /// First seed of the suite `random`.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Number of scenes of the suite `random`.
+        #[arg(long, default_value_t = 30)]
+        count: u64,
         /// Names of suites; all if none is given.
         suites: Vec<String>,
     },
@@ -70,7 +76,9 @@ fn dispatch(command: Command) -> Outcome<bool> {
         Command::Reuse { bless } => reuse::command(&workspace, bless),
         Command::Tidy => tidy::command(&workspace),
         Command::Schema { check } => schema::command(&workspace, check),
-        Command::Verify { quick, suites } => verify::command(&workspace, quick, &suites),
+        Command::Verify { quick, seed, count, suites } => {
+            verify::command(&workspace, quick, &suites, verify::RandomRange { seed, count })
+        }
         Command::Gallery { scene } => gallery::command(&workspace, scene.as_deref()),
     }
 }

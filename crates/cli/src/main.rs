@@ -1,7 +1,7 @@
 //! The program `stoss`: runs scenes, checks them, prints the scene format's schema.
 //!
 //! Exit codes: 0 done; 1 files could not be read or written; 2 the scene or the command line is wrong; 3 the
-//! simulation stopped early (all completed steps are kept).
+//! simulation stopped early (all completed steps are kept); 4 the run went on, but the watch found its result wrong.
 
 mod diagnostics;
 mod progress;
@@ -51,6 +51,11 @@ enum Command {
         /// The scene (TOML).
         scene: PathBuf,
     },
+    /// Judges the stored frames of a run: bodies inside each other, bad elements, anything that passed through a body.
+    Judge {
+        /// A folder of results.
+        out: PathBuf,
+    },
     /// Prints the JSON schema of the scene format.
     Schema,
 }
@@ -68,7 +73,24 @@ fn main() -> ExitCode {
             run(&scene, RunOptions { out, until, resume, systems, ..RunOptions::default() }, quiet)
         }
         Command::Check { scene } => check(&scene),
+        Command::Judge { out } => judge(&out),
         Command::Schema => tell(&stoss::scene::json_schema()),
+    }
+}
+
+/// Exit code of a run whose result the watch found wrong.
+const WRONG: u8 = 4;
+
+fn judge(out: &Path) -> ExitCode {
+    match stoss::run::judge_folder(out) {
+        Ok(verdict) => {
+            let told = tell(&verdict.to_string());
+            if verdict.level == stoss::watch::Level::Wrong { ExitCode::from(WRONG) } else { told }
+        }
+        Err(error) => {
+            say!("error: {error}");
+            ExitCode::from(1)
+        }
     }
 }
 
@@ -83,7 +105,10 @@ fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
     match stoss::run::run_scene(path, &options, &mut |event| progress.show(&event)) {
         Ok(summary) => {
             progress.finish(&summary);
-            ExitCode::SUCCESS
+            if quiet && summary.is_fault() {
+                say!("{}", summary.verdict);
+            }
+            if summary.is_fault() { ExitCode::from(WRONG) } else { ExitCode::SUCCESS }
         }
         Err(RunError::Scene(problems)) => {
             diagnostics::print(path, &problems);

@@ -27,6 +27,7 @@ mod samples;
 mod schema;
 mod source;
 mod tie;
+mod watch;
 
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
@@ -50,6 +51,7 @@ pub use results::{Expect, ExpectedValue, Field, Interval, Outcome, Output, Probe
 pub use schema::json_schema;
 pub use source::Location;
 pub use tie::{Interface, Multipliers, Tie, TieForm};
+pub use watch::{OnFault, Verdict, Watch};
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -93,6 +95,9 @@ pub struct Scene {
     /// `[output]`.
     #[serde(default)]
     pub output: Output,
+    /// `[watch]`.
+    #[serde(default)]
+    pub watch: Watch,
     /// `[expect]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expect: Option<Expect>,

@@ -1,7 +1,7 @@
 //! Probes, output, and what a run is expected to show.
 
-use crate::Component;
 use crate::names::named;
+use crate::{Component, Verdict};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -160,6 +160,9 @@ pub struct Expect {
     /// How the run ends (`summary.json`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outcome: Option<Outcome>,
+    /// What the watch finds (`summary.json`); a scene that says nothing must be sound.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Verdict>,
     /// Number of completed steps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steps: Option<u64>,

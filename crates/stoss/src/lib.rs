@@ -8,7 +8,7 @@
 //! | `mortar` | mortar contact and mesh ties ([`contact_mortar`]) |
 //! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
 //! | `mesh-files` | Gmsh and Abaqus readers |
-//! | `output` | folders of results, and [`run`], which the program `stoss` is a thin layer over |
+//! | `output` | folders of results, the [`watch`] on every run, and [`run`], which the program `stoss` is a thin layer over |
 //!
 //! This crate contains no algorithm: it translates a scene into a [`solver::Model`] and writes what the
 //! [`solver::Simulation`] did.
@@ -33,6 +33,8 @@ pub use stoss_reference_element as reference_element;
 pub use stoss_scene as scene;
 pub use stoss_solver as solver;
 pub use stoss_tensor as tensor;
+#[cfg(feature = "output")]
+pub use stoss_watch as watch;
 
 #[cfg(feature = "scene")]
 pub mod build;

@@ -1,13 +1,13 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
 use crate::build::{Built, OwnLaws, build_with};
-use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder, SystemWriter};
+use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder, SystemWriter, judge_start};
 use crate::scene::{Scene, SceneErrors};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use stoss_solver::{SimulationError, StepRecord};
 
-pub use crate::output::Summary;
+pub use crate::output::{Summary, judge_folder};
 
 /// How to run.
 #[derive(Clone, Debug, Default)]
@@ -169,6 +169,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
         contacts,
+        watch: scene.watch.clone(),
     };
     report(Event::Start {
         title: &scene.header.title,
@@ -195,6 +196,9 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
                     systems.check()?;
                 }
                 report(Event::Step { record: &record, end });
+                if folder.must_stop() {
+                    break;
+                }
             }
             Err(source) => {
                 let (last_step, last_time) = (simulation.step(), simulation.state().time);
@@ -293,6 +297,8 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
     ));
     lines.push(format!("  steps: {} of {} to t = {}", plan.steps, scene.time.step, scene.time.end));
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
+    let start = judge_start(&built.simulation, &scene.watch)?;
+    lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
     lines.push("no problems found".to_owned());
     Ok(PlanReport { lines })
 }

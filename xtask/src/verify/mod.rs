@@ -11,6 +11,7 @@ mod derivatives;
 mod facade;
 mod figures;
 mod friction;
+mod launch;
 mod laws;
 mod lean;
 mod materials;
@@ -20,6 +21,7 @@ mod newton;
 mod origin;
 mod patch;
 mod quadratic;
+mod random;
 mod report;
 mod run;
 mod scenes;
@@ -36,6 +38,7 @@ use std::path::{Path, PathBuf};
 use crate::program::Program;
 use crate::workspace::{Outcome, Workspace, write};
 use check::Check;
+pub use random::Range as RandomRange;
 use report::Section;
 pub use run::Run;
 
@@ -68,6 +71,7 @@ const SUITES: &[&dyn Suite] = &[
     &work_precision::WorkPrecision,
     &stability::Stability,
     &lean::Lean,
+    &random::Random,
     &scenes::Scenes,
 ];
 
@@ -87,6 +91,8 @@ pub struct Bench {
     pub workspace: Workspace,
     /// True if long scenes are shortened.
     pub quick: bool,
+    /// Which random scenes the suite `random` runs.
+    pub random: random::Range,
     folder: PathBuf,
     program: OnceCell<Program>,
     runs: RefCell<BTreeMap<String, Run>>,
@@ -100,6 +106,7 @@ impl Bench {
         Ok(Self {
             workspace: workspace.clone(),
             quick,
+            random: random::Range::default(),
             folder,
             program: OnceCell::new(),
             runs: RefCell::default(),
@@ -176,12 +183,12 @@ fn quick_end(scene: &toml::Table) -> Option<f64> {
 }
 
 /// Runs the named suites; false if a check falls short.
-pub fn command(workspace: &Workspace, quick: bool, names: &[String]) -> Outcome<bool> {
+pub fn command(workspace: &Workspace, quick: bool, names: &[String], random: random::Range) -> Outcome<bool> {
     let known: Vec<&str> = SUITES.iter().map(|suite| suite.name()).collect();
     if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(format!("no suite {name:?}; there are {}", known.join(", ")).into());
     }
-    let bench = Bench::new(workspace, quick)?;
+    let bench = Bench { random, ..Bench::new(workspace, quick)? };
     let chosen = SUITES.iter().filter(|suite| names.is_empty() || names.iter().any(|name| name == suite.name()));
     let mut results = Vec::new();
     for suite in chosen {

@@ -43,9 +43,21 @@ impl Run {
         self.until.map(|time| format!("shortened to t = {time}")).unwrap_or_default()
     }
 
-    /// True if the program ended well.
+    /// True if the program went to the end. What the watch found is a row of its own.
     pub fn succeeded(&self) -> bool {
-        self.ending.code == Some(0)
+        matches!(self.ending.code, Some(0 | 4))
+    }
+
+    /// What the watch found, in one word.
+    pub fn verdict(&self) -> Outcome<String> {
+        let summary = self.summary()?;
+        Ok(summary["verdict"]["level"].as_str().ok_or("summary.json has no verdict")?.to_owned())
+    }
+
+    /// The worst that the watch found, as it says it.
+    pub fn reasons(&self) -> String {
+        let summary = self.summary().unwrap_or_default();
+        summary["verdict"]["reasons"][0]["sentence"].as_str().unwrap_or_default().to_owned()
     }
 
     /// `balance.csv`.

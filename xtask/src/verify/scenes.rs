@@ -14,6 +14,9 @@ pub struct Scenes;
 /// Exit code of a run that had to give up.
 const GAVE_UP: i32 = 3;
 
+/// Exit code of a run whose result the watch found wrong.
+const WRONG: i32 = 4;
+
 impl Suite for Scenes {
     fn name(&self) -> &'static str {
         "scenes"
@@ -38,9 +41,12 @@ impl Suite for Scenes {
             }
             let run = bench.run_shipped(file)?;
             let gives_up = expect.get("outcome").and_then(Value::as_str) == Some("failed");
-            let ending = run.completed(if gives_up { GAVE_UP } else { 0 });
+            // A shortened run may end before what makes it wrong.
+            let found = run.verdict().unwrap_or_default();
+            let ending = run.completed(if gives_up { GAVE_UP } else { if found == "wrong" { WRONG } else { 0 } });
             let ended = ending.holds();
             findings.checks.push(ending);
+            findings.checks.push(verdict(&run, expect.get("verdict").and_then(Value::as_str), &found));
             if !ended {
                 continue;
             }
@@ -74,6 +80,18 @@ impl Suite for Scenes {
         }
         Ok(findings)
     }
+}
+
+/// The verdict of the watch against the one that the scene expects: sound if it says nothing. A shortened run may be better than the whole one.
+fn verdict(run: &Run, expected: Option<&str>, found: &str) -> Check {
+    const WORDS: [&str; 3] = ["sound", "doubtful", "wrong"];
+    let place = |word: &str| WORDS.iter().position(|known| *known == word).map_or(f64::NAN, |place| place as f64);
+    let expected = place(expected.unwrap_or("sound"));
+    let bound = match run.until {
+        Some(_) => Bound::AtMost(expected),
+        None => Bound::Near { value: expected, tolerance: 0.0 },
+    };
+    Check::new(&run.name, "verdict (0 sound, 1 doubtful, 2 wrong)", place(found), bound).noted(run.reasons())
 }
 
 /// True if a contact of the scene has friction.
@@ -148,6 +166,8 @@ fn measure(run: &Run, expect: &Table, item: &Item) -> Outcome<Option<(f64, Bound
             truth(Some(found.as_str()) == item.value.as_str())
         }
         "steps" if whole => (run.summary_number("steps")?, Bound::Near { value: item.number(None)?, tolerance: 0.0 }),
+        // Judged for every scene, see above.
+        "verdict" => return Ok(None),
         "max_cuts" => (run.summary_number("cuts")?, at_most()?),
         "max_newton_mean" => (run.summary_number("mean_iterations")?, at_most()?),
         "energy_drift" => (run.balance()?.energy_drift(energy_scale), at_most()?),

@@ -182,6 +182,7 @@ fn read(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scene> {
     }
 
     let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
+    let watch = root.default("watch", crate::Watch::default(), results::watch);
     let expect = root.optional("expect", |n| results::expect(n, &world));
     root.finish();
 
@@ -197,6 +198,7 @@ fn read(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scene> {
         loads: all(loads)?,
         probes: all(probes)?,
         output: output?,
+        watch: watch?,
         expect: expect?,
         source: Source::default(),
     })

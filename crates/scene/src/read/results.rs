@@ -1,10 +1,10 @@
-//! Reads `[[probe]]`, `[output]`, `[expect]`.
+//! Reads `[[probe]]`, `[output]`, `[watch]`, `[expect]`.
 
 use super::World;
 use super::conditions::{body_name, component, set_reference};
 use super::node::{Node, known};
 use super::table::Table;
-use crate::{Expect, ExpectedValue, Field, Interval, Kind, Outcome, Output, Probe, Quantity};
+use crate::{Expect, ExpectedValue, Field, Interval, Kind, OnFault, Outcome, Output, Probe, Quantity, Verdict, Watch};
 
 /// The probe, and its name with its quantity, which `[expect]` needs even if the rest is bad.
 pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Option<(String, Option<Quantity>)>) {
@@ -74,6 +74,15 @@ pub(super) fn output(node: &Node<'_>, world: &World<'_>) -> Option<Output> {
     Some(Output { every: every?, fields: fields?, checkpoint_every: checkpoint_every? })
 }
 
+pub(super) fn watch(node: &Node<'_>) -> Option<Watch> {
+    let table = node.table()?;
+    let every = table.optional("every", Node::count);
+    let limit = table.default("limit", Watch::DEFAULT_LIMIT, Node::positive);
+    let on_fault = table.default("on_fault", OnFault::default(), |n| n.choice(OnFault::NAMES, OnFault::from_name));
+    table.finish();
+    Some(Watch { every: every?, limit: limit?, on_fault: on_fault? })
+}
+
 fn fields(node: &Node<'_>, world: &World<'_>) -> Option<Vec<Field>> {
     let fields = node.list(|n| {
         let field = n.choice(Field::NAMES, Field::from_name)?;
@@ -110,6 +119,7 @@ const CONTACT: [&str; 3] = ["energy_change_without_closing", "first_contact", "c
 pub(super) fn expect(node: &Node<'_>, world: &World<'_>) -> Option<Expect> {
     let table = node.table()?;
     let outcome = table.optional("outcome", |n| n.choice(Outcome::NAMES, Outcome::from_name));
+    let verdict = table.optional("verdict", |n| n.choice(Verdict::NAMES, Verdict::from_name));
     let steps = table.optional("steps", |n| n.whole(1..=u64::MAX));
     let max_cuts = table.optional("max_cuts", |n| n.whole(0..=u64::MAX));
     let bound = |key: &'static str| table.optional(key, Node::positive);
@@ -153,6 +163,7 @@ pub(super) fn expect(node: &Node<'_>, world: &World<'_>) -> Option<Expect> {
     applies?;
     Some(Expect {
         outcome: outcome?,
+        verdict: verdict?,
         steps: steps?,
         max_cuts: max_cuts?,
         max_newton_mean: expect.0?,

@@ -3,9 +3,10 @@
 use super::drift::Drifts;
 use super::earlier;
 use super::table::CsvTable;
-use super::{Memory, Outcome, OutputError, Summary, frame};
+use super::watch::{self, RunWatch};
+use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frame};
 use crate::build::{ContactPlan, Probe};
-use crate::scene::Field;
+use crate::scene::{Field, OnFault, Watch as WatchTable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -40,6 +41,8 @@ pub struct ResultFolder {
     newton: CsvTable,
     probes: Option<CsvTable>,
     contact: Option<CsvTable>,
+    watch: RunWatch,
+    watched: CsvTable,
     started: Instant,
     cpu: cpu_time::ProcessTime,
 }
@@ -65,6 +68,8 @@ pub struct FolderSettings {
     pub scales: [Option<f64>; 3],
     /// Contacts, for the summary.
     pub contacts: Vec<ContactPlan>,
+    /// What is checked, and what a verdict `wrong` does.
+    pub watch: WatchTable,
 }
 
 impl FolderSettings {
@@ -94,6 +99,7 @@ impl ResultFolder {
         let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
         let mut folder = Self::open(path, settings, simulation, memo, open)?;
         folder.remove_other_frames()?;
+        folder.watch.write_file(path, simulation.model(), &folder.settings.watch)?;
         let record = simulation.initial_record();
         folder.write(simulation, &record)?;
         // A run that is killed before its first regular checkpoint can be resumed from the start.
@@ -128,7 +134,10 @@ impl ResultFolder {
             let length = lengths.get(name).copied().ok_or_else(|| damaged(format!("{name} is not in it")))?;
             CsvTable::resume(&path.join(name), length)
         };
-        let folder = Self::open(path, settings, simulation, memo, open)?;
+        let mut folder = Self::open(path, settings, simulation, memo, open)?;
+        let [judged, positions] = ["watch", "watch-positions"].map(|name| attachments.get(name).map(Vec::as_slice));
+        let (judged, positions) = (judged.unwrap_or_default(), positions.unwrap_or_default());
+        folder.watch.load(judged, positions, &simulation.state().q).map_err(damaged)?;
         folder.check_frames()?;
         folder.remove_other_frames()?;
         folder.write_collection()?;
@@ -152,6 +161,8 @@ impl ResultFolder {
             newton: open("newton.csv", NEWTON)?,
             probes: if heads.is_empty() { None } else { Some(open("probes.csv", &probe_header)?) },
             contact: if has_contact { Some(open("contact.csv", CONTACT)?) } else { None },
+            watch: RunWatch::new(simulation, &settings.watch)?,
+            watched: open(watch::TABLE, watch::COLUMNS)?,
             path: path.to_path_buf(),
             settings,
             memo,
@@ -167,6 +178,7 @@ impl ResultFolder {
     pub fn write(&mut self, simulation: &mut Simulation, record: &StepRecord) -> Result<(), OutputError> {
         let mut time = PhaseTime::default();
         time.measure(|| -> Result<(), OutputError> {
+            self.watch.observe(simulation, record, &mut self.watched)?;
             self.write_rows(simulation, record)?;
             let every = self.settings.every.max(1);
             if record.step.is_multiple_of(every) || simulation.finished() {
@@ -238,6 +250,7 @@ impl ResultFolder {
         if let Some(table) = &mut self.probes {
             lengths.insert("probes.csv".into(), table.flush()?);
         }
+        lengths.insert(watch::TABLE.into(), self.watched.flush()?);
         if let Some(table) = &mut self.contact {
             lengths.insert("contact.csv".into(), table.flush()?);
         }
@@ -246,7 +259,7 @@ impl ResultFolder {
 
     fn write_frame(&mut self, simulation: &Simulation, step: u64) -> Result<(), OutputError> {
         let time = simulation.state().time;
-        let path = self.path.join("frames").join(frame_name(step));
+        let path = self.path.join("frames").join(frame::name(step));
         frame::write(&path, simulation, self.settings.fields.as_deref())?;
         self.memo.frames.push((time, step));
         self.write_collection()
@@ -254,8 +267,13 @@ impl ResultFolder {
 
     fn write_collection(&self) -> Result<(), OutputError> {
         let entries: Vec<(f64, String)> =
-            self.memo.frames.iter().map(|&(time, step)| (time, format!("frames/{}", frame_name(step)))).collect();
+            self.memo.frames.iter().map(|&(time, step)| (time, format!("frames/{}", frame::name(step)))).collect();
         frame::write_collection(&self.path.join("frames.pvd"), &entries)
+    }
+
+    /// Whether the watch has found that the run is wrong, in a run that is to stop then.
+    pub fn must_stop(&self) -> bool {
+        self.watch.on_fault() == OnFault::Stop && self.watch.verdict().level == stoss_watch::Level::Wrong
     }
 
     /// Ends a session: a checkpoint, and a frame of the last completed step if it has none. That frame is not in the checkpoint, so that
@@ -275,7 +293,7 @@ impl ResultFolder {
     /// Every frame that the collection names is there.
     fn check_frames(&self) -> Result<(), OutputError> {
         for &(_, step) in &self.memo.frames {
-            let file = self.path.join("frames").join(frame_name(step));
+            let file = self.path.join("frames").join(frame::name(step));
             if !file.is_file() {
                 let reason = "this frame of the run so far is missing (put it back if you have it)".into();
                 return Err(OutputError::Damaged { path: file, reason });
@@ -287,11 +305,11 @@ impl ResultFolder {
     /// Removes frames that do not belong to the run so far (of an earlier run, or written after the checkpoint).
     fn remove_other_frames(&self) -> Result<(), OutputError> {
         let folder = self.path.join("frames");
-        let ours: Vec<String> = self.memo.frames.iter().map(|&(_, step)| frame_name(step)).collect();
+        let ours: Vec<String> = self.memo.frames.iter().map(|&(_, step)| frame::name(step)).collect();
         for entry in std::fs::read_dir(&folder).map_err(OutputError::io(&folder))? {
             let entry = entry.map_err(OutputError::io(&folder))?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            if is_frame_name(&name) && !ours.contains(&name) {
+            if frame::step_of(&name).is_some() && !ours.contains(&name) {
                 std::fs::remove_file(entry.path()).map_err(OutputError::io(&folder))?;
             }
         }
@@ -303,9 +321,10 @@ impl ResultFolder {
     /// # Errors
     /// [`OutputError`].
     pub fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
-        let memo = serde_json::to_vec(&self.memo)
-            .map_err(|e| OutputError::Damaged { path: self.path.clone(), reason: e.to_string() })?;
-        let attachments = BTreeMap::from([("folder".to_owned(), memo)]);
+        let unwritable = |e: serde_json::Error| OutputError::Damaged { path: self.path.clone(), reason: e.to_string() };
+        let memo = serde_json::to_vec(&self.memo).map_err(unwritable)?;
+        let mut attachments = BTreeMap::from([("folder".to_owned(), memo)]);
+        attachments.extend(self.watch.save(simulation.step()).map_err(unwritable)?);
         simulation.checkpoint(&self.settings.scene_hash, attachments).write(&self.path.join("checkpoint"))?;
         Ok(())
     }
@@ -368,6 +387,12 @@ impl ResultFolder {
                 ("energy".to_owned(), energy),
             ]),
             decisions: simulation.decisions().to_vec(),
+            verdict: self.watch.verdict(),
+            watch: WatchSummary {
+                every: self.watch.every(),
+                on_fault: self.watch.on_fault(),
+                seconds: self.watch.seconds(),
+            },
             outcome,
         };
         let path = self.path.join("summary.json");
@@ -380,34 +405,9 @@ impl ResultFolder {
     }
 }
 
-fn frame_name(step: u64) -> String {
-    format!("frame_{step:06}.vtu")
-}
-
-/// True for names that this program gives, so that no file of the user's is ever touched.
-fn is_frame_name(name: &str) -> bool {
-    let step = name.strip_prefix("frame_").and_then(|rest| rest.strip_suffix(".vtu"));
-    step.is_some_and(|step| step.len() >= 6 && step.bytes().all(|byte| byte.is_ascii_digit()))
-}
-
 /// Largest resident set of this process, where `/proc` tells.
 fn peak_resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kb| 1024 * kb)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_our_own_frames_are_recognised() {
-        assert!(
-            is_frame_name(&frame_name(0)) && is_frame_name(&frame_name(123)) && is_frame_name(&frame_name(12_345_678))
-        );
-        for other in ["frame_mine.vtu", "frame_.vtu", "frame_12.vtu", "frame_000001.vtu.bak", "Frame_000001.vtu"] {
-            assert!(!is_frame_name(other), "{other}");
-        }
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::OutputError;
 use crate::scene::Field as SceneField;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use stoss_mesh_io::{Field, PvdWriter, VtuFrame, write_vtu};
 use stoss_solver::{Simulation, StepError};
 
@@ -71,7 +71,45 @@ pub(crate) fn write(path: &Path, simulation: &Simulation, fields: Option<&[Scene
     Ok(write_vtu(path, &frame)?)
 }
 
+/// File name of the frame of a step.
+pub(super) fn name(step: u64) -> String {
+    format!("frame_{step:06}.vtu")
+}
+
+/// The step of a frame of this name; nothing for names that this program does not give, so that no file of the user's is ever touched.
+pub(super) fn step_of(name: &str) -> Option<u64> {
+    let step = name.strip_prefix("frame_")?.strip_suffix(".vtu")?;
+    (step.len() >= 6 && step.bytes().all(|byte| byte.is_ascii_digit())).then(|| step.parse().ok())?
+}
+
+/// Steps and files of the frames of a folder of results, in the order of the steps.
+pub(super) fn stored(folder: &Path) -> Result<Vec<(u64, PathBuf)>, OutputError> {
+    let folder = folder.join("frames");
+    let mut frames = Vec::new();
+    for entry in std::fs::read_dir(&folder).map_err(OutputError::io(&folder))? {
+        let entry = entry.map_err(OutputError::io(&folder))?;
+        frames.extend(step_of(&entry.file_name().to_string_lossy()).map(|step| (step, entry.path())));
+    }
+    frames.sort();
+    Ok(frames)
+}
+
 /// Writes the collection of all frames (atomically).
 pub(crate) fn write_collection(path: &Path, entries: &[(f64, String)]) -> Result<(), OutputError> {
     Ok(PvdWriter::replace(path, entries)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_our_own_frames_are_recognised() {
+        for step in [0, 123, 12_345_678] {
+            assert_eq!(step_of(&name(step)), Some(step));
+        }
+        for other in ["frame_mine.vtu", "frame_.vtu", "frame_12.vtu", "frame_000001.vtu.bak", "Frame_000001.vtu"] {
+            assert_eq!(step_of(other), None, "{other}");
+        }
+    }
 }

@@ -10,12 +10,15 @@ mod frame;
 mod summary;
 mod systems;
 mod table;
+mod watch;
 
 pub use drift::Drift;
 pub use folder::{FolderSettings, ResultFolder};
-pub use summary::{Memory, Outcome, Summary};
+pub use summary::{Memory, Outcome, Summary, WatchSummary};
+pub use watch::judge_folder;
 
 pub(crate) use systems::SystemWriter;
+pub(crate) use watch::judge_start;
 
 use std::path::{Path, PathBuf};
 
@@ -39,6 +42,14 @@ pub enum OutputError {
         /// What is wrong.
         reason: String,
     },
+    /// A stored result cannot be judged.
+    #[error("{path} cannot be judged: {reason}", path = .path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// A file has the name of a file of results, but is none.
     #[error("{path} was not written by Stoss, but a run would replace it; move it away, or choose another folder with --out",
         path = .path.display())]
@@ -55,6 +66,9 @@ pub enum OutputError {
     /// A quantity could not be evaluated.
     #[error("evaluating a result: {0}")]
     Evaluate(#[from] stoss_solver::StepError),
+    /// The watch cannot be built for these bodies.
+    #[error("the watch: {0}")]
+    Watch(#[from] stoss_watch::WatchError),
     /// A checkpoint could not be written.
     #[error(transparent)]
     Checkpoint(#[from] stoss_solver::CheckpointError),

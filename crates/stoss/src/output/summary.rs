@@ -2,9 +2,11 @@
 
 use super::Drift;
 use crate::build::ContactPlan;
+use crate::scene::OnFault;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use stoss_solver::{Decision, Timings};
+use stoss_watch::{Level, Verdict};
 
 /// How a run ended.
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
@@ -39,6 +41,17 @@ pub struct Memory {
     pub peak_resident_bytes: Option<u64>,
     /// Bytes of the matrix, its factors and the element data at the end.
     pub system_bytes: usize,
+}
+
+/// How the watch looked at the run.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
+pub struct WatchSummary {
+    /// Steps between two looks at the geometry.
+    pub every: u64,
+    /// What a verdict `wrong` does.
+    pub on_fault: OnFault,
+    /// Wall seconds that it took (in this session, if resumed).
+    pub seconds: f64,
 }
 
 /// Summary of a run.
@@ -88,8 +101,19 @@ pub struct Summary {
     pub drift: BTreeMap<String, Drift>,
     /// Every decision of step control and active set.
     pub decisions: Vec<Decision>,
+    /// What the watch found: sound, doubtful or wrong, and why.
+    pub verdict: Verdict,
+    /// How it looked.
+    pub watch: WatchSummary,
     /// How it ended.
     pub outcome: Outcome,
+}
+
+impl Summary {
+    /// Whether the result is wrong and the scene does not say that this is to be ignored.
+    pub fn is_fault(&self) -> bool {
+        self.verdict.level == Level::Wrong && self.watch.on_fault != OnFault::Ignore
+    }
 }
 
 impl std::fmt::Display for Summary {
@@ -114,6 +138,6 @@ impl std::fmt::Display for Summary {
         for (name, drift) in &self.drift {
             write!(f, "  {} {:.1e}", name.replace('_', " "), drift.relative)?;
         }
-        Ok(())
+        write!(f, "\n{}", self.verdict)
     }
 }

@@ -68,6 +68,13 @@ impl CsvTable {
         self
     }
 
+    /// Appends a name to the row; empty for none.
+    pub fn text(&mut self, value: &str) -> &mut Self {
+        self.separate();
+        self.line.push_str(value);
+        self
+    }
+
     /// Ends the row.
     pub fn end_row(&mut self) -> Result<(), OutputError> {
         self.line.push('\n');

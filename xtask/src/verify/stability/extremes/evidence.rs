@@ -2,9 +2,9 @@
 
 use super::super::super::Run;
 use super::super::super::balance::Balance;
+use super::super::super::launch::Launched;
 use super::case::{Case, Oracle};
 use super::geometry::Configuration;
-use super::launch::Launched;
 use crate::vtu::{self, Grid};
 use crate::workspace::read;
 

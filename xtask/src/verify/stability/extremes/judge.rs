@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 
 use super::super::super::balance::Balance;
 use super::super::super::check::{Bound, number};
+use super::super::super::launch::Launched;
 use super::case::{Case, LOWER, Oracle, UPPER, Word};
 use super::evidence::Evidence;
 use super::geometry::Configuration;
-use super::launch::Launched;
 
 /// Relative bound of what a scheme claims to conserve: Newton's tolerance (1e-9 of the forces in a step), which the last
 /// correction undercuts.

@@ -10,18 +10,21 @@ mod document;
 mod evidence;
 mod geometry;
 mod judge;
-mod launch;
 mod scene;
 
 use std::collections::BTreeMap;
 
 use super::super::check::{Bound, Check, number};
+use super::super::launch::launch;
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings};
 use crate::workspace::{Outcome, write};
 use case::{Case, Word};
 use document::Found;
 use judge::{Bases, Verdict};
+
+/// Where scenes and results go, below the folder of `verify`.
+const FOLDER: &str = "extremes";
 
 /// Where the reasons are.
 const DOCUMENT: &str = "docs/verification/stability.md";
@@ -36,7 +39,7 @@ pub fn measure(bench: &Bench) -> Outcome<Findings> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     let (mut wall, mut rows) = (0.0, Vec::new());
     for case in &cases {
-        let launched = launch::launch(bench, &case.slug(), case.scene.text(), &case.files)?;
+        let launched = launch(bench, FOLDER, &case.slug(), case.scene.text(), &case.files)?;
         wall += launched.run.ending.seconds;
         let verdict = judge::judge(case, launched, &mut bases);
         let outcome = Found {
@@ -57,7 +60,7 @@ pub fn measure(bench: &Bench) -> Outcome<Findings> {
         let check = Check::new(DOCUMENT, "verdicts that no longer occur", stale.len() as f64, Bound::AtMost(0.0));
         findings.checks.push(check.noted(stale.join("; ")));
         // What the document's table would be now; somebody has to find the reasons.
-        write(&bench.folder.join(launch::FOLDER).join("table.md"), &document::proposal(&documented, &found))?;
+        write(&bench.folder.join(FOLDER).join("table.md"), &document::proposal(&documented, &found))?;
     }
     let counts = counts.iter().map(|(word, count)| vec![(*word).to_owned(), count.to_string()]).collect();
     findings.sections.push(Section {

@@ -5,12 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use super::super::super::{Bench, Run};
+use super::{Bench, Run};
 use crate::program::Ending;
 use crate::workspace::{Outcome, read, write};
-
-/// Where scenes and results go, below the folder of `verify`.
-pub const FOLDER: &str = "extremes";
 
 /// Far more than any of these scenes needs.
 const LIMIT: Duration = Duration::from_secs(120);
@@ -29,9 +26,9 @@ pub struct Launched {
     pub log: String,
 }
 
-/// Writes a scene with the files that it refers to and runs it.
-pub fn launch(bench: &Bench, name: &str, scene: &str, files: &[(String, String)]) -> Outcome<Launched> {
-    let home = bench.folder.join(FOLDER);
+/// Writes a scene with the files that it refers to into a folder below that of `verify`, and runs it there.
+pub fn launch(bench: &Bench, home: &str, name: &str, scene: &str, files: &[(String, String)]) -> Outcome<Launched> {
+    let home = bench.folder.join(home);
     let path = home.join(format!("{name}.toml"));
     write(&path, scene)?;
     for (file, text) in files {

@@ -1,0 +1,273 @@
+//! The watch: one look at a state, or at two states in a row.
+
+use crate::pairs::{Inside, TOUCHING, overlap};
+use crate::solids::{self, SolidObservation, scaled_jacobian};
+use crate::surface::{Surface, inside_hexahedron};
+use crate::sweep::{Sweep, passages};
+use crate::{WatchError, WatchModel};
+use nalgebra::Vector3;
+use std::collections::BTreeSet;
+use stoss_geometry::{Aabb, BoundingVolumeTree};
+
+/// Facets for which every step can be looked at; with more of them the watch looks less often.
+const FACETS_EVERY_STEP: usize = 4000;
+
+/// A point of a body inside another body, or inside its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Penetration {
+    /// The body.
+    pub body: usize,
+    /// Global number of the node; the nearest one if it is the middle of an edge or of a face.
+    pub node: u32,
+    /// The body that it is inside.
+    pub into: usize,
+    /// Distance to the nearest point of that body's surface (a length).
+    pub depth: f64,
+    /// The same over the mean edge length of the facet there.
+    pub relative: f64,
+    /// Where.
+    pub position: [f64; 3],
+}
+
+/// A node that went into a body and out of it between two states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tunnelling {
+    /// The body of the node.
+    pub body: usize,
+    /// Global number of the node.
+    pub node: u32,
+    /// The body that it passed through.
+    pub through: usize,
+    /// Where it went in.
+    pub position: [f64; 3],
+}
+
+/// What was seen of the geometry of one state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Observation {
+    /// The deepest point, in edge lengths, of each pair of bodies that overlap.
+    pub penetrations: Vec<Penetration>,
+    /// Nodes inside another body or inside their own.
+    pub nodes_inside: usize,
+    /// Edges that run through a body between two ends outside.
+    pub cutting: usize,
+    /// Nodes that passed through a body since the state before.
+    pub tunnelled: Vec<Tunnelling>,
+}
+
+impl Observation {
+    /// The deepest of all.
+    pub fn deepest(&self) -> Option<&Penetration> {
+        self.penetrations.iter().max_by(|a, b| a.relative.total_cmp(&b.relative))
+    }
+}
+
+/// Elements at the surface of a body, in which a fold of the body would be found.
+#[derive(Debug)]
+struct Skin {
+    elements: Vec<u32>,
+    /// Of each node of the surface the nodes of the elements around it, sorted.
+    around: Vec<Vec<u32>>,
+    tree: BoundingVolumeTree,
+}
+
+/// Looks at states of a model. Built once; a look allocates little.
+#[derive(Debug)]
+pub struct Watch {
+    model: WatchModel,
+    surfaces: Vec<Surface>,
+    skins: Vec<Skin>,
+    /// Nodes of ties, by pairs of bodies in both orders.
+    tied: Vec<([usize; 2], BTreeSet<u32>)>,
+    /// Scaled Jacobian of every element in the reference.
+    rest: Vec<f64>,
+    placed: bool,
+    inside: Vec<bool>,
+}
+
+impl Watch {
+    /// Finds the surfaces of the bodies.
+    ///
+    /// # Errors
+    /// [`WatchError::Node`] if an element names a node that does not exist.
+    pub fn new(model: WatchModel) -> Result<Self, WatchError> {
+        let nodes = model.reference.len() / 3;
+        for body in &model.bodies {
+            for (element, hexahedron) in body.hexahedra.iter().enumerate() {
+                if let Some(&node) = hexahedron.iter().find(|&&node| node as usize >= nodes) {
+                    return Err(WatchError::Node { body: body.name.clone(), element, node, nodes });
+                }
+            }
+        }
+        let surfaces: Vec<Surface> = model.bodies.iter().map(|body| Surface::new(&body.hexahedra)).collect();
+        let skins = model.bodies.iter().zip(&surfaces).map(|(body, surface)| Skin::new(&body.hexahedra, surface));
+        let skins = skins.collect();
+        let both = |tie: &crate::TiedPair| {
+            let nodes: BTreeSet<u32> = tie.nodes.iter().copied().collect();
+            let [a, b] = tie.bodies;
+            [([a, b], nodes.clone()), ([b, a], nodes)]
+        };
+        let tied = model.ties.iter().flat_map(both).collect();
+        let corner = |node: u32| Vector3::from_column_slice(&model.reference[3 * node as usize..3 * node as usize + 3]);
+        let elements = model.bodies.iter().flat_map(|body| &body.hexahedra);
+        let rest = elements.map(|hexahedron| scaled_jacobian(&hexahedron.map(corner))).collect();
+        Ok(Self { model, surfaces, skins, tied, rest, placed: false, inside: Vec::new() })
+    }
+
+    /// How many steps there should be from one look to the next. It follows from the number of facets alone, so that verdicts repeat:
+    /// a look costs about in proportion to the facets, a step more than that.
+    pub fn default_every(&self) -> u64 {
+        let facets: usize = self.surfaces.iter().map(|surface| surface.quads.len()).sum();
+        1 + (facets / FACETS_EVERY_STEP) as u64
+    }
+
+    /// The elements and positions of a state `q` (three a node).
+    pub fn solids(&self, q: &[f64]) -> SolidObservation {
+        solids::observe(&self.model, &self.rest, q)
+    }
+
+    /// The geometry of a state `q` (three a node), and what passed through a body since the state `previous`. Positions that are no finite
+    /// numbers are for [`Self::solids`]: nothing is seen then.
+    pub fn geometry(&mut self, q: &[f64], previous: Option<&[f64]>) -> Observation {
+        let mut seen = Observation::default();
+        if q.iter().chain(previous.unwrap_or_default()).any(|x| !x.is_finite()) {
+            return seen;
+        }
+        let mut before = Vec::new();
+        if let Some(previous) = previous {
+            for surface in &mut self.surfaces {
+                surface.place(previous, !self.placed);
+                before.push((surface.points.clone(), surface.bounds));
+            }
+            self.placed = true;
+        }
+        for surface in &mut self.surfaces {
+            surface.place(q, !self.placed);
+        }
+        self.placed = true;
+        for a in 0..self.surfaces.len() {
+            for b in (0..self.surfaces.len()).filter(|&b| b != a) {
+                self.pair(a, b, &mut seen);
+            }
+            self.own(a, q, &mut seen);
+        }
+        if !before.is_empty() {
+            self.swept(&before, &mut seen);
+        }
+        seen
+    }
+
+    fn tied(&self, a: usize, b: usize) -> Option<&BTreeSet<u32>> {
+        self.tied.iter().find(|(bodies, _)| *bodies == [a, b]).map(|(_, nodes)| nodes)
+    }
+
+    fn pair(&mut self, a: usize, b: usize, seen: &mut Observation) {
+        let mut inside = std::mem::take(&mut self.inside);
+        let (body, other) = (&self.surfaces[a], &self.surfaces[b]);
+        let tied = self.tied(a, b);
+        let found = overlap(body, other, |point| tied.is_some_and(|tied| touches(body, point, tied)), &mut inside);
+        self.inside = inside;
+        seen.nodes_inside += found.nodes;
+        seen.cutting += found.edges;
+        seen.penetrations.extend(found.deepest.map(|deepest| self.penetration(a, b, &deepest)));
+    }
+
+    fn penetration(&self, body: usize, into: usize, inside: &Inside) -> Penetration {
+        let surface = &self.surfaces[body];
+        let k = inside.point as usize;
+        let place = if k < surface.nodes.len() { k } else { surface.quads[k - surface.nodes.len()][0] as usize };
+        let Inside { position, depth, relative, .. } = *inside;
+        Penetration { body, node: surface.nodes[place], into, depth, relative, position: position.into() }
+    }
+
+    /// Nodes of a body inside elements of its own that share no node with the elements around it.
+    fn own(&mut self, b: usize, q: &[f64], seen: &mut Observation) {
+        let hexahedra = &self.model.bodies[b].hexahedra;
+        let corner = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
+        let skin = &mut self.skins[b];
+        let elements = &skin.elements;
+        skin.tree.refit(|k| Aabb::from_points(&hexahedra[elements[k] as usize].map(corner)));
+        let (skin, surface) = (&self.skins[b], &self.surfaces[b]);
+        let mut deepest: Option<Inside> = None;
+        for (k, x) in surface.points[..surface.nodes.len()].iter().enumerate() {
+            let region = Aabb::from_points([x]);
+            let mut hit = false;
+            skin.tree.query(&region, |s| {
+                let hexahedron = &hexahedra[skin.elements[s] as usize];
+                let near = |node: &u32| skin.around[k].binary_search(node).is_ok();
+                if hit || hexahedron.iter().any(near) || !inside_hexahedron(&hexahedron.map(corner), x) {
+                    return;
+                }
+                let element = skin.elements[s];
+                let own = (0..surface.triangle_count()).filter(|t| surface.elements[t / 4] == element);
+                for t in own {
+                    let depth = (x - crate::surface::nearest_point(x, surface.triangle(t))).norm();
+                    let relative = depth / surface.edge_length(t);
+                    let here = Inside { point: k as u32, position: *x, depth, relative };
+                    if relative > TOUCHING && deepest.is_none_or(|worst| relative > worst.relative) {
+                        deepest = Some(here);
+                        hit = true;
+                    }
+                }
+            });
+            seen.nodes_inside += usize::from(hit);
+        }
+        seen.penetrations.extend(deepest.map(|deepest| self.penetration(b, b, &deepest)));
+    }
+
+    fn swept(&self, before: &[(Vec<Vector3<f64>>, Aabb)], seen: &mut Observation) {
+        let bounds: Vec<Aabb> =
+            self.surfaces.iter().zip(before).map(|(surface, (_, then))| surface.bounds.union(then)).collect();
+        for b in 0..self.surfaces.len() {
+            let near: Vec<usize> = (0..bounds.len()).filter(|&a| a != b && bounds[a].overlaps(&bounds[b])).collect();
+            if near.is_empty() {
+                continue;
+            }
+            let sweep = Sweep::new(&self.surfaces[b], &before[b].0);
+            for a in near {
+                let (body, other, tied) = (&self.surfaces[a], &self.surfaces[b], self.tied(a, b));
+                let exempt = |point| tied.is_some_and(|tied| touches(body, point, tied));
+                let found = passages((body, &before[a].0), (other, &before[b].0, &sweep), exempt);
+                seen.tunnelled.extend(found.into_iter().map(|passage| Tunnelling {
+                    body: a,
+                    node: body.nodes[passage.node as usize],
+                    through: b,
+                    position: passage.position.into(),
+                }));
+            }
+        }
+    }
+}
+
+/// Whether a point of a surface is one of these nodes, or the centre of a face with one of them.
+fn touches(surface: &Surface, point: u32, nodes: &BTreeSet<u32>) -> bool {
+    let k = point as usize;
+    match surface.nodes.get(k) {
+        Some(node) => nodes.contains(node),
+        None => {
+            surface.quads[k - surface.nodes.len()].iter().any(|&corner| nodes.contains(&surface.nodes[corner as usize]))
+        }
+    }
+}
+
+impl Skin {
+    fn new(hexahedra: &[[u32; 8]], surface: &Surface) -> Self {
+        let mut elements = surface.elements.clone();
+        elements.sort_unstable();
+        elements.dedup();
+        let mut around = vec![Vec::new(); surface.nodes.len()];
+        for hexahedron in hexahedra {
+            for node in hexahedron {
+                if let Ok(k) = surface.nodes.binary_search(node) {
+                    around[k].extend_from_slice(hexahedron);
+                }
+            }
+        }
+        for nodes in &mut around {
+            nodes.sort_unstable();
+            nodes.dedup();
+        }
+        let boxes = vec![Aabb::from_points([&Vector3::zeros()]); elements.len()];
+        Self { elements, around, tree: BoundingVolumeTree::build(&boxes) }
+    }
+}

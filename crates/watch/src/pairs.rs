@@ -1,0 +1,101 @@
+//! One body inside another: nodes, centres of faces, and edges of which only the middle is inside.
+
+use crate::surface::{Meeting, Surface, meeting};
+use nalgebra::Vector3;
+use stoss_geometry::Aabb;
+
+/// Depths below this part of an edge are round-off of surfaces that touch.
+pub(crate) const TOUCHING: f64 = 1.0e-9;
+
+/// A point of one body inside another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Inside {
+    /// The node nearest to it on its own surface, as a place in `points` (a node or the centre of a face).
+    pub point: u32,
+    pub position: Vector3<f64>,
+    pub depth: f64,
+    /// Over the edge length of the facet that is nearest.
+    pub relative: f64,
+}
+
+/// What was found of one body in another.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Overlap {
+    pub deepest: Option<Inside>,
+    pub nodes: usize,
+    /// Edges that run through the other body between two nodes outside.
+    pub edges: usize,
+}
+
+impl Overlap {
+    fn add(&mut self, inside: Inside) {
+        if self.deepest.is_none_or(|worst| inside.relative > worst.relative) {
+            self.deepest = Some(inside);
+        }
+    }
+}
+
+/// What of `body` is inside `other`; points for which `exempt` holds are left out, and edges with such an end.
+pub(crate) fn overlap(
+    body: &Surface,
+    other: &Surface,
+    exempt: impl Fn(u32) -> bool,
+    inside: &mut Vec<bool>,
+) -> Overlap {
+    let mut found = Overlap::default();
+    if !body.bounds.overlaps(&other.bounds) {
+        return found;
+    }
+    inside.clear();
+    inside.resize(body.points.len(), false);
+    let measure = |point: u32, position: Vector3<f64>| {
+        let (depth, triangle) = other.nearest(&position);
+        Inside { point, position, depth, relative: depth / other.edge_length(triangle) }
+    };
+    for (k, x) in body.points.iter().enumerate() {
+        if exempt(k as u32) || !other.contains(x) {
+            continue;
+        }
+        let here = measure(k as u32, *x);
+        if here.relative > TOUCHING {
+            inside[k] = true;
+            found.nodes += usize::from(k < body.nodes.len());
+            found.add(here);
+        }
+    }
+    let mut crossings = Vec::new();
+    for &[a, b] in &body.edges {
+        if inside[a as usize] || inside[b as usize] || exempt(a) || exempt(b) {
+            continue;
+        }
+        let (x, y) = (&body.points[a as usize], &body.points[b as usize]);
+        let region = Aabb::from_points([x, y]);
+        if !region.overlaps(&other.bounds) {
+            continue;
+        }
+        crossings.clear();
+        other.tree.query(&region, |t| {
+            let triangle = other.triangle(t);
+            if let Meeting::Through(_) = meeting(x, y, triangle) {
+                let normal = (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0]));
+                let (from, to) = ((x - triangle[0]).dot(&normal), (y - triangle[0]).dot(&normal));
+                crossings.push(from / (from - to));
+            }
+        });
+        crossings.sort_unstable_by(f64::total_cmp);
+        let mut through = false;
+        for pair in crossings.windows(2) {
+            let t = 0.5 * (pair[0] + pair[1]);
+            let middle = x + (y - x) * t;
+            if other.contains(&middle) {
+                let here = measure(if t < 0.5 { a } else { b }, middle);
+                if here.relative > TOUCHING {
+                    through = true;
+                    found.add(here);
+                }
+            }
+        }
+        found.edges += usize::from(through);
+    }
+    found
+}

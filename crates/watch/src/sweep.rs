@@ -1,0 +1,125 @@
+//! What passed through a body between two states: nodes that move along straight lines, against triangles whose corners do.
+
+use crate::surface::Surface;
+use nalgebra::Vector3;
+use stoss_geometry::{Aabb, BoundingVolumeTree};
+
+/// A way in and a way out count as a passage through a plate, however thin, where the two faces look so much away from each other (cosine).
+const OPPOSITE: f64 = -0.3;
+
+/// A passage at least so deep, in edge lengths, counts whatever its faces.
+const DEEP: f64 = 0.3;
+
+/// Subdivisions of a step in which the sign of the distance to a moving plane is looked at; roots are bisected.
+const SAMPLES: usize = 8;
+
+/// Boxes of the triangles of a surface over a step.
+#[derive(Debug)]
+pub(crate) struct Sweep {
+    tree: BoundingVolumeTree,
+    pub bounds: Aabb,
+}
+
+/// A node that entered a body and left it within a step, as a place in `nodes`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passage {
+    pub node: u32,
+    pub position: Vector3<f64>,
+}
+
+impl Sweep {
+    /// Of a surface whose points were at `before`.
+    pub fn new(surface: &Surface, before: &[Vector3<f64>]) -> Self {
+        let boxes: Vec<Aabb> = (0..surface.triangle_count())
+            .map(|t| {
+                let corners = surface.corners(t).map(|k| k as usize);
+                Aabb::from_points(corners.map(|k| &surface.points[k]))
+                    .union(&Aabb::from_points(corners.map(|k| &before[k])))
+            })
+            .collect();
+        let tree = BoundingVolumeTree::build(&boxes);
+        Self { bounds: tree.bounds(), tree }
+    }
+}
+
+/// Nodes of `body`, at `before` until now, that passed through `other`; not those for which `exempt` holds.
+pub(crate) fn passages(
+    (body, before): (&Surface, &[Vector3<f64>]),
+    (other, other_before, sweep): (&Surface, &[Vector3<f64>], &Sweep),
+    exempt: impl Fn(u32) -> bool,
+) -> Vec<Passage> {
+    let mut found = Vec::new();
+    let mut crossings: Vec<(f64, bool, Vector3<f64>, f64)> = Vec::new();
+    for k in 0..body.nodes.len() {
+        let (x0, x1) = (&before[k], &body.points[k]);
+        let region = Aabb::from_points([x0, x1]);
+        if exempt(k as u32) || !region.overlaps(&sweep.bounds) {
+            continue;
+        }
+        crossings.clear();
+        sweep.tree.query(&region, |t| {
+            let corners = other.corners(t).map(|k| k as usize);
+            let moving = corners.map(|k| (&other_before[k], &other.points[k]));
+            crossings.extend(crossing(x0, x1, moving, other.edge_length(t)));
+        });
+        if crossings.len() < 2 {
+            continue;
+        }
+        crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let entry = crossings.iter().find(|crossing| crossing.1);
+        let exit = crossings.iter().rfind(|crossing| !crossing.1);
+        let (Some(entry), Some(exit)) = (entry, exit) else { continue };
+        if exit.0 <= entry.0 || other.contains(x1) {
+            continue;
+        }
+        // Relative path within the body, from face to face.
+        let path = ((x1 - x0) * (exit.0 - entry.0)).dot(&exit.2).abs() / exit.3;
+        if entry.2.dot(&exit.2) < OPPOSITE || path > DEEP {
+            found.push(Passage { node: k as u32, position: x0 + (x1 - x0) * entry.0 });
+        }
+    }
+    found
+}
+
+/// When a moving point meets a moving triangle: time in the step (0 to 1), whether inwards, the triangle's normal then, an edge length.
+fn crossing(
+    x0: &Vector3<f64>,
+    x1: &Vector3<f64>,
+    moving: [(&Vector3<f64>, &Vector3<f64>); 3],
+    edge: f64,
+) -> Option<(f64, bool, Vector3<f64>, f64)> {
+    let at = |t: f64| {
+        let p = x0 + (x1 - x0) * t;
+        let [a, b, c] = moving.map(|(before, now)| before + (now - before) * t);
+        (p, a, b, c)
+    };
+    let height = |t: f64| {
+        let (p, a, b, c) = at(t);
+        (b - a).cross(&(c - a)).dot(&(p - a))
+    };
+    let mut previous = height(0.0);
+    for k in 0..SAMPLES {
+        let (mut low, mut high) = (k as f64 / SAMPLES as f64, (k + 1) as f64 / SAMPLES as f64);
+        let now = height(high);
+        let start = std::mem::replace(&mut previous, now);
+        if (start > 0.0) == (now > 0.0) {
+            continue;
+        }
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if (height(middle) > 0.0) == (start > 0.0) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let (p, a, b, c) = at(high);
+        let normal = (b - a).cross(&(c - a));
+        let square = normal.norm_squared();
+        let beside = |u: &Vector3<f64>, v: &Vector3<f64>| (v - u).cross(&(p - u)).dot(&normal) >= -1e-9 * square;
+        if square > 0.0 && beside(&a, &b) && beside(&b, &c) && beside(&c, &a) {
+            return Some((high, start > 0.0, normal / square.sqrt(), edge));
+        }
+    }
+    None
+}

@@ -1,0 +1,235 @@
+//! What a run's observations come to.
+
+use crate::{Observation, SolidObservation};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Level {
+    /// Nothing was found.
+    #[default]
+    Sound,
+    /// It deserves a look.
+    Doubtful,
+    /// The result must not be used.
+    Wrong,
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Sound => "sound",
+            Self::Doubtful => "doubtful",
+            Self::Wrong => "wrong",
+        })
+    }
+}
+
+/// What kind of thing was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FindingKind {
+    /// A body inside another one, or in itself.
+    Penetration,
+    /// A node passed through a body between two states.
+    Tunnelling,
+    /// An element is inverted at a Gauss point.
+    InvertedElement,
+    /// An element is nearly inverted, or inverted at a corner.
+    PoorElement,
+    /// A position is no finite number.
+    NotFinite,
+    /// A position is far away from the model.
+    FarAway,
+    /// A momentum or the energy changes although the scheme promises that it does not.
+    Balance,
+    /// A contact reports what cannot be.
+    Contact,
+}
+
+/// One thing that was found, at its worst.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// How bad.
+    pub level: Level,
+    /// What kind.
+    pub kind: FindingKind,
+    /// The bodies that it is about; equal if there is one.
+    pub bodies: Option<[usize; 2]>,
+    /// The first step in which it was as bad as `level` says, and its time.
+    pub step: u64,
+    /// See `step`.
+    pub time: f64,
+    /// In words, when it was worst.
+    pub sentence: String,
+    /// Where, when it was worst.
+    pub position: Option<[f64; 3]>,
+    /// Depth in edge lengths, or what else is measured; larger is worse.
+    pub figure: f64,
+}
+
+/// What a run comes to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// That of the worst finding.
+    pub level: Level,
+    /// All findings, the worst first.
+    pub reasons: Vec<Finding>,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.reasons.as_slice() {
+            [] => f.write_str("sound: the watch found nothing"),
+            [first, rest @ ..] => {
+                write!(f, "{}: {}", self.level, first.sentence)?;
+                for finding in rest {
+                    write!(f, "\n  {}: {}", finding.level, finding.sentence)?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Depths, in edge lengths, from which on a penetration is doubtful or wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Doubtful.
+    pub doubtful: f64,
+    /// Wrong.
+    pub wrong: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { doubtful: 0.05, wrong: 0.3 }
+    }
+}
+
+/// Keeps the worst of a run. It can be stored in a checkpoint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Judge {
+    names: Vec<String>,
+    /// First node of each body: sentences count nodes within their body.
+    first: Vec<u32>,
+    limits: Limits,
+    findings: Vec<Finding>,
+}
+
+impl Judge {
+    /// For bodies of these names with these first nodes.
+    pub fn new(bodies: impl IntoIterator<Item = (String, u32)>, limits: Limits) -> Self {
+        let (names, first) = bodies.into_iter().unzip();
+        Self { names, first, limits, findings: Vec::new() }
+    }
+
+    fn node(&self, body: usize, node: u32) -> String {
+        format!("node {} of `{}`", node - self.first[body], self.names[body])
+    }
+
+    /// Takes note of what was seen in a step.
+    pub fn observe(&mut self, step: u64, time: f64, seen: &Observation, solids: &SolidObservation) {
+        let Limits { doubtful, wrong } = self.limits;
+        let finding = |level, kind, bodies, sentence, position, figure| Finding {
+            level,
+            kind,
+            bodies,
+            step,
+            time,
+            sentence,
+            position,
+            figure,
+        };
+        let mut found = Vec::new();
+        for deepest in seen.penetrations.iter().filter(|deepest| deepest.relative > doubtful) {
+            let level = if deepest.relative > wrong { Level::Wrong } else { Level::Doubtful };
+            let into = match deepest.into == deepest.body {
+                true => "its own body".to_owned(),
+                false => format!("`{}`", self.names[deepest.into]),
+            };
+            let sentence = format!(
+                "at t = {time:.4} {} is {} ({} edges) inside {into}",
+                self.node(deepest.body, deepest.node),
+                short(deepest.depth),
+                short(deepest.relative)
+            );
+            let bodies = Some([deepest.body, deepest.into]);
+            let position = Some(deepest.position);
+            found.push(finding(level, FindingKind::Penetration, bodies, sentence, position, deepest.relative));
+        }
+        for passage in &seen.tunnelled {
+            let sentence = format!(
+                "at t = {time:.4} {} has passed through `{}` since the last look",
+                self.node(passage.body, passage.node),
+                self.names[passage.through]
+            );
+            let bodies = Some([passage.body, passage.through]);
+            found.push(finding(Level::Wrong, FindingKind::Tunnelling, bodies, sentence, Some(passage.position), 0.0));
+        }
+        if let Some((body, element, jacobian)) = solids.inverted {
+            let sentence = format!(
+                "at t = {time:.4} element {element} of `{}` is inverted (Jacobian {})",
+                self.names[body],
+                short(jacobian)
+            );
+            let bodies = Some([body, body]);
+            found.push(finding(Level::Wrong, FindingKind::InvertedElement, bodies, sentence, None, -jacobian));
+        }
+        if let Some((body, element, jacobian)) = solids.poor {
+            let sentence = format!(
+                "at t = {time:.4} element {element} of `{}` is {} at a corner (scaled Jacobian {})",
+                self.names[body],
+                if jacobian <= 0.0 { "inverted" } else { "nearly inverted" },
+                short(jacobian)
+            );
+            let bodies = Some([body, body]);
+            found.push(finding(Level::Doubtful, FindingKind::PoorElement, bodies, sentence, None, -jacobian));
+        }
+        let body_of = |node: u32| self.first.iter().rposition(|&first| first <= node).unwrap_or_default();
+        if let Some(node) = solids.not_finite {
+            let sentence = format!("at t = {time:.4} the position of {} is no number", self.node(body_of(node), node));
+            found.push(finding(Level::Wrong, FindingKind::NotFinite, None, sentence, None, 0.0));
+        }
+        if let Some((node, sizes)) = solids.far {
+            let sentence = format!(
+                "at t = {time:.4} {} is {} sizes of the model away",
+                self.node(body_of(node), node),
+                short(sizes)
+            );
+            found.push(finding(Level::Wrong, FindingKind::FarAway, None, sentence, None, sizes));
+        }
+        for finding in found {
+            self.add(finding);
+        }
+    }
+
+    /// Takes note of a finding. Of each kind and pair of bodies the worst is kept, with the step in which it first was as bad.
+    pub fn add(&mut self, finding: Finding) {
+        let same = |known: &&mut Finding| known.kind == finding.kind && known.bodies == finding.bodies;
+        match self.findings.iter_mut().find(same) {
+            None => self.findings.push(finding),
+            Some(known) if finding.level > known.level => *known = finding,
+            Some(known) if finding.level == known.level && finding.figure > known.figure => {
+                let (step, time) = (known.step, known.time);
+                *known = Finding { step, time, ..finding };
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// The verdict so far.
+    pub fn verdict(&self) -> Verdict {
+        let mut reasons = self.findings.clone();
+        reasons.sort_by(|a, b| b.level.cmp(&a.level).then(a.kind.cmp(&b.kind)).then(b.figure.total_cmp(&a.figure)));
+        Verdict { level: reasons.first().map_or(Level::Sound, |worst| worst.level), reasons }
+    }
+}
+
+/// Two digits.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e4).contains(&size) { format!("{value:.1e}") } else { format!("{value:.3}") }
+}

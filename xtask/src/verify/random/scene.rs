@@ -1,0 +1,289 @@
+//! Scenes from a generator: a seed gives a scene, always the same.
+//!
+//! Two to four bodies above each other, turned and shifted at random, fly into each other, or a block is pressed into another. At most
+//! [`NODES`] nodes and [`STEPS`] steps.
+
+use fastrand::Rng;
+use toml::{Table, Value};
+
+/// Largest number of nodes of a scene.
+const NODES: usize = 300;
+
+/// Largest number of steps of a scene.
+const STEPS: u32 = 60;
+
+/// Time-stepping schemes; `None` is quasi-static.
+const SCHEMES: [Option<&str>; 4] = [Some("energy-momentum"), Some("midpoint"), Some("backward-euler"), None];
+
+/// A scene and what it is counted under.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The seed that gives it.
+    pub seed: u64,
+    /// Scheme, or "quasi-static".
+    pub scheme: String,
+    /// Contact method of all named pairs.
+    pub method: String,
+    /// The scene.
+    pub scene: Table,
+}
+
+/// What a body is made of before it is placed.
+struct Shape {
+    mesh: Table,
+    nodes: usize,
+    /// Half of its height when it is not turned, and the radius of a ball around it.
+    half_height: f64,
+    radius: f64,
+    /// Mean edge length of its surface.
+    edge: f64,
+    /// Sets for a contact above and below.
+    above: &'static str,
+    below: &'static str,
+}
+
+impl Case {
+    /// The scene of a seed.
+    pub fn new(seed: u64) -> Self {
+        // Seeds in a row give unlike scenes: the generator mixes them.
+        let mut rng = Rng::with_seed(seed);
+        let scheme = SCHEMES[rng.usize(..SCHEMES.len())];
+        let method = ["nts", "mortar", "cat"][[0, 0, 1, 1, 2][rng.usize(..5)]];
+        let scene = match scheme {
+            Some(scheme) => impact(&mut rng, scheme, method),
+            None => press(&mut rng, method),
+        };
+        Self { seed, scheme: scheme.unwrap_or("quasi-static").to_owned(), method: method.to_owned(), scene }
+    }
+}
+
+fn impact(rng: &mut Rng, scheme: &str, method: &str) -> Table {
+    let count = [2, 2, 2, 3, 4][rng.usize(..5)];
+    let young = 10.0_f64.powf(uniform(rng, 2.0, 5.0));
+    let mut bodies = Vec::new();
+    let mut shapes: Vec<Shape> = Vec::new();
+    let (mut height, mut room, mut wave) = (0.0, NODES, f64::INFINITY);
+    let touching = rng.usize(..4) == 0;
+    let mut faces = Vec::new();
+    for k in 0..count {
+        let shape = shape(rng, room / (count - k), touching);
+        room -= shape.nodes;
+        // Six decades between the softest and the stiffest.
+        let stiffness = young * 10.0_f64.powf(uniform(rng, -3.0, 3.0));
+        let density = 10.0_f64.powf(uniform(rng, 0.0, 1.0));
+        wave = wave.min((stiffness / density).sqrt());
+        // A body that starts in touch lies flat.
+        let turned = !touching && rng.bool();
+        let half = if turned { shape.radius } else { shape.half_height };
+        let gap = if touching { 0.0 } else { uniform(rng, 0.0, 0.1) };
+        height += if k == 0 { 0.0 } else { half + gap };
+        let mut shift = || if k == 0 { 0.0 } else { 0.6 * uniform(rng, -1.0, 1.0) * shape.radius };
+        let position = [shift(), shift(), height];
+        height += half;
+        let mut body = Table::new();
+        body.insert("name".into(), format!("b{k}").into());
+        body.insert("mesh".into(), shape.mesh.clone().into());
+        if turned {
+            let axis = [0; 3].map(|_| uniform(rng, -1.0, 1.0) + 1e-3);
+            let mut rotation = Table::new();
+            rotation.insert("axis".into(), numbers(&axis));
+            rotation.insert("degrees".into(), uniform(rng, 0.0, 90.0).into());
+            body.insert("rotation".into(), rotation.into());
+        }
+        body.insert("position".into(), numbers(&position));
+        body.insert("material".into(), material(rng, stiffness).into());
+        body.insert("density".into(), density.into());
+        faces.push(if turned { ["boundary", "boundary"] } else { [shape.below, shape.above] });
+        bodies.push(body);
+        shapes.push(shape);
+    }
+    // Up to half of the slowest wave speed; the fastest body moves a twentieth to a half of an edge in a step.
+    let speed = wave * 10.0_f64.powf(uniform(rng, -2.0, -0.3));
+    let edge = shapes.iter().map(|shape| shape.edge).fold(f64::INFINITY, f64::min);
+    let step = edge / speed * 10.0_f64.powf(uniform(rng, -1.3, -0.3));
+    let centre = 0.5 * (count as f64 - 1.0);
+    for (k, body) in bodies.iter_mut().enumerate() {
+        let towards = (centre - k as f64).signum() * if k as f64 == centre { 0.0 } else { speed };
+        let mut velocity = [0.3 * speed * uniform(rng, -1.0, 1.0), 0.3 * speed * uniform(rng, -1.0, 1.0), towards];
+        velocity[2] *= uniform(rng, 0.5, 1.0);
+        body.insert("velocity".into(), numbers(&velocity));
+    }
+    let steps = rng.u32(STEPS / 2..=STEPS);
+    let mut scene = header("dynamic", step, steps);
+    if let Some(Value::Table(time)) = scene.get_mut("time") {
+        let mut integrator = Table::new();
+        integrator.insert("scheme".into(), scheme.into());
+        time.insert("integrator".into(), integrator.into());
+    }
+    let pairs: Vec<[String; 2]> =
+        (1..count).map(|k| [format!("b{k}.{}", faces[k][0]), format!("b{}.{}", k - 1, faces[k - 1][1])]).collect();
+    scene.insert("contact".into(), contacts(rng, method, &pairs));
+    scene.insert("body".into(), tables(bodies));
+    scene
+}
+
+/// A block is pressed down into another one that stands on the ground.
+fn press(rng: &mut Rng, method: &str) -> Table {
+    let young = 10.0_f64.powf(uniform(rng, 2.0, 8.0));
+    let gap = if rng.bool() { 0.0 } else { uniform(rng, 0.0, 0.05) };
+    let mut bodies = Vec::new();
+    let mut heights = [0.0; 2];
+    for k in 0..2 {
+        let divisions = [0; 3].map(|_| rng.usize(1..=3) + 1 - k);
+        let size = [0; 3].map(|_| uniform(rng, 0.5, 1.5) * if k == 0 { 1.5 } else { 1.0 });
+        heights[k] = size[2];
+        let shift = if k == 0 { [0.0; 2] } else { [0; 2].map(|_| 0.4 * uniform(rng, -1.0, 1.0)) };
+        let bottom = if k == 0 { 0.0 } else { heights[0] + gap };
+        let mut mesh = Table::new();
+        mesh.insert("generator".into(), "block".into());
+        mesh.insert("min".into(), numbers(&[shift[0] - 0.5 * size[0], shift[1] - 0.5 * size[1], bottom]));
+        mesh.insert("max".into(), numbers(&[shift[0] + 0.5 * size[0], shift[1] + 0.5 * size[1], bottom + size[2]]));
+        mesh.insert("divisions".into(), counts(&divisions));
+        let stiffness = young * 10.0_f64.powf(uniform(rng, -3.0, 3.0));
+        let mut body = Table::new();
+        body.insert("name".into(), format!("b{k}").into());
+        body.insert("mesh".into(), mesh.into());
+        body.insert("material".into(), material(rng, stiffness).into());
+        bodies.push(body);
+    }
+    let steps = rng.u32(5..=STEPS / 3);
+    let step = 1.0 / f64::from(steps);
+    let depth = gap + heights[1].min(heights[0]) * uniform(rng, 0.02, 0.25);
+    let slide = if rng.bool() { 0.3 * uniform(rng, -1.0, 1.0) } else { 0.0 };
+    let mut scene = header("quasi-static", step, steps);
+    let mut fixed = Table::new();
+    fixed.insert("set".into(), "b0.bottom".into());
+    fixed.insert("components".into(), words(&["x", "y", "z"]));
+    fixed.insert("fixed".into(), true.into());
+    let mut moved = Table::new();
+    moved.insert("set".into(), "b1.top".into());
+    moved.insert("components".into(), words(&["x", "y", "z"]));
+    let rows = [numbers(&[0.0; 4]), numbers(&[1.0, slide, 0.0, -depth])];
+    let mut table = Table::new();
+    table.insert("table".into(), Value::Array(rows.to_vec()));
+    moved.insert("displacement".into(), table.into());
+    scene.insert("prescribe".into(), tables(vec![fixed, moved]));
+    let pair = if rng.bool() { ["b1.bottom", "b0.top"] } else { ["b0.top", "b1.bottom"] };
+    scene.insert("contact".into(), contacts(rng, method, &[pair.map(str::to_owned)]));
+    scene.insert("body".into(), tables(bodies));
+    scene
+}
+
+/// A shape of at most so many nodes; a block if it has to lie flat or if there is little room.
+fn shape(rng: &mut Rng, nodes: usize, flat: bool) -> Shape {
+    let mut mesh = Table::new();
+    let kind = if flat || nodes < 75 { 0 } else { rng.usize(..4) };
+    match kind {
+        1 => {
+            mesh.insert("generator".into(), "ball".into());
+            mesh.insert("radius".into(), 0.5.into());
+            mesh.insert("divisions".into(), counts(&[1, 1, 1]));
+            Shape { mesh, nodes: 53, half_height: 0.5, radius: 0.5, edge: 0.4, above: "outer", below: "outer" }
+        }
+        2 => {
+            mesh.insert("generator".into(), "cylinder".into());
+            mesh.insert("radius".into(), 0.5.into());
+            mesh.insert("length".into(), 1.0.into());
+            mesh.insert("divisions".into(), counts(&[1, 1, 1, 2]));
+            Shape { mesh, nodes: 51, half_height: 0.5, radius: 1.2, edge: 0.4, above: "outer", below: "outer" }
+        }
+        3 => {
+            mesh.insert("generator".into(), "hollow-torus".into());
+            mesh.insert("ring_radius".into(), 0.6.into());
+            mesh.insert("tube_outer_radius".into(), 0.25.into());
+            mesh.insert("tube_inner_radius".into(), 0.1.into());
+            mesh.insert("divisions".into(), counts(&[8, 4, 1]));
+            Shape { mesh, nodes: 64, half_height: 0.25, radius: 0.85, edge: 0.4, above: "outer", below: "outer" }
+        }
+        _ => {
+            let most = ((nodes as f64).cbrt() as usize).saturating_sub(1).clamp(1, 3);
+            let divisions = [0; 3].map(|_| rng.usize(1..=most));
+            let size = [0; 3].map(|_| uniform(rng, 0.4, 1.4));
+            mesh.insert("generator".into(), "block".into());
+            mesh.insert("size".into(), numbers(&size));
+            mesh.insert("divisions".into(), counts(&divisions));
+            let radius = 0.5 * size.iter().map(|s| s * s).sum::<f64>().sqrt();
+            let edge = (0..3).map(|i| size[i] / divisions[i] as f64).fold(f64::INFINITY, f64::min);
+            let nodes = divisions.iter().map(|n| n + 1).product();
+            Shape { mesh, nodes, half_height: 0.5 * size[2], radius, edge, above: "top", below: "bottom" }
+        }
+    }
+}
+
+fn header(kind: &str, step: f64, steps: u32) -> Table {
+    let mut scene = Table::new();
+    let mut head = Table::new();
+    head.insert("title".into(), "Random".into());
+    head.insert("kind".into(), kind.into());
+    scene.insert("scene".into(), head.into());
+    let mut time = Table::new();
+    time.insert("end".into(), (step * f64::from(steps)).into());
+    time.insert("step".into(), step.into());
+    scene.insert("time".into(), time.into());
+    let mut output = Table::new();
+    output.insert("every".into(), 1000.into());
+    output.insert("checkpoint_every".into(), 1000.into());
+    scene.insert("output".into(), output.into());
+    scene
+}
+
+fn material(rng: &mut Rng, young: f64) -> Table {
+    let mut material = Table::new();
+    let law = ["neo-hooke", "neo-hooke", "saint-venant-kirchhoff"][rng.usize(..3)];
+    material.insert("law".into(), law.into());
+    material.insert("young".into(), young.into());
+    material.insert("poisson".into(), uniform(rng, 0.0, 0.45).into());
+    material
+}
+
+fn contacts(rng: &mut Rng, method: &str, pairs: &[[String; 2]]) -> Value {
+    let mu = if rng.usize(..5) < 3 { None } else { Some(uniform(rng, 0.05, 0.8)) };
+    let contact = |[slave, master]: &[String; 2]| {
+        let mut contact = Table::new();
+        contact.insert("method".into(), method.into());
+        contact.insert("slave".into(), slave.clone().into());
+        contact.insert("master".into(), master.clone().into());
+        if let Some(mu) = mu {
+            let mut friction = Table::new();
+            friction.insert("law".into(), "coulomb".into());
+            friction.insert("mu".into(), mu.into());
+            contact.insert("friction".into(), friction.into());
+        }
+        contact
+    };
+    tables(pairs.iter().map(contact).collect())
+}
+
+/// Uniform between two numbers.
+fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
+    low + (high - low) * rng.f64()
+}
+
+fn numbers(values: &[f64]) -> Value {
+    Value::Array(values.iter().map(|&x| x.into()).collect())
+}
+
+fn counts(values: &[usize]) -> Value {
+    Value::Array(values.iter().map(|&n| (n as i64).into()).collect())
+}
+
+fn words(values: &[&str]) -> Value {
+    Value::Array(values.iter().map(|&word| word.into()).collect())
+}
+
+fn tables(tables: Vec<Table>) -> Value {
+    Value::Array(tables.into_iter().map(Value::Table).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seed_gives_the_same_scene_and_another_one_another() {
+        for seed in 0..50 {
+            assert_eq!(Case::new(seed).scene, Case::new(seed).scene);
+            assert_ne!(Case::new(seed).scene, Case::new(seed + 50).scene);
+        }
+    }
+}
