@@ -2,7 +2,7 @@
 
 use crate::pairs::{Inside, TOUCHING, overlap};
 use crate::solids::{self, SolidObservation, scaled_jacobian};
-use crate::surface::{Surface, inside_hexahedron};
+use crate::surface::{Surface, inside_hexahedron, nearest_point};
 use crate::sweep::{Sweep, passages};
 use crate::{WatchError, WatchModel};
 use nalgebra::Vector3;
@@ -174,13 +174,18 @@ impl Watch {
 
     fn penetration(&self, body: usize, into: usize, inside: &Inside) -> Penetration {
         let surface = &self.surfaces[body];
-        let k = inside.point as usize;
-        let place = if k < surface.nodes.len() { k } else { surface.quads[k - surface.nodes.len()][0] as usize };
-        let Inside { position, depth, relative, .. } = *inside;
-        Penetration { body, node: surface.nodes[place], into, depth, relative, position: position.into() }
+        let Inside { point, position, depth, relative } = *inside;
+        Penetration {
+            body,
+            node: surface.nodes[surface.nodes_of(point)[0] as usize],
+            into,
+            depth,
+            relative,
+            position: position.into(),
+        }
     }
 
-    /// Nodes of a body inside elements of its own that share no node with the elements around it.
+    /// Nodes and centres of faces of a body inside elements of its own that share no node with the elements around it.
     fn own(&mut self, b: usize, q: &[f64], seen: &mut Observation) {
         let hexahedra = &self.model.bodies[b].hexahedra;
         let corner = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
@@ -189,28 +194,28 @@ impl Watch {
         skin.tree.refit(|k| Aabb::from_points(&hexahedra[elements[k] as usize].map(corner)));
         let (skin, surface) = (&self.skins[b], &self.surfaces[b]);
         let mut deepest: Option<Inside> = None;
-        for (k, x) in surface.points[..surface.nodes.len()].iter().enumerate() {
-            let region = Aabb::from_points([x]);
+        for (k, x) in surface.points.iter().enumerate() {
+            let corners = surface.nodes_of(k as u32);
+            let near = |node: &u32| corners.iter().any(|&c| skin.around[c as usize].binary_search(node).is_ok());
             let mut hit = false;
-            skin.tree.query(&region, |s| {
-                let hexahedron = &hexahedra[skin.elements[s] as usize];
-                let near = |node: &u32| skin.around[k].binary_search(node).is_ok();
+            skin.tree.query(&Aabb::from_points([x]), |s| {
+                let element = skin.elements[s];
+                let hexahedron = &hexahedra[element as usize];
                 if hit || hexahedron.iter().any(near) || !inside_hexahedron(&hexahedron.map(corner), x) {
                     return;
                 }
-                let element = skin.elements[s];
+                // The nearest face of that element on the outside; it has one.
                 let own = (0..surface.triangle_count()).filter(|t| surface.elements[t / 4] == element);
-                for t in own {
-                    let depth = (x - crate::surface::nearest_point(x, surface.triangle(t))).norm();
-                    let relative = depth / surface.edge_length(t);
-                    let here = Inside { point: k as u32, position: *x, depth, relative };
-                    if relative > TOUCHING && deepest.is_none_or(|worst| relative > worst.relative) {
-                        deepest = Some(here);
-                        hit = true;
-                    }
+                let distance = |t: usize| (x - nearest_point(x, surface.triangle(t))).norm();
+                let nearest = own.map(|t| (distance(t), t)).min_by(|a, b| a.0.total_cmp(&b.0));
+                let Some((depth, t)) = nearest else { return };
+                let relative = depth / surface.edge_length(t);
+                hit = relative > TOUCHING;
+                if hit && deepest.is_none_or(|worst| relative > worst.relative) {
+                    deepest = Some(Inside { point: k as u32, position: *x, depth, relative });
                 }
             });
-            seen.nodes_inside += usize::from(hit);
+            seen.nodes_inside += usize::from(hit && k < surface.nodes.len());
         }
         seen.penetrations.extend(deepest.map(|deepest| self.penetration(b, b, &deepest)));
     }
@@ -241,13 +246,7 @@ impl Watch {
 
 /// Whether a point of a surface is one of these nodes, or the centre of a face with one of them.
 fn touches(surface: &Surface, point: u32, nodes: &BTreeSet<u32>) -> bool {
-    let k = point as usize;
-    match surface.nodes.get(k) {
-        Some(node) => nodes.contains(node),
-        None => {
-            surface.quads[k - surface.nodes.len()].iter().any(|&corner| nodes.contains(&surface.nodes[corner as usize]))
-        }
-    }
+    surface.nodes_of(point).iter().any(|&corner| nodes.contains(&surface.nodes[corner as usize]))
 }
 
 impl Skin {

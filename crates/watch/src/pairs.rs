@@ -1,4 +1,4 @@
-//! One body inside another: nodes, centres of faces, and edges of which only the middle is inside.
+//! One body inside another: nodes, centres of faces and of the elements behind them, and edges of which only the middle is inside.
 
 use crate::surface::{Meeting, Surface, meeting};
 use nalgebra::Vector3;
@@ -61,6 +61,13 @@ pub(crate) fn overlap(
             inside[k] = true;
             found.nodes += usize::from(k < body.nodes.len());
             found.add(here);
+        }
+    }
+    // Of bodies in the same place all nodes are near the surface of the other, but the insides are not.
+    for (core, (_, quad)) in body.cores.iter().zip(&body.skin) {
+        let point = body.nodes.len() as u32 + quad;
+        if !exempt(point) && other.contains(core) {
+            found.add(measure(point, *core));
         }
     }
     let mut crossings = Vec::new();

@@ -83,10 +83,16 @@ pub fn nearest_point(x: &Vector3<f64>, [a, b, c]: [&Vector3<f64>; 3]) -> Vector3
 pub struct Surface {
     /// Global numbers of the nodes on it.
     pub nodes: Vec<u32>,
+    /// The numbers 0, 1, ... as many as there are nodes.
+    places: Vec<u32>,
     /// Corners of each quadrilateral, as places in `nodes`, counter-clockwise seen from outside.
     pub quads: Vec<[u32; 4]>,
     /// The element behind each quadrilateral.
     pub elements: Vec<u32>,
+    /// The elements behind the quadrilaterals, each once: its nodes, and the first of its quadrilaterals.
+    pub skin: Vec<([u32; 8], u32)>,
+    /// Present centres of these elements.
+    pub cores: Vec<Vector3<f64>>,
     /// Edges of the triangles, as places in `points`, each once.
     pub edges: Vec<[u32; 2]>,
     /// Present positions: nodes, then centres of the quadrilaterals.
@@ -129,9 +135,22 @@ impl Surface {
         edges.sort_unstable();
         edges.dedup();
         let points = vec![Vector3::zeros(); nodes.len() + quads.len()];
-        let elements = faces.iter().map(|face| face / 6).collect();
-        let mut surface =
-            Self { nodes, quads, elements, edges, points, tree: BoundingVolumeTree::default(), bounds: Aabb::empty() };
+        let elements: Vec<u32> = faces.iter().map(|face| face / 6).collect();
+        // Faces are in the order of their elements.
+        let first = (0..elements.len()).filter(|&k| k == 0 || elements[k] != elements[k - 1]);
+        let skin: Vec<_> = first.map(|k| (hexahedra[elements[k] as usize], k as u32)).collect();
+        let mut surface = Self {
+            places: (0..nodes.len() as u32).collect(),
+            nodes,
+            quads,
+            elements,
+            cores: vec![Vector3::zeros(); skin.len()],
+            skin,
+            edges,
+            points,
+            tree: BoundingVolumeTree::default(),
+            bounds: Aabb::empty(),
+        };
         let boxes: Vec<Aabb> = (0..surface.triangle_count()).map(|_| Aabb::from_points([&Vector3::zeros()])).collect();
         surface.tree = BoundingVolumeTree::build(&boxes);
         surface
@@ -153,10 +172,13 @@ impl Surface {
     }
 
     fn points_at(&mut self, q: &[f64]) {
-        let Self { nodes, quads, points, .. } = self;
+        let Self { nodes, quads, points, skin, cores, .. } = self;
+        let at = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
         for (point, &node) in points.iter_mut().zip(nodes.iter()) {
-            let k = 3 * node as usize;
-            *point = Vector3::new(q[k], q[k + 1], q[k + 2]);
+            *point = at(node);
+        }
+        for (core, (nodes, _)) in cores.iter_mut().zip(skin.iter()) {
+            *core = nodes.iter().fold(Vector3::zeros(), |sum, &node| sum + at(node)) / 8.0;
         }
         for (c, quad) in quads.iter().enumerate() {
             let sum = quad.iter().fold(Vector3::zeros(), |sum, &k| sum + points[k as usize]);
@@ -167,6 +189,15 @@ impl Surface {
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         4 * self.quads.len()
+    }
+
+    /// The nodes that a place in `points` belongs to: itself, or the corners of the quadrilateral whose centre it is.
+    pub fn nodes_of(&self, point: u32) -> &[u32] {
+        let k = point as usize;
+        match k.checked_sub(self.nodes.len()) {
+            None => &self.places[k..=k],
+            Some(quad) => &self.quads[quad],
+        }
     }
 
     /// Corners of a triangle as places in `points`.
