@@ -75,6 +75,11 @@ const CASES: &[Case] = &[
     dynamic("max_iterations = 20", "polish = 0", "polish", "solver.polish"),
     dynamic("max_iterations = 20", "linear = \"magic\"", "magic", "solver.linear"),
     dynamic("max_iterations = 20", "absolute_tolerance = -1", "absolute_tolerance", "solver.absolute_tolerance"),
+    // [watch]
+    dynamic("[time]", "[watch]\nevery = 0\n\n[time]", "every = 0", "watch.every"),
+    dynamic("[time]", "[watch]\nlimit = -0.1\n\n[time]", "limit = -0.1", "watch.limit"),
+    dynamic("[time]", "[watch]\non_fault = \"halt\"\n\n[time]", "halt", "watch.on_fault"),
+    dynamic("[time]", "[watch]\ndepth = 1\n\n[time]", "depth = 1", "watch.depth"),
     // [[body]]
     dynamic("name = \"ball\"\n", "name = \"ball.x\"\n", "ball.x", "body[0].name"),
     dynamic("name = \"plate\"\n", "name = \"\"\n", "name = \"\"", "body[1].name"),

@@ -99,9 +99,15 @@ impl Clock {
         self.tick.is_multiple_of(self.ticks_per_step()) || self.finished()
     }
 
-    /// Moves the end (used to stop a run early or to continue it further).
-    pub fn set_end(&mut self, end: f64) {
-        self.end = end;
+    /// Moves the end to that of another clock, for a run that goes on with a new end. False, and nothing is changed, if the present time
+    /// is beyond it, or is the end of a step that was shortened to meet the old end.
+    pub fn take_end_of(&mut self, other: &Self) -> bool {
+        let moved = Self { end: other.end, ..*self };
+        let fits = moved.time() == self.time();
+        if fits {
+            *self = moved;
+        }
+        fits
     }
 
     /// The step succeeded; returns true if the step size was doubled.

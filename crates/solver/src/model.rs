@@ -32,6 +32,13 @@ pub struct Prescription {
 }
 
 impl Prescription {
+    /// Whether two prescriptions move a component that both have in the same way: then both may name the same node.
+    pub fn agrees(&self, other: &Self, component: u8) -> bool {
+        let column = |p: &Self| p.components.iter().position(|&c| c == component);
+        let (Some(own), Some(others)) = (column(self), column(other)) else { return false };
+        self.rotation == other.rotation && self.displacement.is_same_function(own, &other.displacement, others)
+    }
+
     /// Position (a length) of component `column` of a node with this reference position: `X + u(t)`, with a rotation
     /// `c + R(t) (X - c) + u(t)`, without linearisation.
     pub(crate) fn position(&self, reference: [f64; 3], time: f64, column: usize) -> f64 {
@@ -87,11 +94,11 @@ impl Model {
         self.contacts.iter().any(|pair| !pair.method.is_permanent())
     }
 
-    /// Components that are prescribed: (component index `3*node + i`, prescription, column). A component may be prescribed
-    /// only once.
+    /// Components that are prescribed: (component index `3*node + i`, prescription, column), each once. Several prescriptions of a
+    /// component must agree.
     pub(crate) fn prescribed_components(&self) -> Result<Vec<(u32, u32, u32)>, SimulationError> {
         let mut list = Vec::new();
-        let mut seen = vec![false; self.reference.len()];
+        let mut first: Vec<Option<usize>> = vec![None; self.reference.len()];
         for (p, prescription) in self.prescriptions.iter().enumerate() {
             if prescription.displacement.columns() != prescription.components.len()
                 || prescription.rotation.is_some() && prescription.components != [0, 1, 2]
@@ -103,17 +110,20 @@ impl Model {
             for &node in &prescription.nodes {
                 for (column, &component) in prescription.components.iter().enumerate() {
                     let index = 3 * node as usize + component as usize;
-                    let Some(mark) = seen.get_mut(index) else {
+                    let Some(owner) = first.get_mut(index) else {
                         return Err(SimulationError::Model(format!(
                             "prescription {p} names node {node} component {component}, which does not exist"
                         )));
                     };
-                    if *mark {
+                    if let Some(other) = *owner {
+                        if self.prescriptions[other].agrees(prescription, component) {
+                            continue;
+                        }
                         return Err(SimulationError::Model(format!(
-                            "component {component} of node {node} is prescribed twice"
+                            "component {component} of node {node} is prescribed twice, by different values"
                         )));
                     }
-                    *mark = true;
+                    *owner = Some(p);
                     list.push((index as u32, p as u32, column as u32));
                 }
             }

@@ -335,10 +335,6 @@ impl Simulation {
     pub fn finished(&self) -> bool {
         self.clock.finished()
     }
-    /// Moves the end of the run.
-    pub fn set_end(&mut self, end: f64) {
-        self.clock.set_end(end);
-    }
 
     /// What the run uses.
     pub fn plan(&self) -> Plan {
@@ -460,10 +456,10 @@ impl Simulation {
         }
     }
 
-    /// Continues from a checkpoint of the same scene.
+    /// Continues from a checkpoint of the same scene, to the end of this simulation.
     ///
     /// # Errors
-    /// [`CheckpointError::Mismatch`] if tag or sizes differ.
+    /// [`CheckpointError::Mismatch`] if tag or sizes differ, or if the end is such that no step leads there ([`Clock::take_end_of`]).
     pub fn restore(&mut self, checkpoint: Checkpoint, tag: &str) -> Result<BTreeMap<String, Vec<u8>>, SimulationError> {
         let mismatch = |reason: String| SimulationError::Checkpoint(CheckpointError::Mismatch { reason });
         if checkpoint.tag != tag {
@@ -473,10 +469,17 @@ impl Simulation {
         if checkpoint.q.len() != self.state.q.len() || sizes(&checkpoint.pressures) != sizes(&self.pressures) {
             return Err(mismatch("numbers of unknowns differ".into()));
         }
+        let mut clock = checkpoint.clock;
+        if !clock.take_end_of(&self.clock) {
+            return Err(mismatch(format!(
+                "it is at t = {}, which is behind the new end of the run, or the end of a step that was shortened to meet the old one",
+                checkpoint.time
+            )));
+        }
         for (pair, bytes) in self.model.contacts.iter_mut().zip(&checkpoint.histories) {
             pair.method.load_history(bytes).map_err(StepError::from)?;
         }
-        self.clock = checkpoint.clock;
+        self.clock = clock;
         self.step = checkpoint.step;
         self.state = State {
             time: checkpoint.time,

@@ -99,6 +99,12 @@ impl Table {
         at(after - 1) + s * (at(after) - at(after - 1))
     }
 
+    /// Whether a column is the same function of time as a column of another table, bit by bit.
+    pub fn is_same_function(&self, column: usize, other: &Self, other_column: usize) -> bool {
+        let mut times = self.times.iter().chain(&other.times);
+        times.all(|&time| self.value(time, column) == other.value(time, other_column))
+    }
+
     /// Slope of a column just after a time.
     pub fn slope(&self, time: f64, column: usize) -> f64 {
         // A time within round-off of a row counts as that row, so that the slope after a kink is taken at the kink.

@@ -1,9 +1,8 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
 use crate::build::{Built, OwnLaws, build_with};
-use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder, SystemWriter, judge_start};
+use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder, SceneIdentity, SystemWriter, judge_start};
 use crate::scene::{Scene, SceneErrors};
-use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use stoss_solver::{SimulationError, StepRecord};
 
@@ -112,7 +111,7 @@ pub fn set_threads(threads: usize) -> Result<(), String> {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(|e| e.to_string())
 }
 
-fn load(path: &Path, laws: &OwnLaws) -> Result<(Scene, Built, String), RunError> {
+fn load(path: &Path, laws: &OwnLaws) -> Result<(Scene, Built), RunError> {
     let bytes = std::fs::read(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
@@ -122,14 +121,7 @@ fn load(path: &Path, laws: &OwnLaws) -> Result<(Scene, Built, String), RunError>
     let scene = crate::scene::parse_with(&text, &path.display().to_string(), &laws.names()).map_err(RunError::Scene)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let built = build_with(&scene, folder, laws).map_err(RunError::Scene)?;
-    let mut hash = Sha256::new();
-    hash.update(env!("CARGO_PKG_VERSION"));
-    hash.update(&text);
-    for file in &built.mesh_files {
-        hash.update(file);
-    }
-    let hash = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok((scene, built, hash))
+    Ok((scene, built))
 }
 
 fn scheme_name(scene: &Scene) -> String {
@@ -145,8 +137,8 @@ fn scheme_name(scene: &Scene) -> String {
 /// See [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
-    let (scene, built, scene_hash) = load(path, &options.laws)?;
-    let Built { mut simulation, probes, warnings, contacts, .. } = built;
+    let (scene, built) = load(path, &options.laws)?;
+    let Built { mut simulation, probes, warnings, contacts, mesh_files, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
         return Err(RunError::Option(format!(
@@ -154,12 +146,14 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
             scene.time.end
         )));
     }
+    let identity = SceneIdentity::new(&scene, &mesh_files)
+        .map_err(|error| RunError::Option(format!("the scene cannot be written as JSON: {error}")))?;
     for warning in &warnings {
         report(Event::Warning(warning));
     }
     let settings = FolderSettings {
         title: scene.header.title.clone(),
-        scene_hash,
+        identity,
         scheme: scheme_name(&scene),
         every: u64::from(scene.output.every),
         checkpoint_every: u64::from(scene.output.checkpoint_every),
@@ -263,7 +257,7 @@ pub fn check_scene(path: &Path) -> Result<PlanReport, RunError> {
 /// # Errors
 /// As [`check_scene`].
 pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunError> {
-    let (scene, built, _) = load(path, laws)?;
+    let (scene, built) = load(path, laws)?;
     let plan = built.simulation.plan();
     let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
     lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));

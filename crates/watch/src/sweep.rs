@@ -1,6 +1,6 @@
 //! What passed through a body between two states: nodes that move along straight lines, against triangles whose corners do.
 
-use crate::surface::Surface;
+use crate::surface::{Surface, nearest_point};
 use nalgebra::Vector3;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 
@@ -9,6 +9,9 @@ const OPPOSITE: f64 = -0.3;
 
 /// A passage at least so deep, in edge lengths, counts whatever its faces.
 const DEEP: f64 = 0.3;
+
+/// A passage nearer to the surface than this part of its length, or of an edge, only grazes the body.
+const GRAZING: f64 = 0.05;
 
 /// Subdivisions of a step in which the sign of the distance to a moving plane is looked at; roots are bisected.
 const SAMPLES: usize = 8;
@@ -40,6 +43,28 @@ impl Sweep {
         let tree = BoundingVolumeTree::build(&boxes);
         Self { bounds: tree.bounds(), tree }
     }
+
+    /// Whether the surface is nearer than `distance` to a point at a time in the step.
+    fn is_near(
+        &self,
+        surface: &Surface,
+        before: &[Vector3<f64>],
+        time: f64,
+        point: &Vector3<f64>,
+        distance: f64,
+    ) -> bool {
+        let reach = Vector3::repeat(distance);
+        let region = Aabb::from_points([&(point - reach), &(point + reach)]);
+        let mut is_near = false;
+        self.tree.query(&region, |t| {
+            let at = |k: u32| before[k as usize] + (surface.points[k as usize] - before[k as usize]) * time;
+            is_near |= {
+                let [a, b, c] = surface.corners(t).map(at);
+                (point - nearest_point(point, [&a, &b, &c])).norm() < distance
+            };
+        });
+        is_near
+    }
 }
 
 /// Nodes of `body`, at `before` until now, that passed through `other`; not those for which `exempt` holds.
@@ -49,7 +74,7 @@ pub(crate) fn passages(
     exempt: impl Fn(u32) -> bool,
 ) -> Vec<Passage> {
     let mut found = Vec::new();
-    let mut crossings: Vec<(f64, bool, Vector3<f64>, f64)> = Vec::new();
+    let mut crossings: Vec<Crossing> = Vec::new();
     for k in 0..body.nodes.len() {
         let (x0, x1) = (&before[k], &body.points[k]);
         let region = Aabb::from_points([x0, x1]);
@@ -65,29 +90,45 @@ pub(crate) fn passages(
         if crossings.len() < 2 {
             continue;
         }
-        crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let entry = crossings.iter().find(|crossing| crossing.1);
-        let exit = crossings.iter().rfind(|crossing| !crossing.1);
+        crossings.sort_unstable_by(|a, b| a.time.total_cmp(&b.time));
+        let entry = crossings.iter().find(|crossing| crossing.inwards);
+        let exit = crossings.iter().rfind(|crossing| !crossing.inwards);
         let (Some(entry), Some(exit)) = (entry, exit) else { continue };
-        if exit.0 <= entry.0 || other.contains(x1) {
+        if exit.time <= entry.time || other.contains(x1) {
             continue;
         }
-        // Relative path within the body, from face to face.
-        let path = ((x1 - x0) * (exit.0 - entry.0)).dot(&exit.2).abs() / exit.3;
-        if entry.2.dot(&exit.2) < OPPOSITE || path > DEEP {
-            found.push(Passage { node: k as u32, position: x0 + (x1 - x0) * entry.0 });
+        // Way through the body, from face to face.
+        let way = (exit.relative * (exit.time - entry.time)).dot(&exit.normal).abs();
+        let through = entry.normal.dot(&exit.normal) < OPPOSITE || way > DEEP * exit.edge;
+        let middle = 0.5 * (entry.time + exit.time);
+        let free = GRAZING * way.min(exit.edge);
+        if through && !sweep.is_near(other, other_before, middle, &(x0 + (x1 - x0) * middle), free) {
+            found.push(Passage { node: k as u32, position: x0 + (x1 - x0) * entry.time });
         }
     }
     found
 }
 
-/// When a moving point meets a moving triangle: time in the step (0 to 1), whether inwards, the triangle's normal then, an edge length.
+/// Where a moving point meets a moving triangle.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    /// In the step, 0 to 1.
+    time: f64,
+    inwards: bool,
+    /// Of the triangle then, a unit vector.
+    normal: Vector3<f64>,
+    /// Edge length of the facet.
+    edge: f64,
+    /// Motion of the point in the step, as seen from the triangle.
+    relative: Vector3<f64>,
+}
+
 fn crossing(
     x0: &Vector3<f64>,
     x1: &Vector3<f64>,
     moving: [(&Vector3<f64>, &Vector3<f64>); 3],
     edge: f64,
-) -> Option<(f64, bool, Vector3<f64>, f64)> {
+) -> Option<Crossing> {
     let at = |t: f64| {
         let p = x0 + (x1 - x0) * t;
         let [a, b, c] = moving.map(|(before, now)| before + (now - before) * t);
@@ -118,7 +159,9 @@ fn crossing(
         let square = normal.norm_squared();
         let beside = |u: &Vector3<f64>, v: &Vector3<f64>| (v - u).cross(&(p - u)).dot(&normal) >= -1e-9 * square;
         if square > 0.0 && beside(&a, &b) && beside(&b, &c) && beside(&c, &a) {
-            return Some((high, start > 0.0, normal / square.sqrt(), edge));
+            let carried = moving.iter().map(|(before, now)| *now - *before).sum::<Vector3<f64>>() / 3.0;
+            let relative = x1 - x0 - carried;
+            return Some(Crossing { time: high, inwards: start > 0.0, normal: normal / square.sqrt(), edge, relative });
         }
     }
     None

@@ -10,6 +10,9 @@ use crate::table::Table;
 use crate::vtu::{self, Grid};
 use crate::workspace::{Outcome, read};
 
+/// Exit code of a run that is wrong by the watch.
+pub const WRONG: i32 = 4;
+
 /// Part of a facet's area that is round-off.
 const COVERAGE: f64 = 1e-12;
 
@@ -27,9 +30,14 @@ pub struct Run {
 }
 
 impl Run {
-    /// Row that the program ended with this exit code.
+    /// Row that the program ended with this exit code. A run that was to complete, and of which the watch says that it is wrong, is told:
+    /// its verdict is for the suite `scenes`, in which a scene says what it expects.
     pub fn completed(&self, expected: i32) -> Check {
         let code = self.ending.code.map_or(f64::NAN, f64::from);
+        if (expected, self.ending.code) == (0, Some(WRONG)) {
+            let note = format!("wrong by the watch: {}", self.reasons());
+            return Check::new(&self.name, "exit code", code, Bound::Told).noted(note);
+        }
         let check = Check::new(&self.name, "exit code", code, Bound::Near { value: expected.into(), tolerance: 0.0 });
         let note = match check.holds() {
             true => self.note(),
@@ -45,7 +53,7 @@ impl Run {
 
     /// True if the program went to the end. What the watch found is a row of its own.
     pub fn succeeded(&self) -> bool {
-        matches!(self.ending.code, Some(0 | 4))
+        matches!(self.ending.code, Some(0 | WRONG))
     }
 
     /// What the watch found, in one word.

@@ -5,6 +5,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::check::{Bound, Check};
+use super::run::WRONG;
 use super::{Bench, Findings, Run, Suite, quadratic};
 use crate::workspace::Outcome;
 
@@ -13,9 +14,6 @@ pub struct Scenes;
 
 /// Exit code of a run that had to give up.
 const GAVE_UP: i32 = 3;
-
-/// Exit code of a run whose result the watch found wrong.
-const WRONG: i32 = 4;
 
 impl Suite for Scenes {
     fn name(&self) -> &'static str {

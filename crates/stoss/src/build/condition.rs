@@ -67,7 +67,8 @@ fn table(key: String, rows: &[Vec<f64>], columns: usize, problems: &mut Problems
 }
 
 pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {
-    let mut owner: Vec<Option<usize>> = vec![None; model.reference.len()];
+    // Of every component the first prescription: its place in the model and in the scene.
+    let mut owner: Vec<Option<(usize, usize)>> = vec![None; model.reference.len()];
     for (p, item) in scene.prescriptions.iter().enumerate() {
         let key = format!("prescribe[{p}]");
         let found = resolve(scene, placed, &format!("{key}.set"), &item.set, problems, nodes);
@@ -91,22 +92,27 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
             None => None,
         };
         let (Some((_, nodes)), Some(displacement)) = (found, displacement) else { continue };
+        let prescription = Prescription { nodes, components, displacement, rotation };
+        let Prescription { nodes, components, .. } = &prescription;
         let clash = nodes.iter().find_map(|&n| {
-            components.iter().find_map(|&c| owner[3 * n as usize + c as usize].map(|other| (n, c, other)))
+            components.iter().find_map(|&c| {
+                let (in_model, in_scene) = owner[3 * n as usize + c as usize]?;
+                (!model.prescriptions[in_model].agrees(&prescription, c)).then_some((n, c, in_scene))
+            })
         });
         if let Some((node, component, other)) = clash {
             let axis = ["x", "y", "z"][component as usize];
-            let message = format!("component {axis} of node {node} is prescribed by prescribe[{other}] as well");
-            let remedy = "let the sets not overlap, or give each component once";
+            let message = format!("component {axis} of node {node} is prescribed by prescribe[{other}] as well, with other values");
+            let remedy = "let the sets not overlap, or give the same values where they do";
             problems.add(format!("{key}.set"), &item.set, message, remedy);
             continue;
         }
-        for &n in &nodes {
-            for &c in &components {
-                owner[3 * n as usize + c as usize] = Some(p);
+        for &n in nodes {
+            for &c in components {
+                owner[3 * n as usize + c as usize].get_or_insert((model.prescriptions.len(), p));
             }
         }
-        model.prescriptions.push(Prescription { nodes, components, displacement, rotation });
+        model.prescriptions.push(prescription);
     }
 }
 

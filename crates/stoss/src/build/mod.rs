@@ -85,7 +85,7 @@ impl Problems<'_> {
 ///
 /// # Errors
 /// Every problem that needs the meshes to be found: unreadable or bad meshes, parameters that are no material, unknown or
-/// empty sets, components prescribed twice, contact of a body with itself.
+/// empty sets, components prescribed twice with different values, contact of a body with itself.
 pub fn build(scene: &Scene, folder: &Path) -> Result<Built, SceneErrors> {
     build_with(scene, folder, &OwnLaws::default())
 }

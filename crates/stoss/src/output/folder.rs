@@ -2,6 +2,8 @@
 
 use super::drift::Drifts;
 use super::earlier;
+use super::identity::SceneIdentity;
+use super::lock::FolderLock;
 use super::table::CsvTable;
 use super::watch::{self, RunWatch};
 use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frame};
@@ -19,6 +21,11 @@ const FRICTION: &str = "friction_work,friction_stored";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
 contact_force_x,contact_force_y,contact_force_z,coverage_defect,area_left_out";
+
+/// Table of the probes, whose columns the scene names.
+const PROBES: &str = "probes.csv";
+/// Attachment of a checkpoint that says of which scene it is.
+const IDENTITY: &str = "scene";
 
 /// What the folder remembers in a checkpoint.
 #[derive(Debug, Serialize, Deserialize)]
@@ -45,6 +52,7 @@ pub struct ResultFolder {
     watched: CsvTable,
     started: Instant,
     cpu: cpu_time::ProcessTime,
+    _lock: FolderLock,
 }
 
 /// What a folder needs to know of the scene.
@@ -52,8 +60,8 @@ pub struct ResultFolder {
 pub struct FolderSettings {
     /// Title of the scene.
     pub title: String,
-    /// SHA-256 of scene and meshes, hexadecimal.
-    pub scene_hash: String,
+    /// What the results depend on.
+    pub identity: SceneIdentity,
     /// Scheme, or "quasi-static".
     pub scheme: String,
     /// A frame every so many steps.
@@ -85,6 +93,7 @@ impl ResultFolder {
     /// [`OutputError`]; [`OutputError::NotOurs`], before anything is touched, if a file in the folder has the name of one of ours but
     /// was not written by this program.
     pub fn create(path: &Path, settings: FolderSettings, simulation: &mut Simulation) -> Result<Self, OutputError> {
+        let lock = FolderLock::take(path)?;
         earlier::remove(path)?;
         let frames = path.join("frames");
         std::fs::create_dir_all(&frames).map_err(OutputError::io(&frames))?;
@@ -97,7 +106,7 @@ impl ResultFolder {
             max_equations: simulation.equations() as u64,
         };
         let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
-        let mut folder = Self::open(path, settings, simulation, memo, open)?;
+        let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
         folder.remove_other_frames()?;
         folder.watch.write_file(path, simulation.model(), &folder.settings.watch)?;
         let record = simulation.initial_record();
@@ -122,25 +131,43 @@ impl ResultFolder {
             let reason = "there is no checkpoint in this folder: name the folder of an earlier run with --out, or run without --resume";
             return Err(crate::run::RunError::Resume { path: file, reason: reason.into() });
         }
+        let lock = FolderLock::take(path)?;
         let checkpoint = Checkpoint::read(&file).map_err(OutputError::from)?;
+        let before = checkpoint.attachments.get(IDENTITY).and_then(|bytes| serde_json::from_slice(bytes).ok());
+        let changes = before.map(|before: SceneIdentity| settings.identity.changes(&before)).unwrap_or_default();
+        if !changes.is_empty() {
+            let reason = format!(
+                "the scene has changed since it was written ({changes}); undo the changes, or run without --resume"
+            );
+            return Err(crate::run::RunError::Resume { path: file, reason });
+        }
         let attachments = simulation
-            .restore(checkpoint, &settings.scene_hash)
+            .restore(checkpoint, &settings.identity.hash())
             .map_err(|e| crate::run::RunError::Resume { path: file.clone(), reason: e.to_string() })?;
         let damaged = |reason: String| OutputError::Damaged { path: file.clone(), reason };
         let bytes = attachments.get("folder").ok_or_else(|| damaged("it was not written by this program".into()))?;
         let memo: Memo = serde_json::from_slice(bytes).map_err(|e| damaged(e.to_string()))?;
         let lengths = memo.lengths.clone();
-        let open = |name: &str, _: &str| {
-            let length = lengths.get(name).copied().ok_or_else(|| damaged(format!("{name} is not in it")))?;
-            CsvTable::resume(&path.join(name), length)
+        let table_of_probes = path.join(PROBES);
+        let open = |name: &str, header: &str| match lengths.get(name) {
+            Some(&length) if name == PROBES => CsvTable::resume_as(&table_of_probes, length, header),
+            Some(&length) => CsvTable::resume(&path.join(name), length),
+            None if name == PROBES => CsvTable::create(&table_of_probes, header),
+            None => Err(damaged(format!("{name} is not in it"))),
         };
-        let mut folder = Self::open(path, settings, simulation, memo, open)?;
+        let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
+        if folder.probes.is_none() && folder.memo.lengths.remove(PROBES).is_some() {
+            std::fs::remove_file(&table_of_probes).map_err(OutputError::io(&table_of_probes))?;
+        }
         let [judged, positions] = ["watch", "watch-positions"].map(|name| attachments.get(name).map(Vec::as_slice));
         let (judged, positions) = (judged.unwrap_or_default(), positions.unwrap_or_default());
         folder.watch.load(judged, positions, &simulation.state().q).map_err(damaged)?;
         folder.check_frames()?;
         folder.remove_other_frames()?;
         folder.write_collection()?;
+        // The tables may have been written anew, with other columns.
+        folder.flush()?;
+        folder.checkpoint(simulation)?;
         Ok(folder)
     }
 
@@ -149,6 +176,7 @@ impl ResultFolder {
         settings: FolderSettings,
         simulation: &Simulation,
         memo: Memo,
+        lock: FolderLock,
         open: impl Fn(&str, &str) -> Result<CsvTable, OutputError>,
     ) -> Result<Self, OutputError> {
         let heads: Vec<String> = settings.probes.iter().flat_map(Probe::columns).collect();
@@ -159,7 +187,7 @@ impl ResultFolder {
         Ok(Self {
             balance: open("balance.csv", &balance_header)?,
             newton: open("newton.csv", NEWTON)?,
-            probes: if heads.is_empty() { None } else { Some(open("probes.csv", &probe_header)?) },
+            probes: if heads.is_empty() { None } else { Some(open(PROBES, &probe_header)?) },
             contact: if has_contact { Some(open("contact.csv", CONTACT)?) } else { None },
             watch: RunWatch::new(simulation, &settings.watch)?,
             watched: open(watch::TABLE, watch::COLUMNS)?,
@@ -168,6 +196,7 @@ impl ResultFolder {
             memo,
             started: Instant::now(),
             cpu: cpu_time::ProcessTime::now(),
+            _lock: lock,
         })
     }
 
@@ -248,7 +277,7 @@ impl ResultFolder {
         lengths.insert("balance.csv".into(), self.balance.flush()?);
         lengths.insert("newton.csv".into(), self.newton.flush()?);
         if let Some(table) = &mut self.probes {
-            lengths.insert("probes.csv".into(), table.flush()?);
+            lengths.insert(PROBES.into(), table.flush()?);
         }
         lengths.insert(watch::TABLE.into(), self.watched.flush()?);
         if let Some(table) = &mut self.contact {
@@ -323,9 +352,10 @@ impl ResultFolder {
     pub fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
         let unwritable = |e: serde_json::Error| OutputError::Damaged { path: self.path.clone(), reason: e.to_string() };
         let memo = serde_json::to_vec(&self.memo).map_err(unwritable)?;
-        let mut attachments = BTreeMap::from([("folder".to_owned(), memo)]);
+        let identity = serde_json::to_vec(&self.settings.identity).map_err(unwritable)?;
+        let mut attachments = BTreeMap::from([("folder".to_owned(), memo), (IDENTITY.to_owned(), identity)]);
         attachments.extend(self.watch.save(simulation.step()).map_err(unwritable)?);
-        simulation.checkpoint(&self.settings.scene_hash, attachments).write(&self.path.join("checkpoint"))?;
+        simulation.checkpoint(&self.settings.identity.hash(), attachments).write(&self.path.join("checkpoint"))?;
         Ok(())
     }
 
@@ -342,7 +372,7 @@ impl ResultFolder {
         let summary = Summary {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             title: self.settings.title.clone(),
-            scene_hash: self.settings.scene_hash.clone(),
+            scene_hash: self.settings.identity.hash(),
             scheme: self.settings.scheme.clone(),
             unknowns: map(&[
                 ("bodies", simulation.model().bodies.len() as u64),

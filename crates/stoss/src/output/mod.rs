@@ -7,6 +7,8 @@ mod drift;
 mod earlier;
 mod folder;
 mod frame;
+mod identity;
+mod lock;
 mod summary;
 mod systems;
 mod table;
@@ -14,6 +16,7 @@ mod watch;
 
 pub use drift::Drift;
 pub use folder::{FolderSettings, ResultFolder};
+pub use identity::SceneIdentity;
 pub use summary::{Memory, Outcome, Summary, WatchSummary};
 pub use watch::judge_folder;
 
@@ -55,6 +58,12 @@ pub enum OutputError {
         path = .path.display())]
     NotOurs {
         /// The file.
+        path: PathBuf,
+    },
+    /// Another run writes into the folder.
+    #[error("{path} is in use by another run; wait for its end, or choose another folder with --out", path = .path.display())]
+    InUse {
+        /// The folder.
         path: PathBuf,
     },
     /// A frame could not be written.

@@ -61,7 +61,7 @@ pub struct Summary {
     pub version: String,
     /// Title of the scene.
     pub title: String,
-    /// SHA-256 of the scene's text and of the mesh files it names.
+    /// SHA-256 of all that the results depend on: version, parsed scene, mesh files.
     pub scene_hash: String,
     /// Scheme, or "quasi-static".
     pub scheme: String,

@@ -40,6 +40,32 @@ impl CsvTable {
         Ok(Self { path: path.to_path_buf(), file: BufWriter::new(file), length, line: String::new() })
     }
 
+    /// As [`Self::resume`], and gives the table other columns if its own differ from `header`: those of the same name keep their
+    /// values, new ones are empty in the rows so far.
+    pub fn resume_as(path: &Path, length: u64, header: &str) -> Result<Self, OutputError> {
+        let table = Self::resume(path, length)?;
+        let text = std::fs::read_to_string(path).map_err(OutputError::io(path))?;
+        let mut lines = text.lines();
+        let before: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+        let wanted: Vec<&str> = header.split(',').collect();
+        if before == wanted {
+            return Ok(table);
+        }
+        let places: Vec<Option<usize>> = wanted.iter().map(|name| before.iter().position(|b| b == name)).collect();
+        let scratch = path.with_extension("csv.part");
+        let mut table = Self::create(&scratch, header)?;
+        for line in lines {
+            let cells: Vec<&str> = line.split(',').collect();
+            let kept: Vec<&str> = places.iter().map(|k| k.and_then(|k| cells.get(k).copied()).unwrap_or("")).collect();
+            table.line = kept.join(",");
+            table.end_row()?;
+        }
+        table.flush()?;
+        std::fs::rename(&scratch, path).map_err(OutputError::io(path))?;
+        table.path = path.to_path_buf();
+        Ok(table)
+    }
+
     fn separate(&mut self) {
         if !self.line.is_empty() {
             self.line.push(',');

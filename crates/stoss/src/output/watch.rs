@@ -7,6 +7,7 @@ use super::table::CsvTable;
 use super::{OutputError, frame};
 use crate::scene::{OnFault, Watch as WatchTable};
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use stoss_solver::{Model, Simulation, StepRecord};
@@ -202,13 +203,17 @@ fn ties(model: &Model) -> Vec<TiedPair> {
     let body_of = |node: u32| model.bodies.iter().position(|body| body.nodes.contains(&node)).unwrap_or_default();
     let mut ties: Vec<TiedPair> = Vec::new();
     for pair in model.contacts.iter().filter(|pair| pair.method.is_permanent()) {
-        let all = vec![true; pair.method.slot_count()];
-        pair.method.stencils(&all, &mut |nodes, _| {
-            let mut bodies: Vec<usize> = nodes.iter().map(|&node| body_of(node)).collect();
-            bodies.sort_unstable();
-            bodies.dedup();
-            for (i, &a) in bodies.iter().enumerate() {
-                for &b in &bodies[i + 1..] {
+        // A constraint may hand out its nodes one by one.
+        let mut nodes_of_slot: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+        pair.method.stencils(&vec![true; pair.method.slot_count()], &mut |nodes, slots| {
+            for &slot in slots {
+                nodes_of_slot.entry(slot).or_default().extend(nodes);
+            }
+        });
+        for nodes in nodes_of_slot.values() {
+            let bodies: BTreeSet<usize> = nodes.iter().map(|&node| body_of(node)).collect();
+            for &a in &bodies {
+                for &b in bodies.range(a + 1..) {
                     let known = ties.iter().position(|tie| tie.bodies == [a, b]);
                     let tie = known.unwrap_or_else(|| {
                         ties.push(TiedPair { nodes: Vec::new(), bodies: [a, b] });
@@ -217,7 +222,7 @@ fn ties(model: &Model) -> Vec<TiedPair> {
                     ties[tie].nodes.extend(nodes.iter().filter(|&&node| [a, b].contains(&body_of(node))));
                 }
             }
-        });
+        }
     }
     for tie in &mut ties {
         tie.nodes.sort_unstable();

@@ -1,0 +1,123 @@
+//! What the results of a run depend on. A run may be resumed with a scene that differs in nothing of it.
+
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
+
+/// Tables of a scene that say what is written and judged, not what is computed.
+const WITHOUT_INFLUENCE: [&str; 4] = ["probe", "output", "watch", "expect"];
+
+/// How many differences are named.
+const NAMED: usize = 5;
+
+/// Version, parsed scene and mesh files; comments, title, end, probes, `[output]`, `[watch]` and `[expect]` are left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneIdentity {
+    version: String,
+    scene: Value,
+    /// SHA-256 of each mesh file, hexadecimal.
+    meshes: Vec<String>,
+}
+
+impl SceneIdentity {
+    /// Of a scene and the contents of its mesh files.
+    ///
+    /// # Errors
+    /// If the scene cannot be written as JSON.
+    pub fn new(scene: &Scene, meshes: &[Vec<u8>]) -> Result<Self, serde_json::Error> {
+        let mut value = serde_json::to_value(scene)?;
+        if let Value::Object(tables) = &mut value {
+            for table in WITHOUT_INFLUENCE {
+                tables.remove(table);
+            }
+            remove(tables, "scene", "title");
+            remove(tables, "time", "end");
+            remove_unused_sets(tables);
+        }
+        let meshes = meshes.iter().map(|mesh| hexadecimal(Sha256::digest(mesh).as_slice())).collect();
+        Ok(Self { version: env!("CARGO_PKG_VERSION").to_owned(), scene: value, meshes })
+    }
+
+    /// SHA-256, hexadecimal.
+    pub fn hash(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update(&self.version);
+        // Keys of a map are sorted.
+        hash.update(self.scene.to_string());
+        for mesh in &self.meshes {
+            hash.update(mesh);
+        }
+        hexadecimal(hash.finalize().as_slice())
+    }
+
+    /// What has changed since `before`, in words; empty if nothing has.
+    pub fn changes(&self, before: &Self) -> String {
+        let mut list = Vec::new();
+        if self.version != before.version {
+            list.push(format!("the version of Stoss: {} -> {}", before.version, self.version));
+        }
+        compare("", Some(&before.scene), Some(&self.scene), &mut list);
+        if self.meshes != before.meshes {
+            list.push("the content of a mesh file".to_owned());
+        }
+        let more = list.len().saturating_sub(NAMED);
+        list.truncate(NAMED);
+        if more > 0 {
+            list.push(format!("and {more} more"));
+        }
+        list.join("; ")
+    }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn remove(tables: &mut Map<String, Value>, table: &str, key: &str) {
+    if let Some(Value::Object(table)) = tables.get_mut(table) {
+        table.remove(key);
+    }
+}
+
+/// Sets that only probes name have no influence.
+fn remove_unused_sets(tables: &mut Map<String, Value>) {
+    let Some(Value::Array(mut sets)) = tables.remove("set") else { return };
+    let rest = Value::Object(tables.clone());
+    sets.retain(|set| set.get("name").and_then(Value::as_str).is_none_or(|name| names(&rest, name)));
+    if !sets.is_empty() {
+        tables.insert("set".to_owned(), Value::Array(sets));
+    }
+}
+
+/// Whether a text stands anywhere in a value.
+fn names(value: &Value, text: &str) -> bool {
+    match value {
+        Value::String(found) => found == text,
+        Value::Array(list) => list.iter().any(|value| names(value, text)),
+        Value::Object(table) => table.values().any(|value| names(value, text)),
+        _ => false,
+    }
+}
+
+/// Adds every key of which the value differs.
+fn compare(key: &str, before: Option<&Value>, now: Option<&Value>, list: &mut Vec<String>) {
+    match (before, now) {
+        (Some(Value::Object(before)), Some(Value::Object(now))) => {
+            let added = now.keys().filter(|name| !before.contains_key(*name));
+            for name in before.keys().chain(added) {
+                let key = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+                compare(&key, before.get(name), now.get(name), list);
+            }
+        }
+        (Some(Value::Array(before)), Some(Value::Array(now))) => {
+            for k in 0..before.len().max(now.len()) {
+                compare(&format!("{key}[{k}]"), before.get(k), now.get(k), list);
+            }
+        }
+        (before, now) if before == now => {}
+        (Some(_), None) => list.push(format!("{key} was removed")),
+        (None, _) => list.push(format!("{key} was added")),
+        (Some(before), Some(now)) => list.push(format!("{key}: {before} -> {now}")),
+    }
+}
