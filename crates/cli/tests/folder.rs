@@ -125,7 +125,8 @@ fn resuming_bears_changes_of_what_is_not_computed() {
     run(&["--out", "whole"]);
     run(&["--out", "out", "--until", "0.12"]);
     let probe = "[[probe]]\nname = \"side\"\nset = \"block.middle\"\nquantity = \"velocity\"\n";
-    let set = "[[set]]\nname = \"block.middle\"\nbody = \"block\"\nplane = { point = [0, 0, 0.5], normal = [0, 0, 1] }\n";
+    let set =
+        "[[set]]\nname = \"block.middle\"\nbody = \"block\"\nplane = { point = [0, 0, 0.5], normal = [0, 0, 1] }\n";
     write_scene(
         folder.path(),
         &[
@@ -165,8 +166,13 @@ fn resuming_names_what_has_changed() {
         (&[("young = 100.0", "young = 200.0")][..], "body[0].material.young: 100.0 -> 200.0"),
         (&[("step = 0.02", "step = 0.01")], "time.step: 0.02 -> 0.01"),
         (&[("end = 0.2", "end = 0.05")], "behind the new end"),
-        (&[("fixed = true\n\n[[probe]]", "fixed = true\n\n[[load]]\nbody = \"block\"\nbody_force = [0, 0, 1]\n\n[[probe]]")],
-            "load was added"),
+        (
+            &[(
+                "fixed = true\n\n[[probe]]",
+                "fixed = true\n\n[[load]]\nbody = \"block\"\nbody_force = [0, 0, 1]\n\n[[probe]]",
+            )],
+            "load was added",
+        ),
     ] {
         write_scene(folder.path(), changes);
         let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--resume"]);

@@ -464,7 +464,9 @@ fn until_stops_early_on_the_same_path() {
     assert!(whole.starts_with(&part));
     assert_eq!(
         whole.lines().next(),
-        Some("step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total")
+        Some(
+            "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total,closing_loss"
+        )
     );
     // A run that was stopped early goes on where it stopped.
     let rest = stoss(folder.path(), &["run", "scene.toml", "--resume", "--quiet"]);

@@ -185,6 +185,10 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     fn is_permanent(&self) -> bool {
         false
     }
+    /// Whether the forces leave angular momentum as it is, under schemes that conserve it: their moments about any point add up to zero.
+    fn conserves_angular_momentum(&self) -> bool {
+        true
+    }
     /// Whether the tangent is symmetric under a rule (constraint rows are then the gradients of the forces). If bodies, loads and contacts
     /// all are, the matrix is factorised as a symmetric one, which takes two thirds of the time. A wrong promise costs time, not the
     /// answer: the residual is measured with the whole matrix, and the solver falls back. No by default.

@@ -26,10 +26,14 @@ pub struct Balance {
     pub friction_work: f64,
     /// The part of `contact` that is in the tangential springs of friction.
     pub friction_stored: f64,
+    /// Work that the normal forces of contact have taken out of the bodies since the start and do not store, measured with forces and displacements: the
+    /// loss of closing gaps, negative where contact gave energy. In dynamics; zero in statics.
+    pub closing_loss: f64,
 }
 
 impl Balance {
-    /// What an energy-conserving scheme keeps: kinetic + strain + potential + contact + dissipation - external work.
+    /// What an energy-conserving scheme keeps: kinetic + strain + potential + contact + dissipation - external work. A scheme that conserves
+    /// energy keeps it but for `closing_loss`.
     pub fn total(&self) -> f64 {
         self.kinetic + self.strain + self.potential + self.contact + self.dissipation - self.external_work
     }

@@ -30,8 +30,23 @@ pub enum LoadKind {
 }
 
 impl Load {
+    /// The directions (x, y, z) in which the load acts.
+    pub fn directions(&self) -> [bool; 3] {
+        let LoadKind::Dead { patterns } = &self.kind else { return [true; 3] };
+        let mut directions = [false; 3];
+        for (column, pattern) in patterns.iter().enumerate() {
+            if self.magnitude.is_zero(column) {
+                continue;
+            }
+            for &(component, unit) in pattern {
+                directions[component as usize % 3] |= unit != 0.0;
+            }
+        }
+        directions
+    }
+
     /// True if the load has a potential that does not change in time.
-    pub(crate) fn is_conservative(&self) -> bool {
+    pub fn is_conservative(&self) -> bool {
         matches!(self.kind, LoadKind::Dead { .. }) && self.magnitude.is_constant()
     }
 

@@ -411,6 +411,12 @@ impl Simulation {
         balance
     }
 
+    /// Mass of all bodies; zero in quasi-static runs, which have none.
+    pub fn total_mass(&self) -> f64 {
+        let along_x: Vec<f64> = (0..self.state.q.len()).map(|c| if c % 3 == 0 { 1.0 } else { 0.0 }).collect();
+        self.system.masses.iter().map(|mass| mass.linear_momentum(&along_x)[0]).sum()
+    }
+
     /// Momenta, kinetic and strain energy of one body at the last completed step (loads and contact belong to the model).
     pub fn body_balance(&self, body: usize) -> Balance {
         // The state was accepted, so its strain energy exists; NaN would show a contradiction.

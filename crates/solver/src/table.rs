@@ -84,6 +84,11 @@ impl Table {
         self.values.chunks_exact(self.columns).all(|row| row == first)
     }
 
+    /// True if a column is zero at all times.
+    pub fn is_zero(&self, column: usize) -> bool {
+        self.values.iter().skip(column).step_by(self.columns).all(|&value| value == 0.0)
+    }
+
     /// Value of a column at a time.
     pub fn value(&self, time: f64, column: usize) -> f64 {
         let at = |row: usize| self.values[row * self.columns + column];

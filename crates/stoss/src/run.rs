@@ -1,7 +1,9 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
 use crate::build::{Built, OwnLaws, build_with};
-use crate::output::{FolderSettings, Outcome, OutputError, ResultFolder, SceneIdentity, SystemWriter, judge_start};
+use crate::output::{
+    FolderSettings, Outcome, OutputError, ResultFolder, SceneIdentity, SystemWriter, changed_by, judge_start, promises,
+};
 use crate::scene::{Scene, SceneErrors};
 use std::path::{Path, PathBuf};
 use stoss_solver::{SimulationError, StepRecord};
@@ -162,6 +164,8 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         scales: scene.expect.as_ref().map_or([None; 3], |expect| {
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
+        promises: promises(&scene, &simulation, &contacts),
+        changed_by: changed_by(&scene, simulation.model()),
         contacts,
         watch: scene.watch.clone(),
     };

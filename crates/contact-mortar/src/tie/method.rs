@@ -95,6 +95,11 @@ impl ContactMethod for MeshTie {
         true
     }
 
+    /// Constraints along spatial axes do not turn with the bodies.
+    fn conserves_angular_momentum(&self) -> bool {
+        self.nodes.iter().all(|node| node.frame.is_some())
+    }
+
     /// With spatial axes constraints are linear, whatever the rule.
     fn is_symmetric(&self, rule: ContactRule) -> bool {
         rule == ContactRule::EndPoint || self.nodes.iter().all(|node| node.frame.is_none())

@@ -339,11 +339,18 @@ impl Simulation {
         self.active = iterate.active;
         let balance = self.measure_balance(strain, self.balance.external_work + work);
         let before = self.balance;
+        let stored_by_normal = |stored: f64, by_friction: f64| stored - by_friction;
+        let normal_work = work_of_contact.map_or(0.0, |work| {
+            let stored = stored_by_normal(contact_work.stored, contact_work.friction_stored)
+                - stored_by_normal(before.contact, before.friction_stored);
+            work + contact_work.friction_work + stored
+        });
         self.balance = Balance {
             contact: contact_work.stored,
             dissipation: self.balance.dissipation + contact_work.dissipated,
             friction_work: self.balance.friction_work + contact_work.friction_work,
             friction_stored: contact_work.friction_stored,
+            closing_loss: self.balance.closing_loss - normal_work,
             ..balance
         };
         self.step += 1;

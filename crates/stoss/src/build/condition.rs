@@ -102,7 +102,9 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
         });
         if let Some((node, component, other)) = clash {
             let axis = ["x", "y", "z"][component as usize];
-            let message = format!("component {axis} of node {node} is prescribed by prescribe[{other}] as well, with other values");
+            let message = format!(
+                "component {axis} of node {node} is prescribed by prescribe[{other}] as well, with other values"
+            );
             let remedy = "let the sets not overlap, or give the same values where they do";
             problems.add(format!("{key}.set"), &item.set, message, remedy);
             continue;

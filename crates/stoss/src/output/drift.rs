@@ -29,20 +29,28 @@ where
         self.deviation = self.deviation.max(norm::<N>(std::array::from_fn(|i| value[i] - self.first[i])));
         self.magnitude = self.magnitude.max(norm(value));
     }
-    fn report(&self, scale: Option<f64>) -> Drift {
+    fn report(&self, scale: Option<f64>, changed_by: Option<&String>) -> Drift {
+        if changed_by.is_some() {
+            return Drift { absolute: None, relative: None, reason: changed_by.cloned() };
+        }
         let scale = scale.unwrap_or(self.magnitude);
-        Drift { absolute: self.deviation, relative: if scale > 0.0 { self.deviation / scale } else { 0.0 } }
+        let relative = if scale > 0.0 { self.deviation / scale } else { 0.0 };
+        Drift { absolute: Some(self.deviation), relative: Some(relative), reason: None }
     }
 }
 
 /// A drift as the summary reports it.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 pub struct Drift {
-    /// Largest deviation from the initial value.
-    pub absolute: f64,
-    /// The same over the scale that the scene gives in `[expect]`, or else over the largest magnitude in the run (0 if that is 0). Without a scale it
+    /// Largest deviation from the initial value; `None` for a quantity that loads or supports change.
+    pub absolute: Option<f64>,
+    /// The same over the scale that the scene gives in `[expect]`, or else over the largest magnitude in the run, of
+    /// energy that of kinetic and strain energy if it is larger (0 if that is 0). Without a scale it
     /// says nothing of a quantity whose total is zero.
-    pub relative: f64,
+    pub relative: Option<f64>,
+    /// Why there is no drift.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
 }
 
 /// Drifts of all balances.
@@ -65,10 +73,16 @@ impl Drifts {
         self.linear.follow(balance.linear_momentum);
         self.angular.follow(balance.angular_momentum);
         self.total.follow([balance.total()]);
+        // The total has an arbitrary zero, where there are potentials.
+        self.total.magnitude = self.total.magnitude.max(balance.kinetic + balance.strain);
     }
-    /// Linear momentum, angular momentum, total energy, relative to these scales.
-    pub fn report(&self, scales: [Option<f64>; 3]) -> [Drift; 3] {
-        let [linear, angular, total] = scales;
-        [self.linear.report(linear), self.angular.report(angular), self.total.report(total)]
+    /// Linear momentum, angular momentum, total energy, relative to these scales, as far as nothing changes them.
+    pub fn report(&self, scales: [Option<f64>; 3], changed_by: &[Option<String>; 3]) -> [Drift; 3] {
+        let ([linear, angular, total], [by_linear, by_angular, by_total]) = (scales, changed_by.each_ref());
+        [
+            self.linear.report(linear, by_linear.as_ref()),
+            self.angular.report(angular, by_angular.as_ref()),
+            self.total.report(total, by_total.as_ref()),
+        ]
     }
 }

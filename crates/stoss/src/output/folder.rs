@@ -14,8 +14,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, StepRecord};
+use stoss_watch::Promises;
 
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
+/// Column that follows where there is contact.
+const CLOSING: &str = "closing_loss";
 /// Columns that follow where there is friction.
 const FRICTION: &str = "friction_work,friction_stored";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
@@ -74,8 +77,12 @@ pub struct FolderSettings {
     pub probes: Vec<Probe>,
     /// What drifts of linear momentum, angular momentum and energy are relative to; `None`: the largest magnitude in the run.
     pub scales: [Option<f64>; 3],
+    /// Of linear momentum, angular momentum and energy what changes them, if anything does: then there is no drift to report.
+    pub changed_by: [Option<String>; 3],
     /// Contacts, for the summary.
     pub contacts: Vec<ContactPlan>,
+    /// What must not change in the run.
+    pub promises: Option<Promises>,
     /// What is checked, and what a verdict `wrong` does.
     pub watch: WatchTable,
 }
@@ -108,7 +115,7 @@ impl ResultFolder {
         let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
         let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
         folder.remove_other_frames()?;
-        folder.watch.write_file(path, simulation.model(), &folder.settings.watch)?;
+        folder.watch.write_file(path, simulation.model())?;
         let record = simulation.initial_record();
         folder.write(simulation, &record)?;
         // A run that is killed before its first regular checkpoint can be resumed from the start.
@@ -183,13 +190,15 @@ impl ResultFolder {
         let probe_header = format!("step,time,{}", heads.join(","));
         let has_contact = simulation.model().has_unilateral_contact();
         let has_friction = settings.has_friction();
-        let balance_header = if has_friction { format!("{BALANCE},{FRICTION}") } else { BALANCE.to_owned() };
+        let more = [(has_contact, CLOSING), (has_friction, FRICTION)];
+        let more = more.iter().filter(|(has, _)| *has).map(|(_, columns)| *columns);
+        let balance_header = std::iter::once(BALANCE).chain(more).collect::<Vec<_>>().join(",");
         Ok(Self {
             balance: open("balance.csv", &balance_header)?,
             newton: open("newton.csv", NEWTON)?,
             probes: if heads.is_empty() { None } else { Some(open(PROBES, &probe_header)?) },
             contact: if has_contact { Some(open("contact.csv", CONTACT)?) } else { None },
-            watch: RunWatch::new(simulation, &settings.watch)?,
+            watch: RunWatch::new(simulation, &settings.watch, settings.promises)?,
             watched: open(watch::TABLE, watch::COLUMNS)?,
             path: path.to_path_buf(),
             settings,
@@ -233,6 +242,9 @@ impl ResultFolder {
             .numbers(&b.linear_momentum)
             .numbers(&b.angular_momentum)
             .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()]);
+        if self.contact.is_some() {
+            self.balance.number(b.closing_loss);
+        }
         if self.settings.has_friction() {
             self.balance.numbers(&[b.friction_work, b.friction_stored]);
         }
@@ -367,7 +379,7 @@ impl ResultFolder {
         let plan = simulation.plan();
         let steps = simulation.step();
         let counts = simulation.solver_statistics();
-        let [linear, angular, energy] = self.memo.drifts.report(self.settings.scales);
+        let [linear, angular, energy] = self.memo.drifts.report(self.settings.scales, &self.settings.changed_by);
         let map = |rows: &[(&str, u64)]| rows.iter().map(|&(k, v)| (k.to_owned(), v)).collect::<BTreeMap<_, _>>();
         let summary = Summary {
             version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -9,6 +9,7 @@ mod folder;
 mod frame;
 mod identity;
 mod lock;
+mod promises;
 mod summary;
 mod systems;
 mod table;
@@ -20,6 +21,7 @@ pub use identity::SceneIdentity;
 pub use summary::{Memory, Outcome, Summary, WatchSummary};
 pub use watch::judge_folder;
 
+pub(crate) use promises::{changed_by, promises};
 pub(crate) use systems::SystemWriter;
 pub(crate) use watch::judge_start;
 

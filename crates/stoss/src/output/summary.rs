@@ -97,7 +97,7 @@ pub struct Summary {
     pub cpu_seconds: f64,
     /// Memory.
     pub memory: Memory,
-    /// Largest drifts: `linear_momentum`, `angular_momentum`, `energy`.
+    /// Largest drifts: `linear_momentum`, `angular_momentum`, `energy`; those that loads or supports change have a reason in place of a number.
     pub drift: BTreeMap<String, Drift>,
     /// Every decision of step control and active set.
     pub decisions: Vec<Decision>,
@@ -136,7 +136,10 @@ impl std::fmt::Display for Summary {
         writeln!(f, "  (contact altogether {:.1} %)", 100.0 * self.contact_share)?;
         write!(f, "largest relative drift:")?;
         for (name, drift) in &self.drift {
-            write!(f, "  {} {:.1e}", name.replace('_', " "), drift.relative)?;
+            match drift.relative {
+                Some(relative) => write!(f, "  {} {relative:.1e}", name.replace('_', " "))?,
+                None => write!(f, "  {} -", name.replace('_', " "))?,
+            }
         }
         write!(f, "\n{}", self.verdict)
     }

@@ -10,8 +10,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
-use stoss_solver::{Model, Simulation, StepRecord};
-use stoss_watch::{Judge, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel};
+use stoss_solver::{Balance, Model, Simulation, StepRecord};
+use stoss_watch::{
+    BalanceState, BalanceWatch, Judge, Limits, Promises, TiedPair, Verdict, Watch, WatchBody, WatchModel,
+};
 
 /// Columns of `watch.csv`. Depth in the scene's length, and over the edge length of the facet that the node passed.
 pub(super) const COLUMNS: &str =
@@ -32,6 +34,8 @@ pub(super) struct WatchFile {
     limits: Limits,
     bodies: Vec<NamedBody>,
     ties: Vec<Tied>,
+    /// The balance as it was at the beginning; none in statics.
+    balance: Option<BalanceWatch>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -52,6 +56,7 @@ struct Tied {
 #[derive(Debug, Serialize, Deserialize)]
 struct Memo {
     judge: Judge,
+    balance: Option<BalanceWatch>,
     last: u64,
 }
 
@@ -60,6 +65,8 @@ struct Memo {
 pub(super) struct RunWatch {
     watch: Watch,
     judge: Judge,
+    balance: Option<BalanceWatch>,
+    limits: Limits,
     every: u64,
     on_fault: OnFault,
     /// Positions that were looked at last, and their step.
@@ -70,7 +77,15 @@ pub(super) struct RunWatch {
 
 impl RunWatch {
     /// The watch on a simulation at its start, which has seen nothing yet.
-    pub(super) fn new(simulation: &Simulation, settings: &WatchTable) -> Result<Self, OutputError> {
+    pub(super) fn new(
+        simulation: &Simulation,
+        settings: &WatchTable,
+        promises: Option<Promises>,
+    ) -> Result<Self, OutputError> {
+        let balance = promises.map(|promises| {
+            let radii = simulation.state().q.chunks_exact(3).map(|x| x.iter().map(|x| x * x).sum::<f64>().sqrt());
+            BalanceWatch::new(promises, simulation.total_mass(), radii.fold(0.0, f64::max))
+        });
         let model = model(simulation.model());
         let judge = judge(&model, settings);
         let watch = Watch::new(model)?;
@@ -78,6 +93,8 @@ impl RunWatch {
         Ok(Self {
             watch,
             judge,
+            balance,
+            limits: limits(settings),
             every,
             on_fault: settings.on_fault,
             previous: Vec::new(),
@@ -87,9 +104,9 @@ impl RunWatch {
     }
 
     /// Writes what `stoss judge` needs.
-    pub(super) fn write_file(&self, folder: &Path, model: &Model, settings: &WatchTable) -> Result<(), OutputError> {
+    pub(super) fn write_file(&self, folder: &Path, model: &Model) -> Result<(), OutputError> {
         let path = folder.join(FILE);
-        let text = serde_json::to_string(&WatchFile::new(model, settings))
+        let text = serde_json::to_string(&WatchFile::new(model, self.limits, self.balance.clone()))
             .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
         std::fs::write(&path, text + "\n").map_err(OutputError::io(&path))
     }
@@ -101,6 +118,11 @@ impl RunWatch {
         record: &StepRecord,
         table: &mut CsvTable,
     ) -> Result<(), OutputError> {
+        if let Some(balance) = &mut self.balance {
+            for finding in balance.observe(record.step, record.time, &balance_state(&record.balance)) {
+                self.judge.add(finding);
+            }
+        }
         let due = record.step.is_multiple_of(self.every.max(1)) || simulation.finished();
         if !due || self.last == Some(record.step) {
             return Ok(());
@@ -155,7 +177,7 @@ impl RunWatch {
     /// What a checkpoint holds of the watch: its judgement, and the positions that it saw last if they are not those of the checkpoint.
     pub(super) fn save(&self, step: u64) -> Result<[(String, Vec<u8>); 2], serde_json::Error> {
         let last = self.last.unwrap_or_default();
-        let memo = serde_json::to_vec(&Memo { judge: self.judge.clone(), last })?;
+        let memo = serde_json::to_vec(&Memo { judge: self.judge.clone(), balance: self.balance.clone(), last })?;
         let positions = match last == step {
             true => Vec::new(),
             false => self.previous.iter().flat_map(|x| x.to_le_bytes()).collect(),
@@ -175,8 +197,20 @@ impl RunWatch {
             return Err(format!("{} positions for {}", self.previous.len(), q.len()));
         }
         self.judge = memo.judge;
+        self.balance = memo.balance;
         self.last = Some(memo.last);
         Ok(())
+    }
+}
+
+/// What the watch looks at of a balance.
+fn balance_state(balance: &Balance) -> BalanceState {
+    BalanceState {
+        linear: balance.linear_momentum,
+        angular: balance.angular_momentum,
+        energy: balance.kinetic + balance.strain,
+        total: balance.total(),
+        closing_loss: balance.closing_loss,
     }
 }
 
@@ -232,7 +266,7 @@ fn ties(model: &Model) -> Vec<TiedPair> {
 }
 
 impl WatchFile {
-    fn new(solver: &Model, settings: &WatchTable) -> Self {
+    fn new(solver: &Model, limits: Limits, balance: Option<BalanceWatch>) -> Self {
         let bodies = solver.bodies.iter().map(|body| NamedBody {
             name: body.solid.name().to_owned(),
             first_node: body.nodes.start,
@@ -240,7 +274,7 @@ impl WatchFile {
             hexahedra: body.solid.element_count(),
         });
         let ties = ties(solver).into_iter().map(|tie| Tied { bodies: tie.bodies, nodes: tie.nodes });
-        Self { bodies: bodies.collect(), ties: ties.collect(), limits: limits(settings) }
+        Self { bodies: bodies.collect(), ties: ties.collect(), limits, balance }
     }
 }
 
@@ -255,7 +289,39 @@ pub(crate) fn judge_start(simulation: &Simulation, settings: &WatchTable) -> Res
     Ok(judge.verdict())
 }
 
-/// Verdict on the stored frames of a run. Between frames that are several steps apart a body may pass through another unseen.
+/// Rows of a stored `balance.csv`: step, time and what the watch looks at.
+fn stored_balance(folder: &Path) -> Result<Vec<(u64, f64, BalanceState)>, OutputError> {
+    let path = folder.join("balance.csv");
+    let text = std::fs::read_to_string(&path).map_err(OutputError::io(&path))?;
+    let mut lines = text.lines();
+    let heads: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let mut rows = Vec::new();
+    for (number, line) in lines.enumerate() {
+        let cells: Vec<&str> = line.split(',').collect();
+        let value =
+            |name: &str| -> Option<f64> { cells.get(heads.iter().position(|head| *head == name)?)?.parse().ok() };
+        let three = |names: [&str; 3]| -> Option<[f64; 3]> {
+            let [x, y, z] = names.map(value);
+            Some([x?, y?, z?])
+        };
+        let row = || {
+            let state = BalanceState {
+                linear: three(["lx", "ly", "lz"])?,
+                angular: three(["jx", "jy", "jz"])?,
+                energy: value("kinetic")? + value("strain")?,
+                total: value("total")?,
+                // A scene without contact has no such column.
+                closing_loss: value("closing_loss").unwrap_or(0.0),
+            };
+            Some((value("step")? as u64, value("time")?, state))
+        };
+        let reason = || format!("line {} has no number where one is expected", number + 2);
+        rows.push(row().ok_or_else(|| OutputError::Unreadable { path: path.clone(), reason: reason() })?);
+    }
+    Ok(rows)
+}
+
+/// Verdict on the balance and on the stored frames of a run. Between frames that are several steps apart a body may pass through another unseen.
 ///
 /// # Errors
 /// [`OutputError`] if files are missing, cannot be read or do not fit each other.
@@ -287,6 +353,13 @@ pub fn judge_folder(folder: &Path) -> Result<Verdict, OutputError> {
         let seen = watch.geometry(&q, previous.as_deref());
         judge.observe(step, data.time.unwrap_or(f64::NAN), &seen, &watch.solids(&q));
         previous = Some(q);
+    }
+    if let Some(mut balance) = file.balance {
+        for (step, time, state) in stored_balance(folder)? {
+            for finding in balance.observe(step, time, &state) {
+                judge.add(finding);
+            }
+        }
     }
     if watch.is_none() {
         return Err(damaged(folder, "there are no frames".into()));

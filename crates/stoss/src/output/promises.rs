@@ -1,0 +1,59 @@
+//! What scheme, loads, supports and contacts of a scene together promise of momenta and energy.
+
+use crate::build::ContactPlan;
+use crate::scene::{Constraint, Scene};
+use stoss_solver::{Model, Simulation};
+use stoss_watch::Promises;
+
+/// Part of its scale that a conserved quantity may be off: sums of what iterations leave over long runs are far below.
+const TOLERANCE: f64 = 1e-7;
+
+/// The directions in which supports and loads act.
+fn driven(model: &Model) -> [bool; 3] {
+    let mut driven = [false; 3];
+    for component in model.prescriptions.iter().flat_map(|prescription| &prescription.components) {
+        driven[usize::from(*component)] = true;
+    }
+    for load in &model.loads {
+        for (driven, acts) in driven.iter_mut().zip(load.directions()) {
+            *driven |= acts;
+        }
+    }
+    driven
+}
+
+/// The promises of a run; none in statics, where there is neither momentum nor kinetic energy.
+pub(crate) fn promises(scene: &Scene, simulation: &Simulation, contacts: &[ContactPlan]) -> Option<Promises> {
+    let scheme = scene.time.integrator.as_ref().filter(|_| scene.is_dynamic())?.make().ok()?;
+    let (claims, model) = (scheme.claims(), simulation.model());
+    let driven = driven(model);
+    let moved = model.prescriptions.iter().any(|p| !p.displacement.is_constant() || p.rotation.is_some());
+    let constraints = [Constraint::Modified, Constraint::OneSided].map(|constraint| constraint.name());
+    Some(Promises {
+        linear: driven.map(|driven| claims.linear_momentum && !driven),
+        angular: claims.angular_momentum
+            && driven == [false; 3]
+            && model.contacts.iter().all(|pair| pair.method.conserves_angular_momentum()),
+        energy: claims.energy,
+        autonomous: !moved && model.loads.iter().all(stoss_solver::Load::is_conservative),
+        contact_gives_nothing: claims.energy
+            && contacts.iter().all(|contact| constraints.contains(&contact.constraint.as_str())),
+        // A user who asks for less gets less.
+        tolerance: TOLERANCE.max(100.0 * scene.solver.relative_tolerance.unwrap_or(0.0)),
+    })
+}
+
+/// Why there is no drift of linear momentum, angular momentum and energy to report.
+pub(crate) fn changed_by(scene: &Scene, model: &Model) -> [Option<String>; 3] {
+    if !scene.is_dynamic() {
+        let statics = || Some("a quasi-static run has no momenta, and loads and supports do work".to_owned());
+        return [statics(), statics(), statics()];
+    }
+    let axes: Vec<&str> =
+        ["x", "y", "z"].into_iter().zip(driven(model)).filter(|(_, on)| *on).map(|(a, _)| a).collect();
+    if axes.is_empty() {
+        return [None, None, None];
+    }
+    let linear = format!("loads or supports change it along {}", axes.join(", "));
+    [Some(linear), Some("loads or supports change it".to_owned()), None]
+}

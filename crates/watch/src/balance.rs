@@ -1,0 +1,197 @@
+//! Momenta and energy against what scheme, loads, supports and contact together promise.
+
+use crate::{Finding, FindingKind, Level};
+use serde::{Deserialize, Serialize};
+
+/// A gain of energy that no promise excludes is doubtful from this part of the energy on.
+const GAIN: f64 = 0.01;
+
+/// What must not change in a run, and what may.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Promises {
+    /// The components of linear momentum that are constant.
+    pub linear: [bool; 3],
+    /// Angular momentum is constant.
+    pub angular: bool,
+    /// Energy, with the work of loads and supports and the losses of contact and friction, is constant.
+    pub energy: bool,
+    /// No load and no support does work that the ledger knows only to the accuracy of the scheme.
+    pub autonomous: bool,
+    /// Contact never gives energy to the bodies.
+    pub contact_gives_nothing: bool,
+    /// Parts of the scales that are round-off and what the iteration leaves.
+    pub tolerance: f64,
+}
+
+/// Momenta and energies at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BalanceState {
+    /// Linear momentum.
+    pub linear: [f64; 3],
+    /// Angular momentum about the origin.
+    pub angular: [f64; 3],
+    /// Kinetic and strain energy.
+    pub energy: f64,
+    /// Energy with potentials, stored and dissipated by contact, minus the work done from outside.
+    pub total: f64,
+    /// Work that the normal forces of contact took from the bodies since the start.
+    pub closing_loss: f64,
+}
+
+/// Compares the steps of a run with the promises.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BalanceWatch {
+    promises: Promises,
+    /// Mass of all bodies, and the largest distance of a node from the origin.
+    mass: f64,
+    radius: f64,
+    first: Option<BalanceState>,
+    /// Largest linear momentum, angular momentum and energy so far.
+    scales: [f64; 3],
+    /// Lowest total energy, and largest loss by contact, so far.
+    lowest: f64,
+    largest_loss: f64,
+}
+
+impl BalanceWatch {
+    /// For bodies of this `mass` whose nodes are at most `radius` from the origin.
+    pub fn new(promises: Promises, mass: f64, radius: f64) -> Self {
+        // Finite, for files.
+        let (lowest, largest_loss) = (f64::MAX, f64::MIN);
+        Self { promises, mass, radius, first: None, scales: [0.0; 3], lowest, largest_loss }
+    }
+
+    /// What a step breaks. The first one is the start, with which all others are compared.
+    pub fn observe(&mut self, step: u64, time: f64, state: &BalanceState) -> Vec<Finding> {
+        let Promises { linear, angular, energy, autonomous, contact_gives_nothing, tolerance } = self.promises;
+        let size = |x: &[f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // The momentum that the bodies would have if they all moved the same way.
+        let momentum = (2.0 * self.mass * state.energy.max(0.0)).sqrt();
+        let now = [size(&state.linear).max(momentum), size(&state.angular).max(momentum * self.radius), state.energy];
+        for (scale, now) in self.scales.iter_mut().zip(now) {
+            *scale = scale.max(now);
+        }
+        let first = *self.first.get_or_insert(*state);
+        let mut found = Vec::new();
+        let mut broken = |level, what: String, figure: f64| {
+            let kind = FindingKind::Balance;
+            let sentence = format!("at t = {time:.4} {what}");
+            found.push(Finding { level, kind, bodies: None, step, time, sentence, position: None, figure });
+        };
+        let part = |change: f64, scale: f64| if scale > 0.0 { change / scale } else { 0.0 };
+        let exceeds = |part: f64, limit: f64| part > limit || part.is_nan();
+        for i in (0..3).filter(|&i| linear[i]) {
+            let drift = part((state.linear[i] - first.linear[i]).abs(), self.scales[0]);
+            if exceeds(drift, tolerance) {
+                let what =
+                    format!("the linear momentum along {} has changed by {drift:.1e} of its scale", ["x", "y", "z"][i]);
+                broken(Level::Wrong, what + ", though nothing acts along it", drift);
+            }
+        }
+        if angular {
+            let change: [f64; 3] = std::array::from_fn(|i| state.angular[i] - first.angular[i]);
+            let drift = part(size(&change), self.scales[1]);
+            if exceeds(drift, tolerance) {
+                let what = format!("the angular momentum has changed by {drift:.1e} of its scale");
+                broken(Level::Wrong, what + ", though nothing acts on the bodies and the scheme conserves it", drift);
+            }
+        }
+        let closed = state.total + state.closing_loss;
+        if energy {
+            let drift = part((closed - first.total - first.closing_loss).abs(), self.scales[2]);
+            if exceeds(drift, tolerance) {
+                let what = format!("the balance of energy is off by {drift:.1e} of the energy");
+                broken(Level::Wrong, what + ", though the scheme conserves it", drift);
+            }
+        }
+        let gain = part(self.largest_loss - state.closing_loss, self.scales[2]);
+        self.largest_loss = self.largest_loss.max(state.closing_loss);
+        let given = format!("contact has given the bodies {:.1} % of their energy", 100.0 * gain);
+        if contact_gives_nothing && exceeds(gain, tolerance) {
+            broken(Level::Wrong, given + ", though the constraint excludes that", gain);
+        } else if exceeds(gain, GAIN) {
+            broken(Level::Doubtful, given, gain);
+        }
+        let gain = part(state.total - self.lowest, self.scales[2]);
+        self.lowest = self.lowest.min(state.total);
+        if autonomous && !energy && exceeds(gain, GAIN) {
+            let what = format!("the energy has grown by {:.1} %", 100.0 * gain);
+            broken(Level::Doubtful, what + "; the scheme does not exclude that", gain);
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn promises() -> Promises {
+        Promises {
+            linear: [true; 3],
+            angular: true,
+            energy: true,
+            autonomous: true,
+            contact_gives_nothing: true,
+            tolerance: 1e-7,
+        }
+    }
+
+    fn start() -> BalanceState {
+        BalanceState { linear: [1.0, 0.0, -2.0], angular: [0.5, 0.1, 0.0], energy: 3.0, total: 2.0, closing_loss: 0.0 }
+    }
+
+    /// Levels of what a second step breaks.
+    fn second(promises: Promises, change: impl Fn(&mut BalanceState)) -> Vec<Level> {
+        let mut watch = BalanceWatch::new(promises, 1.0, 1.0);
+        assert_eq!(watch.observe(0, 0.0, &start()), []);
+        let mut state = start();
+        change(&mut state);
+        watch.observe(1, 0.1, &state).into_iter().map(|finding| finding.level).collect()
+    }
+
+    #[test]
+    fn round_off_losses_and_exchange_of_energy_break_nothing() {
+        assert_eq!(second(promises(), |_| {}), []);
+        assert_eq!(second(promises(), |s| s.linear[0] += 1e-9), []);
+        assert_eq!(second(promises(), |s| (s.total, s.closing_loss) = (1.5, 0.5)), []);
+        assert_eq!(second(promises(), |s| s.energy = 1.0), []);
+    }
+
+    #[test]
+    fn what_breaks_a_promise_is_wrong() {
+        let wrong = [Level::Wrong];
+        assert_eq!(second(promises(), |s| s.linear[1] += 1e-5), wrong);
+        assert_eq!(second(promises(), |s| s.angular[2] -= 1e-5), wrong);
+        assert_eq!(second(promises(), |s| s.total -= 1e-5), wrong);
+        assert_eq!(second(promises(), |s| s.total += 1e-5), wrong);
+        assert_eq!(second(promises(), |s| (s.total, s.closing_loss) = (2.1, -0.1)), wrong);
+        assert_eq!(second(promises(), |s| s.linear[2] = f64::NAN), wrong);
+    }
+
+    #[test]
+    fn what_is_not_promised_may_change() {
+        let none = Promises { linear: [true, false, true], angular: false, energy: false, ..promises() };
+        assert_eq!(second(none, |s| (s.linear[1], s.angular[0]) = (3.0, 3.0)), []);
+        assert_eq!(second(none, |s| s.total -= 0.5), []);
+    }
+
+    #[test]
+    fn a_gain_that_is_not_excluded_is_doubtful() {
+        let loose = Promises { energy: false, contact_gives_nothing: false, ..promises() };
+        assert_eq!(second(loose, |s| s.total += 0.02), []);
+        assert_eq!(second(loose, |s| s.total += 0.1), [Level::Doubtful]);
+        let driven = Promises { autonomous: false, ..loose };
+        assert_eq!(second(driven, |s| s.total += 0.1), []);
+        assert_eq!(second(driven, |s| s.closing_loss -= 0.1), [Level::Doubtful]);
+    }
+
+    #[test]
+    fn a_gain_counts_from_the_lowest_state() {
+        let loose = Promises { energy: false, ..promises() };
+        let mut watch = BalanceWatch::new(loose, 1.0, 1.0);
+        for (step, total, found) in [(0, 2.0, 0), (1, 1.0, 0), (2, 1.2, 1)] {
+            assert_eq!(watch.observe(step, 0.1, &BalanceState { total, ..start() }).len(), found, "step {step}");
+        }
+    }
+}
