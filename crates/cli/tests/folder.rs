@@ -100,7 +100,7 @@ fn prescriptions_that_agree_may_overlap() {
         stoss(folder.path(), &["check", "scene.toml"])
     };
     let left = "set = \"block.left\"\ncomponents = [\"x\"]\nfixed = true";
-    let same = "set = \"block.left\"\ncomponents = [\"x\"]\ndisplacement = [[0.0, 0.0], [1.0, 0.0]]";
+    let same = "set = \"block.left\"\ncomponents = [\"x\"]\ndisplacement = { table = [[0.0, 0.0], [1.0, 0.0]] }";
     for changes in [&[][..], &[(left, same)]] {
         let output = check(changes);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -108,7 +108,7 @@ fn prescriptions_that_agree_may_overlap() {
         let plan = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(plan.contains("48 free and 33 prescribed"), "{plan}");
     }
-    let different = "set = \"block.left\"\ncomponents = [\"x\"]\ndisplacement = [[0.0, 0.0], [1.0, 0.1]]";
+    let different = "set = \"block.left\"\ncomponents = [\"x\"]\ndisplacement = { table = [[0.0, 0.0], [1.0, 0.1]] }";
     let output = check(&[(left, different)]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("with other values"), "{}", stderr(&output));

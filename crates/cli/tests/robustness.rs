@@ -163,7 +163,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("slave = \"top.bottom\"", "slave = \"plate.bottom\"", "master = \"plate.top\"", "contact[0].master"),
     (
         "[[load]]\n",
-        "[[prescribe]]\nset = \"plate.edge\"\ncomponents = [\"x\"]\nfixed = true\n\n[[load]]\n",
+        "[[prescribe]]\nset = \"plate.edge\"\ncomponents = [\"x\"]\ndisplacement = [0.1]\n\n[[load]]\n",
         "set = \"plate.edge\"\ncomponents",
         "prescribe[1]",
     ),

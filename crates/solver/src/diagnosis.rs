@@ -2,7 +2,7 @@
 
 use crate::assembly::{Iterate, System};
 use crate::{Model, StepError, Unknown};
-use stoss_linalg::LinalgError;
+use stoss_linalg::{LinalgError, NONE};
 
 /// A node in words: its number in its body, and where it is.
 pub(crate) fn node_name(model: &Model, node: u32, q: &[f64]) -> String {
@@ -57,6 +57,49 @@ pub(crate) fn linear_error(
 pub(crate) fn slot_name(model: &Model, pair: usize, slot: usize, q: &[f64]) -> String {
     let reports = model.contacts[pair].method.report(q).unwrap_or_default();
     reports.get(slot).map_or_else(|| format!("slot {slot}"), |report| node_name(model, report.node, q))
+}
+
+/// Where the residual that was assembled last is largest, and what may be the reason. `of_constraints`: the largest violation of a constraint is
+/// what counts.
+pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate, of_constraints: bool) -> String {
+    let size = |equation: usize| system.rhs.get(equation).map_or(0.0, |r| if r.is_nan() { f64::INFINITY } else { r.abs() });
+    if of_constraints {
+        let slots = system.slot_equation.iter().enumerate().flat_map(|(pair, equations)| {
+            let method = &model.contacts[pair].method;
+            let closed = equations.iter().enumerate().filter(|(_, equation)| **equation != NONE);
+            closed.map(move |(slot, &equation)| (size(equation as usize) / method.slot_weight(slot), pair, slot))
+        });
+        if let Some((_, pair, slot)) = slots.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            let node = slot_name(model, pair, slot, &iterate.q);
+            let name = &model.contacts[pair].name;
+            return format!(
+                "largest in the constraint of {node} in contact {name}: try smaller steps; if the master has an edge or a rim there, exchange slave and master"
+            );
+        }
+    }
+    let free = system.numbering.free.iter().enumerate();
+    let Some((_, &component)) = free.max_by(|a, b| size(a.0).total_cmp(&size(b.0))) else {
+        return "there is no equation".into();
+    };
+    let node = component / 3;
+    let place = node_name(model, node, &iterate.q);
+    let mut contact = None;
+    for (pair, active) in model.contacts.iter().zip(&iterate.active) {
+        pair.method.stencils(active, &mut |nodes, _| {
+            if nodes.contains(&node) {
+                contact = Some(pair.name.as_str());
+            }
+        });
+    }
+    match contact {
+        Some(name) => format!(
+            "largest at {place}, which is in contact {name}: contact points there may change facets, or between stick and slip, with every iteration; try \
+             smaller steps, or exchange slave and master"
+        ),
+        None => format!(
+            "largest at {place}: the elements there may deform too much for one step, or the load there be too large; try smaller steps"
+        ),
+    }
 }
 
 fn position_hint(model: &Model, active: &[Vec<bool>], dynamic: bool, node: u32) -> String {

@@ -19,7 +19,7 @@ pub enum StepError {
     #[error(transparent)]
     Linear(#[from] LinalgError),
     /// Newton did not converge.
-    #[error("Newton: {reason} after {iterations} iterations (relative residual {residual:.2e})")]
+    #[error("Newton: {reason} after {iterations} iterations (relative residual {residual:.2e}; {place})")]
     NotConverged {
         /// The stop reason.
         reason: String,
@@ -27,6 +27,8 @@ pub enum StepError {
         iterations: usize,
         /// Last relative residual.
         residual: f64,
+        /// Where the residual is largest, and what may be the reason.
+        place: String,
     },
     /// A matrix without inverse.
     #[error("the system is singular: {unknown} is not determined; {hint}")]

@@ -1,7 +1,7 @@
 //! One attempted step: predictor, Newton with a fixed active set, active-set update, repeat.
 
 use crate::assembly::{Iterate, System};
-use crate::diagnosis::slot_name;
+use crate::diagnosis::{largest_residual, slot_name};
 use crate::problem::{StepProblem, start_auxiliaries};
 use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
@@ -38,11 +38,14 @@ pub(crate) struct StepInput<'a> {
     pub newton: NewtonOptions,
 }
 
-fn not_converged(report: &NewtonReport) -> StepError {
+fn not_converged(report: &NewtonReport, model: &Model, system: &System, iterate: &Iterate) -> StepError {
+    let accepted = report.accepted();
+    let of_constraints = accepted.is_some_and(|record| record.violation * record.scale > record.residual);
     StepError::NotConverged {
         reason: report.reason.to_string(),
         iterations: report.iteration_count(),
-        residual: report.accepted().map_or(f64::NAN, |record| record.relative_residual()),
+        residual: accepted.map_or(f64::NAN, |record| record.relative_residual()),
+        place: largest_residual(model, system, iterate, of_constraints),
     }
 }
 
@@ -189,8 +192,9 @@ pub(crate) fn attempt(
             NewtonOptions {
                 relative_tolerance: LOOSE_TOLERANCE.max(input.newton.relative_tolerance),
                 polish: 0,
-                // A changed set shows in the residual, but only a solution tells what it leads to.
-                min_iterations: u32::from(look.changes > 0 && !input.step.rule.has_inertia()),
+                // In statics only a solution tells what a set leads to: at the start of a step, as after a change of the set, a load that is light
+                // against the stiffness leaves a residual within the loose tolerance and pressures that say nothing yet.
+                min_iterations: u32::from((look.changes > 0 || rows.is_empty()) && !input.step.rule.has_inertia()),
                 max_iterations: if early > 0 { 1 } else { input.newton.max_iterations },
                 ..input.newton
             }
@@ -236,9 +240,9 @@ pub(crate) fn attempt(
                 }
                 continue;
             }
-            Ok(report) => return Err(not_converged(&report)),
+            Ok(report) => return Err(not_converged(&report, model, system, &iterate)),
             Err(stoss_newton::NewtonFailure::Problem { error, .. }) => return Err(error),
-            Err(stoss_newton::NewtonFailure::NotConverged(report)) => return Err(not_converged(&report)),
+            Err(stoss_newton::NewtonFailure::NotConverged(report)) => return Err(not_converged(&report, model, system, &iterate)),
         }
         if !has_contact {
             return Ok(Attempt { iterate, newton: rows, repaired: 0 });
