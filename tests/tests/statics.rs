@@ -522,3 +522,79 @@ displacement = { table = [[0, 0, 0, 0], [1, -0.4, -0.4, -0.4]] }
     assert_eq!(warnings.len(), 1, "once, not in every step");
     assert!(warnings[0].reason.contains("body block: 1 of 1 elements"), "{}", warnings[0].reason);
 }
+
+/// A block on a block of the same material, exactly in touch, under a pressure on top.
+fn stack(method: &str, young: f64, poisson: f64, pressure: f64, step: f64) -> String {
+    format!(
+        r#"
+[scene]
+title = "stack"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = {step:?}
+[[body]]
+name = "cube"
+mesh = {{ generator = "block", min = [0, 0, 1], max = [1, 1, 2], divisions = [3, 3, 2] }}
+material = {{ law = "neo-hooke", young = {young:?}, poisson = {poisson:?} }}
+[[body]]
+name = "base"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [2, 2, 1], divisions = [2, 2, 1] }}
+material = {{ law = "neo-hooke", young = {young:?}, poisson = {poisson:?} }}
+[[contact]]
+method = "{method}"
+slave = "cube.bottom"
+master = "base.top"
+[[prescribe]]
+set = "base.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "cube.left"
+components = ["x"]
+fixed = true
+[[prescribe]]
+set = "cube.front"
+components = ["y"]
+fixed = true
+[[load]]
+set = "cube.top"
+pressure = {{ table = [[0.0, 0.0], [1.0, {pressure:?}]] }}
+"#
+    )
+}
+
+/// Node of the block of `stack` on its top, and the one below it at the bottom, along the fixed edge.
+const EDGE: [usize; 2] = [32, 0];
+
+#[test]
+fn a_light_load_on_bodies_in_touch_needs_no_gap() {
+    for method in ["nts", "mortar"] {
+        for pressure in [1e3, 1e5, 1e7] {
+            let young = 2.1e11;
+            let mut run = simulation(&stack(method, young, 0.3, pressure, 1.0));
+            let record = run.advance().unwrap_or_else(|error| panic!("{method}, {pressure}: {error}"));
+            assert!(record.iterations <= 4 && run.decisions().is_empty(), "{method}: {} iterations", record.iterations);
+            assert!(run.active()[0].iter().all(|&active| active));
+            let [top, bottom] = EDGE.map(|node| run.state().q[3 * node + 2]);
+            // The base bends a little under the corner of the block.
+            let shortening = 1.0 - (top - bottom);
+            let expected = pressure / young;
+            assert!((shortening / expected - 1.0).abs() < 0.3, "{method}, {pressure}: {shortening:e}, {expected:e}");
+            let force: f64 = run.contact_force()[..3 * 48].iter().skip(2).step_by(3).sum();
+            assert!((force / pressure - 1.0).abs() < 1e-6, "{method}, {pressure}: {force}");
+        }
+    }
+}
+
+#[test]
+fn nearly_incompressible_bodies_in_touch_need_no_gap() {
+    for method in ["nts", "mortar"] {
+        let mut run = simulation(&stack(method, 1.0, 0.4999, 0.05, 0.25));
+        while !run.finished() {
+            let record = run.advance().unwrap_or_else(|error| panic!("{method}: {error}"));
+            assert!(record.iterations <= 8, "{method}: {} iterations", record.iterations);
+        }
+        assert!(run.decisions().is_empty(), "{method}: {:?}", run.decisions());
+    }
+}

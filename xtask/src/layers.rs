@@ -104,7 +104,7 @@ fn check(layers: &Layers, members: &[Member]) -> Findings {
             if !allowed.contains(word) {
                 findings.errors.push(format!("{name} -> {word} is not among its `{kind}` in layers.toml"));
             }
-            if layers.get(word).is_some_and(|layer| layer.dev_only) && kind == "ours" {
+            if layers.get(word).is_some_and(|other| other.dev_only) && kind == "ours" && !layer.dev_only {
                 findings.errors.push(format!("{name} -> {word}: {word} may only be a dev-dependency"));
             }
         }

@@ -3,23 +3,15 @@
 //! `schema`, `gallery` and the suites of `verify` that measure scenes run the program `stoss` and read the files that it
 //! leaves; the suites that measure a crate (`tangents`, `materials`) call it. Which crates those are is in `layers.toml`.
 
-mod base64;
-mod gallery;
 mod layers;
-mod manifest;
-mod plot;
-mod program;
 mod reuse;
 mod schema;
-mod table;
 mod tidy;
-mod verify;
-mod vtu;
-mod workspace;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use stoss_verification::{RandomRange, gallery, manifest, program, workspace};
 use workspace::{Outcome, Workspace};
 
 /// Chores of the workspace.
@@ -77,7 +69,7 @@ fn dispatch(command: Command) -> Outcome<bool> {
         Command::Tidy => tidy::command(&workspace),
         Command::Schema { check } => schema::command(&workspace, check),
         Command::Verify { quick, seed, count, suites } => {
-            verify::command(&workspace, quick, &suites, verify::RandomRange { seed, count })
+            stoss_verification::verify(&workspace, quick, &suites, RandomRange { seed, count })
         }
         Command::Gallery { scene } => gallery::command(&workspace, scene.as_deref()),
     }

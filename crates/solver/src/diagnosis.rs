@@ -62,7 +62,8 @@ pub(crate) fn slot_name(model: &Model, pair: usize, slot: usize, q: &[f64]) -> S
 /// Where the residual that was assembled last is largest, and what may be the reason. `of_constraints`: the largest violation of a constraint is
 /// what counts.
 pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate, of_constraints: bool) -> String {
-    let size = |equation: usize| system.rhs.get(equation).map_or(0.0, |r| if r.is_nan() { f64::INFINITY } else { r.abs() });
+    let size =
+        |equation: usize| system.rhs.get(equation).map_or(0.0, |r| if r.is_nan() { f64::INFINITY } else { r.abs() });
     if of_constraints {
         let slots = system.slot_equation.iter().enumerate().flat_map(|(pair, equations)| {
             let method = &model.contacts[pair].method;

@@ -242,7 +242,9 @@ pub(crate) fn attempt(
             }
             Ok(report) => return Err(not_converged(&report, model, system, &iterate)),
             Err(stoss_newton::NewtonFailure::Problem { error, .. }) => return Err(error),
-            Err(stoss_newton::NewtonFailure::NotConverged(report)) => return Err(not_converged(&report, model, system, &iterate)),
+            Err(stoss_newton::NewtonFailure::NotConverged(report)) => {
+                return Err(not_converged(&report, model, system, &iterate));
+            }
         }
         if !has_contact {
             return Ok(Attempt { iterate, newton: rows, repaired: 0 });

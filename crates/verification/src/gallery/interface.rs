@@ -7,10 +7,10 @@ use stoss_contact_mortar::segmentation::{FacetSegmentation, GapRange};
 use stoss_contact_mortar::{CheckExtent, SurfaceCoverage, segment_surfaces};
 use stoss_tensor::Vector3;
 
-use super::surface::boundary;
 use crate::plot::{self, Drawn, Labels, Series};
 use crate::vtu::Grid;
 use crate::workspace::Outcome;
+use stoss_report::paint::boundary;
 
 /// Master facets farther from the slave's box than this part of its size are not drawn.
 const SURROUNDINGS: f64 = 0.35;
@@ -28,7 +28,9 @@ pub enum Sides {
 
 /// A slave and a master surface with their nodes' positions.
 pub struct Interface {
+    /// The slave surface.
     pub slave: ContactSurface,
+    /// The master surface.
     pub master: ContactSurface,
     /// Three numbers a node.
     pub q: Vec<f64>,
@@ -202,7 +204,23 @@ fn outlines(name: &str, polygons: &[Vec<[f64; 2]>]) -> Series {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vtu::{self, Array, tests::CUBE};
+    use crate::vtu::Array;
+
+    /// The eight corners of a unit cube in VTK's order.
+    const CUBE: [[f64; 3]; 8] = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [0.0, 1.0, 1.0],
+    ];
+
+    fn grid(points: &[[f64; 3]], hexahedra: &[[usize; 8]]) -> Grid {
+        Grid { points: points.to_vec(), hexahedra: hexahedra.to_vec(), ..Grid::default() }
+    }
 
     #[test]
     fn outlines_are_closed_and_apart() {
@@ -226,7 +244,7 @@ mod tests {
         for order in [[lower, upper], [upper, lower]] {
             let points: Vec<[f64; 3]> = order.into_iter().flatten().collect();
             let cells = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13, 14, 15]];
-            let mut frame = vtu::parse(&vtu::tests::write(&points, &cells, &[0.0; 16], true)).unwrap();
+            let mut frame = grid(&points, &cells);
             frame.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0] });
             let shift = |p: &[f64; 3]| [if p[2] > 1.1 { 0.5 } else { 0.0 }, 0.0, 0.0];
             let moved = points.iter().flat_map(shift).collect();
@@ -246,7 +264,7 @@ mod tests {
         let other = CUBE.map(|[x, y, z]| [x + 1.1, y, z + 0.5]);
         let points: Vec<[f64; 3]> = [CUBE, other].into_iter().flatten().collect();
         let cells = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13, 14, 15]];
-        let mut frame = vtu::parse(&vtu::tests::write(&points, &cells, &[0.0; 16], true)).unwrap();
+        let mut frame = grid(&points, &cells);
         frame.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0] });
         frame.point_data.insert("displacement".into(), Array { components: 3, values: vec![0.0; 48] });
         let near = Interface::new(&frame, Sides::Hulls(0.2)).unwrap();
@@ -265,7 +283,7 @@ mod tests {
         let outer = CUBE.map(|[x, y, z]| [2.0 * x - 1.0, 2.0 * y - 1.0, 1.0 + z]);
         let points: Vec<[f64; 3]> = [inner, outer].into_iter().flatten().collect();
         let cells = [[0, 1, 2, 3, 4, 5, 6, 7], [8, 9, 10, 11, 12, 13, 14, 15]];
-        let mut frame = vtu::parse(&vtu::tests::write(&points, &cells, &[0.0; 16], true)).unwrap();
+        let mut frame = grid(&points, &cells);
         frame.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0] });
         frame.point_data.insert("displacement".into(), Array { components: 3, values: vec![0.0; 48] });
         let interface = Interface::new(&frame, Sides::Sphere(3.0_f64.sqrt())).unwrap();

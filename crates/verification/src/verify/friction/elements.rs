@@ -1,7 +1,7 @@
 //! Contact elements with friction at random steps over a row of warped facets with gaps: tangents against differences, momenta, objectivity,
 //! energies. The steps and their dense assembly are those of the tests.
 
-#[path = "../../../../crates/contact-nts/tests/common/mod.rs"]
+#[path = "../../../../contact-nts/tests/common/mod.rs"]
 mod common;
 
 use std::sync::Arc;

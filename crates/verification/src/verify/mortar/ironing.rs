@@ -404,7 +404,7 @@ mod tests {
 
     #[test]
     fn variants_change_what_they_are_told() {
-        let scene: Table = include_str!("../../../../scenes/ironing-mortar.toml").parse().unwrap();
+        let scene: Table = include_str!("../../../../../scenes/ironing-mortar.toml").parse().unwrap();
         let changed = variant(&scene, 2.0, Some(0.9), Some([40, 10, 6])).unwrap();
         assert_eq!(changed["time"]["end"].as_float(), Some(2.0));
         assert_eq!(changed["prescribe"][1]["displacement"]["table"][2][3].as_float(), Some(-0.9));

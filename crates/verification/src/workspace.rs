@@ -1,12 +1,10 @@
 //! Where the repository is, and running commands in it.
 
-use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Result of a chore; the error is a message for whoever typed the command.
-pub type Outcome<T> = Result<T, Box<dyn Error>>;
+pub use stoss_report::{Outcome, read};
 
 /// The repository.
 #[derive(Clone, Debug)]
@@ -75,11 +73,6 @@ impl Workspace {
         files.dedup();
         Ok(files)
     }
-}
-
-/// The text of a file; the error names it.
-pub fn read(path: &Path) -> Outcome<String> {
-    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()).into())
 }
 
 /// Writes a file and the folders above it; the error names it.

@@ -66,7 +66,7 @@ pub fn boundary(hexahedra: &[[usize; 8]]) -> Vec<[usize; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gallery::camera::{cross, dot};
+    use crate::paint::camera::{cross, dot};
     use crate::vtu::tests::CUBE;
     use crate::vtu::{self, Array};
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::base64;
-use crate::workspace::{Outcome, read};
+use crate::{Outcome, read};
 
 /// VTK's number of the linear hexahedron.
 const HEXAHEDRON: f64 = 12.0;
@@ -235,7 +235,7 @@ fn numbers(data: &[u8], kind: &str) -> Result<Vec<f64>, String> {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(crate) mod tests {
     use super::*;
 
     fn encode(bytes: &[u8]) -> String {

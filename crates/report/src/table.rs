@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::workspace::{Outcome, read};
+use crate::{Outcome, read};
 
 /// Columns of equal length.
 #[derive(Clone, Debug, Default, PartialEq)]

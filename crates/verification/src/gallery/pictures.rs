@@ -1,7 +1,7 @@
 //! Which scene draws what: the one table for the report and for `docs/gallery`.
 
-use super::camera::Camera;
 use super::interface::Sides;
+use stoss_report::paint::Camera;
 
 /// What a scene draws beside its balances.
 #[derive(Clone, Copy, Debug)]

@@ -2,12 +2,8 @@
 //!
 //! To add one, add a row to [`PICTURES`].
 
-mod camera;
-mod colour;
 mod interface;
-mod picture;
 mod pictures;
-mod surface;
 
 use std::path::{Path, PathBuf};
 
@@ -16,12 +12,10 @@ use crate::program::Program;
 use crate::table::Table;
 use crate::vtu::{self, Grid};
 use crate::workspace::{Outcome, Workspace, read, write};
-use camera::Camera;
 pub use interface::{Interface, Sides, segments};
-use picture::{Shot, Style};
 use pictures::PICTURES;
 pub use pictures::{Picture, of};
-use surface::Surface;
+use stoss_report::paint::{Camera, Shot, Style, Surface, columns, draw};
 
 /// Widest snapshot of a single row, and widest row, in pixels.
 const SHOT: f64 = 300.0;
@@ -57,7 +51,7 @@ pub fn last_frame(grid: &Grid) -> Outcome<String> {
     let field = field.ok_or("the frame has nothing to colour it by")?;
     let shot = Shot { caption: String::new(), surface: Surface::new(grid, field)? };
     let style = Style { title: "last frame", label: &field.replace('_', " "), width: 300.0 };
-    Ok(picture::draw(&[shot], Camera { azimuth: -58.0, elevation: 24.0 }, &style))
+    Ok(draw(&[shot], Camera { azimuth: -58.0, elevation: 24.0 }, &style))
 }
 
 /// Runs a shipped scene and returns its output folder.
@@ -88,10 +82,10 @@ pub fn snapshots(picture: &Picture, field: &str, folder: &Path) -> Outcome<Strin
         let surface = Surface::new(&vtu::load(&folder.join(file))?, field)?;
         shots.push(Shot { caption: format!("t = {time:.2}"), surface });
     }
-    let columns = picture::columns(shots.len());
+    let columns = columns(shots.len());
     let width = if columns < shots.len() { ROW / columns as f64 } else { SHOT };
     let style = Style { title: picture.title, label: &field.replace('_', " "), width };
-    Ok(picture::draw(&shots, picture.camera, &style))
+    Ok(draw(&shots, picture.camera, &style))
 }
 
 /// The frame nearest to each time, each once; times beyond the last frame, by more than frames are apart, are left out.

@@ -228,8 +228,12 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
                 let given = integrator.parameters.get(name).copied();
                 given.or_else(|| default().map(|p| p.default)).unwrap_or(f64::NAN)
             };
-            let unknown =
-                || format!("what {} needs is not listed in xtask/src/verify/lean/parts.rs", integrator.scheme);
+            let unknown = || {
+                format!(
+                    "what {} needs is not listed in crates/verification/src/verify/lean/parts.rs",
+                    integrator.scheme
+                )
+            };
             scheme_needs(&integrator.scheme, parameter).ok_or_else(unknown)?
         }
         None => SchemeNeeds {

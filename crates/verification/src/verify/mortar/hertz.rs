@@ -289,7 +289,7 @@ mod tests {
 
     #[test]
     fn variants_scale_all_divisions() {
-        let scene: Table = include_str!("../../../../scenes/hertz-cylinders.toml").parse().unwrap();
+        let scene: Table = include_str!("../../../../../scenes/hertz-cylinders.toml").parse().unwrap();
         let changed = variant(&scene, 5).unwrap();
         let numbers = |body: usize| {
             let mesh = &changed["body"][body]["mesh"];
@@ -300,6 +300,6 @@ mod tests {
         };
         assert_eq!((numbers(0), numbers(1)), (vec![10, 2, 7, 1, 5], vec![13, 3, 8, 1, 7]));
         assert_eq!(variant(&scene, 10).unwrap()["body"], scene["body"]);
-        assert!(variant(&include_str!("../../../../scenes/hertz-ball.toml").parse().unwrap(), 4).is_ok());
+        assert!(variant(&include_str!("../../../../../scenes/hertz-ball.toml").parse().unwrap(), 4).is_ok());
     }
 }

@@ -1,0 +1,26 @@
+//! Charts and pictures of results as SVG texts, and reading the files that a run leaves.
+//!
+//! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
+//! - [`paint`]: surfaces of bodies, coloured by a field;
+//! - [`vtu`]: frames; [`table`]: tables with comma-separated values.
+//!
+//! An SVG text refers to nothing outside of itself. Not here: running anything, and which scene is drawn how.
+
+mod base64;
+pub mod paint;
+pub mod plot;
+pub mod table;
+pub mod vtu;
+
+use std::path::Path;
+
+/// Result of reading or drawing; the error is a message for people.
+pub type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// The text of a file.
+///
+/// # Errors
+/// What the system says, with the name of the file.
+pub fn read(path: &Path) -> Outcome<String> {
+    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()).into())
+}

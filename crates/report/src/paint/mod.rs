@@ -1,0 +1,10 @@
+//! Pictures of bodies: the surface of a frame, seen from a camera, coloured by a field.
+
+mod camera;
+mod colour;
+mod picture;
+mod surface;
+
+pub use camera::Camera;
+pub use picture::{Shot, Style, columns, draw};
+pub use surface::{Surface, boundary};
