@@ -22,17 +22,20 @@ fn two_contacts_with_exchanged_surfaces_are_told() {
 /// Surfaces that look past each other are told, whichever of them is the slave; those that touch are not.
 #[test]
 fn surfaces_that_do_not_face_each_other_are_told() {
-    let warnings = |slave: &str, master: &str| {
-        let contact = format!("slave = \"{slave}\"\nmaster = \"{master}\"\nmethod = \"mortar\"");
+    let warnings = |slave: &str, master: &str, method: &str| {
+        let contact = format!("slave = \"{slave}\"\nmaster = \"{master}\"\nmethod = \"{method}\"");
         let scene = two_blocks("energy-momentum", 0.1, 1.0, [0.0; 3], "")
             .replace("slave = \"upper.bottom\"\nmaster = \"lower.top\"", &contact);
         let scene = stoss::scene::parse(&scene, "test.toml").unwrap();
         stoss::build::build(&scene, std::path::Path::new(".")).unwrap().warnings
     };
-    assert_eq!(warnings("upper.bottom", "lower.top"), Vec::<String>::new());
-    assert_eq!(warnings("upper.boundary", "lower.top"), Vec::<String>::new());
-    for (slave, master) in [("upper.left", "lower.top"), ("lower.top", "upper.left"), ("upper.top", "lower.top")] {
-        let told = warnings(slave, master);
-        assert!(told.len() == 1 && told[0].contains("no facet of the slave faces"), "{slave}, {master}: {told:?}");
+    for method in ["mortar", "nts"] {
+        assert_eq!(warnings("upper.bottom", "lower.top", method), Vec::<String>::new());
+        assert_eq!(warnings("upper.boundary", "lower.top", method), Vec::<String>::new());
+        for (slave, master) in [("upper.left", "lower.top"), ("lower.top", "upper.left"), ("upper.top", "lower.top")] {
+            let told = warnings(slave, master, method);
+            let is_told = told.iter().any(|warning| warning.contains("no facet of the slave faces"));
+            assert!(is_told, "{method}, {slave}, {master}: {told:?}");
+        }
     }
 }

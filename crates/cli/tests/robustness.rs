@@ -488,6 +488,25 @@ fn a_checkpoint_of_another_scene_is_refused() {
     assert_eq!(std::fs::read(folder.path().join("out/balance.csv")).unwrap(), before, "results must stay");
 }
 
+/// A pipe has no end as long as someone may write into it: it must be refused, not read.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.toml");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    std::fs::rename(&pipe, folder.path().join("mesh.inp")).unwrap();
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let mesh =
+        "mesh = { generator = \"block\", min = [-0.5, -0.5, 1.05], max = [0.5, 0.5, 2.05], divisions = [2, 2, 2] }";
+    write(folder.path(), "scene.toml", &changed(mesh, "mesh = { file = \"mesh.inp\" }"));
+    for (scene, code) in [("pipe.toml", 1), ("/dev/zero", 1), ("scene.toml", 2)] {
+        let output = stoss(folder.path(), &["check", scene]);
+        assert_eq!(output.status.code(), Some(code), "{scene}: {}", stderr(&output));
+        assert!(stderr(&output).contains("not a regular file"), "{scene}: {}", stderr(&output));
+    }
+}
+
 #[test]
 fn schema_is_json() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 
 use crate::frictional::SurfaceFriction;
 use crate::kept::Closed;
-use crate::opposite::{Counted, Overlap, Seen, Sides, at_sharp_edges, sheets, some_face_each_other, unit_normals};
+use crate::opposite::{Counted, Overlap, Seen, Sides, at_sharp_edges, sheets, unit_normals};
 use crate::slot::{NormalField, Slot, Work};
 use crate::softening::Softening;
 use crate::surfaces::{segment_shifted, thickness};
@@ -114,7 +114,6 @@ pub struct MortarContact {
     /// Depth from which facets behind are another part of the body, a length.
     deepest: f64,
     /// Whether a slave facet faces a master facet in the reference configuration.
-    faces_master: bool,
     /// Unit normals of the slave facets in the reference configuration.
     reference_normals: Vec<Vector3<f64>>,
     /// Sides of the slave nodes.
@@ -188,7 +187,6 @@ impl MortarContact {
             master_edges: at_sharp_edges(&master, &Sides::new(&master, &master_normals)),
             master_sheets: sheets(&master, &master_normals),
             slave_sides,
-            faces_master: some_face_each_other(&reference_normals, &master_normals),
             reference_normals,
             seen: BTreeMap::new(),
             step_size: 0.0,
@@ -240,12 +238,6 @@ impl MortarContact {
         let sum: Vector3<f64> = around.map(|&f| self.reference_normals[f as usize]).sum();
         let free: f64 = (0..3).filter(|&i| !prescribed[i]).map(|i| sum[i] * sum[i]).sum();
         free.sqrt() <= FREE_ALONG_NORMAL * sum.norm()
-    }
-
-    /// Whether at least one slave facet faces a master facet in the reference configuration, however far away: their normals are opposed by more than 15 degrees beyond
-    /// a right angle. If none does, the bodies have to turn before there can be contact.
-    pub fn faces_master(&self) -> bool {
-        self.faces_master
     }
 
     /// The slave surface.

@@ -39,11 +39,6 @@ pub(crate) fn unit_normals(surface: &ContactSurface, q: &[f64]) -> Vec<Vector3<f
     facets.map(|f| area_vector(surface, f, q).try_normalize(0.0).unwrap_or_default()).collect()
 }
 
-/// Whether a facet with one of the first normals can see one with one of the others better than edge-on.
-pub(crate) fn some_face_each_other(slave: &[Vector3<f64>], master: &[Vector3<f64>]) -> bool {
-    slave.iter().any(|n| master.iter().any(|m| n.dot(m) < -EDGE_ON))
-}
-
 /// Whether an edge between facets with these reference normals is sharp.
 fn is_sharp(normals: &[Vector3<f64>], e: usize, f: usize) -> bool {
     normals[e].dot(&normals[f]) <= SHARP

@@ -40,6 +40,8 @@ pub use stoss_watch as watch;
 pub mod build;
 #[cfg(feature = "output")]
 pub mod output;
+#[cfg(any(feature = "output", all(feature = "scene", feature = "mesh-files")))]
+mod regular;
 #[cfg(feature = "output")]
 pub mod run;
 

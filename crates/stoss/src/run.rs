@@ -2,7 +2,8 @@
 
 use crate::build::{Built, OwnLaws, build_with};
 use crate::output::{
-    FolderSettings, Outcome, OutputError, ResultFolder, SceneIdentity, SystemWriter, changed_by, judge_start, promises,
+    FolderSettings, Outcome, OutputError, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies,
+    judge_start, promises,
 };
 use crate::scene::{Scene, SceneErrors};
 use std::path::{Path, PathBuf};
@@ -114,7 +115,7 @@ pub fn set_threads(threads: usize) -> Result<(), String> {
 }
 
 fn load(path: &Path, laws: &OwnLaws) -> Result<(Scene, Built), RunError> {
-    let bytes = std::fs::read(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
+    let bytes = crate::regular::read(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..good].iter().filter(|&&byte| byte == b'\n').count();
@@ -164,6 +165,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         scales: scene.expect.as_ref().map_or([None; 3], |expect| {
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
+        contact_bodies: contact_bodies(&scene),
         promises: promises(&scene, &simulation, &contacts),
         changed_by: changed_by(&scene, simulation.model()),
         contacts,
@@ -295,7 +297,7 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
     ));
     lines.push(format!("  steps: {} of {} to t = {}", plan.steps, scene.time.step, scene.time.end));
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
-    let start = judge_start(&built.simulation, &scene.watch)?;
+    let start = judge_start(&built.simulation, &scene)?;
     lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
     lines.push("no problems found".to_owned());
     Ok(PlanReport { lines })

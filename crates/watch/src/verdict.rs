@@ -115,15 +115,26 @@ pub struct Judge {
     names: Vec<String>,
     /// First node of each body: sentences count nodes within their body.
     first: Vec<u32>,
+    /// Pairs of bodies between which a contact is named.
+    contacts: Vec<[usize; 2]>,
     limits: Limits,
     findings: Vec<Finding>,
 }
 
 impl Judge {
-    /// For bodies of these names with these first nodes.
-    pub fn new(bodies: impl IntoIterator<Item = (String, u32)>, limits: Limits) -> Self {
+    /// For bodies of these names with these first nodes, and contacts between these pairs of them.
+    pub fn new(bodies: impl IntoIterator<Item = (String, u32)>, contacts: Vec<[usize; 2]>, limits: Limits) -> Self {
         let (names, first) = bodies.into_iter().unzip();
-        Self { names, first, limits, findings: Vec::new() }
+        Self { names, first, contacts, limits, findings: Vec::new() }
+    }
+
+    /// What to add to a sentence about two bodies.
+    fn remark(&self, a: usize, b: usize) -> String {
+        match self.contacts.contains(&[a, b]) || self.contacts.contains(&[b, a]) {
+            true => String::new(),
+            false if a == b => "; no contact of the body with itself is named".to_owned(),
+            false => format!("; no contact is named between `{}` and `{}`", self.names[a], self.names[b]),
+        }
     }
 
     fn node(&self, body: usize, node: u32) -> String {
@@ -151,10 +162,11 @@ impl Judge {
                 false => format!("`{}`", self.names[deepest.into]),
             };
             let sentence = format!(
-                "at t = {time:.4} {} is {} ({} edges) inside {into}",
+                "at t = {time:.4} {} is {} ({} edges) inside {into}{}",
                 self.node(deepest.body, deepest.node),
                 short(deepest.depth),
-                short(deepest.relative)
+                short(deepest.relative),
+                self.remark(deepest.body, deepest.into)
             );
             let bodies = Some([deepest.body, deepest.into]);
             let position = Some(deepest.position);
@@ -162,9 +174,10 @@ impl Judge {
         }
         for passage in &seen.tunnelled {
             let sentence = format!(
-                "at t = {time:.4} {} has passed through `{}` since the last look",
+                "at t = {time:.4} {} has passed through `{}` since the last look{}",
                 self.node(passage.body, passage.node),
-                self.names[passage.through]
+                self.names[passage.through],
+                self.remark(passage.body, passage.through)
             );
             let bodies = Some([passage.body, passage.through]);
             found.push(finding(Level::Wrong, FindingKind::Tunnelling, bodies, sentence, Some(passage.position), 0.0));

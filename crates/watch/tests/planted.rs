@@ -79,7 +79,8 @@ fn positions(bodies: &[Block]) -> Vec<f64> {
 }
 
 fn judge(model: WatchModel, states: &[Vec<f64>]) -> Verdict {
-    let mut judge = Judge::new(model.bodies.iter().map(|b| (b.name.clone(), b.nodes.start)), Limits::default());
+    let mut judge =
+        Judge::new(model.bodies.iter().map(|b| (b.name.clone(), b.nodes.start)), Vec::new(), Limits::default());
     let mut watch = Watch::new(model).unwrap();
     for (step, q) in states.iter().enumerate() {
         let previous = step.checked_sub(1).map(|k| states[k].as_slice());

@@ -244,14 +244,15 @@ fn read(
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
     let path = folder.join(file);
-    let bytes = match std::fs::read(&path) {
+    let bytes = match crate::regular::read(&path) {
         Ok(bytes) => bytes,
         Err(error) => {
             problems.add(key.to_owned(), file, error.to_string(), "paths are relative to the scene's file");
             return None;
         }
     };
-    let mesh = stoss_mesh_io::read_mesh(&path);
+    // Names of sets may be in any encoding; everything else is ASCII.
+    let mesh = stoss_mesh_io::read_mesh_from_str(&path, &String::from_utf8_lossy(&bytes));
     mesh_files.push(bytes);
     mesh.map_err(|error| problems.add(key.to_owned(), file, error.to_string(), "mend the file or name another")).ok()
 }

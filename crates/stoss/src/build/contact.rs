@@ -167,6 +167,12 @@ impl PairInput<'_> {
             }
             Err(error) => problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces"),
         }
+        if !face_each_other(self.facets, &model.reference) {
+            warnings.push(format!(
+                "{}: no facet of the slave faces one of the master; there can be no contact before the bodies have turned. Name the sides that touch",
+                item.label()
+            ));
+        }
         warnings.extend(overlap(&item.label(), bodies.map(|b| (&scene.bodies[b].name, &placed[b].mesh))));
         // The first frame shows the gaps of the nodes that are in reach, as later ones do.
         let speed = model.velocity.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
@@ -188,6 +194,27 @@ impl PairInput<'_> {
     pub fn inertia(&self, model: &Model, length: f64) -> f64 {
         self.bodies.iter().filter_map(|&b| model.bodies[b].density).fold(0.0, f64::max) * length
     }
+}
+
+/// Cosine beyond a right angle from which on two facets see each other better than edge-on: 15 degrees.
+const EDGE_ON: f64 = 0.25;
+
+/// Whether a facet of the slave faces one of the master in the reference configuration, however far away.
+fn face_each_other([slave, master]: [&[[u32; 4]]; 2], reference: &[f64]) -> bool {
+    let normals = |facets: &[[u32; 4]]| -> Vec<[f64; 3]> {
+        let normal = |facet: &[u32; 4]| {
+            let x = facet.map(|node| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) });
+            let diagonal = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
+            let (a, b) = (diagonal(0, 2), diagonal(1, 3));
+            let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let length = n.iter().map(|n| n * n).sum::<f64>().sqrt();
+            n.map(|n| if length > 0.0 { n / length } else { 0.0 })
+        };
+        facets.iter().map(normal).collect()
+    };
+    let (slave, master) = (normals(slave), normals(master));
+    let sees = |n: &[f64; 3], m: &[f64; 3]| n.iter().zip(m).map(|(n, m)| n * m).sum::<f64>() < -EDGE_ON;
+    slave.iter().any(|n| master.iter().any(|m| sees(n, m)))
 }
 
 /// A warning if two bodies lie in each other: what is deeper behind a surface than the search looks has no partner there.

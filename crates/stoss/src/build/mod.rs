@@ -16,6 +16,7 @@ mod nts;
 mod overlap;
 mod plan;
 mod probe;
+mod supports;
 mod tie;
 
 #[cfg(not(any(feature = "nts", feature = "mortar")))]
@@ -108,6 +109,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         condition::loads(scene, &placed, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties.pairs);
+        warnings.extend(supports::warnings(scene, &placed, &model));
         probes = probe::probes(scene, &placed, &mut problems);
     }
     let scheme = scheme(scene, &mut problems);

@@ -89,12 +89,6 @@ pub(super) fn contact(
                     item.label()
                 ));
             }
-            if !method.faces_master() {
-                warnings.push(format!(
-                    "{}: no facet of the slave faces one of the master; there can be no contact before the bodies have turned. Name the sides that touch",
-                    item.label()
-                ));
-            }
             let mut method = method.with_crosspoints(prescribed);
             method.set_rule(contact_rule(gradient), pair.scene.time.step);
             let complementarity = pair.prepare(&mut method, constraint, model, problems, warnings);

@@ -81,6 +81,8 @@ pub struct FolderSettings {
     pub changed_by: [Option<String>; 3],
     /// Contacts, for the summary.
     pub contacts: Vec<ContactPlan>,
+    /// Pairs of bodies between which a contact is named.
+    pub contact_bodies: Vec<[usize; 2]>,
     /// What must not change in the run.
     pub promises: Option<Promises>,
     /// What is checked, and what a verdict `wrong` does.
@@ -198,7 +200,7 @@ impl ResultFolder {
             newton: open("newton.csv", NEWTON)?,
             probes: if heads.is_empty() { None } else { Some(open(PROBES, &probe_header)?) },
             contact: if has_contact { Some(open("contact.csv", CONTACT)?) } else { None },
-            watch: RunWatch::new(simulation, &settings.watch, settings.promises)?,
+            watch: RunWatch::new(simulation, &settings.watch, settings.contact_bodies.clone(), settings.promises)?,
             watched: open(watch::TABLE, watch::COLUMNS)?,
             path: path.to_path_buf(),
             settings,

@@ -23,7 +23,7 @@ pub use watch::judge_folder;
 
 pub(crate) use promises::{changed_by, promises};
 pub(crate) use systems::SystemWriter;
-pub(crate) use watch::judge_start;
+pub(crate) use watch::{contact_bodies, judge_start};
 
 use std::path::{Path, PathBuf};
 

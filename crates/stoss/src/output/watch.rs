@@ -5,7 +5,7 @@
 
 use super::table::CsvTable;
 use super::{OutputError, frame};
-use crate::scene::{OnFault, Watch as WatchTable};
+use crate::scene::{OnFault, Scene, Watch as WatchTable, split_set};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -34,6 +34,8 @@ pub(super) struct WatchFile {
     limits: Limits,
     bodies: Vec<NamedBody>,
     ties: Vec<Tied>,
+    /// Pairs of bodies between which a contact is named.
+    contacts: Vec<[usize; 2]>,
     /// The balance as it was at the beginning; none in statics.
     balance: Option<BalanceWatch>,
 }
@@ -67,6 +69,7 @@ pub(super) struct RunWatch {
     judge: Judge,
     balance: Option<BalanceWatch>,
     limits: Limits,
+    contacts: Vec<[usize; 2]>,
     every: u64,
     on_fault: OnFault,
     /// Positions that were looked at last, and their step.
@@ -80,6 +83,7 @@ impl RunWatch {
     pub(super) fn new(
         simulation: &Simulation,
         settings: &WatchTable,
+        contacts: Vec<[usize; 2]>,
         promises: Option<Promises>,
     ) -> Result<Self, OutputError> {
         let balance = promises.map(|promises| {
@@ -87,7 +91,7 @@ impl RunWatch {
             BalanceWatch::new(promises, simulation.total_mass(), radii.fold(0.0, f64::max))
         });
         let model = model(simulation.model());
-        let judge = judge(&model, settings);
+        let judge = judge(&model, contacts.clone(), settings);
         let watch = Watch::new(model)?;
         let every = settings.every.map_or_else(|| watch.default_every(), u64::from);
         Ok(Self {
@@ -95,6 +99,7 @@ impl RunWatch {
             judge,
             balance,
             limits: limits(settings),
+            contacts,
             every,
             on_fault: settings.on_fault,
             previous: Vec::new(),
@@ -106,8 +111,9 @@ impl RunWatch {
     /// Writes what `stoss judge` needs.
     pub(super) fn write_file(&self, folder: &Path, model: &Model) -> Result<(), OutputError> {
         let path = folder.join(FILE);
-        let text = serde_json::to_string(&WatchFile::new(model, self.limits, self.balance.clone()))
-            .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
+        let text =
+            serde_json::to_string(&WatchFile::new(model, self.limits, self.contacts.clone(), self.balance.clone()))
+                .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
         std::fs::write(&path, text + "\n").map_err(OutputError::io(&path))
     }
 
@@ -218,8 +224,14 @@ fn limits(settings: &WatchTable) -> Limits {
     Limits { doubtful: DOUBTFUL * settings.limit, wrong: settings.limit }
 }
 
-fn judge(model: &WatchModel, settings: &WatchTable) -> Judge {
-    Judge::new(model.bodies.iter().map(|body| (body.name.clone(), body.nodes.start)), limits(settings))
+fn judge(model: &WatchModel, contacts: Vec<[usize; 2]>, settings: &WatchTable) -> Judge {
+    Judge::new(model.bodies.iter().map(|body| (body.name.clone(), body.nodes.start)), contacts, limits(settings))
+}
+
+/// The pairs of bodies between which the scene names a contact.
+pub(crate) fn contact_bodies(scene: &Scene) -> Vec<[usize; 2]> {
+    let body = |set: &str| split_set(set).and_then(|(body, _)| scene.body_index(body));
+    scene.contacts.iter().filter_map(|contact| Some([body(&contact.slave)?, body(&contact.master)?])).collect()
 }
 
 /// Bodies, elements and ties; contacts are none of its business.
@@ -266,7 +278,7 @@ fn ties(model: &Model) -> Vec<TiedPair> {
 }
 
 impl WatchFile {
-    fn new(solver: &Model, limits: Limits, balance: Option<BalanceWatch>) -> Self {
+    fn new(solver: &Model, limits: Limits, contacts: Vec<[usize; 2]>, balance: Option<BalanceWatch>) -> Self {
         let bodies = solver.bodies.iter().map(|body| NamedBody {
             name: body.solid.name().to_owned(),
             first_node: body.nodes.start,
@@ -274,14 +286,14 @@ impl WatchFile {
             hexahedra: body.solid.element_count(),
         });
         let ties = ties(solver).into_iter().map(|tie| Tied { bodies: tie.bodies, nodes: tie.nodes });
-        Self { bodies: bodies.collect(), ties: ties.collect(), limits, balance }
+        Self { bodies: bodies.collect(), ties: ties.collect(), limits, contacts, balance }
     }
 }
 
 /// Verdict on the start of a simulation: bodies that lie in each other, bad elements.
-pub(crate) fn judge_start(simulation: &Simulation, settings: &WatchTable) -> Result<Verdict, OutputError> {
+pub(crate) fn judge_start(simulation: &Simulation, scene: &Scene) -> Result<Verdict, OutputError> {
     let model = model(simulation.model());
-    let mut judge = judge(&model, settings);
+    let mut judge = judge(&model, contact_bodies(scene), &scene.watch);
     let mut watch = Watch::new(model)?;
     let state = simulation.state();
     let seen = watch.geometry(&state.q, None);
@@ -330,7 +342,8 @@ pub fn judge_folder(folder: &Path) -> Result<Verdict, OutputError> {
     let damaged = |path: &Path, reason: String| OutputError::Unreadable { path: path.to_path_buf(), reason };
     let text = std::fs::read_to_string(&path).map_err(OutputError::io(&path))?;
     let file: WatchFile = serde_json::from_str(&text).map_err(|e| damaged(&path, e.to_string()))?;
-    let mut judge = Judge::new(file.bodies.iter().map(|body| (body.name.clone(), body.first_node)), file.limits);
+    let bodies = file.bodies.iter().map(|body| (body.name.clone(), body.first_node));
+    let mut judge = Judge::new(bodies, file.contacts.clone(), file.limits);
     let mut watch: Option<Watch> = None;
     let mut previous: Option<Vec<f64>> = None;
     for (step, path) in frame::stored(folder)? {

@@ -97,8 +97,9 @@ fn impact(rng: &mut Rng, scheme: &str, method: &str) -> Table {
         bodies.push(body);
         shapes.push(shape);
     }
-    // Up to half of the slowest wave speed; the fastest body moves a twentieth to a half of an edge in a step.
-    let speed = wave * 10.0_f64.powf(uniform(rng, -2.0, -0.3));
+    // Up to a sixth of the slowest wave speed: two bodies that meet twice as fast crush the coarse elements of the softer one. The fastest body moves a
+    // twentieth to a half of an edge in a step.
+    let speed = wave * 10.0_f64.powf(uniform(rng, -2.0, -0.8));
     let edge = shapes.iter().map(|shape| shape.edge).fold(f64::INFINITY, f64::min);
     let step = edge / speed * 10.0_f64.powf(uniform(rng, -1.3, -0.3));
     let centre = 0.5 * (count as f64 - 1.0);

@@ -1,0 +1,125 @@
+//! Whether supports hold the bodies of a quasi-static scene.
+
+use super::Placed;
+use crate::scene::{Scene, split_set};
+use crate::solver::Model;
+
+/// Part of the largest pivot below which a rigid motion is not held.
+const NOT_HELD: f64 = 1e-9;
+
+/// Warnings for bodies that can move as rigid ones although nothing but their inertia, which statics do not have, would hold them.
+pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<String> {
+    if scene.is_dynamic() {
+        return Vec::new();
+    }
+    let body = |set: &str| split_set(set).and_then(|(body, _)| scene.body_index(body));
+    // Tied bodies hold each other: the same number for all of them.
+    let mut group: Vec<usize> = (0..placed.len()).collect();
+    for tie in &scene.ties {
+        if let (Some(a), Some(b)) = (body(&tie.slave), body(&tie.master)) {
+            let (from, to) = (group[a], group[b]);
+            group.iter_mut().filter(|group| **group == from).for_each(|group| *group = to);
+        }
+    }
+    let mut list = Vec::new();
+    for leader in 0..placed.len() {
+        let members: Vec<usize> = (0..placed.len()).filter(|&b| group[b] == leader).collect();
+        if members.is_empty() {
+            continue;
+        }
+        let nodes = |b: usize| model.bodies[b].nodes.clone();
+        let is_member = |node: u32| members.iter().any(|&b| nodes(b).contains(&node));
+        let mut prescribed = Vec::new();
+        for prescription in &model.prescriptions {
+            for &node in prescription.nodes.iter().filter(|&&node| is_member(node)) {
+                prescribed.extend(prescription.components.iter().map(|&component| (node, usize::from(component))));
+            }
+        }
+        let touches = scene.contacts.iter().any(|contact| {
+            [&contact.slave, &contact.master].into_iter().filter_map(|set| body(set)).any(|b| members.contains(&b))
+        });
+        let left = 6 - held_motions(&model.reference, &prescribed);
+        let names: Vec<String> = members.iter().map(|&b| format!("`{}`", scene.bodies[b].name)).collect();
+        let names = names.join(" with ");
+        if prescribed.is_empty() && touches {
+            list.push(format!(
+                "{names}: nothing but contact holds it; in a quasi-static run a rigid motion is left until other contacts or friction take it. Prescribe some displacements"
+            ));
+        } else if left > 0 && !touches {
+            list.push(format!(
+                "{names}: {left} of 6 rigid motions are not held, and no contact is named for it; a quasi-static run will find the system singular. Prescribe \
+                 displacements that exclude them"
+            ));
+        }
+    }
+    list
+}
+
+/// How many of the six rigid motions of a body these prescribed components (node, component) exclude.
+fn held_motions(reference: &[f64], prescribed: &[(u32, usize)]) -> usize {
+    let position = |node: u32| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) };
+    let count = prescribed.len().max(1) as f64;
+    let centre: [f64; 3] =
+        std::array::from_fn(|i| prescribed.iter().map(|&(node, _)| position(node)[i]).sum::<f64>() / count);
+    let arm = |node: u32| -> [f64; 3] { std::array::from_fn(|i| position(node)[i] - centre[i]) };
+    let size = prescribed.iter().flat_map(|&(node, _)| arm(node)).fold(0.0_f64, |size, x| size.max(x.abs()));
+    let mut gram = [[0.0; 6]; 6];
+    for &(node, i) in prescribed {
+        let x = arm(node).map(|x| if size > 0.0 { x / size } else { 0.0 });
+        // Component i of a + w x X, in terms of a and w.
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let mut row = [0.0; 6];
+        (row[i], row[3 + j], row[3 + k]) = (1.0, x[k], -x[j]);
+        for a in 0..6 {
+            for b in 0..6 {
+                gram[a][b] += row[a] * row[b];
+            }
+        }
+    }
+    rank(gram)
+}
+
+/// Rank of a symmetric, positive semi-definite matrix by elimination with the largest diagonal first.
+fn rank(mut matrix: [[f64; 6]; 6]) -> usize {
+    let largest = (0..6).map(|i| matrix[i][i]).fold(0.0, f64::max);
+    let mut left: Vec<usize> = (0..6).collect();
+    while let Some(place) =
+        (0..left.len()).max_by(|&a, &b| matrix[left[a]][left[a]].total_cmp(&matrix[left[b]][left[b]]))
+    {
+        let p = left[place];
+        let pivot = matrix[p][p];
+        if pivot <= NOT_HELD * largest || pivot <= 0.0 {
+            break;
+        }
+        left.swap_remove(place);
+        for &a in &left {
+            let factor = matrix[a][p] / pivot;
+            for &b in &left {
+                matrix[a][b] -= factor * matrix[p][b];
+            }
+        }
+    }
+    6 - left.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::held_motions;
+
+    const REFERENCE: [f64; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+    #[test]
+    fn rigid_motions_are_counted() {
+        let all = |nodes: &[u32]| nodes.iter().flat_map(|&node| (0..3).map(move |i| (node, i))).collect::<Vec<_>>();
+        assert_eq!(held_motions(&REFERENCE, &[]), 0);
+        assert_eq!(held_motions(&REFERENCE, &all(&[0])), 3);
+        // Two nodes leave the rotation about the line through them.
+        assert_eq!(held_motions(&REFERENCE, &all(&[0, 1])), 5);
+        assert_eq!(held_motions(&REFERENCE, &all(&[0, 1, 2])), 6);
+        // The symmetry planes of a block.
+        assert_eq!(
+            held_motions(&REFERENCE, &[(0, 0), (2, 0), (3, 0), (0, 1), (1, 1), (3, 1), (0, 2), (1, 2), (2, 2)]),
+            6
+        );
+    }
+}
