@@ -1,6 +1,6 @@
 //! Pictures drawn from the frames and tables of a run, as small SVG texts, for the report and for `cargo xtask gallery`.
 //!
-//! To add one, add a row to [`PICTURES`].
+//! To add one, add a row to `PICTURES`.
 
 mod interface;
 mod pictures;
