@@ -6,7 +6,7 @@ use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, PointIteration, Stick, stick_compliances};
-use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
+use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
@@ -46,6 +46,8 @@ struct PointHistory {
     multiplier: [f64; 2],
     /// Of this step.
     iteration: PointIteration,
+    /// What the last accepted step came to.
+    last: Option<SlotFriction>,
 }
 
 fn norm(v: [f64; 2]) -> f64 {
@@ -301,14 +303,26 @@ impl MortarContact {
             let support = self.slots().get(slot).map_or(0.0, |s| s.support);
             let Some(surface) = &mut self.friction else { continue };
             let sliver = surface.slivers[slot];
-            let point = &mut surface.points[slot];
+            let (point, step_size) = (&mut surface.points[slot], surface.step_size);
+            let (start, slid) = (point.start, point.slid);
             *point = state.map_or_else(PointHistory::default, |state| PointHistory {
                 committed: if sliver { [0.0; 2] } else { state.step.end },
                 slid: point.slid + if state.step.sticks { 0.0 } else { norm(state.slip) },
                 support,
+                last: Some(surface.friction.slot_friction(
+                    &state.step,
+                    start,
+                    state.slip,
+                    [pressures[slot], slid, step_size],
+                )),
                 ..PointHistory::default()
             });
         }
+    }
+
+    /// Friction of a slot in the last accepted step.
+    pub(crate) fn last_friction(&self, slot: usize) -> Option<SlotFriction> {
+        self.friction.as_ref()?.points.get(slot)?.last
     }
 
     pub(crate) fn save_friction(&self) -> Vec<u8> {

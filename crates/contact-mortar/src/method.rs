@@ -649,6 +649,11 @@ impl ContactMethod for MortarContact {
                     gap,
                     normal: if gap.is_some() { slot.normal(q) } else { [0.0; 3] },
                     feature: if gap.is_some() { "face" } else { "none" },
+                    reference_gap: match gap {
+                        Some(gap) if self.gives_way(k, slot.support, slot.area) => gap,
+                        _ => self.kept_of(k),
+                    },
+                    friction: self.last_friction(k),
                 }
             })
             .collect())

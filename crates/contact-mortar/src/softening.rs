@@ -98,6 +98,12 @@ impl MortarContact {
         self
     }
 
+    /// Whether the constraint of a slot is blended or smoothed, so that its gap need not be zero.
+    pub(crate) fn gives_way(&self, slot: usize, support: f64, area: f64) -> bool {
+        let softening = self.softening.as_ref().filter(|_| self.moves_integrals());
+        softening.is_some_and(|s| Blend::new(support, area, s.whole[slot], s.stiffness, s.smoothing).is_some())
+    }
+
     pub(crate) fn is_soft(&self) -> bool {
         self.softening.is_some() && self.moves_integrals()
     }

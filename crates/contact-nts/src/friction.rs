@@ -18,9 +18,9 @@ use crate::crossing::{MAX_NODES, spread};
 use crate::dual::{Dual, Scalar};
 use crate::kinematics::{Gap, LOCAL, LocalMatrix};
 use nalgebra::Vector3;
-use stoss_contact::ContactRule;
 use stoss_contact::dual::{V3, cross, dot, unit};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep, PointIteration};
+use stoss_contact::{ContactRule, SlotFriction};
 use stoss_geometry::BilinearPatch;
 use stoss_reference_element::quad4;
 
@@ -64,6 +64,8 @@ pub(crate) struct PointHistory {
     pub multiplier: [f64; 2],
     /// Of this step.
     pub iteration: PointIteration,
+    /// What the last accepted step came to.
+    pub last: Option<SlotFriction>,
 }
 
 /// `e_1`, `e_2`, `n` of two tangents.

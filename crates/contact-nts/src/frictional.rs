@@ -7,7 +7,7 @@ use crate::kinematics::{Gap, LOCAL, Local, points};
 use crate::method::{ConstraintForm, NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
-use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, StepConfiguration};
+use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration};
 
 /// Bytes of history of a slot: two components of the traction, path slid.
 const HISTORY: usize = 24;
@@ -328,7 +328,14 @@ impl NodeToSurface {
         let from = (&self.patch(pairing.start, q_np1), point.foot);
         let committed = carry(state.carried, from, (&self.patch(pairing.end, q_np1), end.xi));
         let slid = point.slid + if state.step.sticks { 0.0 } else { state.slip[0].hypot(state.slip[1]) };
-        Some(PointHistory { committed, slid, ..PointHistory::default() })
+        let of_step = [pressure, point.slid, surface.step_size];
+        let last = Some(surface.friction.slot_friction(&state.step, state.history, state.slip, of_step));
+        Some(PointHistory { committed, slid, last, ..PointHistory::default() })
+    }
+
+    /// Friction of a slot in the last accepted step.
+    pub(crate) fn last_friction(&self, slot: usize) -> Option<SlotFriction> {
+        self.friction.as_ref()?.points[slot].last
     }
 
     /// Must come before the facets are committed.

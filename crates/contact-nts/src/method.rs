@@ -444,6 +444,8 @@ impl ContactMethod for NodeToSurface {
                     gap: point.pairing.map(|_| point.gap),
                     normal: point.normal.into(),
                     feature: point.feature.name(),
+                    reference_gap: self.slots[slot].kept,
+                    friction: self.last_friction(slot),
                 }
             })
             .collect())

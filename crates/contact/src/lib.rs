@@ -20,8 +20,8 @@ pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use method::{
-    Auxiliary, ContactMethod, ContactRule, ContactWork, Coverage, LocalContribution, SlotReport, StepConfiguration,
-    clear_inactive, multipliers_of,
+    Auxiliary, ContactMethod, ContactRule, ContactWork, Coverage, LocalContribution, SlotFriction, SlotReport,
+    StepConfiguration, clear_inactive, multipliers_of,
 };
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use surface::{ContactSurface, IrregularEdge};

@@ -129,6 +129,23 @@ pub struct SlotReport {
     pub normal: [f64; 3],
     /// Which geometric case the projection was ("face", "edge", "vertex", "none").
     pub feature: &'static str,
+    /// Gap that a closed slot keeps: zero, but for constraints that keep a gap, and `gap` itself where the constraint gives way.
+    pub reference_gap: f64,
+    /// Friction in the last accepted step of this session; `None` without friction and for open slots.
+    pub friction: Option<SlotFriction>,
+}
+
+/// Friction of a slot in an accepted step, in components of an orthonormal frame of the tangent plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlotFriction {
+    /// Traction in the equations, along the slip.
+    pub traction: [f64; 2],
+    /// Slip of the slave in the step, a length.
+    pub slip: [f64; 2],
+    /// Largest traction that the law admits.
+    pub bound: f64,
+    /// True if nothing slides.
+    pub sticks: bool,
 }
 
 /// How the surfaces of a discretisation are covered by what it integrates over.

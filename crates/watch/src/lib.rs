@@ -6,13 +6,15 @@
 //!
 //! The surface of a hexahedron's face is four triangles about its centre, the mean of its four nodes.
 //!
-//! [`Watch`] looks at one state, or at two states in a row; [`BalanceWatch`] compares momenta and energy with what is promised; [`Judge`] keeps what was worst in a run and gives the [`Verdict`].
+//! [`Watch`] looks at one state, or at two states in a row; [`BalanceWatch`] compares momenta and energy with what is promised; what contacts
+//! report of their points is in [`ContactState`]; [`Judge`] keeps what was worst in a run and gives the [`Verdict`].
 //!
 //! # What it does not see
 //! Edges that pass through each other between two states that are looked at while no node does; what enters a body and leaves it
 //! on the same side between two states; a fold of a body that is not deep enough to reach an element that shares no node with it.
 
 mod balance;
+mod contact;
 mod observe;
 mod pairs;
 mod solids;
@@ -21,6 +23,7 @@ mod sweep;
 mod verdict;
 
 pub use balance::{BalanceState, BalanceWatch, Promises};
+pub use contact::{ContactPoint, ContactState, PointFriction};
 pub use observe::{Observation, Penetration, Tunnelling, Watch};
 pub use solids::SolidObservation;
 pub use verdict::{Finding, FindingKind, Judge, Level, Limits, Verdict};

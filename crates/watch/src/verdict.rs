@@ -1,6 +1,7 @@
 //! What a run's observations come to.
 
-use crate::{Observation, SolidObservation};
+use crate::contact;
+use crate::{ContactState, Observation, SolidObservation};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -215,6 +216,15 @@ impl Judge {
             found.push(finding(Level::Wrong, FindingKind::FarAway, None, sentence, None, sizes));
         }
         for finding in found {
+            self.add(finding);
+        }
+    }
+
+    /// Takes note of what a contact reports.
+    pub fn observe_contact(&mut self, step: u64, time: f64, contact: &ContactState<'_>) {
+        let body_of = |node: u32| self.first.iter().rposition(|&first| first <= node).unwrap_or_default();
+        let limits = [self.limits.doubtful, self.limits.wrong];
+        for finding in contact::observe(step, time, contact, limits, |node| self.node(body_of(node), node)) {
             self.add(finding);
         }
     }

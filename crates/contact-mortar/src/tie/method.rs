@@ -182,7 +182,15 @@ impl ContactMethod for MeshTie {
         let report = |&(node, component): &(u32, u8)| {
             let row = &self.nodes[node as usize].row;
             let normal = Vector3::ith(usize::from(component), 1.0).into();
-            SlotReport { node: row.node, weight: row.weight, gap: None, normal, feature: "tied" }
+            SlotReport {
+                node: row.node,
+                weight: row.weight,
+                gap: None,
+                normal,
+                feature: "tied",
+                reference_gap: 0.0,
+                friction: None,
+            }
         };
         Ok(self.slots.iter().map(report).collect())
     }

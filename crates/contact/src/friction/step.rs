@@ -2,7 +2,7 @@
 
 use super::check;
 use super::law::{FrictionInput, FrictionLaw, FrictionOutput, Plane};
-use crate::ContactError;
+use crate::{ContactError, SlotFriction};
 use std::sync::Arc;
 
 /// Which traction of the step is in the equations of a midpoint scheme (formulation §10.2). Backward Euler and statics take the one at the end.
@@ -202,6 +202,24 @@ impl Friction {
     /// The law.
     pub fn law(&self) -> &dyn FrictionLaw {
         &*self.law
+    }
+    /// What a step came to, for reports. `start` is the traction that it began with, `pressure` and `slid` are those of the step.
+    pub fn slot_friction(
+        &self,
+        step: &FrictionStep,
+        start: Plane,
+        slip: Plane,
+        [pressure, slid, step_size]: [f64; 3],
+    ) -> SlotFriction {
+        // Far beyond any bound, along the traction.
+        let along = if step.force == [0.0; 2] { [1.0, 0.0] } else { step.force };
+        let far = 1.0e6 * (1.0 + pressure.abs() + dot(along, along).sqrt()) / dot(along, along).sqrt();
+        let trial = along.map(|a| far * a);
+        let admitted = self.law.traction(&FrictionInput { pressure, trial, slip, step_size, slid }).traction;
+        let bound = dot(admitted, admitted).sqrt();
+        // A midpoint variant takes a mean of two tractions, of which the first had another pressure.
+        let bound = if step.force == step.end { bound } else { bound.max(dot(start, start).sqrt()) };
+        SlotFriction { traction: step.force, slip, bound, sticks: step.sticks }
     }
     /// Tangential stiffness, traction per length.
     pub fn penalty(&self) -> f64 {

@@ -5,6 +5,7 @@
 
 use super::table::CsvTable;
 use super::{OutputError, frame};
+use crate::build::ContactPlan;
 use crate::scene::{OnFault, Scene, Watch as WatchTable, split_set};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,7 +13,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use stoss_solver::{Balance, Model, Simulation, StepRecord};
 use stoss_watch::{
-    BalanceState, BalanceWatch, Judge, Limits, Promises, TiedPair, Verdict, Watch, WatchBody, WatchModel,
+    BalanceState, BalanceWatch, ContactPoint, ContactState, Judge, Limits, PointFriction, Promises, TiedPair, Verdict,
+    Watch, WatchBody, WatchModel,
 };
 
 /// Columns of `watch.csv`. Depth in the scene's length, and over the edge length of the facet that the node passed.
@@ -70,6 +72,7 @@ pub(super) struct RunWatch {
     balance: Option<BalanceWatch>,
     limits: Limits,
     contacts: Vec<[usize; 2]>,
+    described: Vec<ContactPlan>,
     every: u64,
     on_fault: OnFault,
     /// Positions that were looked at last, and their step.
@@ -84,6 +87,7 @@ impl RunWatch {
         simulation: &Simulation,
         settings: &WatchTable,
         contacts: Vec<[usize; 2]>,
+        described: &[ContactPlan],
         promises: Option<Promises>,
     ) -> Result<Self, OutputError> {
         let balance = promises.map(|promises| {
@@ -100,6 +104,7 @@ impl RunWatch {
             balance,
             limits: limits(settings),
             contacts,
+            described: described.to_vec(),
             every,
             on_fault: settings.on_fault,
             previous: Vec::new(),
@@ -142,6 +147,7 @@ impl RunWatch {
         self.previous.clear();
         self.previous.extend_from_slice(q);
         self.last = Some(record.step);
+        self.observe_contacts(simulation, record)?;
         self.spent += started.elapsed();
         let bodies = &simulation.model().bodies;
         table.integer(record.step).number(record.time);
@@ -158,6 +164,44 @@ impl RunWatch {
             table.integer(count as u64);
         }
         table.text(&self.judge.verdict().level.to_string()).end_row()
+    }
+
+    /// Takes note of what the contacts report.
+    fn observe_contacts(&mut self, simulation: &Simulation, record: &StepRecord) -> Result<(), OutputError> {
+        // The initial state has no pressures yet.
+        if record.step == 0 {
+            return Ok(());
+        }
+        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.method.is_permanent());
+        for ((c, pair), described) in pairs.zip(&self.described) {
+            let (pressures, active) = (&simulation.pressures()[c], &simulation.active()[c]);
+            let points: Vec<ContactPoint> = (simulation.contact_report(c)?.iter().enumerate())
+                .map(|(slot, report)| ContactPoint {
+                    node: report.node,
+                    active: active[slot],
+                    pressure: pressures[slot],
+                    gap: report.gap,
+                    reference_gap: report.reference_gap,
+                    friction: report.friction.map(|friction| PointFriction {
+                        traction: friction.traction,
+                        slip: friction.slip,
+                        bound: friction.bound,
+                        sticks: friction.sticks,
+                    }),
+                })
+                .collect();
+            let edge = pair.method.length_scale();
+            let contact = ContactState {
+                name: &pair.name,
+                bodies: self.contacts.get(c).copied(),
+                stiffness: pair.complementarity * edge,
+                edge,
+                exact: described.enforcement == "multiplier",
+                points: &points,
+            };
+            self.judge.observe_contact(record.step, record.time, &contact);
+        }
+        Ok(())
     }
 
     /// Verdict on what was seen so far.

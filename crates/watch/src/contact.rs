@@ -1,0 +1,155 @@
+//! What contact methods report, against what contact is: pressures push, closed gaps are closed, friction stays within its bound and does no work.
+
+use crate::{Finding, FindingKind, Level};
+
+/// Part of the largest pressure, and of the stiffness of the bodies, that is round-off and what the iteration leaves.
+const TOLERANCE: [f64; 2] = [1e-6, 1e-9];
+
+/// A slave point of a contact at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Global number of the node.
+    pub node: u32,
+    /// Whether the contact is closed.
+    pub active: bool,
+    /// Pressure, positive in compression.
+    pub pressure: f64,
+    /// Gap (a length); `None` if no master is within reach.
+    pub gap: Option<f64>,
+    /// Gap that a closed contact keeps.
+    pub reference_gap: f64,
+    /// Traction of friction along the slip, slip in the step, largest traction that the law admits, whether it sticks.
+    pub friction: Option<PointFriction>,
+}
+
+/// Friction of a point in a step, in components of an orthonormal frame of the tangent plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointFriction {
+    /// Traction, positive along the slip, against which it acts.
+    pub traction: [f64; 2],
+    /// Slip in the step, a length.
+    pub slip: [f64; 2],
+    /// Largest traction that the law admits.
+    pub bound: f64,
+    /// True if nothing slides.
+    pub sticks: bool,
+}
+
+/// A contact as it is reported.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactState<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// The two bodies.
+    pub bodies: Option<[usize; 2]>,
+    /// Young's modulus or what else tells which stresses are small.
+    pub stiffness: f64,
+    /// Edge length of the slave surface.
+    pub edge: f64,
+    /// Whether closed gaps are closed exactly (multipliers), not by springs.
+    pub exact: bool,
+    /// Its points.
+    pub points: &'a [ContactPoint],
+}
+
+/// What a contact reports and cannot be. `limits`: parts of an edge from which a closed gap that is not closed is doubtful, or wrong. `name_of` gives
+/// a node in words.
+pub(crate) fn observe(
+    step: u64,
+    time: f64,
+    contact: &ContactState<'_>,
+    limits: [f64; 2],
+    name_of: impl Fn(u32) -> String,
+) -> Vec<Finding> {
+    let ContactState { name, bodies, stiffness, edge, exact, points } = *contact;
+    let largest = points.iter().filter(|point| point.active).map(|point| point.pressure.abs()).fold(0.0, f64::max);
+    let small = TOLERANCE[0] * largest + TOLERANCE[1] * stiffness;
+    let mut found: Vec<Finding> = Vec::new();
+    let mut add = |level, what: String, figure: f64| {
+        let sentence = format!("at t = {time:.4} {what}");
+        found.push(Finding { level, kind: FindingKind::Contact, bodies, step, time, sentence, position: None, figure });
+    };
+    for point in points {
+        let node = || format!("{} in contact {name}", name_of(point.node));
+        let pressure = point.pressure;
+        if !point.active {
+            if pressure.abs() > small || pressure.is_nan() {
+                add(Level::Wrong, format!("{} is open and has the pressure {pressure:.2e}", node()), pressure.abs());
+            }
+            continue;
+        }
+        if pressure < -small || pressure.is_nan() {
+            add(Level::Wrong, format!("{} pulls: its pressure is {pressure:.2e}", node()), -pressure);
+        }
+        if let Some(gap) = point.gap.filter(|_| exact) {
+            let part = (gap - point.reference_gap).abs() / edge;
+            if part > limits[0] {
+                let level = if part > limits[1] { Level::Wrong } else { Level::Doubtful };
+                add(level, format!("{} is closed and has a gap of {part:.3} edges", node()), part);
+            }
+        }
+        let Some(PointFriction { traction: [t0, t1], slip: [s0, s1], bound, sticks }) = point.friction else {
+            continue;
+        };
+        let traction = t0.hypot(t1);
+        if traction > bound + small || traction.is_nan() {
+            let what = format!("the friction of {} is {traction:.3e}, its bound {bound:.3e}", node());
+            add(Level::Wrong, what, traction - bound);
+        }
+        if !sticks && t0 * s0 + t1 * s1 < -small * s0.hypot(s1) {
+            add(Level::Wrong, format!("the friction of {} drives its slip", node()), traction);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOUND: ContactPoint = ContactPoint {
+        node: 3,
+        active: true,
+        pressure: 2.0,
+        gap: Some(1e-16),
+        reference_gap: 0.0,
+        friction: Some(PointFriction { traction: [0.6, 0.8], slip: [0.03, 0.04], bound: 1.0, sticks: false }),
+    };
+
+    fn levels(points: &[ContactPoint]) -> Vec<Level> {
+        let contact = ContactState { name: "c", bodies: None, stiffness: 1e3, edge: 0.1, exact: true, points };
+        let found = observe(1, 0.1, &contact, [0.05, 0.3], |node| format!("node {node}"));
+        found.into_iter().map(|finding| finding.level).collect()
+    }
+
+    #[test]
+    fn sound_points_raise_no_alarm() {
+        let open = ContactPoint { active: false, pressure: 0.0, gap: Some(0.3), friction: None, ..SOUND };
+        let far = ContactPoint { gap: None, ..open };
+        let kept = ContactPoint { gap: Some(0.02), reference_gap: 0.02, ..SOUND };
+        let barely = ContactPoint { pressure: -1e-7, ..SOUND };
+        let unloading = ContactPoint {
+            friction: Some(PointFriction { traction: [0.6, 0.0], slip: [-0.01, 0.0], bound: 1.0, sticks: true }),
+            ..SOUND
+        };
+        assert_eq!(levels(&[SOUND, open, far, kept, barely, unloading]), []);
+    }
+
+    #[test]
+    fn planted_errors_are_found() {
+        let friction = |traction, slip| Some(PointFriction { traction, slip, bound: 1.0, sticks: false });
+        for wrong in [
+            ContactPoint { pressure: -1.0, ..SOUND },
+            ContactPoint { pressure: f64::NAN, ..SOUND },
+            ContactPoint { active: false, friction: None, ..SOUND },
+            ContactPoint { gap: Some(0.05), ..SOUND },
+            ContactPoint { gap: Some(-0.05), ..SOUND },
+            ContactPoint { gap: Some(0.0), reference_gap: -0.05, ..SOUND },
+            ContactPoint { friction: friction([0.9, 0.9], [1.0, 1.0]), ..SOUND },
+            ContactPoint { friction: friction([-0.6, 0.0], [1.0, 0.0]), ..SOUND },
+        ] {
+            assert_eq!(levels(&[SOUND, wrong]), [Level::Wrong], "{wrong:?}");
+        }
+        assert_eq!(levels(&[ContactPoint { gap: Some(0.01), ..SOUND }]), [Level::Doubtful]);
+    }
+}
