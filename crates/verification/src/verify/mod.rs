@@ -22,6 +22,7 @@ mod origin;
 mod patch;
 mod quadratic;
 mod random;
+mod readme;
 mod report;
 mod run;
 mod scenes;

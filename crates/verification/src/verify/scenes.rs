@@ -5,6 +5,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::check::{Bound, Check};
+use super::readme;
 use super::run::WRONG;
 use super::{Bench, Findings, Run, Suite, quadratic};
 use crate::workspace::Outcome;
@@ -30,6 +31,7 @@ impl Suite for Scenes {
         let is_scene = |file: &&std::path::PathBuf| {
             file.parent() == Some(Path::new("scenes")) && file.extension().is_some_and(|kind| kind == "toml")
         };
+        let readme = readme::figures(&bench.workspace.read("README.md")?);
         for file in files.iter().filter(is_scene) {
             let text = bench.workspace.read(file)?;
             let scene: Table = text.parse().map_err(|error| format!("{}: {error}", file.display()))?;
@@ -67,6 +69,11 @@ impl Suite for Scenes {
                 let count = left_out.len() as f64;
                 let row = Check::new(&run.name, "expectations left out", count, Bound::Told);
                 findings.checks.push(row.noted(format!("{}: {}", run.note(), left_out.join(", "))));
+            }
+            if let (Some(figures), None) = (readme.get(&run.name), run.until) {
+                let scale = |key: &str| expect.get(key).and_then(number);
+                let scales = ["linear_momentum_scale", "angular_momentum_scale", "energy_scale"].map(scale);
+                findings.checks.extend(readme::checks(&run, figures, scales)?);
             }
             if has_friction(&scene) {
                 quadratic::rows(&run, &mut findings)?;
