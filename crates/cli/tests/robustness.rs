@@ -488,6 +488,25 @@ fn a_checkpoint_of_another_scene_is_refused() {
     assert_eq!(std::fs::read(folder.path().join("out/balance.csv")).unwrap(), before, "results must stay");
 }
 
+#[test]
+fn long_lines_make_short_messages() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = "x".repeat(100_000);
+    for (from, to) in [
+        ("law = \"neo-hooke\"", format!("law = \"{long}\"")),
+        ("[solver]", format!("[{long}]\n[solver]")),
+        ("slave = \"top.bottom\"", format!("slave = \"top.{long}\"")),
+        ("max_iterations = 20", format!("max_iterations = 20{long}")),
+    ] {
+        write(folder.path(), "scene.toml", &changed(from, &to));
+        let output = stoss(folder.path(), &["check", "scene.toml"]);
+        assert_eq!(output.status.code(), Some(2), "{from}");
+        let told = stderr(&output);
+        assert!(told.len() < 2000, "{from}: {} characters", told.len());
+        assert_eq!(told.matches("error:").count(), 1, "{told}");
+    }
+}
+
 /// A pipe has no end as long as someone may write into it: it must be refused, not read.
 #[cfg(unix)]
 #[test]

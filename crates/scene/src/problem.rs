@@ -54,22 +54,26 @@ impl Problem {
             line: location.line,
             column: location.column,
             span: location.span,
-            key,
-            value: shorten(value),
-            message,
-            remedy,
+            key: shorten(&key, KEY),
+            value: shorten(value, VALUE),
+            message: shorten(&message, SENTENCE),
+            remedy: shorten(&remedy, SENTENCE),
         }
     }
 }
 
-/// One line of at most 60 characters.
-fn shorten(value: &str) -> String {
-    const LIMIT: usize = 60;
-    let line = value.split_whitespace().collect::<Vec<_>>().join(" ");
-    if line.chars().count() <= LIMIT {
+/// Most characters of a key, of a value, of a message or a remedy: what a scene has in it may be of any length.
+const KEY: usize = 120;
+const VALUE: usize = 60;
+const SENTENCE: usize = 600;
+
+/// One line of at most so many characters.
+fn shorten(text: &str, limit: usize) -> String {
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    if line.chars().count() <= limit {
         return line;
     }
-    let mut short: String = line.chars().take(LIMIT - 3).collect();
+    let mut short: String = line.chars().take(limit - 3).collect();
     short.push_str("...");
     short
 }

@@ -63,7 +63,6 @@ const CRATES: &[(&str, &[Ability])] = &[
     ("schemars", &[Schema]),
     ("clap", &[Program]),
     ("indicatif", &[Program]),
-    ("miette", &[Program]),
 ];
 
 /// What a choice of the facade's features is for.

@@ -29,7 +29,7 @@ pub const SETS: &[Set] = &[
 ];
 
 /// Crates that no model without scenes needs.
-const NOT_IN_NONE: &[&str] = &["toml", "serde_json", "miette", "clap"];
+const NOT_IN_NONE: &[&str] = &["toml", "serde_json", "clap"];
 
 /// What is known of a set.
 #[derive(Clone, Debug, Default)]
