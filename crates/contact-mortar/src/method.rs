@@ -646,6 +646,7 @@ impl ContactMethod for MortarContact {
                 SlotReport {
                     node: slot.nodes[0],
                     weight: self.slot_weight(k),
+                    per_current_area: 1.0,
                     gap,
                     normal: if gap.is_some() { slot.normal(q) } else { [0.0; 3] },
                     feature: if gap.is_some() { "face" } else { "none" },

@@ -435,12 +435,14 @@ impl ContactMethod for NodeToSurface {
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         let view = self.search.at(q);
+        let current = self.slave.nodal_areas_at(q);
         Ok((0..self.slots.len())
             .map(|slot| {
                 let point = self.closest(&view, slot, q);
                 SlotReport {
                     node: self.node(slot),
                     weight: self.slot_weight(slot),
+                    per_current_area: self.slot_weight(slot) / current[slot],
                     gap: point.pairing.map(|_| point.gap),
                     normal: point.normal.into(),
                     feature: point.feature.name(),

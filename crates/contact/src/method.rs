@@ -123,6 +123,9 @@ pub struct SlotReport {
     pub node: u32,
     /// Reference area of the slave node.
     pub weight: f64,
+    /// Factor by which the slot's pressure becomes a force per area of the given configuration: 1 where it is one already, reference area over
+    /// current area where it is one per reference area.
+    pub per_current_area: f64,
     /// True gap at the given configuration; `None` if no master is within reach.
     pub gap: Option<f64>,
     /// Unit normal, master to slave (zero if there is none).

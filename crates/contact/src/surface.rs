@@ -155,6 +155,18 @@ impl ContactSurface {
         &self.nodal_areas
     }
 
+    /// [`Self::nodal_areas`] of the surface at positions `q`.
+    pub fn nodal_areas_at(&self, q: &[f64]) -> Vec<f64> {
+        let mut areas = vec![0.0; self.nodes.len()];
+        for (facet, local_nodes) in self.facets.iter().zip(&self.local_facets) {
+            let patch = BilinearPatch::new(facet.map(|n| position(q, n)));
+            for (node, area) in local_nodes.iter().zip(shape_integrals(&patch)) {
+                areas[*node as usize] += area;
+            }
+        }
+        areas
+    }
+
     /// What each facet adds to the nodal areas of its corners, an area.
     pub fn corner_areas(&self) -> &[[f64; 4]] {
         &self.corner_areas

@@ -60,7 +60,7 @@ pub struct ContactSummary {
     pub repaired: usize,
     /// Smallest gap of all slots in reach (infinite if none).
     pub min_gap: f64,
-    /// Largest pressure.
+    /// Largest pressure, per current area.
     pub max_pressure: f64,
     /// Largest defect of all pairs, and the sum of the areas that they left out.
     pub coverage: Coverage,

@@ -185,6 +185,7 @@ impl ContactMethod for MeshTie {
             SlotReport {
                 node: row.node,
                 weight: row.weight,
+                per_current_area: 1.0,
                 gap: None,
                 normal,
                 feature: "tied",

@@ -418,7 +418,8 @@ impl Simulation {
                 summary.released += usize::from(then && !now);
                 summary.min_gap = summary.min_gap.min(report.gap.unwrap_or(f64::INFINITY));
                 if now {
-                    summary.max_pressure = summary.max_pressure.max(iterate.pressures[c][slot]);
+                    let pressure = iterate.pressures[c][slot] * report.per_current_area;
+                    summary.max_pressure = summary.max_pressure.max(pressure);
                 }
             }
             // This pair's own contributions: its slave nodes may belong to other pairs too.

@@ -40,7 +40,7 @@ pub(crate) fn write(path: &Path, simulation: &Simulation, fields: Option<&[Scene
         for c in (0..model.contacts.len()).filter(|&c| !model.contacts[c].method.is_permanent()) {
             for (slot, report) in simulation.contact_report(c)?.iter().enumerate() {
                 let node = report.node as usize;
-                pressure[node] += simulation.pressures()[c][slot];
+                pressure[node] += simulation.pressures()[c][slot] * report.per_current_area;
                 if let Some(g) = report.gap {
                     gap[node] = if gap[node].is_nan() { g } else { gap[node].min(g) };
                 }
