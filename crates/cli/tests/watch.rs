@@ -132,3 +132,99 @@ fn a_folder_without_results_cannot_be_judged() {
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("watch.json"), "{}", stderr(&output));
 }
+
+/// A block over a slab that is held at its bottom.
+fn block_over_slab(kind: &str, time: &str, gap: f64, rest: &str) -> String {
+    let (bottom, top) = (1.0 + gap, 2.0 + gap);
+    let density = if kind == "dynamic" { "density = 1.0" } else { "" };
+    format!(
+        r#"
+[scene]
+title = "block over slab"
+kind = "{kind}"
+[time]
+{time}
+[[body]]
+name = "slab"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [2, 2, 1], divisions = [4, 4, 2] }}
+material = {{ law = "neo-hooke", young = 1.0, poisson = 0.3 }}
+{density}
+[[body]]
+name = "block"
+mesh = {{ generator = "block", min = [0.5, 0.5, {bottom:?}], max = [1.5, 1.5, {top:?}], divisions = [3, 3, 3] }}
+material = {{ law = "neo-hooke", young = 1.0, poisson = 0.3 }}
+{density}
+[[contact]]
+method = "mortar"
+slave = "block.bottom"
+master = "slab.top"
+[[prescribe]]
+set = "slab.bottom"
+components = ["x", "y", "z"]
+fixed = true
+{rest}
+"#
+    )
+}
+
+/// What contact does not see in large steps is told: until it does, the result is wrong and the program says so.
+#[test]
+fn tunnelling_in_large_steps_is_wrong() {
+    let falls = block_over_slab(
+        "dynamic",
+        "end = 5.0\nstep = 0.6\nintegrator = { scheme = \"backward-euler\" }",
+        0.7,
+        "[[load]]\nbody = \"block\"\nbody_force = [0, 0, -20.0]\n",
+    );
+    let pressed = block_over_slab(
+        "quasi-static",
+        "end = 1.0\nstep = 1.0",
+        0.1,
+        "[[prescribe]]\nset = \"block.top\"\ncomponents = [\"x\", \"y\", \"z\"]\ndisplacement = { table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, -3.0]] }\n",
+    );
+    for scene in [falls, pressed] {
+        let folder = folder_with(&scene);
+        let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--quiet"]);
+        assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+        assert!(stderr(&output).contains("has passed through"), "{}", stderr(&output));
+    }
+}
+
+/// Nodes of a stiff block that node-to-surface contact loses in a soft slab are found inside it.
+#[test]
+fn a_lost_indenter_is_wrong() {
+    let scene = r#"
+[scene]
+title = "lost"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.05
+[[body]]
+name = "slab"
+mesh = { generator = "block", min = [0, 0, 0], max = [4, 4, 1], divisions = [8, 8, 2] }
+material = { law = "neo-hooke", young = 1.0, poisson = 0.3 }
+[[body]]
+name = "block"
+mesh = { generator = "block", min = [1.5, 1.5, 1], max = [2.5, 2.5, 2], divisions = [1, 1, 1] }
+material = { law = "neo-hooke", young = 1000.0, poisson = 0.3 }
+[[contact]]
+method = "nts"
+slave = "block.bottom"
+master = "slab.top"
+[[prescribe]]
+set = "slab.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "block.top"
+components = ["x", "y", "z"]
+displacement = { table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, -0.5]] }
+"#;
+    let folder = folder_with(scene);
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--quiet"]);
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).starts_with("wrong:"), "{}", stderr(&output));
+    // Judged again from what is stored.
+    assert_eq!(stoss(folder.path(), &["judge", "out"]).status.code(), Some(4));
+}

@@ -223,8 +223,9 @@ impl Judge {
     /// Takes note of what a contact reports.
     pub fn observe_contact(&mut self, step: u64, time: f64, contact: &ContactState<'_>) {
         let body_of = |node: u32| self.first.iter().rposition(|&first| first <= node).unwrap_or_default();
-        let limits = [self.limits.doubtful, self.limits.wrong];
-        for finding in contact::observe(step, time, contact, limits, |node| self.node(body_of(node), node)) {
+        for finding in
+            contact::observe(step, time, contact, self.limits.doubtful, |node| self.node(body_of(node), node))
+        {
             self.add(finding);
         }
     }
