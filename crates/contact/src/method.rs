@@ -143,7 +143,7 @@ pub struct SlotReport {
 pub struct SlotFriction {
     /// Traction in the equations, along the slip.
     pub traction: [f64; 2],
-    /// Slip of the slave in the step, a length.
+    /// Slip of the slave in the step that springs do not take up, a length.
     pub slip: [f64; 2],
     /// Largest traction that the law admits.
     pub bound: f64,

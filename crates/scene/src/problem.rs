@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn long_values_are_shortened_to_one_line() {
-        assert_eq!(shorten("[1,\n  2]"), "[1, 2]");
-        assert_eq!(shorten(&"é".repeat(100)).chars().count(), 60);
+        assert_eq!(shorten("[1,\n  2]", VALUE), "[1, 2]");
+        assert_eq!(shorten(&"é".repeat(100), VALUE).chars().count(), 60);
     }
 }

@@ -219,6 +219,10 @@ impl Friction {
         let bound = dot(admitted, admitted).sqrt();
         // A midpoint variant takes a mean of two tractions, of which the first had another pressure.
         let bound = if step.force == step.end { bound } else { bound.max(dot(start, start).sqrt()) };
+        // What springs take up of the slip is elastic, and comes back.
+        let elastic =
+            |i: usize| if self.stick == Stick::Penalty { (step.end[i] - start[i]) / self.stiffness } else { 0.0 };
+        let slip = std::array::from_fn(|i| slip[i] - elastic(i));
         SlotFriction { traction: step.force, slip, bound, sticks: step.sticks }
     }
     /// Tangential stiffness, traction per length.
