@@ -4,7 +4,7 @@ mod support;
 
 use support::simulation;
 
-/// A block that is pressed together by a fifth between two rigid planes of a stiff block and its own top; it grows sideways.
+/// A block on a stiff base, free to slide, compressed by three tenths of its height; it widens.
 fn scene(method: &str) -> String {
     format!(
         r#"

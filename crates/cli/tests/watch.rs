@@ -167,7 +167,7 @@ fixed = true
     )
 }
 
-/// What contact does not see in large steps is told: until it does, the result is wrong and the program says so.
+/// Contact misses what passes through a body in one step; the verdict is `wrong`.
 #[test]
 fn tunnelling_in_large_steps_is_wrong() {
     let falls = block_over_slab(

@@ -41,12 +41,12 @@ impl MortarContact {
         self.rule == ContactRule::EndPoint && self.options.constraint == WeightedConstraint::OneSided
     }
 
-    /// Remembers what closed slots keep, at the end of a step.
     /// The gap that a slot kept in the last accepted step, zero if it keeps none.
     pub(crate) fn kept_of(&self, slot: usize) -> f64 {
         self.closed.get(slot).copied().flatten().map_or(0.0, |closed| closed.kept)
     }
 
+    /// Remembers what closed slots keep, at the end of a step.
     pub(crate) fn commit_kept(&mut self, q_np1: &[f64], active: &[bool]) {
         let keeps = self.keeps_penetrations();
         let mut work = Work::default();
