@@ -1,6 +1,6 @@
 //! Derivatives of the integrals of a pair.
 
-use crate::{Quadrature, for_each_point_with_derivatives};
+use crate::{Factors, TriangleRule, for_each_point_with_derivatives};
 use nalgebra::Vector3;
 use stoss_reference_element::quad4;
 use stoss_segmentation::{LOCAL, Segment, SlaveFrame};
@@ -27,22 +27,31 @@ pub fn pair_derivatives(
     segment: &Segment,
     frame: &SlaveFrame,
     master: &[Vector3<f64>; 4],
-    quadrature: Quadrature,
+    rule: TriangleRule,
+    factors: &Factors,
     out: &mut PairDerivatives,
 ) {
-    for_each_point_with_derivatives(segment, frame, master, quadrature, |p, d| {
+    let facing = factors.facing_of(frame, master, true);
+    for_each_point_with_derivatives(segment, frame, master, rule, |p, d| {
+        let (mut p, mut d) = (*p, *d);
+        factors.apply_with_derivatives(&facing, &mut p, &mut d);
         let (g1, g2) = (quad4::shape_gradient(p.slave), quad4::shape_gradient(p.master));
         let (s, m) = (&d.coordinates.slave, &d.coordinates.master);
-        for k in 0..LOCAL {
-            let dn1 = g1.map(|g| g[0] * s[0][k] + g[1] * s[1][k]);
-            let dn2 = g2.map(|g| g[0] * m[0][k] + g[1] * m[1][k]);
-            for i in 0..4 {
-                let (n, dn) = (p.slave_shape[i], dn1[i]);
-                let dwn = d.weight[k] * n + p.weight * dn;
-                out.shape[i][k] += dwn;
-                for j in 0..4 {
-                    out.mass[i][j][k] += dwn * p.slave_shape[j] + p.weight * n * dn1[j];
-                    out.coupling[i][j][k] += dwn * p.master_shape[j] + p.weight * n * dn2[j];
+        let along = |g: [f64; 2], x: &[[f64; LOCAL]; 2]| -> [f64; LOCAL] {
+            std::array::from_fn(|k| g[0] * x[0][k] + g[1] * x[1][k])
+        };
+        let (dn1, dn2) = (g1.map(|g| along(g, s)), g2.map(|g| along(g, m)));
+        for i in 0..4 {
+            let n = p.slave_shape[i];
+            let dwn: [f64; LOCAL] = std::array::from_fn(|k| d.weight[k] * n + p.weight * dn1[i][k]);
+            out.shape[i].iter_mut().zip(&dwn).for_each(|(o, d)| *o += d);
+            let wn = p.weight * n;
+            for j in 0..4 {
+                let (n1, n2) = (p.slave_shape[j], p.master_shape[j]);
+                let (mass, coupling) = (&mut out.mass[i][j], &mut out.coupling[i][j]);
+                for k in 0..LOCAL {
+                    mass[k] += dwn[k] * n1 + wn * dn1[j][k];
+                    coupling[k] += dwn[k] * n2 + wn * dn2[j][k];
                 }
             }
         }

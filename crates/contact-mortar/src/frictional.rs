@@ -1,12 +1,16 @@
 //! Friction as a part of the contact method: rules, history, augmentation, energies.
 
 use crate::frames::MaterialFrames;
-use crate::method::{HANDED_OVER, MortarContact, WeightedConstraint};
+use crate::method::MortarContact;
+use crate::sides::Row;
 use crate::slip::SlipMeasure;
-use crate::slot::{Slot, at};
+use crate::slot::at;
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, PointIteration, Stick, stick_compliances};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration};
+
+/// A node of which less than this part is covered at the start of a step of the end point.
+const SLIVER: f64 = 0.05;
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
@@ -21,12 +25,9 @@ pub(crate) struct SurfaceFriction {
     /// Rounds of augmentation in this step.
     rounds: u32,
     points: Vec<PointHistory>,
-    /// Positions and slots at the start of the step.
-    q_n: Vec<f64>,
-    start: Vec<Slot>,
     /// Of the stick of each node, in multiples of one over the stiffness.
     compliance: Vec<f64>,
-    /// Nodes of which less than [`HANDED_OVER`] is covered at the start of a step of the end point. Exact stick is replaced by a spring that forgets there: the
+    /// Nodes of which less than [`SLIVER`] is covered at the start of a step of the end point. Exact stick is replaced by a spring that forgets there: the
     /// slip of a sliver at the rim of the master is the motion of the rim, and a multiplier would need a traction out of all proportion to hold it.
     slivers: Vec<bool>,
 }
@@ -65,15 +66,12 @@ impl MortarContact {
     /// [`ContactError::FrictionUnavailable`] with the modified constraint: its nodes bounce at every step, so that nothing sticks.
     /// `begin_step` refuses the other rules, and [`SlipMeasure::Yang`] under those whose integrals stay.
     pub fn with_friction(mut self, friction: Friction, measure: SlipMeasure) -> Result<Self, ContactError> {
-        if self.options.constraint == WeightedConstraint::Modified {
-            return Err(ContactError::FrictionUnavailable { what: "the modified constraint".into() });
-        }
-        let points = vec![PointHistory::default(); self.without.len()];
-        let (q_n, start, compliance) = (Vec::new(), Vec::new(), vec![0.0; self.without.len()]);
-        let slivers = vec![false; self.without.len()];
+        let count = self.surfaces.rows.len();
+        let (points, compliance) = (vec![PointHistory::default(); count], vec![0.0; count]);
+        let slivers = vec![false; count];
         let (step_size, rounds) = (0.0, 0);
         // Before the first step these are the reference positions.
-        let frames = MaterialFrames::new(&self.slave, &self.start);
+        let frames = MaterialFrames::new(&self.surfaces.slave, &self.step.q_n);
         self.friction = Some(SurfaceFriction {
             friction,
             measure,
@@ -81,8 +79,6 @@ impl MortarContact {
             step_size,
             rounds,
             points,
-            q_n,
-            start,
             compliance,
             slivers,
         });
@@ -94,7 +90,12 @@ impl MortarContact {
     #[must_use]
     pub fn with_compliant_stick(mut self, is_held: impl Fn(u32) -> bool) -> Self {
         if let Some(surface) = &mut self.friction {
-            surface.compliance = stick_compliances(self.slave.nodes(), is_held);
+            let nodes = self.surfaces.slave.nodes();
+            let compliances = stick_compliances(nodes, is_held);
+            // Where a node has several rows, what one says along its face another may say across its own.
+            let shared = stick_compliances(nodes, |_| true);
+            let of_row = |row: &Row| if row.shared { shared[row.local] } else { compliances[row.local] };
+            surface.compliance = self.surfaces.rows.iter().map(of_row).collect();
         }
         self
     }
@@ -107,7 +108,7 @@ impl MortarContact {
     }
 
     /// Starts a step with the slots at `q_n`.
-    pub(crate) fn begin_friction(&mut self, q_n: &[f64]) -> Result<(), ContactError> {
+    pub(crate) fn begin_friction(&mut self) -> Result<(), ContactError> {
         let Some(surface) = &mut self.friction else { return Ok(()) };
         let what = match self.rule {
             ContactRule::EndPoint => None,
@@ -124,15 +125,13 @@ impl MortarContact {
             return Err(ContactError::FrictionUnavailable { what });
         }
         surface.rounds = 0;
-        surface.q_n.clear();
-        surface.q_n.extend_from_slice(q_n);
-        surface.start.clear();
-        surface.start.extend(self.integrated.iter().flat_map(|i| &i.slots).cloned());
+        let start = &self.step.start;
         let exact = surface.friction.stick() != Stick::Penalty && self.rule == ContactRule::EndPoint;
-        for (sliver, slot) in surface.slivers.iter_mut().zip(&surface.start) {
-            *sliver = exact && slot.support < HANDED_OVER * slot.area;
+        let rows = start.iter().zip(&self.surfaces.rows);
+        for (sliver, (slot, row)) in surface.slivers.iter_mut().zip(rows) {
+            *sliver = exact && slot.support < SLIVER * row.area;
         }
-        let nodes = surface.start.iter().zip(&surface.compliance).zip(&surface.slivers);
+        let nodes = start.iter().zip(&surface.compliance).zip(&surface.slivers);
         for (point, ((slot, &compliance), &sliver)) in surface.points.iter_mut().zip(nodes) {
             // The springs of an area that has grown must not hold more energy than before; what a part that was uncovered held is lost.
             let stored =
@@ -156,12 +155,14 @@ impl MortarContact {
 
     fn node_friction(&self, slot: usize, pressure: f64, multiplier: [f64; 2]) -> Option<NodeFriction<'_>> {
         let surface = self.friction.as_ref()?;
-        let (point, start) = (surface.points[slot], surface.start.get(slot)?);
+        let point = surface.points[slot];
+        // Slips of the midpoint rules have the weights of the middle at both ends.
+        let start = if self.rule == ContactRule::EndPoint { &self.step.start } else { self.friction_slots() }.get(slot)?;
         Some(NodeFriction {
             friction: &surface.friction,
             measure: surface.measure,
             frames: &surface.frames,
-            local: slot,
+            local: self.surfaces.rows[slot].local,
             start,
             history: point.start,
             multiplier,
@@ -170,7 +171,7 @@ impl MortarContact {
             } else {
                 surface.compliance[slot]
             },
-            weight: self.slave.nodal_areas()[slot],
+            weight: self.surfaces.rows[slot].area,
             slid: point.slid,
             stiffening: point.iteration.stiffening(),
             step_size: surface.step_size,
@@ -191,14 +192,14 @@ impl MortarContact {
         out: &mut LocalContribution,
     ) -> bool {
         let node = self.node_friction(slot, pressure, multiplier);
-        node.is_none_or(|node| node.contribute(&self.slots()[slot], step, want_tangent, work, out))
+        node.is_none_or(|node| node.contribute(&self.friction_slots()[slot], step, want_tangent, work, out))
     }
 
     /// State of a slot at the end of the present step; `None` without friction or partner.
     fn friction_state(&self, slot: usize, q_np1: &[f64], pressure: f64, work: &mut Scratch) -> Option<FrictionState> {
-        let present = self.slots().get(slot).filter(|s| s.support > 0.0)?;
+        let present = self.friction_slots().get(slot).filter(|s| s.support > 0.0)?;
         let surface = self.friction.as_ref()?;
-        let step = StepConfiguration { q_n: &surface.q_n, q_np1, rule: self.rule };
+        let step = StepConfiguration { q_n: &self.step.q_n, q_np1, rule: self.rule };
         self.node_friction(slot, pressure, surface.points[slot].multiplier)?.state(present, step, work)
     }
 
@@ -240,14 +241,14 @@ impl MortarContact {
     ) -> Result<usize, ContactError> {
         let begin = |surface: &mut SurfaceFriction| AugmentationRound::begin(&surface.friction, &mut surface.rounds);
         let Some(mut round) = self.friction.as_mut().and_then(begin) else { return Ok(0) };
-        let edge = self.slave.length_scale();
+        let edge = self.surfaces.slave.length_scale();
         let mut work = Scratch::default();
         for slot in (0..active.len()).filter(|&s| active[s]) {
             if self.friction.as_ref().is_some_and(|surface| surface.slivers[slot]) {
                 continue;
             }
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
-            let far = at(q_np1, self.slave.nodes()[slot]).norm();
+            let far = at(q_np1, self.surfaces.slave.nodes()[self.surfaces.rows[slot].local]).norm();
             let Some(surface) = &mut self.friction else { continue };
             let point = &mut surface.points[slot];
             let converged =
@@ -273,15 +274,15 @@ impl MortarContact {
                 total.dissipated += before;
                 continue;
             };
-            let (support, at_n) = (self.slots()[slot].support, surface.start[slot].support);
+            let support = self.friction_slots()[slot].support;
             if surface.slivers[slot] {
                 // Nothing is kept for the next step.
                 let friction_work = support * step.work;
                 total += ContactWork { dissipated: before + friction_work, friction_work, ..ContactWork::default() };
                 continue;
             }
-            // Of an area that was uncovered; `begin_friction` sees to it that nothing is gained.
-            let uncovered = (before - at_n * energy(point.start)).max(0.0);
+            // What springs held at the start, on the area of then and on that of the slip: the difference is that of an area that was uncovered.
+            let uncovered = before - support * energy(point.start);
             // Of the compliance of multipliers, whose spring is loaded by backward Euler.
             let yielding = surface.friction.stored_by(compliance, point.multiplier);
             let stored = support * energy(step.end);
@@ -300,7 +301,7 @@ impl MortarContact {
         let count = self.friction.as_ref().map_or(0, |surface| surface.points.len());
         for slot in 0..count {
             let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot], &mut work) } else { None };
-            let support = self.slots().get(slot).map_or(0.0, |s| s.support);
+            let support = self.friction_slots().get(slot).map_or(0.0, |s| s.support);
             let Some(surface) = &mut self.friction else { continue };
             let sliver = surface.slivers[slot];
             let (point, step_size) = (&mut surface.points[slot], surface.step_size);

@@ -1,6 +1,6 @@
 //! Integrals of the shape functions over the segments of one slave facet.
 
-use crate::{Quadrature, for_each_point};
+use crate::{Factors, TriangleRule, for_each_point};
 use nalgebra::Vector3;
 use stoss_segmentation::FacetSegmentation;
 
@@ -11,12 +11,8 @@ pub struct PairIntegrals {
     pub master_facet: u32,
     /// `int N_i^(1) N_k^(2) dA`, an area.
     pub coupling: [[f64; 4]; 4],
-    /// The same with the parametric measure (formulation §8.3), free of units.
-    pub parametric_coupling: [[f64; 4]; 4],
     /// `int N_i N_j dA` over this pair only.
     pub mass: [[f64; 4]; 4],
-    /// The same with the parametric measure.
-    pub parametric_mass: [[f64; 4]; 4],
 }
 
 /// Integrals over the covered part of one slave facet.
@@ -24,6 +20,8 @@ pub struct PairIntegrals {
 pub struct FacetIntegrals {
     /// `int N_i dA`, an area.
     pub shape: [f64; 4],
+    /// `int N_i dA` without the factors of the gap, however deep or far the master is, an area.
+    pub opposite: [f64; 4],
     /// `int N_i N_j dA`, an area.
     pub mass: [[f64; 4]; 4],
     /// One entry for each master facet opposite, in the order of the segments.
@@ -32,14 +30,16 @@ pub struct FacetIntegrals {
     pub covered: f64,
 }
 
-/// Integrals over the segments of a facet. `corners` gives the positions of a master facet.
+/// Integrals over the segments of a facet, with factors at the points. `corners` gives the positions of a master facet.
 pub fn facet_integrals(
     found: &FacetSegmentation,
     corners: impl Fn(u32) -> [Vector3<f64>; 4],
-    quadrature: Quadrature,
+    rule: TriangleRule,
+    factors: &Factors,
 ) -> FacetIntegrals {
     let mut out = FacetIntegrals {
         shape: [0.0; 4],
+        opposite: [0.0; 4],
         mass: [[0.0; 4]; 4],
         pairs: Vec::new(),
         covered: 0.25 * found.parametric_area(),
@@ -49,21 +49,24 @@ pub fn facet_integrals(
             out.pairs.push(PairIntegrals {
                 master_facet: segment.master_facet,
                 coupling: [[0.0; 4]; 4],
-                parametric_coupling: [[0.0; 4]; 4],
                 mass: [[0.0; 4]; 4],
-                parametric_mass: [[0.0; 4]; 4],
             });
         }
         let Some(pair) = out.pairs.last_mut() else { continue };
-        for_each_point(segment, &found.frame, &corners(segment.master_facet), quadrature, |p| {
+        let master = corners(segment.master_facet);
+        let facing = factors.facing_of(&found.frame, &master, false);
+        for_each_point(segment, &found.frame, &master, rule, |p| {
+            let mut p = *p;
             for i in 0..4 {
-                let (w, v) = (p.weight * p.slave_shape[i], p.parametric_weight * p.slave_shape[i]);
+                out.opposite[i] += facing.value * p.weight * p.slave_shape[i];
+            }
+            factors.apply(&facing, &mut p);
+            for i in 0..4 {
+                let w = p.weight * p.slave_shape[i];
                 out.shape[i] += w;
                 for j in 0..4 {
                     pair.mass[i][j] += w * p.slave_shape[j];
-                    pair.parametric_mass[i][j] += v * p.slave_shape[j];
                     pair.coupling[i][j] += w * p.master_shape[j];
-                    pair.parametric_coupling[i][j] += v * p.master_shape[j];
                 }
             }
         });

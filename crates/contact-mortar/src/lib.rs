@@ -36,22 +36,21 @@
 //! expected middle of the step with other schemes, an energy-momentum element with directors. [`MortarContact::with_friction`] adds a law of `stoss_contact::friction` with tractions at
 //! the slave nodes and slips that are weighted as the gaps are ([`SlipMeasure`]).
 
+mod candidates;
 mod derivatives;
+mod discrete;
 mod error;
+mod factors;
 mod frames;
 mod frictional;
 mod integrals;
-mod kept;
-mod kernel;
 mod matrices;
 mod method;
 mod multiplier;
-mod opposite;
 mod points;
-mod slide;
+mod sides;
 mod slip;
 mod slot;
-mod softening;
 mod surfaces;
 mod tangential;
 pub mod tie;
@@ -59,15 +58,13 @@ mod weights;
 
 pub use derivatives::{PairDerivatives, pair_derivatives};
 pub use error::MortarError;
+pub use factors::Factors;
 pub use integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 pub use matrices::MortarMatrices;
-pub use method::{MortarContact, MortarOptions, WeightedConstraint};
+pub use method::{Integrals, MortarContact, MortarOptions};
 pub use multiplier::{MultiplierBasis, MultiplierSpace};
-pub use points::{
-    PointMap, PointVariation, Quadrature, QuadraturePoint, for_each_point, for_each_point_with_derivatives,
-};
+pub use points::{PointVariation, QuadraturePoint, for_each_point, for_each_point_with_derivatives};
 pub use slip::SlipMeasure;
-pub use slot::NormalField;
 pub use stoss_reference_element::triangle::TriangleRule;
 pub use stoss_segmentation as segmentation;
 pub use surfaces::{CheckExtent, CoverageFault, SurfaceCoverage, SurfaceSegmentation, segment_surfaces};

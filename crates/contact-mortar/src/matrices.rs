@@ -1,6 +1,6 @@
 //! Mortar matrices of a pair of surfaces.
 
-use crate::{MultiplierBasis, MultiplierSpace, Quadrature, SurfaceSegmentation, facet_integrals};
+use crate::{Factors, MultiplierBasis, MultiplierSpace, TriangleRule, SurfaceSegmentation, facet_integrals};
 use stoss_contact::ContactSurface;
 
 /// `D` (slave by slave) and `M` (slave by master) as sparse rows, entries areas. Node numbers are the surfaces' local
@@ -35,7 +35,7 @@ impl MortarMatrices {
         q: &[f64],
         segments: &SurfaceSegmentation,
         space: MultiplierSpace,
-        quadrature: Quadrature,
+        rule: TriangleRule,
     ) -> Self {
         let count = slave.nodes().len();
         let mut out =
@@ -44,7 +44,7 @@ impl MortarMatrices {
             if found.segments.is_empty() {
                 continue;
             }
-            let integrals = facet_integrals(found, |f| master.patch(f, q).corners, quadrature);
+            let integrals = facet_integrals(found, |f| master.patch(f, q).corners, rule, &Factors::NONE);
             let basis = MultiplierBasis::new(space, &integrals);
             let d = basis.slave_block(&integrals);
             let nodes = slave.local_facets()[facet];

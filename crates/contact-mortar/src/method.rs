@@ -1,39 +1,31 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
+use crate::candidates::{Candidates, SearchRange};
+use crate::discrete::RelativeMotion;
+use crate::factors::Factors;
 use crate::frictional::SurfaceFriction;
-use crate::kept::Closed;
-use crate::opposite::{Counted, Overlap, Seen, Sides, at_sharp_edges, sheets, unit_normals};
-use crate::slot::{NormalField, Slot, Work};
-use crate::softening::Softening;
-use crate::surfaces::{segment_shifted, thickness};
+use crate::sides::{Row, has_sharp_edges, rows, unit_normals};
+use crate::slot::{Evaluation, Slot, at};
+use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
 use crate::tangential::Scratch;
-use crate::weights::{FacetWeights, Measure, facet_weights};
-use crate::{CheckExtent, MortarError, MultiplierSpace, Quadrature, SurfaceCoverage, SurfaceSegmentation};
+use crate::weights::{FacetWeights, Integration};
+use crate::{MortarError, MultiplierSpace, TriangleRule};
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
 use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, LocalContribution,
     SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
 use stoss_segmentation::{FacetSegmentation, GapRange};
 
-/// What is kept zero while a node is closed (formulation §9.3).
+/// Which integrals the weighted gaps of a step have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum WeightedConstraint {
-    /// `Phi_np1 = 0`.
+pub enum Integrals {
+    /// Those of the positions: the weighted gap is a function of the positions alone.
     #[default]
-    Standard,
-    /// `Phi_np1 = Phi_n`, both with the integrals of the step: energy is exact, nodes float and bounce. Not with
+    Moving,
+    /// Those of the expected middle of the step, held in the step (thesis). What two steps have different gaps for is gained or lost. Not with
     /// [`ContactRule::EndPoint`].
-    Modified,
-    /// `Phi_np1 = min(Phi_n, 0)`, both with the integrals of the step. When integrals are renewed at the start of a step, a closed node has a small gap
-    /// of either sign; to set it to zero costs energy if it is open and *gives* energy if it is not. The latter is left out, so that sliding contact
-    /// never gains energy; penetrations stay at what the renewals add up to.
-    ///
-    /// With [`ContactRule::EndPoint`], where integrals follow the iterate, a node that closes keeps the penetration that it had at the start of the step, and a
-    /// closed one what it came to by another choice of what counts as contact at an edge. From then on it falls by a tenth a step (of full size): what would be thrown out at once is
-    /// let out slowly.
-    OneSided,
+    Frozen,
 }
 
 /// Options of the method.
@@ -41,121 +33,180 @@ pub enum WeightedConstraint {
 pub struct MortarOptions {
     /// Multiplier space of the pressures.
     pub space: MultiplierSpace,
-    /// Rule and map of the integrals.
-    pub quadrature: Quadrature,
-    /// Normals of the weighted gaps.
-    pub normals: NormalField,
-    /// Constraint while closed.
-    pub constraint: WeightedConstraint,
+    /// Rule of the integrals.
+    pub rule: TriangleRule,
+    /// Which integrals.
+    pub integrals: Integrals,
+    /// Whether a penetration that a node has at the start of a step is kept, as dynamics wants it: to push it out would give energy.
+    pub keeps_penetration: bool,
 }
 
-/// How deep a facet may be behind the master and still be opposite to it, in lengths of facets. What lies deeper is
-/// another part of the body.
+/// How much farther than the step's reach facets are looked for along the slave's normal, in lengths of facets.
+const MARGIN: f64 = 3.0;
+/// How deep they are looked for where no depth is lost, in the same.
 const DEPTH: f64 = 4.0;
-/// Not deeper, either, than this times the sum of the thicknesses of both bodies, where both sides of both are in the surfaces: there the far sides face each
-/// other, too.
-const DEPTH_OF_THICKNESS: f64 = 0.25;
-/// The same as [`DEPTH`] where integrals stay those of the start of the step: surfaces are not deep in each other there, and the far side of a thin or a hollow body
-/// is not opposite.
-const DEPTH_AT_START: f64 = 1.0;
-/// How much farther than the step's reach facets are looked for, in lengths of facets.
-const MARGIN: f64 = 2.0;
-/// A slave node of whose reference area less than this is covered hands its multiplier over to the other nodes of its facets (the functions
-/// still add up to one, so that constant pressures stay exact): a constraint on a sliver of the support would need pressures out of all
-/// proportion, of either sign.
-pub(crate) const HANDED_OVER: f64 = 0.05;
-/// It takes it back above this. The distance of the two keeps it from flipping with the iterate.
-const TAKEN_BACK: f64 = 0.1;
-/// On a facet of which all nodes have small supports those with at least this part of the largest keep their multipliers.
-const KEPT: f64 = 0.5;
+/// Penetration at which points take no part any more, in lengths of slave facets: beyond that, at a sharp edge, other sides are.
+const DEEPEST_AT_EDGES: f64 = 2.0 / 3.0;
+/// Nearness where a surface has sharp edges, over the length of a slave facet.
+const NEARNESS: f64 = 12.0;
+/// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
+/// to nothing.
+const CARRIED: f64 = 0.02;
+/// Part of [`CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
+const VANISHING: f64 = 0.1;
+/// That compliance, in lengths of facets over Young's modulus.
+const COMPLIANCE: f64 = 1e-6;
+/// A penetration at the start of a step that is less than this, in lengths of facets, is what the iteration left.
+const NO_PENETRATION: f64 = 1e-11;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
 const FREE_ALONG_NORMAL: f64 = 0.1;
 
-/// Integrals at one configuration.
+/// What is built once.
 #[derive(Clone, Debug)]
-pub(crate) struct Integrated {
-    segments: SurfaceSegmentation,
-    /// Overlaps of every slave facet.
-    pub(crate) overlaps: Vec<Vec<Overlap>>,
-    pub(crate) slots: Vec<Slot>,
-    /// Covered part of every slave node before functions were handed over, an area.
-    bare_supports: Vec<f64>,
-    /// Area of the segments that do not count.
-    left_out: f64,
+pub(crate) struct Surfaces {
+    pub slave: ContactSurface,
+    pub master: ContactSurface,
+    /// The rows of the constraints.
+    pub rows: Vec<Row>,
+    /// Unit normals of the slave facets in the reference configuration.
+    normals: Vec<Vector3<f64>>,
+    /// Slave nodes without a multiplier, by local number.
+    without: Vec<bool>,
+    integration: Integration,
 }
 
-/// Slave surface against master surface with one pressure (traction) a slave node and weighted gaps (formulation §8.1).
+/// What is constant in a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StepState {
+    candidates: Candidates,
+    range: Option<GapRange>,
+    /// Positions at the start.
+    pub q_n: Vec<f64>,
+    /// Slots there.
+    pub start: Vec<Slot>,
+    /// Weighted gap of each row there; `None` without a partner.
+    gap: Vec<Option<f64>>,
+    /// Its gradient, of the rows that needed it.
+    gradient: Vec<Vec<f64>>,
+    /// Weighted gap that a closed row keeps.
+    reference: Vec<f64>,
+    /// Rows that may carry a multiplier.
+    carried: Vec<bool>,
+}
+
+/// Slots at one configuration.
+#[derive(Clone, Debug, Default)]
+struct Integrated {
+    /// Positions; empty before the first evaluation.
+    at: Vec<f64>,
+    segments: Vec<Option<FacetSegmentation>>,
+    slots: Vec<Slot>,
+    /// Rows whose derivatives are there.
+    derivatives: Vec<bool>,
+}
+
+/// What is asked of a slave facet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Need {
+    Nothing,
+    Value,
+    Derivative,
+}
+
+/// Slave surface against master surface with one pressure (traction) for each side of a slave node and weighted gaps (formulation §8.1) whose integrals move:
+/// the weighted gap `Phi_A(q)` is a function of the positions alone, see docs/theory/mortar.md.
 ///
-/// Under [`ContactRule::EndPoint`] segmentation and integrals are renewed at every iterate, and the tangent has their
-/// derivatives and those of the normals: Newton converges quadratically as long as no vertex of a segment passes an
-/// edge. Under every other rule they stay for the whole step, and the slave is paired with what it will be opposite to in the middle
-/// of the step if the velocities of `q_n` last (`slide`): had it the partners of `q_n`, forces and reactions would lie half the slide of the step apart,
-/// and the angular momentum that is conserved would turn the slave over. As the integrals stay, the force of every rule is the gradient
-/// of the weighted gap, so that it has neither resultant nor moment for any gap, and under
-/// [`ContactRule::EnergyMomentum`] its work is the change of the weighted gaps (formulation §8.3; one director a slave
-/// facet instead of one a segment, choice).
+/// The constraint of a closed row is `Phi_A(q_np1) = 0` under every rule. Under [`ContactRule::EndPoint`] the force is `p grad Phi_A(q_np1)`, under
+/// [`ContactRule::Midpoint`] and [`ContactRule::EnergyMomentum`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for
+/// any gap, and its work is the change of the weighted gap. So the energy changes by what closing gaps cost, `p Phi_A(q_n)`, and by nothing else.
 ///
-/// A node of which a part of the support is not covered keeps the weighted gap of the rest; below a twentieth of its reference area it hands
-/// its function over to the other nodes of its facets (where integrals move and there is a stiffness for it, it fades instead:
-/// [`MortarContact::with_softening`]), below 1e-8 it is out of contact. A slave node whose motion along the normal is prescribed
+/// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it. A slave node whose motion along the normal is prescribed
 /// beside free ones gets no multiplier ([`MortarContact::with_crosspoints`]).
 #[derive(Clone, Debug)]
 pub struct MortarContact {
     name: String,
-    pub(crate) slave: ContactSurface,
-    pub(crate) master: ContactSurface,
+    pub(crate) surfaces: Surfaces,
     pub(crate) options: MortarOptions,
-    /// Slave nodes without a multiplier, by local number.
-    pub(crate) without: Vec<bool>,
-    /// Covered part of slave nodes whose multiplier is handed over in this step because that is little, an area, by local number.
-    handed_over: Vec<Option<f64>>,
     pub(crate) rule: ContactRule,
-    range: GapRange,
-    /// Depth from which facets behind are another part of the body, a length.
-    deepest: f64,
-    /// Whether a slave facet faces a master facet in the reference configuration.
-    /// Unit normals of the slave facets in the reference configuration.
-    reference_normals: Vec<Vector3<f64>>,
-    /// Sides of the slave nodes.
-    pub(crate) slave_sides: Sides,
-    /// Which slave and master facets are at sharp edges of their surfaces.
-    pub(crate) slave_edges: Vec<bool>,
-    pub(crate) master_edges: Vec<bool>,
-    /// The sheet between sharp edges that a master facet belongs to.
-    pub(crate) master_sheets: Vec<u32>,
-    /// What was seen in this step of slave facets and sheets.
-    pub(crate) seen: BTreeMap<(usize, u32), Seen>,
-    pub(crate) step_size: f64,
+    step_size: f64,
+    /// Stress per length, see [`MortarContact::with_stiffness`].
+    stiffness: f64,
     /// Velocities at the start of the next step; empty if nobody told.
-    told_velocity: Vec<f64>,
-    /// The same of this step.
-    pub(crate) velocity: Vec<f64>,
-    /// The longest step that was asked for so far; a scene asks for its nominal one first.
-    pub(crate) longest_step: f64,
-    /// Half the slide of each slave facet in the step, a length; empty if there is none.
-    slide: Vec<Vector3<f64>>,
-    /// Positions at the start of the step.
-    pub(crate) start: Vec<f64>,
-    /// Positions that the integrals belong to; empty before the first step.
-    at: Vec<f64>,
-    pub(crate) integrated: Option<Integrated>,
-    /// Slots whose derivatives are there.
-    derivatives: Vec<bool>,
-    /// Weighted gap at `q_n` with the integrals of the step over the support, a length each.
-    pub(crate) gap_n: Vec<f64>,
-    /// What each slot kept in the last step; `None` if it was open, or keeps nothing from step to step.
-    pub(crate) closed: Vec<Option<Closed>>,
+    velocity: Vec<f64>,
+    pub(crate) step: StepState,
+    /// At the end of the step, and at its middle where the rule asks for it. With frozen integrals both have the weights of the step.
+    end: Integrated,
+    middle: Integrated,
     pub(crate) friction: Option<SurfaceFriction>,
-    pub(crate) softening: Option<Softening>,
-}
-
-/// Area of the segments of these facets.
-fn segment_area<'a>(facets: impl Iterator<Item = &'a FacetSegmentation>) -> f64 {
-    facets.flat_map(|found| &found.segments).map(|segment| segment.image_area()).sum()
 }
 
 fn segmentation_error(error: &MortarError) -> ContactError {
     ContactError::Segmentation { reason: error.to_string() }
+}
+
+/// `a + f b`.
+fn along(a: &[f64], f: f64, b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + f * b).collect()
+}
+
+fn mean(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
+}
+
+impl Surfaces {
+    /// Segments and slots at `q`. `old`: slots whose nodes stay in front. Rows on facets that were not asked for are empty.
+    fn integrate(
+        &self,
+        candidates: &Candidates,
+        q: &[f64],
+        needs: &[Need],
+        old: &[Slot],
+        with_facets: bool,
+    ) -> Result<Integrated, ContactError> {
+        let Self { slave, master, rows, .. } = self;
+        let mut segments = Vec::with_capacity(needs.len());
+        let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len());
+        for (f, &need) in needs.iter().enumerate() {
+            if need == Need::Nothing {
+                segments.push(None);
+                facets.push(None);
+                continue;
+            }
+            let found =
+                candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
+            facets.push((!found.segments.is_empty()).then(|| {
+                let corners = |m| master.patch(m, q).corners;
+                let without = slave.local_facets()[f].map(|n| self.without[n as usize]);
+                self.integration.facet_weights(&found, corners, without, need == Need::Derivative)
+            }));
+            segments.push(Some(found));
+        }
+        let wanted = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] != Need::Nothing);
+        let derived = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] == Need::Derivative);
+        let kept = |k: usize| old.get(k).map_or(&[][..], |slot: &Slot| &slot.nodes);
+        let slots = rows.iter().enumerate().map(|(k, row)| {
+            if wanted(row) {
+                Slot::gather(row, [slave, master], &facets, kept(k), with_facets)
+            } else {
+                Slot::default()
+            }
+        });
+        Ok(Integrated {
+            at: q.to_vec(),
+            segments,
+            slots: slots.collect(),
+            derivatives: rows.iter().map(derived).collect(),
+        })
+    }
+
+    /// Needs of the facets: `least` of all, derivatives of those around rows that are chosen.
+    fn needs(&self, least: Need, chosen: &[bool]) -> Vec<Need> {
+        let mut needs = vec![least; self.slave.facets().len()];
+        for (row, _) in self.rows.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
+            row.facets.iter().for_each(|&(f, _)| needs[f as usize] = Need::Derivative);
+        }
+        needs
+    }
 }
 
 impl MortarContact {
@@ -173,41 +224,31 @@ impl MortarContact {
         let slave = ContactSurface::new("slave", slave_facets, reference)?;
         let master = ContactSurface::new("master", master_facets, reference)?;
         slave.check_disjoint(&master)?;
-        let count = slave.nodes().len();
-        let [reference_normals, master_normals] = [&slave, &master].map(|surface| unit_normals(surface, reference));
-        let slave_sides = Sides::new(&slave, &reference_normals);
-        let mut method = Self {
-            name: name.to_owned(),
-            without: vec![false; count],
-            handed_over: vec![None; count],
-            rule: ContactRule::EndPoint,
-            range: GapRange::ALL,
-            deepest: DEPTH_OF_THICKNESS * (thickness(&slave, reference) + thickness(&master, reference)),
-            slave_edges: at_sharp_edges(&slave, &slave_sides),
-            master_edges: at_sharp_edges(&master, &Sides::new(&master, &master_normals)),
-            master_sheets: sheets(&master, &master_normals),
-            slave_sides,
-            reference_normals,
-            seen: BTreeMap::new(),
-            step_size: 0.0,
-            told_velocity: Vec::new(),
-            velocity: Vec::new(),
-            longest_step: 0.0,
-            slide: Vec::new(),
-            start: reference.to_vec(),
-            at: Vec::new(),
-            integrated: None,
-            derivatives: vec![false; count],
-            gap_n: vec![0.0; count],
-            closed: vec![None; count],
-            friction: None,
-            softening: None,
-            slave,
-            master,
-            options,
+        let [normals, master_normals] = [&slave, &master].map(|surface| unit_normals(surface, reference));
+        let sharp = has_sharp_edges(&slave, &normals) || has_sharp_edges(&master, &master_normals);
+        let thinner = thickness(&slave, reference).min(thickness(&master, reference));
+        let h = slave.length_scale();
+        let factors = Factors {
+            facing: true,
+            deepest: if sharp { thinner.min(DEEPEST_AT_EDGES * h) } else { thinner },
+            nearness: if sharp { NEARNESS / h } else { 0.0 },
         };
-        method.range = method.range_for(0.0);
-        Ok(method)
+        let integration = Integration { space: options.space, rule: options.rule, factors };
+        let rows = rows(&slave, &normals);
+        let without = vec![false; slave.nodes().len()];
+        Ok(Self {
+            name: name.to_owned(),
+            surfaces: Surfaces { slave, master, rows, normals, without, integration },
+            rule: ContactRule::EndPoint,
+            step_size: 0.0,
+            stiffness: 0.0,
+            velocity: Vec::new(),
+            step: StepState { q_n: reference.to_vec(), ..StepState::default() },
+            end: Integrated::default(),
+            middle: Integrated::default(),
+            friction: None,
+            options,
+        })
     }
 
     /// Takes the multipliers of crosspoints away: slave nodes whose motion along their normal is prescribed, on facets that have other nodes too.
@@ -216,48 +257,72 @@ impl MortarContact {
     /// multipliers.
     #[must_use]
     pub fn with_crosspoints(mut self, prescribed: impl Fn(u32) -> [bool; 3]) -> Self {
-        let fixed: Vec<bool> = (self.slave.nodes().iter().enumerate())
+        let slave = &self.surfaces.slave;
+        let fixed: Vec<bool> = (slave.nodes().iter().enumerate())
             .map(|(a, &n)| self.is_held_along_normal(a, prescribed(n)))
             .collect();
+        let mut without = vec![false; fixed.len()];
         for node in 0..fixed.len() {
-            let mut beside = self.slave.facets_around(node).iter().flat_map(|&f| self.slave.local_facets()[f as usize]);
-            self.without[node] = fixed[node] && beside.any(|other| !fixed[other as usize]);
+            let mut beside = slave.facets_around(node).iter().flat_map(|&f| slave.local_facets()[f as usize]);
+            without[node] = fixed[node] && beside.any(|other| !fixed[other as usize]);
         }
         // A facet must keep a function to hand the others to.
-        for facet in self.slave.local_facets() {
-            if facet.iter().all(|&n| self.without[n as usize]) {
-                facet.iter().for_each(|&n| self.without[n as usize] = false);
+        for facet in slave.local_facets() {
+            if facet.iter().all(|&n| without[n as usize]) {
+                facet.iter().for_each(|&n| without[n as usize] = false);
             }
         }
+        self.surfaces.without = without;
+        self
+    }
+
+    /// Tells the stress per length, Young's modulus over the length of a facet, that compliances are measured by. Without it there are none.
+    #[must_use]
+    pub fn with_stiffness(mut self, stiffness: f64) -> Self {
+        self.stiffness = stiffness;
         self
     }
 
     /// Whether prescribed components leave a slave node (local number) no motion along its reference normal.
     pub fn is_held_along_normal(&self, local: usize, prescribed: [bool; 3]) -> bool {
-        let around = self.slave.facets_around(local).iter();
-        let sum: Vector3<f64> = around.map(|&f| self.reference_normals[f as usize]).sum();
+        let around = self.surfaces.slave.facets_around(local).iter();
+        let sum: Vector3<f64> = around.map(|&f| self.surfaces.normals[f as usize]).sum();
         let free: f64 = (0..3).filter(|&i| !prescribed[i]).map(|i| sum[i] * sum[i]).sum();
         free.sqrt() <= FREE_ALONG_NORMAL * sum.norm()
     }
 
     /// The slave surface.
     pub fn slave(&self) -> &ContactSurface {
-        &self.slave
+        &self.surfaces.slave
     }
 
     /// The master surface.
     pub fn master(&self) -> &ContactSurface {
-        &self.master
+        &self.surfaces.master
     }
 
-    /// Segments that the present integrals belong to; `None` before the first step.
-    pub fn segments(&self) -> Option<&SurfaceSegmentation> {
-        self.integrated.as_ref().map(|i| &i.segments)
+    /// Factors of the integrands of these surfaces.
+    pub fn factors(&self) -> Factors {
+        self.surfaces.integration.factors
+    }
+
+    /// Another choice of the factors, for tests and comparisons.
+    #[must_use]
+    pub fn with_factors(mut self, factors: Factors) -> Self {
+        self.surfaces.integration.factors = factors;
+        self
+    }
+
+    /// Segments at the end of the step, where integrals are there; `None` before the first step.
+    pub fn segments(&self) -> Option<SurfaceSegmentation> {
+        let range = self.step.range?;
+        let facets: Option<Vec<FacetSegmentation>> = self.end.segments.iter().cloned().collect();
+        facets.filter(|facets| !facets.is_empty()).map(|facets| SurfaceSegmentation { facets, range })
     }
 
     /// Covered part `int phi_A dA` of every slot, an area.
     pub fn supports(&self) -> Vec<f64> {
-        self.integrated.iter().flat_map(|i| &i.slots).map(|s| s.support).collect()
+        self.end.slots.iter().map(|s| s.support).collect()
     }
 
     /// Coverage of the present segments; `None` before the first step.
@@ -265,134 +330,253 @@ impl MortarContact {
     /// # Errors
     /// Facets that cannot be segmented.
     pub fn coverage(&self) -> Result<Option<SurfaceCoverage>, MortarError> {
-        let present = self.integrated.as_ref();
-        present.map(|i| i.segments.check(&self.master, &self.at, CheckExtent::Near)).transpose()
+        let present = self.segments();
+        present.map(|s| s.check(&self.surfaces.master, &self.end.at, CheckExtent::Near)).transpose()
     }
 
-    fn range_for(&self, reach: f64) -> GapRange {
-        let h = self.slave.length_scale().max(self.master.length_scale());
-        let depth = if self.moves_integrals() { (DEPTH * h).min(self.deepest) } else { DEPTH_AT_START * h };
-        GapRange { min: -depth, max: reach + MARGIN * h }
+    fn is_frozen(&self) -> bool {
+        self.options.integrals == Integrals::Frozen
     }
 
-    pub(crate) fn moves_integrals(&self) -> bool {
-        self.rule == ContactRule::EndPoint && self.options.constraint != WeightedConstraint::Modified
+    /// Whether forces are evaluated at the middle of the step.
+    fn has_middle(&self) -> bool {
+        matches!(self.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum)
     }
 
-    fn directors(&self) -> bool {
-        self.rule == ContactRule::EnergyMomentum
+    fn is_discrete(&self) -> bool {
+        self.has_middle()
     }
 
-    /// Segments and integrals at `q`, slave facets shifted by `slide`. `active`: slots that need derivatives. `old`: slots whose nodes stay.
-    pub(crate) fn integrate(
-        &self,
-        q: &[f64],
-        slide: &[Vector3<f64>],
-        active: &[bool],
-        old: &[Slot],
-        measure: Measure,
-    ) -> Result<Integrated, ContactError> {
-        let segments =
-            segment_shifted(&self.slave, &self.master, q, slide, self.range).map_err(|e| segmentation_error(&e))?;
-        let Self { slave, master, options, .. } = self;
-        let overlaps = self.overlaps(&segments);
-        let opposite = self.opposite(&segments, &overlaps);
-        let counted: Vec<Option<Counted<'_>>> = opposite
-            .iter()
-            .enumerate()
-            .map(|(slave_facet, opposite)| opposite.then(|| self.counted(&segments, &overlaps, slave_facet)))
-            .map(|counted| counted.filter(|counted| !counted.found.segments.is_empty()))
-            .collect();
-        let left_out =
-            segment_area(segments.facets.iter()) - segment_area(counted.iter().flatten().map(|c| c.found.as_ref()));
-        let weights = |measure| -> Vec<Option<FacetWeights>> {
-            let of_facet = |(slave_facet, counted): (usize, &Option<Counted<'_>>)| {
-                let nodes = &slave.local_facets()[slave_facet];
-                let wanted = active.len() == self.without.len() && nodes.iter().any(|&n| active[n as usize]);
-                let without = self.without_on(*nodes);
-                let (space, rule) = (options.space, options.quadrature);
-                let corners = |f| master.patch(f, q).corners;
-                let Counted { found, part } = counted.as_ref()?;
-                Some(facet_weights(found, corners, space, rule, measure, without, wanted).scaled(*part))
-            };
-            counted.iter().enumerate().map(of_facet).collect()
-        };
-        let facets = weights(measure);
-        let mut bare_supports = vec![0.0; slave.nodes().len()];
-        for (weights, nodes) in facets.iter().zip(slave.local_facets()) {
-            for (support, &n) in weights.iter().flat_map(|w| w.bare_support).zip(nodes) {
-                bare_supports[n as usize] += support;
-            }
-        }
-        let normals = if measure == Measure::Parametric { NormalField::Facet } else { options.normals };
-        let surfaces = [slave, master];
-        let kept = |s| old.get(s).map_or(&[][..], |s: &Slot| &s.nodes);
-        let sides = &self.slave_sides;
-        let gather = |s| Slot::gather(s, surfaces, sides, &facets, normals, kept(s));
-        let count = slave.nodes().len();
-        let slots: Vec<Slot> = match (&self.friction, measure, normals) {
-            // The groups of the pressures do.
-            (None, ..) | (Some(_), Measure::Area, NormalField::Facet) => (0..count).map(gather).collect(),
-            (Some(_), Measure::Area, NormalField::Averaged) => {
-                (0..count).map(|s| gather(s).with_facets(s, surfaces, sides, &facets)).collect()
-            }
-            (Some(_), Measure::Parametric, _) => {
-                let areas = weights(Measure::Area);
-                (0..count).map(|s| gather(s).with_facets(s, surfaces, sides, &areas)).collect()
-            }
-        };
-        Ok(Integrated { segments, overlaps, slots, bare_supports, left_out })
+    /// Slots whose weights friction has: those of the middle of the step, or of the end if the rule takes forces there.
+    pub(crate) fn friction_slots(&self) -> &[Slot] {
+        if self.has_middle() { &self.middle.slots } else { &self.end.slots }
     }
 
-    /// Which corners of a facet have no multiplier there. Where all would lose it to small supports, those of which most is covered keep it.
-    fn without_on(&self, nodes: [u32; 4]) -> [bool; 4] {
-        let covered = nodes.map(|n| self.handed_over[n as usize].filter(|_| !self.without[n as usize]));
-        let is_small = |n: u32| self.without[n as usize] || self.handed_over[n as usize].is_some();
-        if !nodes.iter().all(|&n| is_small(n)) {
-            return nodes.map(is_small);
-        }
-        let largest = covered.iter().flatten().copied().fold(0.0, f64::max);
-        covered.map(|covered| covered.is_none_or(|area| area < KEPT * largest))
+    fn length(&self) -> f64 {
+        self.surfaces.slave.length_scale()
     }
 
-    /// Decides by the present integrals which multipliers are handed over; returns how many changed.
-    fn hand_over_small_supports(&mut self) -> usize {
-        let Some(integrated) = &self.integrated else { return 0 };
-        let supports = integrated.bare_supports.iter().zip(&integrated.slots);
-        let mut changes = 0;
-        for (handed_over, (&support, slot)) in self.handed_over.iter_mut().zip(supports).filter(|(_, (s, _))| **s > 0.0)
-        {
-            let limit = if handed_over.is_some() { TAKEN_BACK } else { HANDED_OVER };
-            let small = support < limit * slot.area;
-            changes += usize::from(small != handed_over.is_some());
-            *handed_over = small.then(|| handed_over.unwrap_or(support));
-        }
-        changes
-    }
-
-    pub(crate) fn slots(&self) -> &[Slot] {
-        self.integrated.as_ref().map_or(&[], |i| &i.slots)
-    }
-
-    /// Renews the integrals at an iterate; tells whether stencils changed.
+    /// Renews the slots of the end (and of the middle) at an iterate; tells whether stencils changed. Derivatives of `active` rows are there afterwards.
     fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<bool, ContactError> {
-        let enough = !want_tangent || active.iter().zip(&self.derivatives).all(|(a, d)| *d || !*a);
-        if enough && self.at == q_np1 {
+        let has = |of: &Integrated, at_all: bool| {
+            at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a)
+        };
+        let at_end = self.end.at == q_np1;
+        let needs_end = want_tangent || self.rule == ContactRule::EndPoint || self.rule == ContactRule::EndPointMean;
+        let end_done = at_end && (!needs_end || has(&self.end, at_end));
+        let middle_done = !self.has_middle() || (at_end && has(&self.middle, !self.middle.at.is_empty()));
+        if end_done && middle_done {
             return Ok(false);
         }
-        let wanted: &[bool] = if want_tangent { active } else { &[] };
-        let new = self.integrate(q_np1, &[], wanted, self.slots(), Measure::Area)?;
-        let pairs = new.slots.iter().zip(self.slots()).zip(active);
-        let changed = pairs.filter(|(_, a)| **a).any(|((new, old), _)| new.nodes.len() != old.nodes.len());
-        self.integrated = Some(new);
-        self.remember_overlaps();
-        self.derivatives.fill(false);
-        if want_tangent {
-            self.derivatives.copy_from_slice(active);
+        let Self { surfaces, step, .. } = &*self;
+        let count = |slots: &[Slot]| -> Vec<usize> { slots.iter().map(|s| s.nodes.len()).collect() };
+        let before = count(&self.end.slots);
+        let with_facets = self.friction.is_some();
+        let candidates = &step.candidates;
+        let chosen: &[bool] = if needs_end { active } else { &[] };
+        let mut end = if end_done {
+            self.end.clone()
+        } else {
+            let needs = surfaces.needs(Need::Value, chosen);
+            surfaces.integrate(candidates, q_np1, &needs, &self.end.slots, with_facets && !self.has_middle())?
+        };
+        let mut middle = Integrated::default();
+        if self.has_middle() {
+            let q_m = mean(&step.q_n, q_np1);
+            let needs = surfaces.needs(Need::Nothing, active);
+            middle = surfaces.integrate(candidates, &q_m, &needs, &end.slots, with_facets)?;
+            // Nodes of the middle belong to the stencil of the end.
+            for (slot, of_middle) in end.slots.iter_mut().zip(&middle.slots) {
+                slot.widen(&of_middle.nodes);
+            }
         }
-        self.at.clear();
-        self.at.extend_from_slice(q_np1);
-        Ok(changed)
+        for (slot, of_end) in middle.slots.iter_mut().zip(&end.slots).filter(|(slot, _)| !slot.nodes.is_empty()) {
+            slot.widen(&of_end.nodes);
+        }
+        self.end = end;
+        self.middle = middle;
+        let after = count(&self.end.slots);
+        Ok(before.iter().zip(&after).zip(active).any(|((a, b), active)| *active && a != b))
+    }
+
+    /// Gradients at the start of the step, for the rows that need them.
+    fn follow_start(&mut self, active: &[bool]) -> Result<(), ContactError> {
+        let missing: Vec<bool> =
+            active.iter().zip(&self.step.gradient).map(|(active, gradient)| *active && gradient.is_empty()).collect();
+        if !missing.iter().any(|m| *m) {
+            return Ok(());
+        }
+        let frozen = self.is_frozen();
+        let integrated;
+        let slots = if frozen {
+            &self.end.slots
+        } else {
+            let needs = self.surfaces.needs(Need::Nothing, &missing);
+            integrated = self.surfaces.integrate(&self.step.candidates, &self.step.q_n, &needs, &self.step.start, false)?;
+            &integrated.slots
+        };
+        let mut gradients = Vec::new();
+        for (k, _) in missing.iter().enumerate().filter(|(_, m)| **m) {
+            let slot = &slots[k];
+            let evaluation = slot.evaluate(&self.step.q_n, slot.nodes.len(), false);
+            let evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;
+            gradients.push((k, slot.nodes.clone(), evaluation.gradient));
+        }
+        for (k, nodes, gradient) in gradients {
+            // In the order of the slot at the end, which nodes are only added to.
+            if !frozen {
+                self.end.slots[k].widen(&nodes);
+                if let Some(middle) = self.middle.slots.get_mut(k) {
+                    middle.widen(&self.end.slots[k].nodes);
+                }
+            }
+            let order = &self.end.slots[k].nodes;
+            let mut sorted = vec![0.0; 3 * order.len()];
+            for (n, g) in nodes.iter().zip(gradient.chunks_exact(3)) {
+                if let Some(to) = order.iter().position(|m| m == n) {
+                    sorted[3 * to..3 * to + 3].copy_from_slice(g);
+                }
+            }
+            self.step.gradient[k] = sorted;
+        }
+        Ok(())
+    }
+
+    /// Compliance of a row, a volume per stress: none unless the support of a row that carries a multiplier has all but vanished.
+    fn compliance(&self, k: usize) -> f64 {
+        let least = VANISHING * CARRIED * self.surfaces.rows[k].area;
+        let present = [&self.end, &self.middle].into_iter().filter_map(|of| of.slots.get(k));
+        let mut present = present.filter(|slot| !slot.nodes.is_empty());
+        if self.stiffness > 0.0 && present.any(|slot| slot.support < least) {
+            COMPLIANCE * self.surfaces.rows[k].area / self.stiffness
+        } else {
+            0.0
+        }
+    }
+
+    /// Adds force and row of a slot with their derivatives to `out`.
+    fn contribute(&self, k: usize, step: StepConfiguration<'_>, p: f64, want_tangent: bool, out: &mut LocalContribution) -> Result<(), ContactError> {
+        let slot = &self.end.slots[k];
+        let nodes = slot.nodes.len();
+        let n = 3 * nodes;
+        let no_normal = || ContactError::NoNormal { node: slot.nodes[0] };
+        let end_point = self.rule == ContactRule::EndPoint;
+        let mean_of_ends = self.rule == ContactRule::EndPointMean;
+        let at_end = slot.evaluate(step.q_np1, nodes, want_tangent && (end_point || mean_of_ends)).ok_or_else(no_normal)?;
+        let start = &self.step.gradient[k];
+        let start_of = |c: usize| start.get(c).copied().unwrap_or(0.0);
+        // G and its derivative by q_np1.
+        let mut force = vec![0.0; n];
+        let mut hessian = Vec::new();
+        if end_point {
+            force.copy_from_slice(&at_end.gradient);
+            hessian.clone_from(&at_end.hessian);
+        } else if mean_of_ends {
+            (0..n).for_each(|c| force[c] = 0.5 * (at_end.gradient[c] + start_of(c)));
+            hessian.extend(at_end.hessian.iter().map(|h| 0.5 * h));
+        } else if self.is_discrete() {
+            let q_m = mean(step.q_n, step.q_np1);
+            let middle = if self.is_frozen() { slot } else { &self.middle.slots[k] };
+            let at_middle = middle.evaluate(&q_m, nodes, want_tangent).ok_or_else(no_normal)?;
+            self.discrete_gradient(k, middle, step, &at_middle, &at_end, &mut force, &mut hessian);
+        } else {
+            (0..n).for_each(|c| force[c] = start_of(c));
+        }
+        let compliance = self.compliance(k);
+        out.residual[n] -= at_end.value - self.step.reference[k] + compliance * p;
+        out.residual[..n].iter_mut().zip(&force).for_each(|(r, g)| *r -= p * g);
+        if !want_tangent {
+            return Ok(());
+        }
+        let dim = out.dim();
+        for (i, g) in force.iter().enumerate() {
+            out.tangent[i * dim + n] -= g;
+        }
+        for (t, g) in out.tangent[n * dim..].iter_mut().zip(&at_end.gradient) {
+            *t -= g;
+        }
+        out.tangent[n * dim + n] -= compliance;
+        for (row, h) in out.tangent.chunks_exact_mut(dim).zip(hessian.chunks_exact(n)) {
+            row.iter_mut().zip(h).for_each(|(t, h)| *t -= p * h);
+        }
+        Ok(())
+    }
+
+    fn discrete_gradient(
+        &self,
+        k: usize,
+        middle: &Slot,
+        step: StepConfiguration<'_>,
+        at_middle: &Evaluation,
+        at_end: &Evaluation,
+        force: &mut [f64],
+        hessian: &mut Vec<f64>,
+    ) {
+        let slot = &self.end.slots[k];
+        let area = self.surfaces.rows[k].area;
+        force.copy_from_slice(&at_middle.gradient);
+        let work: f64 = (slot.nodes.iter().zip(at_middle.gradient.chunks_exact(3)))
+            .map(|(&node, g)| (at(step.q_np1, node) - at(step.q_n, node)).dot(&Vector3::new(g[0], g[1], g[2])))
+            .sum();
+        let defect = at_end.value - self.step.gap[k].unwrap_or(0.0) - work;
+        let relative = RelativeMotion::new(&middle.positive, &slot.nodes, step.q_n, step.q_np1);
+        let length = at_middle.gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let (theta, _) = relative.factor(defect, area, self.length(), length);
+        let motion = || relative.motion.iter().flat_map(|w| w.iter());
+        force.iter_mut().zip(motion()).for_each(|(g, w)| *g += theta * w);
+        if at_middle.hessian.is_empty() {
+            return;
+        }
+        hessian.extend(at_middle.hessian.iter().map(|h| 0.5 * h));
+        if theta == 0.0 {
+            return;
+        }
+        // Hess Phi(q_m) dq by the difference of the gradients at both ends.
+        let n = force.len();
+        let start = &self.step.gradient[k];
+        let slope: Vec<f64> = motion()
+            .enumerate()
+            .map(|(c, w)| {
+                let ends = 0.5 * (at_end.gradient[c] + start.get(c).copied().unwrap_or(0.0));
+                (ends - at_middle.gradient[c] - 2.0 * theta * w) / relative.work
+            })
+            .collect();
+        for (row, w) in hessian.chunks_exact_mut(n).zip(motion()) {
+            row.iter_mut().zip(&slope).for_each(|(h, s)| *h += w * s);
+        }
+        relative.add_projection(theta, n, hessian);
+    }
+
+    /// Fails if a part of the slave that lay before the master has gone deeper than where contact takes notice: the step was too long.
+    fn check_passage(&self) -> Result<(), ContactError> {
+        let depth = self.factors().fading_depth();
+        if !depth.is_finite() {
+            return Ok(());
+        }
+        let Surfaces { slave, master, .. } = &self.surfaces;
+        let corner = |q: &[f64], nodes: [u32; 4]| nodes.map(|n| at(q, n));
+        let point = |x: &[Vector3<f64>; 4], xi: [f64; 2]| -> Vector3<f64> {
+            stoss_reference_element::quad4::shape(xi).iter().zip(x).map(|(n, x)| x * *n).sum()
+        };
+        for (f, found) in self.end.segments.iter().enumerate() {
+            let Some(found) = found else { continue };
+            for segment in &found.segments {
+                let v = segment.vertices();
+                let deepest = v.iter().map(|v| v.gap).sum::<f64>() / v.len() as f64;
+                if deepest > -depth {
+                    continue;
+                }
+                let facets = [slave.facets()[f], master.facets()[segment.master_facet as usize]];
+                let [x, y] = facets.map(|nodes| corner(&self.step.q_n, nodes));
+                let normal = (x[2] - x[0]).cross(&(x[3] - x[1])).normalize();
+                let before: f64 =
+                    v.iter().map(|v| (point(&y, v.master) - point(&x, v.slave)).dot(&normal)).sum::<f64>() / v.len() as f64;
+                if before >= 0.0 {
+                    return Err(ContactError::Passed { facet: f as u32, before, after: deepest });
+                }
+            }
+        }
+        Ok(())
     }
 }
 
@@ -402,56 +586,83 @@ impl ContactMethod for MortarContact {
     }
 
     fn slot_count(&self) -> usize {
-        self.without.len()
+        self.surfaces.rows.len()
     }
 
     fn slot_weight(&self, slot: usize) -> f64 {
-        self.slave.nodal_areas()[slot]
+        self.surfaces.rows[slot].area
     }
 
     fn length_scale(&self) -> f64 {
-        self.slave.length_scale()
+        self.length()
     }
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.rule = rule;
         self.step_size = step_size;
-        self.longest_step = self.longest_step.max(step_size);
         self.set_friction_step(step_size);
     }
 
     fn set_velocity(&mut self, v_n: &[f64]) {
-        self.told_velocity.clear();
-        self.told_velocity.extend_from_slice(v_n);
+        self.velocity.clear();
+        self.velocity.extend_from_slice(v_n);
     }
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
-        self.range = self.range_for(reach);
-        std::mem::swap(&mut self.velocity, &mut self.told_velocity);
-        self.told_velocity.clear();
-        self.start.clear();
-        self.start.extend_from_slice(q_n);
-        let measure = if self.directors() { Measure::Parametric } else { Measure::Area };
-        // No memory of the last step: a run that is resumed has none.
-        self.handed_over.fill(None);
-        self.seen.clear();
-        self.slide = self.half_slides(q_n)?;
-        self.range.min -= self.slide.iter().map(Vector3::norm).fold(0.0, f64::max);
-        self.integrated = Some(self.integrate(q_n, &self.slide, &[], &[], measure)?);
-        self.remember_overlaps();
-        if self.is_soft() {
-            self.begin_softening();
-        } else if self.hand_over_small_supports() > 0 {
-            self.integrated = Some(self.integrate(q_n, &self.slide, &[], &[], measure)?);
+        let velocity = std::mem::take(&mut self.velocity);
+        let surfaces = &self.surfaces;
+        let factors = self.factors();
+        let h = surfaces.slave.length_scale().max(surfaces.master.length_scale());
+        let depth = if factors.deepest.is_finite() { factors.deepest } else { DEPTH * h };
+        let range = SearchRange { depth, far: MARGIN * h, reach };
+        let candidates = Candidates::find(&surfaces.slave, &surfaces.master, q_n, range)
+            .map_err(|error| segmentation_error(&error))?;
+        let values = surfaces.needs(Need::Value, &[]);
+        let with_facets = self.friction.is_some();
+        let predicted = |part: f64| {
+            let q = if velocity.is_empty() { q_n.to_vec() } else { along(q_n, part * self.step_size, &velocity) };
+            surfaces.integrate(&candidates, &q, &values, &[], with_facets && self.is_frozen())
+        };
+        let start = surfaces.integrate(&candidates, q_n, &values, &[], with_facets)?;
+        let still = velocity.is_empty() || self.step_size == 0.0;
+        let middle = if (self.has_middle() && !still) || self.is_frozen() { Some(predicted(0.5)?) } else { None };
+        let end = if still || self.is_frozen() { None } else { Some(predicted(1.0)?) };
+        let seen: Vec<&Integrated> = match (&middle, &end) {
+            (None, None) => vec![&start],
+            _ => middle.iter().chain(&end).collect(),
+        };
+        let rows = surfaces.rows.iter().enumerate();
+        let carried = rows
+            .map(|(k, row)| seen.iter().all(|of| of.slots[k].opposite > CARRIED * row.area))
+            .collect();
+        let (frozen, no_penetration) = (self.is_frozen(), NO_PENETRATION * surfaces.slave.length_scale());
+        let weights = if frozen { middle.as_ref().unwrap_or(&start) } else { &start };
+        let gap: Vec<Option<f64>> = weights.slots.iter().map(|slot| if slot.opposite > 0.0 { slot.gap(q_n) } else { None }).collect();
+        let reference = gap.iter().zip(&surfaces.rows).map(|(gap, row)| match gap {
+            Some(gap) if self.options.keeps_penetration && !frozen && *gap < -no_penetration * row.area => *gap,
+            _ => 0.0,
+        });
+        let reference = reference.collect();
+        let count = surfaces.rows.len();
+        self.middle = Integrated::default();
+        self.end = match middle {
+            Some(middle) if frozen => Integrated { at: q_n.to_vec(), ..middle },
+            _ => start.clone(),
+        };
+        if frozen && self.has_middle() {
+            self.middle.slots.clone_from(&self.end.slots);
         }
-        let (directors, mut work) = (self.directors(), Work::default());
-        for (gap, slot) in self.gap_n.iter_mut().zip(self.integrated.iter().flat_map(|i| &i.slots)) {
-            *gap = slot.gap(q_n, directors, &mut work).map_or(f64::INFINITY, |g| g / slot.support);
-        }
-        self.derivatives.fill(false);
-        self.at.clear();
-        self.at.extend_from_slice(q_n);
-        self.begin_friction(q_n)
+        self.step = StepState {
+            candidates,
+            range: Some(GapRange { min: -factors.fading_depth().min(depth), max: h }),
+            q_n: q_n.to_vec(),
+            start: if frozen { self.end.slots.clone() } else { start.slots },
+            gap,
+            gradient: vec![Vec::new(); count],
+            reference,
+            carried,
+        };
+        self.begin_friction()
     }
 
     fn renew(
@@ -463,8 +674,13 @@ impl ContactMethod for MortarContact {
         want_tangent: bool,
     ) -> Result<bool, ContactError> {
         self.keep_multipliers(auxiliaries);
-        let changed = self.moves_integrals() && self.follow(q_np1, active, want_tangent)?;
-        self.follow_softening(pressures, active);
+        let carrying: Vec<bool> = active.iter().zip(&self.step.carried).map(|(a, c)| *a && *c).collect();
+        let mut changed = !self.is_frozen() && self.follow(q_np1, &carrying, want_tangent)?;
+        if self.rule != ContactRule::EndPoint {
+            let before: Vec<usize> = self.end.slots.iter().map(|s| s.nodes.len()).collect();
+            self.follow_start(&carrying)?;
+            changed |= before.iter().zip(&self.end.slots).any(|(n, slot)| *n != slot.nodes.len());
+        }
         if want_tangent {
             self.follow_friction(q_np1, pressures, active);
         }
@@ -472,12 +688,8 @@ impl ContactMethod for MortarContact {
     }
 
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
-        let mut slots = Vec::new();
-        for (k, slot) in self.slots().iter().enumerate().filter(|(k, _)| active[*k]) {
-            slots.clear();
-            slots.push(k as u32);
-            self.push_partners(k, active, &mut slots);
-            visit(&slot.nodes, &slots);
+        for (k, slot) in self.end.slots.iter().enumerate().filter(|(k, _)| active[*k]) {
+            visit(&slot.nodes, &[k as u32]);
         }
     }
 
@@ -520,39 +732,32 @@ impl ContactMethod for MortarContact {
     ) -> Result<(), ContactError> {
         let further = self.auxiliaries().len();
         let mut out = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
-        let (mut work, mut scratch) = (Work::default(), Scratch::default());
-        for (k, slot) in self.slots().iter().enumerate().filter(|(k, _)| active[*k]) {
+        let mut scratch = Scratch::default();
+        for (k, slot) in self.end.slots.iter().enumerate().filter(|(k, _)| active[*k]) {
             out.slots.clear();
             out.slots.push(k as u32);
-            self.push_partners(k, active, &mut out.slots);
             out.nodes.clear();
             out.nodes.extend_from_slice(&slot.nodes);
             out.reset(want_tangent);
             let multiplier = multipliers_of(k, further, auxiliaries);
-            if slot.support <= 0.0 {
-                // The row `-A p = 0` keeps the system regular until the slot opens.
-                let (n, weight) = (3 * slot.nodes.len(), self.slot_weight(k));
-                let (dim, first) = (out.dim(), n + out.slots.len());
-                out.residual[n] = -weight * pressures[k];
-                for (row, value) in out.residual[first..].iter_mut().zip(&multiplier[..further]) {
-                    *row = -weight * value;
-                }
-                for row in std::iter::once(n).chain(first..first + further).filter(|_| want_tangent) {
+            let of_friction = self.friction_slots().get(k).filter(|slot| slot.support > 0.0);
+            let carries = self.step.carried[k];
+            if carries {
+                self.contribute(k, step, pressures[k], want_tangent, &mut out)?;
+            }
+            let slides = carries && of_friction.is_some();
+            if slides && !self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out) {
+                return Err(ContactError::NoNormal { node: slot.nodes[0] });
+            }
+            // The row `-A p = 0` keeps the system regular until the slot opens.
+            let (n, weight) = (3 * slot.nodes.len(), self.slot_weight(k));
+            let (dim, first) = (out.dim(), n + out.slots.len());
+            let values = [(n, pressures[k], !carries), (first, multiplier[0], !slides), (first + 1, multiplier[1], !slides)];
+            for (row, value, _) in values[..1 + further].iter().filter(|(.., idle)| *idle) {
+                out.residual[*row] = -weight * value;
+                if want_tangent {
                     out.tangent[row * dim + row] = -weight;
                 }
-            } else {
-                let kept = self.kept_gap(k, true);
-                let reference = kept * slot.support;
-                let there = slot.contribute(step, pressures[k], reference, want_tangent, &mut work, &mut out)
-                    && self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out);
-                if !there {
-                    return Err(ContactError::NoNormal { node: slot.nodes[0] });
-                }
-                if want_tangent && kept != 0.0 {
-                    let row = 3 * slot.nodes.len() * out.dim();
-                    slot.for_each_support_derivative(|column, d| out.tangent[row + column] += kept * d);
-                }
-                self.soften(k, slot, pressures, active, want_tangent, &mut out);
             }
             visit(&out);
         }
@@ -560,21 +765,34 @@ impl ContactMethod for MortarContact {
     }
 
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
-        let mut work = Work::default();
-        let directors = self.directors();
-        for (k, (slot, out)) in self.slots().iter().zip(out).enumerate() {
-            let gap = slot.gap(q_np1, directors, &mut work);
-            let kept = self.kept_gap(k, active[k]) * slot.support;
-            *out = gap.map_or(f64::INFINITY, |g| self.soft_gap(k, g - kept, slot.support));
+        let rows = self.surfaces.rows.iter().zip(&self.end.slots).enumerate();
+        for ((k, (row, slot)), out) in rows.zip(out) {
+            let there = self.step.carried[k] && slot.support > 0.0;
+            let gap = if there { slot.gap(q_np1) } else { None };
+            let area = slot.support.max(CARRIED * row.area);
+            *out = gap.map_or(f64::INFINITY, |gap| (gap - self.step.reference[k]) / area);
+            if gap.is_none() && self.step.carried[k] && active[k] {
+                *out = 0.0;
+            }
         }
         Ok(())
     }
 
-    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        let changes = if self.moves_integrals() && !self.is_soft() { self.hand_over_small_supports() } else { 0 };
-        if changes > 0 {
-            self.at.clear();
-            self.follow(q_np1, active, true)?;
+    /// Rows that have come opposite the master since the start of the step carry multipliers from now on, if they are inside.
+    fn repair(&mut self, q_np1: &[f64], _active: &[bool]) -> Result<usize, ContactError> {
+        let mut changes = 0;
+        if self.is_frozen() {
+            return Ok(0);
+        }
+        let tolerance = NO_PENETRATION * self.length();
+        for (k, row) in self.surfaces.rows.iter().enumerate() {
+            let slot = &self.end.slots[k];
+            if self.step.carried[k] || slot.support <= CARRIED * row.area {
+                continue;
+            }
+            let inside = slot.gap(q_np1).is_some_and(|gap| gap < self.step.reference[k] - tolerance * row.area);
+            self.step.carried[k] = inside;
+            changes += usize::from(inside);
         }
         Ok(changes)
     }
@@ -589,36 +807,31 @@ impl ContactMethod for MortarContact {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
-        self.commit_kept(q_np1, active);
     }
 
     fn save_history(&self) -> Vec<u8> {
-        let mut bytes = self.save_friction();
-        self.save_kept(&mut bytes);
-        bytes
+        self.save_friction()
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        let count = self.closed.len();
-        let kept = if bytes.len() == self.friction_history() { 0 } else { 16 * count };
-        let Some(friction) = bytes.len().checked_sub(kept).filter(|friction| *friction == self.friction_history())
-        else {
-            let reason = format!("{} bytes for {count} slave nodes", bytes.len());
+        if bytes.len() != self.friction_history() {
+            let reason = format!("{} bytes for {} slots", bytes.len(), self.slot_count());
             return Err(ContactError::History { reason });
-        };
-        let (friction, kept) = bytes.split_at(friction);
-        self.load_friction(friction);
-        self.load_kept(kept);
+        }
+        self.load_friction(bytes);
         Ok(())
     }
 
     fn verify(&self) -> Result<Coverage, ContactError> {
+        if self.is_frozen() {
+            return Ok(Coverage::default());
+        }
+        self.check_passage()?;
         let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else {
             return Ok(Coverage::default());
         };
-        let left_out = self.integrated.as_ref().map_or(0.0, |i| i.left_out);
         match coverage.faults.first() {
-            None => Ok(Coverage { defect: coverage.worst, left_out }),
+            None => Ok(Coverage { defect: coverage.worst, left_out: 0.0 }),
             Some(first) => Err(ContactError::Coverage {
                 faults: coverage.faults.len(),
                 facet: first.slave_facet,
@@ -631,32 +844,35 @@ impl ContactMethod for MortarContact {
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         let fresh;
-        let (slots, directors) = if self.at == q && self.slide.is_empty() {
-            (self.slots(), self.directors())
+        let slots = if self.end.at == q && !self.is_frozen() {
+            &self.end.slots
         } else {
-            fresh = self.integrate(q, &[], &[], &[], Measure::Area)?;
-            (fresh.slots.as_slice(), false)
+            let h = self.surfaces.slave.length_scale().max(self.surfaces.master.length_scale());
+            let depth = if self.factors().deepest.is_finite() { self.factors().deepest } else { DEPTH * h };
+            let range = SearchRange { depth, far: MARGIN * h, reach: 0.0 };
+            let candidates = Candidates::find(&self.surfaces.slave, &self.surfaces.master, q, range)
+                .map_err(|error| segmentation_error(&error))?;
+            let needs = self.surfaces.needs(Need::Value, &[]);
+            fresh = self.surfaces.integrate(&candidates, q, &needs, &[], false)?;
+            &fresh.slots
         };
-        let mut work = Work::default();
-        Ok(slots
-            .iter()
-            .enumerate()
-            .map(|(k, slot)| {
-                let gap = slot.gap(q, directors, &mut work).map(|g| g / slot.support);
-                SlotReport {
-                    node: slot.nodes[0],
-                    weight: self.slot_weight(k),
-                    per_current_area: 1.0,
-                    gap,
-                    normal: if gap.is_some() { slot.normal(q) } else { [0.0; 3] },
-                    feature: if gap.is_some() { "face" } else { "none" },
-                    reference_gap: match gap {
-                        Some(gap) if self.gives_way(k, slot.support, slot.area) => gap,
-                        _ => self.kept_of(k),
-                    },
-                    friction: self.last_friction(k),
-                }
-            })
-            .collect())
+        let nodes = self.surfaces.slave.nodes();
+        let rows = self.surfaces.rows.iter().zip(slots).enumerate();
+        let report = rows.map(|(k, (row, slot))| {
+            let there = slot.support > 1e-8 * row.area;
+            let gap = if there { slot.gap(q).map(|gap| gap / slot.support) } else { None };
+            let kept = self.step.reference.get(k).copied().unwrap_or(0.0);
+            SlotReport {
+                node: nodes[row.local],
+                weight: row.area,
+                per_current_area: 1.0,
+                gap,
+                normal: if gap.is_some() { slot.normal(q).into() } else { [0.0; 3] },
+                feature: if gap.is_some() { "face" } else { "none" },
+                reference_gap: if there { kept / slot.support } else { 0.0 },
+                friction: self.last_friction(k),
+            }
+        });
+        Ok(report.collect())
     }
 }

@@ -1,65 +1,57 @@
-//! The weighted gap of one slave node: weights gathered from the facets around it, force, tangent and constraint row.
+//! The weighted gap of one row as a function of the positions: value, gradient, second derivative (docs/theory/mortar.md).
+//!
+//! `Phi = n . g` with the gap vector `g = sum_k w_k x_k` and the normal `n = c / |c|`, `c = -sum_f d1_f x d2_f` over the diagonals of the facets of the row. The
+//! weights move with the positions.
 
-use crate::kernel::Term;
-use crate::opposite::Sides;
+use crate::sides::Row;
 use crate::weights::FacetWeights;
-use nalgebra::{Matrix3, Vector3};
-use stoss_contact::{ContactRule, ContactSurface, LocalContribution, StepConfiguration};
+use nalgebra::{Matrix3, Matrix3xX, Vector3};
+use stoss_contact::ContactSurface;
 
-/// Which normals a weighted gap is measured along.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum NormalField {
-    /// The mean of the normals of the facets around the slave node, weighted by their areas, on either side of a sharp edge (35 degrees in the reference
-    /// configuration) for itself: a block in a corner has the normals of floor and wall up to its edge.
-    #[default]
-    Averaged,
-    /// Each facet's own normal at its centre. The energy-momentum element always has this one.
-    Facet,
-}
-
-/// A part of a weighted gap that has one normal.
+/// Weights of nodes in a gap vector.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     /// The slave facet, the first of those that make the normal.
     pub facet: u32,
     /// Corners of the facets that make the normal, as positions in [`Slot::nodes`].
     pub corners: Vec<[usize; 4]>,
-    /// One weight a node, an area (or free of units with directors).
+    /// One weight a node, an area.
     pub weights: Vec<f64>,
-    /// `d weights / d x`, row-major, one column a component; empty if frozen.
+    /// `d weights / d x`, row-major, one column a component; empty if held.
     pub derivative: Vec<f64>,
 }
 
-/// The weighted gap of one slave node.
+/// The weighted gap of one row at one configuration.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Slot {
-    /// Global nodes, the slave node first. Within a step nodes are only added.
+    /// Global nodes. Within a step nodes are only added.
     pub nodes: Vec<u32>,
-    /// `int phi_A dA` over the covered part; zero if the node has no partner.
+    /// `int phi_A dA` over what counts as opposite; zero if the node has no partner.
     pub support: f64,
-    /// What it could be at most in the reference configuration: the node's area on the facets that are opposite something and on those that go over into
-    /// them smoothly. The side of a block is no part of what its lower edge could stand on.
-    pub area: f64,
-    groups: Vec<Group>,
-    /// One group a facet with areas as weights, for friction; empty if `groups` are these, or there is no friction.
+    /// The same without the factors of the gap.
+    pub opposite: f64,
+    /// Weights of the nodes that are not negative and fade as a node leaves, an area each.
+    pub positive: Vec<f64>,
+    /// All facets together, with one normal.
+    pub whole: Group,
+    /// One group a facet, for friction; empty if not asked for.
     facets: Vec<Group>,
 }
 
-/// Scratch of an evaluation.
-#[derive(Debug, Default)]
-pub(crate) struct Work {
-    arguments: [Vec<Vector3<f64>>; 3],
-    force: Term,
-    other: Term,
-    end: Term,
-    /// Derivative of the arguments, row-major.
-    motion: Vec<f64>,
-    /// Tangent times that.
-    product: Vec<f64>,
+/// Value and derivatives of a weighted gap, by the components of [`Slot::nodes`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Evaluation {
+    /// A volume.
+    pub value: f64,
+    pub gradient: Vec<f64>,
+    /// Second derivative without that of the weights, row-major; empty if not asked for.
+    pub hessian: Vec<f64>,
 }
 
 /// Coefficient of a corner in the two diagonals.
 const DIAGONAL: [[f64; 4]; 2] = [[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0]];
+/// Part of the reference area by which the corners of a row's facets take part in [`Slot::positive`], covered or not: they turn the normal.
+const CORNER_WEIGHT: f64 = 1e-3;
 
 pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
     let k = 3 * node as usize;
@@ -67,53 +59,24 @@ pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
 }
 
 impl Slot {
-    /// Gathers the weights of the facets around local slave node `local`. `sides` are those of the slave; `old` are nodes to keep in
-    /// front.
+    /// Gathers the weights of the facets of a row. `old` are nodes to keep in front.
     pub fn gather(
-        local: usize,
+        row: &Row,
         surfaces: [&ContactSurface; 2],
-        sides: &Sides,
         facets: &[Option<FacetWeights>],
-        normals: NormalField,
         old: &[u32],
+        with_facets: bool,
     ) -> Self {
         let [slave, master] = surfaces;
-        let mut slot = Self {
-            nodes: old.to_vec(),
-            support: 0.0,
-            area: slave.nodal_areas()[local],
-            groups: Vec::new(),
-            facets: Vec::new(),
-        };
-        if slot.nodes.is_empty() {
-            slot.nodes.push(slave.nodes()[local]);
-        }
-        let around = slave.facets_around(local);
-        let corner_of = |f: u32| slave.local_facets()[f as usize].iter().position(|&n| n as usize == local);
-        // What lies beyond a sharp edge and is opposite nothing has no part in the normal, nor in the area.
-        let side_of = |f: u32| corner_of(f).map(|a| sides.of(f, a));
-        let takes_part = |f: u32| around.iter().any(|&e| facets[e as usize].is_some() && side_of(e) == side_of(f));
-        let mut area = 0.0;
-        for (&f, a) in around.iter().filter_map(|f| Some((f, corner_of(*f)?))) {
-            if let Some(w) = &facets[f as usize] {
-                slot.support += w.support[a];
-            }
-            if takes_part(f) {
-                let part = facets[f as usize].as_ref().map_or(1.0, |w| w.part);
-                area += part * slave.corner_areas()[f as usize][a];
-            }
-        }
-        if area > 0.0 {
-            slot.area = area;
-        }
-        if slot.support < 1e-8 * slot.area {
-            slot.support = 0.0;
-            return slot;
-        }
+        let mut slot = Self { nodes: old.to_vec(), ..Self::default() };
         // Nodes first, so that all arrays have their final size.
         let mut maps: Vec<Vec<usize>> = Vec::new();
-        for &f in around {
+        for &(f, a) in &row.facets {
             let weights = facets[f as usize].as_ref();
+            if let Some(w) = weights {
+                slot.support += w.support[a];
+                slot.opposite += w.opposite[a];
+            }
             let opposite = weights.into_iter().flat_map(|w| &w.masters).map(|&m| master.facets()[m as usize]);
             let mut map = Vec::new();
             for node in std::iter::once(slave.facets()[f as usize]).chain(opposite).flatten() {
@@ -125,193 +88,216 @@ impl Slot {
             }
             maps.push(map);
         }
-        let columns = 3 * slot.nodes.len();
-        for (i, &f) in around.iter().enumerate().filter(|(_, f)| takes_part(**f)) {
-            let corners = std::array::from_fn(|k| maps[i][k]);
-            let has_it = |group: &Group| normals == NormalField::Averaged && side_of(group.facet) == side_of(f);
-            let at = slot.groups.iter().position(has_it).unwrap_or_else(|| {
-                slot.groups.push(Group { facet: f, weights: vec![0.0; slot.nodes.len()], ..Group::default() });
-                slot.groups.len() - 1
-            });
-            let group = &mut slot.groups[at];
-            group.corners.push(corners);
-            let (Some(w), Some(a)) = (&facets[f as usize], corner_of(f)) else { continue };
-            let count = w.node_count();
-            for (k, &to) in maps[i].iter().enumerate() {
-                group.weights[to] += w.weights[a * count + k];
+        let nodes = slot.nodes.len();
+        slot.positive = vec![0.0; nodes];
+        slot.whole = Group { facet: row.facets[0].0, weights: vec![0.0; nodes], ..Group::default() };
+        for (&(f, a), map) in row.facets.iter().zip(&maps) {
+            let corners = std::array::from_fn(|k| map[k]);
+            slot.whole.corners.push(corners);
+            let mut own = Group { facet: f, corners: vec![corners], ..Group::default() };
+            if with_facets {
+                own.weights = vec![0.0; nodes];
             }
-            if w.derivative.is_empty() {
-                continue;
-            }
-            group.derivative.resize(slot.nodes.len() * columns, 0.0);
-            for (k, &row) in maps[i].iter().enumerate() {
-                let from = &w.derivative[(a * count + k) * 3 * count..][..3 * count];
-                for (l, &column) in maps[i].iter().enumerate() {
-                    for c in 0..3 {
-                        group.derivative[row * columns + 3 * column + c] += from[3 * l + c];
+            corners.iter().for_each(|&k| slot.positive[k] += CORNER_WEIGHT * row.area / (4 * maps.len()) as f64);
+            if let Some(w) = &facets[f as usize] {
+                let count = w.node_count();
+                for (k, &to) in map.iter().enumerate() {
+                    let weight = w.weights[a * count + k];
+                    slot.whole.weights[to] += weight;
+                    slot.positive[to] += w.standard.get(a * count + k).map_or(weight.abs(), |s| s.abs());
+                    if with_facets {
+                        own.weights[to] += weight;
                     }
                 }
+                if !w.derivative.is_empty() {
+                    for group in [Some(&mut slot.whole), with_facets.then_some(&mut own)].into_iter().flatten() {
+                        group.add_derivative(w, a, map, nodes);
+                    }
+                }
+            }
+            if with_facets {
+                slot.facets.push(own);
             }
         }
         slot
     }
 
-    /// The same with weights of friction, `areas` of the same segments as `facets` of [`Self::gather`].
-    pub fn with_facets(
-        mut self,
-        local: usize,
-        surfaces: [&ContactSurface; 2],
-        sides: &Sides,
-        areas: &[Option<FacetWeights>],
-    ) -> Self {
-        // The same segments have the same nodes.
-        self.facets = Self::gather(local, surfaces, sides, areas, NormalField::Facet, &self.nodes).groups;
-        self
-    }
-
-    /// One group a slave facet with areas as weights, none without a partner.
-    pub fn facets(&self) -> &[Group] {
-        if self.facets.is_empty() { &self.groups } else { &self.facets }
-    }
-
-    fn arguments(&self, group: &Group, q: &[f64], out: &mut Vec<Vector3<f64>>) {
-        out.clear();
-        // The weights add up to zero: positions relative to the slave node lose no digits.
-        let origin = at(q, self.nodes[0]);
-        let position = |k: usize| at(q, self.nodes[k]) - origin;
-        out.push(group.weights.iter().enumerate().filter(|(_, w)| **w != 0.0).map(|(k, w)| position(k) * *w).sum());
-        for c in &group.corners {
-            out.push(position(c[2]) - position(c[0]));
-            out.push(position(c[3]) - position(c[1]));
-        }
-    }
-
-    /// The weighted gap at `q`, a volume; `None` without a partner or normal.
-    pub fn gap(&self, q: &[f64], directors: bool, work: &mut Work) -> Option<f64> {
-        if self.support <= 0.0 {
-            return None;
-        }
-        let mut sum = 0.0;
-        for group in &self.groups {
-            let mut arguments = std::mem::take(&mut work.arguments[0]);
-            self.arguments(group, q, &mut arguments);
-            let there = if directors {
-                work.end.director_gap(&arguments);
-                true
-            } else {
-                work.end.normal_gap(&arguments, false)
-            };
-            work.arguments[0] = arguments;
-            if !there {
-                return None;
+    /// Adds nodes without weights to the stencil.
+    pub fn widen(&mut self, nodes: &[u32]) {
+        let before = self.nodes.len();
+        for node in nodes {
+            if !self.nodes.contains(node) {
+                self.nodes.push(*node);
             }
-            sum += work.end.value;
         }
-        Some(sum)
+        let (old, new) = (3 * before, 3 * self.nodes.len());
+        if old == new {
+            return;
+        }
+        self.positive.resize(new / 3, 0.0);
+        for group in std::iter::once(&mut self.whole).chain(&mut self.facets) {
+            if !group.weights.is_empty() {
+                group.weights.resize(new / 3, 0.0);
+            }
+            if !group.derivative.is_empty() {
+                let mut wide = vec![0.0; new / 3 * new];
+                for (to, from) in wide.chunks_exact_mut(new).zip(group.derivative.chunks_exact(old)) {
+                    to[..old].copy_from_slice(from);
+                }
+                group.derivative = wide;
+            }
+        }
     }
 
-    /// Rate of the weighted gap vector for nodal velocities `v` (`3 * nodes`), a volume a time; zero without a partner.
-    pub fn rate(&self, v: &[f64]) -> Vector3<f64> {
-        let of_group = |group: &Group| -> Vector3<f64> {
-            group.weights.iter().zip(&self.nodes).map(|(&w, &node)| at(v, node) * w).sum()
-        };
-        self.groups.iter().map(of_group).sum()
+    /// One group a slave facet.
+    pub fn facets(&self) -> &[Group] {
+        &self.facets
+    }
+
+    /// Gap vector, `c`, and the position that gap vectors are counted from: the weights add up to zero, so that it loses no digits.
+    fn vectors(&self, q: &[f64]) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+        let origin = at(q, self.nodes[0]);
+        let weights = self.whole.weights.iter().zip(&self.nodes).filter(|(w, _)| **w != 0.0);
+        let gap = weights.map(|(w, &node)| (at(q, node) - origin) * *w).sum();
+        let mut c = Vector3::zeros();
+        for corners in &self.whole.corners {
+            let x = corners.map(|k| at(q, self.nodes[k]));
+            c -= (x[2] - x[0]).cross(&(x[3] - x[1]));
+        }
+        (gap, c, origin)
+    }
+
+    /// Unit normal at `q` from master to slave, zero if there is none.
+    pub fn normal(&self, q: &[f64]) -> Vector3<f64> {
+        self.vectors(q).1.try_normalize(0.0).unwrap_or_default()
+    }
+
+    /// The weighted gap at `q`, a volume; `None` if the normals of the facets cancel.
+    pub fn gap(&self, q: &[f64]) -> Option<f64> {
+        let (gap, c, _) = self.vectors(q);
+        let normal = c.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()))?;
+        Some(normal.dot(&gap))
+    }
+
+    /// Value, gradient and, if asked for, second derivative at `q`; `None` if the normals of the facets cancel. Arrays have the size of `nodes`
+    /// nodes, at least those of the slot.
+    pub fn evaluate(&self, q: &[f64], nodes: usize, want_hessian: bool) -> Option<Evaluation> {
+        let (gap, c, origin) = self.vectors(q);
+        let length = c.norm();
+        let n = c.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()))?;
+        let value = n.dot(&gap);
+        // d Phi = n . dg + b . dc
+        let b = (gap - n * value) / length;
+        let (own, columns) = (3 * self.nodes.len(), 3 * nodes);
+        let mut by_gap = Matrix3xX::zeros(own);
+        for (k, &w) in self.whole.weights.iter().enumerate() {
+            (0..3).for_each(|i| by_gap[(i, 3 * k + i)] += w);
+        }
+        if !self.whole.derivative.is_empty() {
+            for (row, &node) in self.whole.derivative.chunks_exact(own).zip(&self.nodes) {
+                let x = at(q, node) - origin;
+                for (mut column, d) in by_gap.column_iter_mut().zip(row).filter(|(_, d)| **d != 0.0) {
+                    column += x * *d;
+                }
+            }
+        }
+        let mut by_c = Matrix3xX::zeros(own);
+        for corners in &self.whole.corners {
+            let x = corners.map(|k| at(q, self.nodes[k]));
+            let turned = [(x[3] - x[1]).cross_matrix(), -(x[2] - x[0]).cross_matrix()];
+            for (row, m) in DIAGONAL.iter().zip(&turned) {
+                for (&k, &sign) in corners.iter().zip(row).filter(|(_, c)| **c != 0.0) {
+                    let mut block = by_c.fixed_columns_mut::<3>(3 * k);
+                    block += m * sign;
+                }
+            }
+        }
+        let mut out = Evaluation { value, gradient: vec![0.0; columns], hessian: Vec::new() };
+        for (k, g) in out.gradient[..own].iter_mut().enumerate() {
+            *g = n.dot(&by_gap.column(k)) + b.dot(&by_c.column(k));
+        }
+        if want_hessian {
+            out.hessian = vec![0.0; columns * columns];
+            self.add_hessian([n, b], value, length, [&by_gap, &by_c], columns, &mut out.hessian);
+        }
+        Some(out)
+    }
+
+    fn add_hessian(
+        &self,
+        [n, b]: [Vector3<f64>; 2],
+        value: f64,
+        length: f64,
+        [by_gap, by_c]: [&Matrix3xX<f64>; 2],
+        columns: usize,
+        out: &mut [f64],
+    ) {
+        let own = by_gap.ncols();
+        let project = Matrix3::identity() - n * n.transpose();
+        let mixed = project / length;
+        let twice = -(project * (value / length) + n * b.transpose() + b * n.transpose()) / length;
+        // H = G^T (mixed C) + C^T (mixed G + twice C), with G, C the derivatives of g and c.
+        let of_gap = mixed * by_c;
+        let of_c = mixed * by_gap + twice * by_c;
+        for i in 0..own {
+            let (g, c) = (by_gap.column(i), by_c.column(i));
+            let has_c = c.iter().any(|c| *c != 0.0);
+            let row = &mut out[i * columns..][..own];
+            for (j, h) in row.iter_mut().enumerate() {
+                let mut sum = g.dot(&of_gap.column(j));
+                if has_c {
+                    sum += c.dot(&of_c.column(j));
+                }
+                *h += sum;
+            }
+        }
+        // b . d2c
+        let turn = b.cross_matrix();
+        for corners in &self.whole.corners {
+            for (&k, &f) in corners.iter().zip(&DIAGONAL[0]).filter(|(_, f)| **f != 0.0) {
+                for (&l, &g) in corners.iter().zip(&DIAGONAL[1]).filter(|(_, g)| **g != 0.0) {
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            let value = f * g * turn[(i, j)];
+                            out[(3 * k + i) * columns + 3 * l + j] += value;
+                            out[(3 * l + j) * columns + 3 * k + i] += value;
+                        }
+                    }
+                }
+            }
+        }
+        // n . d2g, but for the second derivative of the weights.
+        if self.whole.derivative.is_empty() {
+            return;
+        }
+        for (k, row) in self.whole.derivative.chunks_exact(own).enumerate() {
+            for (j, &d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
+                for i in 0..3 {
+                    out[(3 * k + i) * columns + j] += n[i] * d;
+                    out[j * columns + 3 * k + i] += n[i] * d;
+                }
+            }
+        }
     }
 
     /// Visits (component of the nodes, derivative of the support), if there are derivatives; a component may come more than once.
     pub fn for_each_support_derivative(&self, mut visit: impl FnMut(usize, f64)) {
+        if self.whole.derivative.is_empty() {
+            return;
+        }
         let columns = 3 * self.nodes.len();
-        for group in self.groups.iter().filter(|group| !group.derivative.is_empty()) {
-            let mut rows: Vec<usize> = group.corners.iter().flatten().copied().collect();
-            rows.sort_unstable();
-            rows.dedup();
-            // The weights of the slave's nodes add up to the support.
-            for k in rows {
-                for (column, &d) in group.derivative[k * columns..][..columns].iter().enumerate() {
-                    visit(column, d);
-                }
+        let mut rows: Vec<usize> = self.whole.corners.iter().flatten().copied().collect();
+        rows.sort_unstable();
+        rows.dedup();
+        // The weights of the slave's nodes add up to the support.
+        for k in rows {
+            for (column, &d) in self.whole.derivative[k * columns..][..columns].iter().enumerate() {
+                visit(column, d);
             }
         }
     }
 
-    /// Unit normal at `q` from master to slave, zero if there is none.
-    pub fn normal(&self, q: &[f64]) -> [f64; 3] {
-        let mut c = Vector3::zeros();
-        for corners in self.groups.iter().flat_map(|g| &g.corners) {
-            let x = corners.map(|k| at(q, self.nodes[k]));
-            c -= (x[2] - x[0]).cross(&(x[3] - x[1]));
-        }
-        c.try_normalize(0.0).unwrap_or_default().into()
-    }
-
-    /// Adds `-p grad Phi` and the row `-(Phi - reference)` with their tangent to `out`, which has this slot's nodes. Returns
-    /// false if a normal vanishes.
-    pub fn contribute(
-        &self,
-        step: StepConfiguration<'_>,
-        pressure: f64,
-        reference: f64,
-        want_tangent: bool,
-        work: &mut Work,
-        out: &mut LocalContribution,
-    ) -> bool {
-        let n = 3 * self.nodes.len();
-        out.residual[n] += reference;
-        self.groups.iter().all(|group| {
-            let there = self.evaluate(group, step, want_tangent, work);
-            if there {
-                self.add(group, step.q_np1, pressure, want_tangent, work, out);
-            }
-            there
-        })
-    }
-
-    /// Force term with its derivative by the arguments at the end in `work.force`, the constraint in `work.end`.
-    fn evaluate(&self, group: &Group, step: StepConfiguration<'_>, want_tangent: bool, work: &mut Work) -> bool {
-        let [at_n, end, middle] = &mut work.arguments;
-        self.arguments(group, step.q_np1, end);
-        if step.rule != ContactRule::EndPoint {
-            self.arguments(group, step.q_n, at_n);
-        }
-        let (force, other) = (&mut work.force, &mut work.other);
-        match step.rule {
-            ContactRule::EndPoint => {
-                if !force.normal_gap(end, want_tangent) {
-                    return false;
-                }
-                work.end.clone_from(force);
-                return true;
-            }
-            ContactRule::EnergyMomentum => {
-                work.end.director_gap(end);
-                return force.director_discrete(at_n, end, want_tangent);
-            }
-            ContactRule::Midpoint => {
-                middle.clear();
-                middle.extend(at_n.iter().zip(end.iter()).map(|(a, b)| 0.5 * (a + b)));
-                if !force.normal_gap(middle, want_tangent) {
-                    return false;
-                }
-                force.tangent.iter_mut().for_each(|t| *t *= 0.5);
-            }
-            ContactRule::EndPointMean => {
-                if !other.normal_gap(at_n, false) || !force.normal_gap(end, want_tangent) {
-                    return false;
-                }
-                force.gradient.iter_mut().zip(&other.gradient).for_each(|(g, o)| *g = 0.5 * (*g + o));
-                force.tangent.iter_mut().for_each(|t| *t *= 0.5);
-            }
-            // The gradient at the start is constant: its tangent is zero.
-            _ => {
-                if !force.normal_gap(at_n, false) {
-                    return false;
-                }
-            }
-        }
-        work.end.normal_gap(end, false)
-    }
-
-    /// Visits (argument, node, coefficient) of all coefficients that are not zero.
+    /// Visits (argument, node, coefficient) of all coefficients of a group that are not zero: argument 0 is its gap vector, then come two diagonals a facet.
     pub fn for_each_coefficient(group: &Group, mut visit: impl FnMut(usize, usize, f64)) {
         for (k, &w) in group.weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             visit(0, k, w);
@@ -324,83 +310,17 @@ impl Slot {
             }
         }
     }
+}
 
-    fn add(&self, group: &Group, q: &[f64], p: f64, want_tangent: bool, work: &mut Work, out: &mut LocalContribution) {
-        let n = 3 * self.nodes.len();
-        let dim = out.dim();
-        let Work { force, end, motion, product, .. } = work;
-        out.residual[n] -= end.value;
-        Self::for_each_coefficient(group, |a, k, c| {
-            for i in 0..3 {
-                let g = c * force.gradient[a][i];
-                out.residual[3 * k + i] -= p * g;
-                if want_tangent {
-                    out.tangent[(3 * k + i) * dim + n] -= g;
-                }
-            }
-        });
-        if !want_tangent {
-            return;
-        }
-        let count = 1 + 2 * group.corners.len();
-        motion.clear();
-        motion.resize(3 * count * n, 0.0);
-        Self::for_each_coefficient(group, |a, k, c| {
-            for i in 0..3 {
-                motion[(3 * a + i) * n + 3 * k + i] += c;
-            }
-        });
-        let origin = at(q, self.nodes[0]);
-        let moving = !group.derivative.is_empty();
-        if moving {
-            for (k, row) in group.derivative.chunks_exact(n).enumerate() {
-                let x = at(q, self.nodes[k]) - origin;
-                for (column, d) in row.iter().enumerate() {
-                    for i in 0..3 {
-                        motion[i * n + column] += x[i] * d;
-                    }
-                }
-            }
-        }
-        for a in 0..count {
-            for i in 0..3 {
-                let g = end.gradient[a][i];
-                let row = &motion[(3 * a + i) * n..][..n];
-                out.tangent[n * dim..n * dim + n].iter_mut().zip(row).for_each(|(t, m)| *t -= g * m);
-            }
-        }
-        product.clear();
-        product.resize(3 * count * n, 0.0);
-        if force.tangent.iter().any(|t| *t != Matrix3::zeros()) {
-            for a in 0..count {
-                for b in 0..count {
-                    let block = &force.tangent[a * count + b];
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            let h = block[(i, j)];
-                            if h != 0.0 {
-                                let row = &motion[(3 * b + j) * n..][..n];
-                                let to = &mut product[(3 * a + i) * n..][..n];
-                                to.iter_mut().zip(row).for_each(|(t, m)| *t += h * m);
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        Self::for_each_coefficient(group, |a, k, c| {
-            for i in 0..3 {
-                let row = &product[(3 * a + i) * n..][..n];
-                let to = &mut out.tangent[(3 * k + i) * dim..][..n];
-                to.iter_mut().zip(row).for_each(|(t, m)| *t -= p * c * m);
-            }
-        });
-        if moving {
-            for (k, row) in group.derivative.chunks_exact(n).enumerate() {
-                for i in 0..3 {
-                    let g = p * force.gradient[0][i];
-                    let to = &mut out.tangent[(3 * k + i) * dim..][..n];
-                    to.iter_mut().zip(row).for_each(|(t, d)| *t -= g * d);
+impl Group {
+    fn add_derivative(&mut self, w: &FacetWeights, corner: usize, map: &[usize], nodes: usize) {
+        let (count, columns) = (w.node_count(), 3 * nodes);
+        self.derivative.resize(nodes * columns, 0.0);
+        for (k, &row) in map.iter().enumerate() {
+            let from = &w.derivative[(corner * count + k) * 3 * count..][..3 * count];
+            for (l, &column) in map.iter().enumerate() {
+                for c in 0..3 {
+                    self.derivative[row * columns + 3 * column + c] += from[3 * l + c];
                 }
             }
         }

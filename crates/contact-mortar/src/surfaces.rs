@@ -56,11 +56,11 @@ pub struct SurfaceCoverage {
 /// Parametric tolerance of the invariant (the facet has 4).
 const TOLERANCE: f64 = 1e-12;
 
-fn corners(surface: &ContactSurface, facet: u32, q: &[f64]) -> [Vector3<f64>; 4] {
+pub(crate) fn corners(surface: &ContactSurface, facet: u32, q: &[f64]) -> [Vector3<f64>; 4] {
     surface.patch(facet, q).corners
 }
 
-fn master_facet(master: &ContactSurface, id: u32, q: &[f64]) -> MasterFacet {
+pub(crate) fn master_facet(master: &ContactSurface, id: u32, q: &[f64]) -> MasterFacet {
     MasterFacet { id, nodes: master.facets()[id as usize], corners: corners(master, id, q) }
 }
 
@@ -76,17 +76,6 @@ pub fn segment_surfaces(
     q: &[f64],
     range: GapRange,
 ) -> Result<SurfaceSegmentation, MortarError> {
-    segment_shifted(slave, master, q, &[], range)
-}
-
-/// The same with every slave facet shifted as a whole (`shifts`: one entry a slave facet, or none at all).
-pub(crate) fn segment_shifted(
-    slave: &ContactSurface,
-    master: &ContactSurface,
-    q: &[f64],
-    shifts: &[Vector3<f64>],
-    range: GapRange,
-) -> Result<SurfaceSegmentation, MortarError> {
     if range.min.is_nan() || range.max.is_nan() || range.min > range.max {
         return Err(MortarError::Range { min: range.min, max: range.max });
     }
@@ -99,8 +88,7 @@ pub(crate) fn segment_shifted(
     let mut facets = Vec::with_capacity(slave.facets().len());
     for facet in 0..slave.facets().len() as u32 {
         let at = |source| MortarError::Segmentation { facet, source };
-        let shift = shifts.get(facet as usize).copied().unwrap_or_default();
-        let x = corners(slave, facet, q).map(|corner| corner + shift);
+        let x = corners(slave, facet, q);
         let normal = SlaveFrame::new(x).map_err(at)?.normal();
         found.clear();
         tree.query(&region(&x, normal, &bounds, range), |f| found.push(f as u32));
@@ -113,7 +101,7 @@ pub(crate) fn segment_shifted(
 }
 
 /// A slave facet swept along its normal through the range, no farther than the master's bounds reach.
-fn region(x: &[Vector3<f64>; 4], normal: Vector3<f64>, bounds: &Aabb, range: GapRange) -> Aabb {
+pub(crate) fn region(x: &[Vector3<f64>; 4], normal: Vector3<f64>, bounds: &Aabb, range: GapRange) -> Aabb {
     let own = Aabb::from_points(x);
     let far = (bounds.max - bounds.min).norm() + (bounds.max - own.min).norm() + (own.max - bounds.min).norm();
     let (low, high) = (range.min.clamp(-far, far), range.max.clamp(-far, far));

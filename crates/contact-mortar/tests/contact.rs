@@ -1,12 +1,12 @@
-//! The contact method at random configurations: tangents, momenta, work, crosspoints.
+//! The weighted gap as a function of positions, and the contact method at random configurations: the identities that docs/theory/mortar.md numbers.
 
 mod sheets;
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use sheets::{NODES, SLAVE, assemble, base, method, moved, options, pressures, resultants, tangent_error, warp};
+use sheets::{NODES, SLAVE, assemble, base, method, moved, options, pressures, resultants, tangent_errors, warp};
 use stoss_contact::{ContactMethod, ContactRule, StepConfiguration};
-use stoss_contact_mortar::{MortarContact, MortarOptions, WeightedConstraint};
+use stoss_contact_mortar::{Factors, Integrals, MortarContact, MortarOptions};
 
 const RULES: [ContactRule; 5] = [
     ContactRule::StartPoint,
@@ -16,93 +16,88 @@ const RULES: [ContactRule; 5] = [
     ContactRule::EnergyMomentum,
 ];
 
+fn factors(kind: usize) -> Factors {
+    match kind {
+        0 => Factors::NONE,
+        1 => Factors { facing: true, deepest: f64::INFINITY, nearness: 0.0 },
+        _ => Factors { facing: true, deepest: 0.4, nearness: 12.0 },
+    }
+}
+
+fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
+    let mut q = moved(d);
+    (0..SLAVE).for_each(|k| q[3 * k + 2] += lift);
+    q
+}
+
+fn plus(q: &[f64], f: f64, d: &[f64]) -> Vec<f64> {
+    q.iter().zip(d).map(|(x, d)| x + f * d).collect()
+}
+
+fn begun(dual: bool, kind: usize, rule: ContactRule, q_n: &[f64]) -> MortarContact {
+    let mut method = method(options(dual)).with_factors(factors(kind));
+    method.set_rule(rule, 0.1);
+    method.begin_step(q_n, 0.5).unwrap();
+    method
+}
+
+/// Minus the weighted gaps at `q`, and the residual.
+fn residual(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Vec<f64> {
+    let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
+    method.renew(q, &[], &[], &active, true).unwrap();
+    assemble(method, StepConfiguration { q_n, q_np1: q, rule }, p, &active).residual
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
+    /// M2, M11: rows are the gradients of the discrete gaps. In the derivative of the forces the second derivatives of the weights are missing.
     #[test]
-    fn tangents_are_derivatives(
-        d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), averaged in any::<bool>(), rule in 0usize..5,
+    fn rows_are_gradients(
+        d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), rule in 0usize..5, kind in 0usize..3, lift in -0.2f64..0.1,
     ) {
-        let q_n = moved(&d);
-        let q: Vec<f64> = q_n.iter().zip(&e).map(|(x, e)| x + 0.3 * e).collect();
-        let mut method = method(options(dual, averaged));
-        if let Some(error) = tangent_error(&mut method, RULES[rule], &q_n, &q, &p) {
-            prop_assert!(error < 1e-7, "{:?} dual {dual} averaged {averaged}: {error:e}", RULES[rule]);
+        let q_n = lifted(&d, lift);
+        let q = plus(&q_n, 0.3, &e);
+        let mut method = method(options(dual)).with_factors(factors(kind));
+        if let Some([rows, forces]) = tangent_errors(&mut method, RULES[rule], &q_n, &q, &p) {
+            prop_assert!(rows < 1e-6, "{:?} dual {dual} factors {kind}: {rows:e}", RULES[rule]);
+            // With gaps of a tenth of a facet they are of the size of all others; a kink of the polygon within the difference, or a sliver, may be more.
+            prop_assert!(RULES[rule] != ContactRule::StartPoint || forces < 1e-6, "{:?} factors {kind}: {forces:e}", RULES[rule]);
         }
     }
 
-    /// Partly covered nodes, some of them with next to nothing.
+    /// With integrals that are held the derivative of the forces is exact but for the slope of `theta`, which is one of higher order in the increment.
     #[test]
-    fn tangents_of_fading_constraints_are_derivatives(
-        d in warp(), e in warp(), p in pressures(), shift in 0.0f64..1.4, dual in any::<bool>(), averaged in any::<bool>(),
-        smoothing in prop::sample::select(vec![0.0, 0.3]), one_sided in any::<bool>(), lift in -0.3f64..0.1,
-    ) {
-        let mut q_n = moved(&d);
-        (0..SLAVE).for_each(|k| q_n[3 * k] += 0.8 * shift);
-        if one_sided {
-            (0..SLAVE).for_each(|k| q_n[3 * k + 2] += lift);
-        }
-        let mut q: Vec<f64> = q_n.iter().zip(&e).map(|(x, e)| x + 0.3 * e).collect();
-        (0..SLAVE).for_each(|k| q[3 * k] += 0.2 * shift);
-        // Kept penetrations move with the support.
-        let constraint = if one_sided { WeightedConstraint::OneSided } else { WeightedConstraint::Standard };
-        let mut method = method(MortarOptions { constraint, ..options(dual, averaged) }).with_softening(20.0, smoothing);
-        if let Some(error) = tangent_error(&mut method, ContactRule::EndPoint, &q_n, &q, &p) {
-            prop_assert!(error < 1e-7, "dual {dual} averaged {averaged}: {error:e}");
+    fn tangents_with_frozen_integrals_are_derivatives(d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), lift in -0.2f64..0.1) {
+        let q_n = lifted(&d, lift);
+        let q = plus(&q_n, 0.02, &e);
+        let mut method = method(MortarOptions { integrals: Integrals::Frozen, ..options(dual) });
+        if let Some([rows, forces]) = tangent_errors(&mut method, ContactRule::EnergyMomentum, &q_n, &q, &p) {
+            prop_assert!(rows < 1e-7 && forces < 1e-4, "{rows:e} {forces:e}");
         }
     }
 
-    /// Touching flat sheets under one pressure: the rows of all nodes that have carrying neighbours vanish, however little of them is covered.
-    #[test]
-    fn fading_constraints_keep_constant_pressures(
-        shift in 0.0f64..0.6, pressure in 0.1f64..9.0, dual in any::<bool>(), smoothing in 0.0f64..0.3,
-    ) {
-        let mut q = base();
-        for k in 0..SLAVE {
-            q[3 * k] += shift;
-            q[3 * k + 2] = 1.0;
-        }
-        let mut method = method(options(dual, true)).with_softening(20.0, smoothing);
-        method.set_rule(ContactRule::EndPoint, 0.1);
-        method.begin_step(&q, 0.5).unwrap();
-        let carries: Vec<bool> = (0..SLAVE).map(|k| method.supports()[k] >= 0.5 * method.slot_weight(k)).collect();
-        let beside = |k: usize| {
-            let (i, j) = (k % 3, k / 3);
-            (0..SLAVE).any(|m| m != k && (m % 3).abs_diff(i) <= 1 && (m / 3).abs_diff(j) <= 1 && carries[m])
-        };
-        let active: Vec<bool> = method.supports().iter().map(|s| *s > 0.0).collect();
-        let p: Vec<f64> = active.iter().map(|a| if *a { pressure } else { 0.0 }).collect();
-        method.renew(&q, &p, &[], &active, false).unwrap();
-        let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPoint };
-        let rows = assemble(&method, step, &p, &active).residual;
-        let all_carry = |k: usize| {
-            let (i, j) = (k % 3, k / 3);
-            (0..SLAVE).filter(|m| (m % 3).abs_diff(i) <= 1 && (m / 3).abs_diff(j) <= 1 && carries[*m]).all(|m| active[m])
-        };
-        for k in (0..SLAVE).filter(|&k| active[k] && (carries[k] || beside(k)) && all_carry(k)) {
-            prop_assert!(rows[3 * NODES + k].abs() < 1e-14, "node {k}: {}", rows[3 * NODES + k]);
-        }
-    }
-
+    /// M1, M4, M5: for any gaps, at every iterate.
     #[test]
     fn forces_have_neither_resultant_nor_moment(
-        d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual in any::<bool>(), averaged in any::<bool>(),
+        d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual in any::<bool>(), kind in 0usize..3, frozen in any::<bool>(),
     ) {
-        let mut q_n = moved(&d);
-        // A gap or a penetration that is not small.
-        (0..SLAVE).for_each(|k| q_n[3 * k + 2] += lift);
-        let q: Vec<f64> = q_n.iter().zip(&e).map(|(x, e)| x + e).collect();
-        let middle: Vec<f64> = q_n.iter().zip(&q).map(|(a, b)| 0.5 * (a + b)).collect();
-        let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
+        let q_n = lifted(&d, lift);
+        let q = plus(&q_n, 1.0, &e);
+        let middle = plus(&q_n, 0.5, &e);
         for (rule, about) in [
             (ContactRule::StartPoint, Some(&q_n)), (ContactRule::EndPoint, Some(&q)), (ContactRule::EndPointMean, None),
             (ContactRule::Midpoint, Some(&middle)), (ContactRule::EnergyMomentum, Some(&middle)),
         ] {
-            let mut method = method(options(dual, averaged));
+            if frozen && rule != ContactRule::EnergyMomentum {
+                continue;
+            }
+            let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
+            let mut method = method(MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
             method.set_rule(rule, 0.1);
+            method.set_velocity(&plus(&vec![0.0; q.len()], 10.0, &e));
             method.begin_step(&q_n, 0.5).unwrap();
-            method.renew(&q, &[], &[], &active, true).unwrap();
-            let r = assemble(&method, StepConfiguration { q_n: &q_n, q_np1: &q, rule }, &p, &active).residual;
+            let r = residual(&mut method, rule, &q_n, &q, &p);
             let size = r[..3 * NODES].iter().map(|x| x.abs()).sum::<f64>().max(1.0);
             let (force, moment) = resultants(&r, about.unwrap_or(&q));
             prop_assert!(force.amax() < 1e-11 * size, "{rule:?}: {force}");
@@ -110,54 +105,71 @@ proptest! {
         }
     }
 
+    /// M7: the work of the force is the change of the weighted gaps.
     #[test]
-    fn the_work_of_the_energy_momentum_element_is_the_change_of_the_gaps(
-        d in warp(), e in warp(), p in pressures(), dual in any::<bool>(),
+    fn the_work_is_the_change_of_the_gaps(
+        d in warp(), e in warp(), p in pressures(), lift in -0.3f64..0.3, dual in any::<bool>(), kind in 0usize..3, frozen in any::<bool>(),
     ) {
-        let q_n = moved(&d);
-        let q: Vec<f64> = q_n.iter().zip(&e).map(|(x, e)| x + e).collect();
-        let mut method = method(options(dual, true));
-        let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
-        let rule = ContactRule::EnergyMomentum;
-        method.set_rule(rule, 0.1);
-        method.begin_step(&q_n, 0.5).unwrap();
-        let at = |q_np1: &[f64]| assemble(&method, StepConfiguration { q_n: &q_n, q_np1, rule }, &p, &active).residual;
-        let (start, end) = (at(&q_n), at(&q));
-        // Rows hold minus the weighted gaps of slots with a partner.
-        let work: f64 = (0..3 * NODES).map(|k| -end[k] * (q[k] - q_n[k])).sum();
-        let has = |s: usize| method.supports()[s] > 0.0;
-        let change: f64 = (0..SLAVE).filter(|&s| has(s)).map(|s| p[s] * (start[3 * NODES + s] - end[3 * NODES + s])).sum();
-        prop_assert!((work - change).abs() < 1e-13, "{work} {change}");
+        let q_n = lifted(&d, lift);
+        let q = plus(&q_n, 1.0, &e);
+        let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
+        for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
+            let mut method = method(MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
+            method.set_rule(rule, 0.1);
+            method.begin_step(&q_n, 0.5).unwrap();
+            let start = residual(&mut method, rule, &q_n, &q_n, &p);
+            let end = residual(&mut method, rule, &q_n, &q, &p);
+            let work: f64 = (0..3 * NODES).map(|k| -end[k] * (q[k] - q_n[k])).sum();
+            let change: f64 = (0..SLAVE).map(|s| p[s] * (start[3 * NODES + s] - end[3 * NODES + s])).sum();
+            prop_assert!((work - change).abs() < 1e-12, "{rule:?} {work} {change}");
+        }
     }
 
+    /// M3, M6.
     #[test]
-    fn a_rigid_motion_changes_no_gap(d in warp(), p in pressures(), angle in -1.0f64..1.0, dual in any::<bool>()) {
+    fn a_rigid_motion_changes_no_gap(d in warp(), angle in -1.0f64..1.0, dual in any::<bool>(), kind in 0usize..3) {
         let q_n = moved(&d);
         let turn = Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(Vector3::new(0.3, -0.5, 0.8)), angle);
         let q: Vec<f64> = q_n.chunks_exact(3)
             .flat_map(|x| { let y = turn * Vector3::new(x[0], x[1], x[2]) + Vector3::new(1.0, 2.0, -0.5); [y.x, y.y, y.z] }).collect();
-        let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
         for rule in RULES {
-            let mut method = method(options(dual, true));
-            method.set_rule(rule, 0.1);
-            method.begin_step(&q_n, 0.5).unwrap();
-            let (mut before, mut after) = ([0.0; SLAVE], [0.0; SLAVE]);
-            method.complementarity_gaps(&q_n, &active, &mut before).unwrap();
-            method.renew(&q, &[], &[], &active, false).unwrap();
-            method.complementarity_gaps(&q, &active, &mut after).unwrap();
-            for (a, b) in before.iter().zip(&after) {
-                prop_assert!(a == b || (a - b).abs() < 1e-12, "{rule:?}: {a} {b}");
+            let mut method = begun(dual, kind, rule, &q_n);
+            let p = [1.0; SLAVE];
+            let (before, after) = (residual(&mut method, rule, &q_n, &q_n, &p), residual(&mut method, rule, &q_n, &q, &p));
+            for (a, b) in before[3 * NODES..].iter().zip(&after[3 * NODES..]) {
+                prop_assert!((a - b).abs() < 1e-13, "{rule:?}: {a} {b}");
             }
+        }
+    }
+
+    /// M9: along a path on which polygons gain and lose vertices the gaps never jump.
+    #[test]
+    fn gaps_are_continuous(d in warp(), e in warp(), kind in 0usize..3, shift in 0.2f64..1.0) {
+        let q_n = moved(&d);
+        let mut method = begun(false, kind, ContactRule::EndPoint, &q_n);
+        let path = |s: f64| { let mut q = plus(&q_n, s, &e); (0..SLAVE).for_each(|k| q[3 * k] += s * shift); q };
+        let mut kind_of = |s: f64| { let q = path(s); let r = residual(&mut method, ContactRule::EndPoint, &q_n, &q, &[1.0; SLAVE]); (sheets::kinds(&method), r) };
+        // Bisection for the first change.
+        let (mut low, mut high) = (0.0, 1.0);
+        let (start, _) = kind_of(low);
+        prop_assume!(kind_of(high).0 != start);
+        for _ in 0..46 {
+            let middle = 0.5 * (low + high);
+            if kind_of(middle).0 == start { low = middle } else { high = middle }
+        }
+        let ((a, x), (b, y)) = (kind_of(low), kind_of(high));
+        prop_assert!(a == start && b != start);
+        for (x, y) in x[3 * NODES..].iter().zip(&y[3 * NODES..]) {
+            prop_assert!((x - y).abs() < 1e-11, "{x} {y}");
         }
     }
 }
 
-/// Flat surfaces a distance apart: every weighted gap over its support is that distance, on partly covered facets too.
+/// M10, and flat surfaces a distance apart: every weighted gap over its support is that distance, on partly covered facets too.
 #[test]
 fn gaps_of_flat_surfaces_are_their_distance() {
     for dual in [false, true] {
-        let mut method = method(options(dual, true));
-        method.begin_step(&base(), 0.5).unwrap();
+        let method = begun(dual, 1, ContactRule::EndPoint, &base());
         let reports = method.report(&base()).unwrap();
         assert!(reports.iter().filter(|r| r.gap.is_some()).count() > 5);
         for report in reports {
@@ -172,9 +184,9 @@ fn gaps_of_flat_surfaces_are_their_distance() {
 #[test]
 fn crosspoints_keep_the_area() {
     for dual in [false, true] {
-        let mut plain = method(options(dual, true));
+        let mut plain = method(options(dual));
         // Nodes 0, 1, 2: one edge of the surface.
-        let mut crossed = method(options(dual, true)).with_crosspoints(|n| [n < 3; 3]);
+        let mut crossed = method(options(dual)).with_crosspoints(|n| [n < 3; 3]);
         let total = |m: &mut MortarContact| {
             m.begin_step(&base(), 0.5).unwrap();
             m.supports()
@@ -186,115 +198,43 @@ fn crosspoints_keep_the_area() {
         crossed.complementarity_gaps(&base(), &[false; SLAVE], &mut gaps).unwrap();
         assert!(gaps[..3].iter().all(|g| g.is_infinite()));
         // What matters is the motion along the normal, here z.
-        let mut normal = method(options(dual, true)).with_crosspoints(|n| [false, false, n < 3]);
+        let mut normal = method(options(dual)).with_crosspoints(|n| [false, false, n < 3]);
         assert_eq!(total(&mut normal), b);
-        let mut tangential = method(options(dual, true)).with_crosspoints(|n| [n < 3, n < 3, false]);
+        let mut tangential = method(options(dual)).with_crosspoints(|n| [n < 3, n < 3, false]);
         assert_eq!(total(&mut tangential), a);
         // A rigid tool keeps its multipliers.
-        let mut tool = method(options(dual, true)).with_crosspoints(|n| [n < SLAVE as u32; 3]);
+        let mut tool = method(options(dual)).with_crosspoints(|n| [n < SLAVE as u32; 3]);
         assert_eq!(total(&mut tool), a);
     }
 }
 
-/// The one-sided constraint keeps penetrations of the start of the step and closes open gaps.
+/// A penetration at the start of a step is kept in dynamics and closed in statics, an open gap is closed in both.
 #[test]
-fn the_one_sided_constraint_keeps_penetrations_only() {
-    let mut method = method(MortarOptions { constraint: WeightedConstraint::OneSided, ..options(false, true) });
-    method.set_rule(ContactRule::EnergyMomentum, 0.1);
-    let lifted = |by: f64| {
-        let mut q = base();
-        (0..SLAVE).for_each(|k| q[3 * k + 2] += by);
-        q
-    };
-    let mut gaps_from = |start: f64, end: f64| {
-        method.begin_step(&lifted(start), 0.5).unwrap();
+fn penetrations_of_the_start_are_kept_if_asked_for() {
+    let gaps_from = |keeps: bool, start: f64, end: f64| {
+        let mut method = method(MortarOptions { keeps_penetration: keeps, ..options(false) });
+        method.set_rule(ContactRule::EnergyMomentum, 0.1);
+        let zero = vec![0.0; 3 * NODES];
+        method.begin_step(&lifted(&zero, start), 0.5).unwrap();
+        method.renew(&lifted(&zero, end), &[], &[], &[false; SLAVE], false).unwrap();
         let mut gaps = [0.0; SLAVE];
-        method.complementarity_gaps(&lifted(end), &[true; SLAVE], &mut gaps).unwrap();
+        method.complementarity_gaps(&lifted(&zero, end), &[true; SLAVE], &mut gaps).unwrap();
         gaps.into_iter().filter(|g| g.is_finite()).collect::<Vec<f64>>()
     };
-    // A node is then as far away as it is above what it is to keep. The surfaces are rough: lifted by 0.3 all are open, lowered by 0.3 all penetrate.
-    let (open, deep) = (gaps_from(0.3, 0.3), gaps_from(-0.3, -0.3));
-    assert!(!open.is_empty() && open.iter().all(|g| *g > 0.05), "{open:?}");
-    assert!(!deep.is_empty() && deep.iter().all(|g| g.abs() < 1e-14), "{deep:?}");
-    assert!(gaps_from(-0.3, -0.28).iter().all(|g| (g - 0.02).abs() < 1e-2), "pushed out by 0.02");
+    let all = |gaps: Vec<f64>, value: f64| !gaps.is_empty() && gaps.iter().all(|g| (g - value).abs() < 1e-12);
+    assert!(all(gaps_from(true, -0.15, -0.15), 0.0));
+    assert!(all(gaps_from(true, -0.15, -0.13), 0.02));
+    assert!(all(gaps_from(true, 0.05, 0.0), 0.05));
+    assert!(all(gaps_from(false, -0.15, -0.15), -0.1));
 }
 
-/// Where integrals follow the iterate, too, a node keeps the penetration with which it closes; from then on a tenth of it is let out in a step, also over a restart.
+/// What goes through the surface in a step deeper than contact reaches is refused, not lost.
 #[test]
-fn kept_penetrations_are_let_out_slowly() {
-    let options = MortarOptions { constraint: WeightedConstraint::OneSided, ..options(false, true) };
-    let mut deep = base();
-    (0..SLAVE).for_each(|k| deep[3 * k + 2] -= 0.3);
-    let gaps = |method: &mut MortarContact, q: &[f64]| {
-        method.set_rule(ContactRule::EndPoint, 0.1);
-        method.begin_step(q, 0.5).unwrap();
-        let mut gaps = [0.0; SLAVE];
-        method.complementarity_gaps(q, &[true; SLAVE], &mut gaps).unwrap();
-        gaps
-    };
-    let mut first = method(options);
-    let kept = gaps(&mut first, &deep);
-    assert!(
-        kept.iter().filter(|g| g.is_finite()).count() > 3 && kept.iter().all(|g| g.abs() < 1e-14 || g.is_infinite())
-    );
-    let truly: Vec<Option<f64>> = first.report(&deep).unwrap().iter().map(|report| report.gap).collect();
-    first.commit(&deep, &[1.0; SLAVE], &[true; SLAVE]);
-    let mut again = method(options);
-    again.load_history(&first.save_history()).unwrap();
-    for method in [&mut first, &mut again] {
-        for (gap, truly) in gaps(method, &deep).into_iter().zip(&truly) {
-            // What stays of it is 0.9: the node is as much too deep.
-            assert!(truly.map_or(gap.is_infinite(), |truly| (gap - 0.1 * truly).abs() < 1e-14), "{gap} {truly:?}");
-        }
-        // A hundredth of the step lets out a hundredth of that.
-        method.set_rule(ContactRule::EndPoint, 1e-3);
-        method.begin_step(&deep, 0.5).unwrap();
-        let mut gaps = [0.0; SLAVE];
-        method.complementarity_gaps(&deep, &[true; SLAVE], &mut gaps).unwrap();
-        let part = 1.0 - 0.9_f64.powf(0.01);
-        assert!(gaps.iter().zip(&truly).all(|(gap, t)| t.is_none_or(|t| (gap - part * t).abs() < 1e-14)), "{gaps:?}");
+fn a_passage_is_an_error() {
+    let mut method = begun(false, 2, ContactRule::EnergyMomentum, &base());
+    let zero = vec![0.0; 3 * NODES];
+    for (lift, passes) in [(-0.1, false), (-0.3, true), (-0.5, true)] {
+        method.renew(&lifted(&zero, lift), &[], &[], &[false; SLAVE], false).unwrap();
+        assert_eq!(method.verify().is_err(), passes, "{lift}");
     }
-    assert!(again.load_history(&[0; 12]).is_err());
-    // What comes to be deeper between two steps, by another choice of what counts, is kept as well.
-    let deeper: Vec<f64> =
-        (0..deep.len()).map(|k| deep[k] - if k < 3 * SLAVE && k % 3 == 2 { 0.05 } else { 0.0 }).collect();
-    let found = gaps(&mut again, &deeper);
-    let truly: Vec<Option<f64>> = again.report(&deeper).unwrap().iter().map(|report| report.gap).collect();
-    assert!(
-        truly.iter().zip(found).all(|(truly, gap)| truly.is_none_or(|t| (gap - 0.1 * t).abs() < 1e-14)),
-        "{found:?}"
-    );
-}
-
-/// Where integrals stay those of the start, what is more than a facet behind the master is not opposite: the far side of a hollow body.
-#[test]
-fn the_far_side_is_not_opposite() {
-    let mut method = method(options(false, true));
-    let mut covered = |rule, lift: f64| {
-        let mut q = base();
-        (0..SLAVE).for_each(|k| q[3 * k + 2] += lift);
-        method.set_rule(rule, 0.1);
-        method.begin_step(&q, 0.5).unwrap();
-        method.supports().into_iter().filter(|s| *s > 0.0).count()
-    };
-    for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
-        assert!(covered(rule, -0.4) > 0);
-        assert_eq!(covered(rule, -2.0), 0);
-    }
-    assert!(covered(ContactRule::EndPoint, -2.0) > 0, "iterates may be far inside");
-}
-
-/// The modified constraint refers to the gap at the start of the step.
-#[test]
-fn the_modified_constraint_keeps_the_gap() {
-    let mut method = method(MortarOptions { constraint: WeightedConstraint::Modified, ..options(false, true) });
-    method.set_rule(ContactRule::EnergyMomentum, 0.1);
-    method.begin_step(&base(), 0.5).unwrap();
-    let mut gaps = [0.0; SLAVE];
-    method.complementarity_gaps(&base(), &[true; SLAVE], &mut gaps).unwrap();
-    assert!(gaps.iter().all(|g| g.is_infinite() || g.abs() < 1e-14), "{gaps:?}");
-    let mut closer = base();
-    (0..SLAVE).for_each(|k| closer[3 * k + 2] -= 0.02);
-    method.complementarity_gaps(&closer, &[true; SLAVE], &mut gaps).unwrap();
-    assert!(gaps.iter().all(|g| g.is_infinite() || (g + 0.02).abs() < 1e-13), "{gaps:?}");
 }

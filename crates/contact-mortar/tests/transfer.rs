@@ -56,7 +56,7 @@ fn is_rim(x: &Vector3<f64>, r: f64) -> bool {
 }
 
 impl Pair {
-    fn matrices(&self, space: MultiplierSpace, quadrature: Quadrature) -> MortarMatrices {
+    fn matrices(&self, space: MultiplierSpace, quadrature: TriangleRule) -> MortarMatrices {
         let s = segment_surfaces(&self.slave, &self.master, &self.q, GapRange::ALL).unwrap();
         MortarMatrices::assemble(&self.slave, &self.master, &self.q, &s, space, quadrature)
     }
@@ -90,11 +90,6 @@ impl Pair {
 
 const SPACES: [MultiplierSpace; 2] = [MultiplierSpace::Standard, MultiplierSpace::Dual];
 
-fn quadratures() -> Vec<Quadrature> {
-    let maps = [PointMap::Projected, PointMap::Interpolated];
-    TriangleRule::ALL.into_iter().flat_map(|rule| maps.map(|map| Quadrature { rule, map })).collect()
-}
-
 fn moves() -> impl Strategy<Value = Vec<[f64; 3]>> {
     prop::collection::vec(prop::array::uniform3(-0.2f64..0.2), 130)
 }
@@ -113,7 +108,7 @@ proptest! {
             let shift = if side == 1 { Vector3::new(shift, 0.0, 0.05) } else { Vector3::zeros() };
             x + d + Vector3::new(0.0, 0.0, 0.1 * x.x * x.x) + shift
         });
-        for quadrature in quadratures() {
+        for quadrature in TriangleRule::ALL {
             let [standard, dual] = SPACES.map(|space| p.matrices(space, quadrature));
             for matrices in [&standard, &dual] {
                 prop_assert!(matrices.imbalance() < 1e-13, "{quadrature:?} {}", matrices.imbalance());
@@ -149,7 +144,7 @@ proptest! {
         let slope = Vector3::from(c);
         for space in SPACES {
             for rule in TriangleRule::ALL {
-                let matrices = p.matrices(space, Quadrature { rule, map: PointMap::Projected });
+                let matrices = p.matrices(space, rule);
                 // Dual functions are only as biorthogonal as the rule integrates the mass matrix that they are made
                 // from: that is the same one.
                 let (got, expected) = p.transfer(&matrices, |x| 0.3 + slope.dot(&x));
@@ -169,8 +164,8 @@ proptest! {
         let s = segment_surfaces(&p.slave, &p.master, &p.q, GapRange::ALL).unwrap();
         let found = &s.facets[0];
         let corners = p.master.patch(0, &p.q).corners;
-        let quadrature = Quadrature::default();
-        let integrals = facet_integrals(found, |_| corners, quadrature);
+        let quadrature = TriangleRule::default();
+        let integrals = facet_integrals(found, |_| corners, quadrature, &Factors::NONE);
         let basis = MultiplierBasis::new(MultiplierSpace::Dual, &integrals);
         let block = basis.slave_block(&integrals);
         let mut direct = [[0.0; 4]; 4];
@@ -199,10 +194,10 @@ proptest! {
     #[test]
     fn derivatives_of_the_integrals(
         d in prop::collection::vec(prop::array::uniform3(-0.3f64..0.3), 8), angle in 0.1f64..0.7,
-        interpolated in any::<bool>(),
+        whole in any::<bool>(),
     ) {
-        let map = if interpolated { PointMap::Interpolated } else { PointMap::Projected };
-        let quadrature = Quadrature { rule: TriangleRule::SevenPoint, map };
+        let quadrature = TriangleRule::SevenPoint;
+        let factors = if whole { Factors::NONE } else { Factors { facing: true, deepest: 0.6, nearness: 6.0 } };
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
         let c = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
         let x: Vec<Vector3<f64>> = (0..8).map(|k| {
@@ -216,7 +211,7 @@ proptest! {
             let facet = segmentation::MasterFacet { id: 0, nodes: [0, 1, 2, 3], corners: m };
             let found = segment_facet(s, &[facet], GapRange::ALL).unwrap();
             let kinds: Vec<_> = found.segments.iter().flat_map(|s| s.vertices().iter().map(|v| v.provenance)).collect();
-            (facet_integrals(&found, |_| m, quadrature), kinds)
+            (facet_integrals(&found, |_| m, quadrature, &factors), kinds)
         };
         let (base, kinds) = integrate(&x);
         let s: [Vector3<f64>; 4] = std::array::from_fn(|k| x[k]);
@@ -226,7 +221,7 @@ proptest! {
         segment_pair(&frame, 0, &m, &mut segments).unwrap();
         let mut exact = PairDerivatives::ZERO;
         for segment in &segments {
-            pair_derivatives(segment, &frame, &m, quadrature, &mut exact);
+            pair_derivatives(segment, &frame, &m, quadrature, &factors, &mut exact);
         }
         let basis = MultiplierBasis::new(MultiplierSpace::Dual, &base);
         let h = 1e-6;
@@ -265,27 +260,10 @@ proptest! {
 }
 
 #[test]
-fn interpolation_on_both_sides_is_linear_for_parallelograms_only() {
-    let quadrature = Quadrature { rule: TriangleRule::SevenPoint, map: PointMap::Interpolated };
-    let defect = |bend: f64| {
-        let p = pair(3, 4, 1.0, |_, _, x| {
-            // Sheared: parallelograms. Bent: not.
-            let y = Vector3::new(x.x + 0.3 * x.y, x.y, 0.0);
-            if is_rim(&x, 1.0) { y } else { y + Vector3::new(bend * x.x * x.y, bend * x.x, 0.0) }
-        });
-        let m = p.matrices(MultiplierSpace::Standard, quadrature);
-        let (got, expected) = p.transfer(&m, |x| x.x - 2.0 * x.y);
-        (got - expected).amax()
-    };
-    assert!(defect(0.0) < 1e-12);
-    assert!(defect(0.1) > 1e-5);
-}
-
-#[test]
 fn row_sums_of_a_covered_flat_surface_are_nodal_areas() {
     let p = pair(3, 5, 1.3, |side, _, x| x + Vector3::new(0.0, 0.0, 0.1 * side as f64));
     for space in SPACES {
-        let m = p.matrices(space, Quadrature::default());
+        let m = p.matrices(space, TriangleRule::default());
         for (w, a) in m.weights.iter().zip(p.slave.nodal_areas()) {
             assert!((w - a).abs() < 1e-14);
         }
@@ -298,7 +276,7 @@ fn a_constant_pressure_loads_the_master_as_it_should() {
     let turn = Rotation3::from_euler_angles(0.4, -0.2, 1.1);
     let p = pair(3, 4, 1.0, |_, _, x| turn * Vector3::new(60.0 * (x.x + 0.2 * x.y), 60.0 * x.y, 0.0));
     for space in SPACES {
-        for quadrature in quadratures() {
+        for quadrature in TriangleRule::ALL {
             let m = p.matrices(space, quadrature);
             let mut loads = vec![0.0; p.master.nodes().len()];
             for &(k, v) in m.master.iter().flatten() {
@@ -319,7 +297,7 @@ fn integrals_do_not_change_in_rigid_motion() {
     let mut segments = Vec::new();
     segment_pair(&frame, 0, &m, &mut segments).unwrap();
     let mut d = PairDerivatives::ZERO;
-    pair_derivatives(&segments[0], &frame, &m, Quadrature::default(), &mut d);
+    pair_derivatives(&segments[0], &frame, &m, TriangleRule::default(), &Factors::NONE, &mut d);
     for axis in 0..3 {
         let unit = Vector3::ith(axis, 1.0);
         for motion in [|u: &Vector3<f64>, _: &Vector3<f64>| *u, |u: &Vector3<f64>, x: &Vector3<f64>| u.cross(x)] {
@@ -360,7 +338,7 @@ fn master_finer_by_20_and_coarser_by_20() {
         if r > 1.0 {
             assert!((report.covered / report.area - 1.0).abs() < 1e-12);
         }
-        assert!(p.matrices(MultiplierSpace::Dual, Quadrature::default()).imbalance() < 1e-13);
+        assert!(p.matrices(MultiplierSpace::Dual, TriangleRule::default()).imbalance() < 1e-13);
     }
 }
 

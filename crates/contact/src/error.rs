@@ -148,6 +148,19 @@ pub enum ContactError {
         /// Interior edges that do not fit.
         open_edges: usize,
     },
+    /// A part of the slave went through the surface of the master.
+    #[error(
+        "slave facet {facet} goes through the surface of the master in one step: a part of it that was {before:.3e} before the master is {after:.3e} from it now, \
+         deeper than contact reaches; take smaller steps"
+    )]
+    Passed {
+        /// Local number of the slave facet.
+        facet: u32,
+        /// Its gap at the start of the step.
+        before: f64,
+        /// Its gap at the end.
+        after: f64,
+    },
     /// History bytes do not fit.
     #[error("contact history does not fit this model: {reason}")]
     History {

@@ -16,8 +16,7 @@ named! {
         /// Node-to-surface by coordinate augmentation (formulation §5): the foot's coordinates are unknowns of each contact. Statics, backward Euler,
         /// generalised-alpha, midpoint; with `energy-momentum` the solids conserve energy, the contact is that of the midpoint rule.
         Cat = "cat",
-        /// Mortar: weighted gaps and pressures on the overlap of the facets (formulation §8.1); with `energy-momentum` its
-        /// energy-momentum element (§8.3).
+        /// Mortar: weighted gaps and pressures on the overlap of the facets (formulation §8.1), whose integrals move with the positions.
         Mortar = "mortar",
     }
 }
@@ -47,12 +46,13 @@ named! {
 }
 
 named! {
-    /// Normals of the weighted gaps of mortar contact.
-    Normals {
-        /// At every slave node the mean of the facets around it.
-        Averaged = "averaged",
-        /// Every slave facet its own. The energy-momentum element always has these.
-        Facet = "facet",
+    /// Which integrals the weighted gaps of mortar contact have.
+    Integrals {
+        /// Those of the present positions: the weighted gap is a function of the positions alone.
+        Moving = "moving",
+        /// Those of the expected middle of the step, held in the step, as in the thesis: for comparison. With schemes that take contact forces at the
+        /// middle of the step. Sliding over facets gains or loses energy by it.
+        Frozen = "frozen",
     }
 }
 
@@ -64,10 +64,6 @@ named! {
         /// The gap keeps its value in the step: conserves energy, while nodes float at the gap that they had. Frictionless
         /// dynamics only.
         Modified = "modified",
-        /// Mortar in dynamics only: a gap that is open at the start of a step is closed, a penetration keeps its value. Where surfaces slide, integrals
-        /// that are renewed turn closed nodes into slightly open or penetrating ones; so they do no positive work. With `backward-euler` and
-        /// other schemes that take forces at the end point a tenth of a penetration that is kept is let out in a step of full size.
-        OneSided = "one-sided",
     }
 }
 
@@ -188,7 +184,8 @@ pub struct Contact {
     pub slave: String,
     /// Master surface, `body.set`, of another body.
     pub master: String,
-    /// What an active constraint asks for. If left out `one-sided` for `mortar` in dynamics, `standard` for the rest.
+    /// What an active constraint asks for. For `nts` and `cat`; `standard` if left out. Mortar contact has one constraint: the
+    /// weighted gap of a closed node is zero at the end of a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub constraint: Option<Constraint>,
     /// `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`.
@@ -211,13 +208,9 @@ pub struct Contact {
     /// Gauss points of `mortar`; `seven-point` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quadrature: Option<Quadrature>,
-    /// Normals of `mortar`; `averaged` if left out.
+    /// Integrals of `mortar`; `moving` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub normals: Option<Normals>,
-    /// Pressures of `mortar` are drawn to the mean of their neighbours, in statics and with `backward-euler`: the gap of a node is this number times the
-    /// edge length times the difference over Young's modulus. 0 if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub smoothing: Option<f64>,
+    pub integrals: Option<Integrals>,
     /// Friction; none if left out. Not with the modified constraint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,

@@ -31,7 +31,7 @@ mod watch;
 
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Load, LoadKind, Normals, PlaneRegion,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Load, LoadKind, PlaneRegion,
     Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{

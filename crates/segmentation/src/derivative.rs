@@ -8,7 +8,7 @@
 //! in which the tangents' own variation has dropped out. What is fixed (a corner, an edge) follows from the vertex's
 //! origin.
 
-use crate::segment::weighted;
+use crate::segment::{SMALLEST_AREA, weighted};
 use crate::{Foot, MAX_VERTICES, Provenance, Segment, SlaveFrame};
 use nalgebra::Vector3;
 use stoss_reference_element::quad4::VERTICES;
@@ -119,6 +119,41 @@ impl Segment {
                 for i in 0..2 {
                     derivative.slave[i][k] = slave[i];
                     derivative.master[i][k] = foot[i];
+                }
+            }
+        }
+        out
+    }
+
+    /// Derivatives of [`Segment::centroid`] from those of the vertices.
+    pub fn centroid_derivative(&self, vertices: &[PointDerivative; MAX_VERTICES]) -> [[f64; LOCAL]; 2] {
+        let points = self.vertices();
+        let mut out = [[0.0; LOCAL]; 2];
+        let area = self.parametric_area();
+        if area <= SMALLEST_AREA {
+            let share = 1.0 / points.len() as f64;
+            for vertex in &vertices[..points.len()] {
+                for (row, d) in out.iter_mut().zip(&vertex.slave) {
+                    row.iter_mut().zip(d).for_each(|(o, d)| *o += share * d);
+                }
+            }
+            return out;
+        }
+        // c = sum_t det_t (a + b + d) / 3 / sum_t det_t, so that dc = (sum_t ddet_t (mean_t - c) + det_t dmean_t) / sum_t det_t.
+        let centroid = self.centroid();
+        let inverse = 0.5 / area;
+        for t in self.triangles() {
+            let det = self.triangle_determinant(t);
+            let [a, b, c] = t.map(|k| points[k].slave);
+            let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+            let [da, db, dc] = t.map(|k| &vertices[k].slave);
+            let away: [f64; 2] = std::array::from_fn(|i| (a[i] + b[i] + c[i]) / 3.0 - centroid[i]);
+            for k in 0..LOCAL {
+                let ddet = (db[0][k] - da[0][k]) * v[1] + u[0] * (dc[1][k] - da[1][k])
+                    - (db[1][k] - da[1][k]) * v[0]
+                    - u[1] * (dc[0][k] - da[0][k]);
+                for i in 0..2 {
+                    out[i][k] += inverse * (ddet * away[i] + det * (da[i][k] + db[i][k] + dc[i][k]) / 3.0);
                 }
             }
         }

@@ -45,6 +45,9 @@ pub struct Vertex {
     pub image: [f64; 2],
 }
 
+/// Parametric area below which a polygon is round-off (the facet has 4).
+pub(crate) const SMALLEST_AREA: f64 = 5e-15;
+
 const NO_VERTEX: Vertex =
     Vertex { provenance: Provenance::Slave(0), slave: [0.0; 2], master: [0.0; 2], gap: 0.0, image: [0.0; 2] };
 
@@ -132,11 +135,18 @@ impl Segment {
                 *m += det * t.iter().map(|&k| v[k].slave[i]).sum::<f64>() / 3.0;
             }
         }
-        if area > 1e-14 {
+        if area > 2.0 * SMALLEST_AREA {
             moment.map(|m| m / area)
         } else {
             std::array::from_fn(|i| v.iter().map(|x| x.slave[i]).sum::<f64>() / v.len() as f64)
         }
+    }
+
+    /// Triangles around the centroid, whose shape follows the polygon continuously when vertices appear and vanish: pairs of indices into
+    /// [`Segment::vertices`], the third corner is [`Segment::centroid`].
+    pub fn fan(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let count = self.count;
+        (0..count).map(move |k| [k, (k + 1) % count])
     }
 
     /// Projects the slave's point at `slave` on the master facet along `n0`.

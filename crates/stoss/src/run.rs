@@ -166,7 +166,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
         contact_bodies: contact_bodies(&scene),
-        promises: promises(&scene, &simulation, &contacts),
+        promises: promises(&scene, &simulation),
         changed_by: changed_by(&scene, simulation.model()),
         contacts,
         watch: scene.watch.clone(),

@@ -34,7 +34,7 @@ mod frame;
 mod method;
 mod rows;
 
-use crate::{CheckExtent, MortarError, MortarMatrices, MultiplierSpace, Quadrature, SurfaceCoverage, segment_surfaces};
+use crate::{CheckExtent, MortarError, MortarMatrices, MultiplierSpace, SurfaceCoverage, TriangleRule, segment_surfaces};
 use frame::NodeFrame;
 use rows::{ConstraintRow, constraint_rows};
 use stoss_contact::ContactSurface;
@@ -71,7 +71,7 @@ pub struct TieOptions {
     /// Functions of the multipliers.
     pub space: MultiplierSpace,
     /// Rule and map of the integrals.
-    pub quadrature: Quadrature,
+    pub rule: TriangleRule,
     /// Treatment of an initial gap.
     pub interface: Interface,
     /// Largest distance at which facets are tied; by default the longer of the two surfaces' mean edges.
@@ -147,7 +147,7 @@ impl MeshTie {
             if let Some(fault) = coverage.faults.first() {
                 return Err(MortarError::Coverage { count: coverage.faults.len(), facet: fault.slave_facet });
             }
-            let matrices = MortarMatrices::assemble(&slave, &master, &q, &segments, options.space, options.quadrature);
+            let matrices = MortarMatrices::assemble(&slave, &master, &q, &segments, options.space, options.rule);
             if matrices.weights.iter().all(|w| *w <= 0.0) {
                 return Err(MortarError::Apart { reach });
             }

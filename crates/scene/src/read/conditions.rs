@@ -6,7 +6,7 @@ use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Kind, Load, LoadKind, Multipliers, Normals,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Kind, Load, LoadKind, Multipliers,
     PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
@@ -87,12 +87,18 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let slave = table.required("slave", "slave = \"ball.outer\"", |n| set_reference(n, world));
     let master = table.required("master", "master = \"plate.top\"", |n| set_reference(n, world));
     let constraint = table.optional("constraint", |n| {
+        if n.text()? == "one-sided" {
+            return n.fail("is no constraint any more: mortar contact keeps the true gap, which needs none", "remove it");
+        }
         let constraint = n.choice(Constraint::NAMES, Constraint::from_name)?;
         if constraint != Constraint::Standard && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("is for dynamic scenes only", "use \"standard\", which closes the gap");
         }
-        if constraint == Constraint::OneSided && matches!(method, Some(ContactMethod::Nts | ContactMethod::Cat)) {
-            return n.fail("\"one-sided\" is for method = \"mortar\" only", "use \"standard\" or \"modified\"");
+        if method == Some(ContactMethod::Mortar) {
+            return n.fail(
+                "is not for mortar contact: the gap of a closed node is zero at the end of each step, and a penetration at the start of a step does no work",
+                "remove it",
+            );
         }
         Some(constraint)
     });
@@ -110,8 +116,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let friction = table.optional("friction", |n| {
         let friction = friction(n, method.map(|method| method == ContactMethod::Mortar), world.own_friction)?;
         if constraint == Some(Some(Constraint::Modified)) {
-            let remedy = "set `constraint` to \"one-sided\" (mortar) or \"standard\"";
-            return n.fail("does not go with the modified constraint", remedy);
+            return n.fail("does not go with the modified constraint", "set `constraint` to \"standard\"");
         }
         Some(friction)
     });
@@ -155,13 +160,15 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         mortar_only(n)?;
         n.choice(Quadrature::NAMES, Quadrature::from_name)
     });
-    let normals = table.optional("normals", |n| {
+    let integrals = table.optional("integrals", |n| {
         mortar_only(n)?;
-        n.choice(Normals::NAMES, Normals::from_name)
+        n.choice(Integrals::NAMES, Integrals::from_name)
     });
-    let smoothing = table.optional("smoothing", |n| {
-        mortar_only(n)?;
-        n.not_negative()
+    let normals: Option<Option<()>> = table.optional("normals", |n| {
+        n.fail("is no option any more: normals are the means of the facets around a node, on each side of a sharp edge", "remove it")
+    });
+    let smoothing: Option<Option<()>> = table.optional("smoothing", |n| {
+        n.fail("is no option any more: the weighted gap follows the facets, and slivers carry no pressure", "remove it")
     });
     table.finish();
     let (slave, master) = (slave?, master?);
@@ -175,6 +182,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         );
     }
     has_effect?;
+    (normals?, smoothing?);
     let (constraint, enforcement) = (constraint?, enforcement?);
     Some(Contact {
         name: name?,
@@ -188,8 +196,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         drop_gap_slope: drop_gap_slope?,
         multipliers: multipliers?,
         quadrature: quadrature?,
-        normals: normals?,
-        smoothing: smoothing?,
+        integrals: integrals?,
         friction: friction?,
     })
 }

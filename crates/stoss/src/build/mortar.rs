@@ -2,14 +2,11 @@
 
 use super::contact::PairInput;
 use super::{ContactPlan, Problems};
-use crate::scene::{Constraint, Multipliers, Normals, Quadrature as Points, Scene, Slip};
+use crate::scene::{Constraint, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip};
 use crate::solver::{ContactPair, Model, contact_rule};
 use std::collections::BTreeMap;
 use stoss_contact::ContactMethod;
-use stoss_contact_mortar::{
-    MortarContact, MortarOptions, MultiplierSpace, NormalField, Quadrature, SlipMeasure, TriangleRule,
-    WeightedConstraint,
-};
+use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule};
 use stoss_integrators::GradientRule;
 
 /// Adds the contact to the model; reports what is wrong.
@@ -28,38 +25,25 @@ pub(super) fn contact(
     let gradient = gradient_rule(pair.scene);
     let constant = pair.scene.time.integrator.as_ref().filter(|_| gradient != GradientRule::EndPoint);
     let constant = constant.map(|integrator| integrator.scheme.as_str());
-    // What comes to count as contact while it is inside, by integrals that are renewed or beyond an edge, gives energy if it is pushed out.
+    // What is inside at the start of a step gives energy if it is pushed out.
     let dynamic = pair.scene.time.integrator.is_some();
-    let default = if dynamic { Constraint::OneSided } else { Constraint::Standard };
-    let constraint = item.constraint.unwrap_or(default);
     let options = MortarOptions {
         space: match item.multipliers {
             Some(Multipliers::Dual) => MultiplierSpace::Dual,
             Some(Multipliers::Standard) | None => MultiplierSpace::Standard,
         },
-        quadrature: Quadrature { rule, ..Quadrature::default() },
-        normals: match item.normals {
-            Some(Normals::Facet) => NormalField::Facet,
-            Some(Normals::Averaged) | None => NormalField::Averaged,
+        rule,
+        integrals: match item.integrals {
+            Some(Chosen::Frozen) => Integrals::Frozen,
+            Some(Chosen::Moving) | None => Integrals::Moving,
         },
-        constraint: match constraint {
-            Constraint::Standard => WeightedConstraint::Standard,
-            Constraint::Modified => WeightedConstraint::Modified,
-            Constraint::OneSided => WeightedConstraint::OneSided,
-        },
+        keeps_penetration: dynamic,
     };
-    if constraint == Constraint::Modified && constant.is_none() {
-        let message = "needs integrals that stay in the step; in statics and with this scheme they move";
-        let remedy = "use `one-sided` or `standard`, or a scheme such as `energy-momentum`, under which they stay";
-        problems.add(format!("{}.constraint", pair.key), constraint.name(), message, remedy);
+    if options.integrals == Integrals::Frozen && constant.is_none() {
+        let message = "are those of the middle of the step; statics and this scheme take contact forces at its end";
+        let remedy = "remove it, or use a scheme such as `energy-momentum`";
+        problems.add(format!("{}.integrals", pair.key), "frozen", message, remedy);
         return None;
-    }
-    if dynamic && constant.is_none() && item.multipliers == Some(Multipliers::Dual) {
-        warnings.push(format!(
-            "{}: with integrals that move in the step dual multipliers gave blocks on the rim of a slab up to twenty times their energy. Use \
-             `multipliers = \"standard\"` (twice at most), or `energy-momentum`, which gives none with either",
-            item.label()
-        ));
     }
     // True if an entry cannot be had, which is said.
     let refuse = |entry: &str, value: &str, remedy: &str, problems: &mut Problems<'_>| {
@@ -91,12 +75,8 @@ pub(super) fn contact(
             }
             let mut method = method.with_crosspoints(prescribed);
             method.set_rule(contact_rule(gradient), pair.scene.time.step);
-            let complementarity = pair.prepare(&mut method, constraint, model, problems, warnings);
-            let smoothing = item.smoothing.unwrap_or(0.0);
-            if smoothing > 0.0 && refuse("smoothing", &smoothing.to_string(), "remove it", problems) {
-                return None;
-            }
-            method = method.with_softening(complementarity, smoothing);
+            let complementarity = pair.prepare(&mut method, Constraint::Standard, model, problems, warnings);
+            method = method.with_stiffness(complementarity);
             let mut plan = None;
             if let Some(friction) = &item.friction {
                 let slip = match friction.slip() {
@@ -120,7 +100,7 @@ pub(super) fn contact(
                     }
                 };
             }
-            let plan = pair.plan(&method, constraint, plan);
+            let plan = pair.plan(&method, Constraint::Standard, plan);
             model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
             Some(plan)
         }

@@ -19,12 +19,6 @@ pub(super) fn contact(
     let form = match constraint {
         Constraint::Standard => ConstraintForm::Standard,
         Constraint::Modified => ConstraintForm::Modified,
-        // The reader refuses it; a scene that was made in memory comes here.
-        Constraint::OneSided => {
-            let message = "`one-sided` is for mortar contact only";
-            problems.add(format!("{}.constraint", pair.key), "", message, "use `standard` or `modified`");
-            return None;
-        }
     };
     let enforcement = match item.enforcement {
         Enforced::Multiplier => Enforcement::Multiplier,

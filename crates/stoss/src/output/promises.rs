@@ -1,7 +1,6 @@
 //! What scheme, loads, supports and contacts of a scene together promise of momenta and energy.
 
-use crate::build::ContactPlan;
-use crate::scene::{Constraint, Scene};
+use crate::scene::{Constraint, Contact, ContactMethod, Integrals, Scene};
 use stoss_solver::{Model, Simulation};
 use stoss_watch::Promises;
 
@@ -23,12 +22,15 @@ fn driven(model: &Model) -> [bool; 3] {
 }
 
 /// The promises of a run; none in statics, where there is neither momentum nor kinetic energy.
-pub(crate) fn promises(scene: &Scene, simulation: &Simulation, contacts: &[ContactPlan]) -> Option<Promises> {
+pub(crate) fn promises(scene: &Scene, simulation: &Simulation) -> Option<Promises> {
     let scheme = scene.time.integrator.as_ref().filter(|_| scene.is_dynamic())?.make().ok()?;
     let (claims, model) = (scheme.claims(), simulation.model());
     let driven = driven(model);
     let moved = model.prescriptions.iter().any(|p| !p.displacement.is_constant() || p.rotation.is_some());
-    let constraints = [Constraint::Modified, Constraint::OneSided].map(|constraint| constraint.name());
+    let gives_nothing = |contact: &Contact| match contact.method {
+        ContactMethod::Mortar => contact.integrals != Some(Integrals::Frozen),
+        _ => contact.constraint == Some(Constraint::Modified),
+    };
     Some(Promises {
         linear: driven.map(|driven| claims.linear_momentum && !driven),
         angular: claims.angular_momentum
@@ -37,7 +39,7 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation, contacts: &[Conta
         energy: claims.energy,
         autonomous: !moved && model.loads.iter().all(stoss_solver::Load::is_conservative),
         contact_gives_nothing: claims.energy
-            && contacts.iter().all(|contact| constraints.contains(&contact.constraint.as_str())),
+            && scene.contacts.iter().all(gives_nothing),
         // A user who asks for less gets less.
         tolerance: TOLERANCE.max(100.0 * scene.solver.relative_tolerance.unwrap_or(0.0)),
     })

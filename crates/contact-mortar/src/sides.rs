@@ -1,0 +1,95 @@
+//! Sharp edges of a surface in the reference configuration, and the rows of the constraints: one for each side of a slave node.
+
+use nalgebra::Vector3;
+use stoss_contact::ContactSurface;
+
+/// Cosine of the angle between the normals of two facets in the reference configuration from which on the edge between them is sharp, 34.4 degrees: a chamfer of
+/// 45 degrees is, a round side of twelve facets is not. It lies between the edges of regular prisms with ten and with eleven sides, so that round-off
+/// decides nothing.
+const SHARP: f64 = 0.825;
+
+/// Unit normals of all facets at positions `q`; zero where there is none.
+pub(crate) fn unit_normals(surface: &ContactSurface, q: &[f64]) -> Vec<Vector3<f64>> {
+    let area_vector = |facet: u32| {
+        let x = surface.patch(facet, q).corners;
+        (x[2] - x[0]).cross(&(x[3] - x[1]))
+    };
+    let facets = 0..surface.facets().len() as u32;
+    facets.map(|f| area_vector(f).try_normalize(0.0).unwrap_or_default()).collect()
+}
+
+/// Whether an edge between facets with these reference normals is sharp.
+fn is_sharp(normals: &[Vector3<f64>], e: usize, f: usize) -> bool {
+    normals[e].dot(&normals[f]) <= SHARP
+}
+
+/// Whether a surface has sharp edges; reference normals.
+pub(crate) fn has_sharp_edges(surface: &ContactSurface, normals: &[Vector3<f64>]) -> bool {
+    let neighbours = |f: usize| (0..4).filter_map(move |edge| surface.neighbour(f as u32, edge));
+    (0..normals.len()).any(|f| neighbours(f).any(|e| is_sharp(normals, e as usize, f)))
+}
+
+/// A constraint that a slave node may have: the node's shape function on the facets of one of its sides. Facets are on one side of a node if edges at the node that
+/// are not sharp lead from one to the other, so that a node of a smooth surface has one row, and one at an edge of a block two.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Row {
+    /// Local number of the node.
+    pub local: usize,
+    /// Facets of the side, ascending, and which of their corners the node is.
+    pub facets: Vec<(u32, usize)>,
+    /// Reference area.
+    pub area: f64,
+    /// Whether the node has other sides.
+    pub shared: bool,
+}
+
+/// Rows of all slave nodes, in the order of the nodes.
+pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>]) -> Vec<Row> {
+    let facets = surface.local_facets();
+    let mut rows = Vec::new();
+    for local in 0..surface.nodes().len() {
+        let corner = |facet: u32| facets[facet as usize].iter().position(|&n| n as usize == local);
+        let around = surface.facets_around(local);
+        let mut left: Vec<u32> = around.to_vec();
+        let first_row = rows.len();
+        while let Some(&first) = left.first() {
+            left.retain(|&f| f != first);
+            let (mut side, mut next) = (vec![first], 0);
+            while let Some(&f) = side.get(next) {
+                next += 1;
+                let Some(a) = corner(f) else { continue };
+                for e in [a, (a + 3) % 4].into_iter().filter_map(|edge| surface.neighbour(f, edge)) {
+                    if left.contains(&e) && !is_sharp(normals, e as usize, f as usize) {
+                        left.retain(|&f| f != e);
+                        side.push(e);
+                    }
+                }
+            }
+            side.sort_unstable();
+            let facets: Vec<(u32, usize)> = side.into_iter().filter_map(|f| Some((f, corner(f)?))).collect();
+            let area = facets.iter().map(|&(f, a)| surface.corner_areas()[f as usize][a]).sum();
+            rows.push(Row { local, facets, area, shared: false });
+        }
+        let shared = rows.len() - first_row > 1;
+        rows[first_row..].iter_mut().for_each(|row| row.shared = shared);
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corner_of_a_box_has_three_rows() {
+        let corner = |k: usize| [(k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2 & 1) as f64];
+        let q: Vec<f64> = (0..8).flat_map(corner).collect();
+        let facets = [[4, 5, 7, 6], [0, 2, 3, 1], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
+        let surface = ContactSurface::new("slave", &facets, &q).unwrap();
+        let rows = rows(&surface, &unit_normals(&surface, &q));
+        assert_eq!(rows.len(), 24);
+        assert!(rows.iter().all(|row| row.shared && (row.area - 0.25).abs() < 1e-15));
+        let top = ContactSurface::new("slave", &facets[..1], &q).unwrap();
+        assert!(super::rows(&top, &unit_normals(&top, &q)).iter().all(|row| !row.shared));
+    }
+}
