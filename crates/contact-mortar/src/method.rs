@@ -5,10 +5,11 @@ use crate::discrete::RelativeMotion;
 use crate::factors::Factors;
 use crate::frictional::SurfaceFriction;
 use crate::sides::{Row, has_sharp_edges, rows, unit_normals};
-use crate::slot::{Evaluation, Slot, at};
+use crate::slot::{Evaluation, Slot, Want, at};
 use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
 use crate::tangential::Scratch;
-use crate::weights::{FacetWeights, Integration};
+use crate::derivatives::GapFunctional;
+use crate::weights::{FacetWeights, Integration, hand_over};
 use crate::{MortarError, MultiplierSpace, TriangleRule};
 use nalgebra::Vector3;
 use stoss_contact::{
@@ -68,6 +69,8 @@ pub(crate) struct Surfaces {
     pub master: ContactSurface,
     /// The rows of the constraints.
     pub rows: Vec<Row>,
+    /// Row of each corner of the slave facets.
+    row_of: Vec<[usize; 4]>,
     /// Unit normals of the slave facets in the reference configuration.
     normals: Vec<Vector3<f64>>,
     /// Slave nodes without a multiplier, by local number.
@@ -235,10 +238,14 @@ impl MortarContact {
         };
         let integration = Integration { space: options.space, rule: options.rule, factors };
         let rows = rows(&slave, &normals);
+        let mut row_of = vec![[0; 4]; slave.facets().len()];
+        for (k, row) in rows.iter().enumerate() {
+            row.facets.iter().for_each(|&(f, a)| row_of[f as usize][a] = k);
+        }
         let without = vec![false; slave.nodes().len()];
         Ok(Self {
             name: name.to_owned(),
-            surfaces: Surfaces { slave, master, rows, normals, without, integration },
+            surfaces: Surfaces { slave, master, rows, row_of, normals, without, integration },
             rule: ContactRule::EndPoint,
             step_size: 0.0,
             stiffness: 0.0,
@@ -418,7 +425,7 @@ impl MortarContact {
         let mut gradients = Vec::new();
         for (k, _) in missing.iter().enumerate().filter(|(_, m)| **m) {
             let slot = &slots[k];
-            let evaluation = slot.evaluate(&self.step.q_n, slot.nodes.len(), false);
+            let evaluation = slot.evaluate(&self.step.q_n, slot.nodes.len(), Want::Gradient);
             let evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;
             gradients.push((k, slot.nodes.clone(), evaluation.gradient));
         }
@@ -447,6 +454,11 @@ impl MortarContact {
         let least = VANISHING * CARRIED * self.surfaces.rows[k].area;
         let present = [&self.end, &self.middle].into_iter().filter_map(|of| of.slots.get(k));
         let mut present = present.filter(|slot| !slot.nodes.is_empty());
+        if let Ok(x) = std::env::var("SOFT") { let x: f64 = x.parse().unwrap_or(0.0); if x > 0.0 { return x * self.surfaces.rows[k].area / self.stiffness; } }
+        if let Ok(x) = std::env::var("FADE") { let x: f64 = x.parse().unwrap_or(0.0); let f: f64 = std::env::var("FADEC").ok().and_then(|f| f.parse().ok()).unwrap_or(0.3);
+            let moving = std::env::var("FADEM").is_ok();
+            let slots = if moving { &self.end.slots } else { &self.step.start };
+            let row = &self.surfaces.rows[k]; let alpha = slots[k].opposite / row.area; if alpha < x { return f * (1.0 - alpha / x).powi(2) * row.area / self.stiffness; } }
         if self.stiffness > 0.0 && present.any(|slot| slot.support < least) {
             COMPLIANCE * self.surfaces.rows[k].area / self.stiffness
         } else {
@@ -462,7 +474,13 @@ impl MortarContact {
         let no_normal = || ContactError::NoNormal { node: slot.nodes[0] };
         let end_point = self.rule == ContactRule::EndPoint;
         let mean_of_ends = self.rule == ContactRule::EndPointMean;
-        let at_end = slot.evaluate(step.q_np1, nodes, want_tangent && (end_point || mean_of_ends)).ok_or_else(no_normal)?;
+        let want = |needed: bool, whole: bool| match (want_tangent && needed, whole) {
+            (false, _) => Want::Gradient,
+            (true, false) => Want::FirstWeights,
+            (true, true) => Want::FixedWeights,
+        };
+        let want_at_end = want(end_point || mean_of_ends, self.has_second_derivatives());
+        let at_end = slot.evaluate(step.q_np1, nodes, want_at_end).ok_or_else(no_normal)?;
         let start = &self.step.gradient[k];
         let start_of = |c: usize| start.get(c).copied().unwrap_or(0.0);
         // G and its derivative by q_np1.
@@ -477,7 +495,7 @@ impl MortarContact {
         } else if self.is_discrete() {
             let q_m = mean(step.q_n, step.q_np1);
             let middle = if self.is_frozen() { slot } else { &self.middle.slots[k] };
-            let at_middle = middle.evaluate(&q_m, nodes, want_tangent).ok_or_else(no_normal)?;
+            let at_middle = middle.evaluate(&q_m, nodes, want(true, false)).ok_or_else(no_normal)?;
             self.discrete_gradient(k, middle, step, &at_middle, &at_end, &mut force, &mut hessian);
         } else {
             (0..n).for_each(|c| force[c] = start_of(c));
@@ -500,6 +518,45 @@ impl MortarContact {
             row.iter_mut().zip(h).for_each(|(t, h)| *t -= p * h);
         }
         Ok(())
+    }
+
+    /// Whether the tangent has the second derivatives of the weights: where there is no inertia Newton needs them.
+    fn has_second_derivatives(&self) -> bool {
+        self.rule == ContactRule::EndPoint && self.options.space == MultiplierSpace::Standard
+    }
+
+    /// Adds `-p n . d2g` of all rows of the facets that a slot stands for: those of which it is the first active row. Their nodes are nodes of the slot.
+    fn add_second_derivatives(&self, k: usize, q: &[f64], pressures: &[f64], active: &[bool], out: &mut LocalContribution) {
+        let Surfaces { slave, master, rows, row_of, without, integration, .. } = &self.surfaces;
+        let nodes = &self.end.slots[k].nodes;
+        let dim = out.dim();
+        let carries = |row: usize| active[row] && self.step.carried[row];
+        for &(f, _) in &rows[k].facets {
+            let of_corners = row_of[f as usize];
+            let Some(found) = self.end.segments[f as usize].as_ref().filter(|found| !found.segments.is_empty()) else { continue };
+            if of_corners.iter().copied().filter(|&row| carries(row)).min() != Some(k) {
+                continue;
+            }
+            let give = hand_over(slave.local_facets()[f as usize].map(|n| without[n as usize]));
+            let pulls = of_corners.map(|row| {
+                if carries(row) { self.end.slots[row].normal(q) * -pressures[row] } else { Vector3::zeros() }
+            });
+            let weights = [0, 1, 2, 3].map(|b| (0..4).map(|a| pulls[a] * give[(a, b)]).sum());
+            let functional = GapFunctional { rule: integration.rule, factors: &integration.factors, weights };
+            for pair in found.segments.chunk_by(|a, b| a.master_facet == b.master_facet) {
+                let facet = pair[0].master_facet;
+                let corners = master.patch(facet, q).corners;
+                let Some(hessian) = functional.hessian(pair, found.frame.corners(), &corners) else { continue };
+                let global = slave.facets()[f as usize].into_iter().chain(master.facets()[facet as usize]);
+                let places: Vec<usize> = global.filter_map(|n| nodes.iter().position(|m| *m == n)).collect();
+                debug_assert_eq!(places.len(), 8);
+                for (i, row) in hessian.iter().enumerate() {
+                    for (j, value) in row.iter().enumerate() {
+                        out.tangent[(3 * places[i / 3] + i % 3) * dim + 3 * places[j / 3] + j % 3] += value;
+                    }
+                }
+            }
+        }
     }
 
     fn discrete_gradient(
@@ -744,6 +801,9 @@ impl ContactMethod for MortarContact {
             let carries = self.step.carried[k];
             if carries {
                 self.contribute(k, step, pressures[k], want_tangent, &mut out)?;
+                if want_tangent && self.has_second_derivatives() {
+                    self.add_second_derivatives(k, step.q_np1, pressures, active, &mut out);
+                }
             }
             let slides = carries && of_friction.is_some();
             if slides && !self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out) {
@@ -771,6 +831,7 @@ impl ContactMethod for MortarContact {
             let gap = if there { slot.gap(q_np1) } else { None };
             let area = slot.support.max(CARRIED * row.area);
             *out = gap.map_or(f64::INFINITY, |gap| (gap - self.step.reference[k]) / area);
+            if active[k] && self.compliance(k) > 0.0 { *out = 0.0; }
             if gap.is_none() && self.step.carried[k] && active[k] {
                 *out = 0.0;
             }

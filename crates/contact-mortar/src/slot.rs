@@ -44,8 +44,19 @@ pub(crate) struct Evaluation {
     /// A volume.
     pub value: f64,
     pub gradient: Vec<f64>,
-    /// Second derivative without that of the weights, row-major; empty if not asked for.
+    /// Second derivative, see [`Want`], row-major; empty if not asked for.
     pub hessian: Vec<f64>,
+}
+
+/// What an evaluation of a weighted gap is to give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Want {
+    /// Value and gradient.
+    Gradient,
+    /// The second derivative but for that of the weights, too.
+    FirstWeights,
+    /// The second derivative but for `n . d2g`, which somebody else adds.
+    FixedWeights,
 }
 
 /// Coefficient of a corner in the two diagonals.
@@ -181,7 +192,7 @@ impl Slot {
 
     /// Value, gradient and, if asked for, second derivative at `q`; `None` if the normals of the facets cancel. Arrays have the size of `nodes`
     /// nodes, at least those of the slot.
-    pub fn evaluate(&self, q: &[f64], nodes: usize, want_hessian: bool) -> Option<Evaluation> {
+    pub fn evaluate(&self, q: &[f64], nodes: usize, want: Want) -> Option<Evaluation> {
         let (gap, c, origin) = self.vectors(q);
         let length = c.norm();
         let n = c.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()))?;
@@ -216,9 +227,12 @@ impl Slot {
         for (k, g) in out.gradient[..own].iter_mut().enumerate() {
             *g = n.dot(&by_gap.column(k)) + b.dot(&by_c.column(k));
         }
-        if want_hessian {
+        if want != Want::Gradient {
             out.hessian = vec![0.0; columns * columns];
             self.add_hessian([n, b], value, length, [&by_gap, &by_c], columns, &mut out.hessian);
+        }
+        if want == Want::FirstWeights {
+            self.add_motion_of_weights(n, columns, &mut out.hessian);
         }
         Some(out)
     }
@@ -266,7 +280,11 @@ impl Slot {
                 }
             }
         }
-        // n . d2g, but for the second derivative of the weights.
+    }
+
+    /// Adds `n . d2g`, but for the second derivative of the weights.
+    fn add_motion_of_weights(&self, n: Vector3<f64>, columns: usize, out: &mut [f64]) {
+        let own = 3 * self.nodes.len();
         if self.whole.derivative.is_empty() {
             return;
         }

@@ -61,6 +61,9 @@ proptest! {
         let mut method = method(options(dual)).with_factors(factors(kind));
         if let Some([rows, forces]) = tangent_errors(&mut method, RULES[rule], &q_n, &q, &p) {
             prop_assert!(rows < 1e-6, "{:?} dual {dual} factors {kind}: {rows:e}", RULES[rule]);
+            if RULES[rule] == ContactRule::EndPoint && !dual {
+                prop_assert!(forces < 1e-4, "factors {kind}: {forces:e}");
+            }
             // With gaps of a tenth of a facet they are of the size of all others; a kink of the polygon within the difference, or a sliver, may be more.
             prop_assert!(RULES[rule] != ContactRule::StartPoint || forces < 1e-6, "{:?} factors {kind}: {forces:e}", RULES[rule]);
         }

@@ -23,8 +23,8 @@ pub enum ActiveSetOutcome {
         /// Slots that became inactive.
         released: usize,
     },
-    /// A set came back again after the union: the set is left as it was, [`ActiveSetControl::flipping`] tells which slots
-    /// flip. Halve the step.
+    /// A set came back again after the union, and again while slots were turned one at a time: the set is left as it was, [`ActiveSetControl::flipping`] tells
+    /// which slots flip. Halve the step.
     Cycling,
 }
 
@@ -95,7 +95,8 @@ pub fn update(
 /// The rule with a memory of the sets of this step, against cycling (formulation §9.2).
 ///
 /// If a proposed set was there before, the union of all sets since then is taken ([`ActiveSetOutcome::Union`]) and the memory is cleared. If
-/// a set comes back once more, the answer is [`ActiveSetOutcome::Cycling`].
+/// a set comes back once more, slots are turned one at a time from then on, first the one that is most wrong, after another return the first one in their order.
+/// If a set comes back even then, the answer is [`ActiveSetOutcome::Cycling`].
 ///
 /// Sets can be compared only as long as the constraints are the same: after a change of pairings (other than those of slots that
 /// have just been activated) call [`Self::reset`].
@@ -106,20 +107,33 @@ pub struct ActiveSetControl {
     history: Vec<bool>,
     proposed: Vec<bool>,
     flipping: Vec<usize>,
-    union_taken: bool,
+    pace: Pace,
+}
+
+/// How many slots are turned at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pace {
+    /// All that are wrong.
+    Together,
+    /// The same, after the union of sets was taken once.
+    AfterUnion,
+    /// The one that is most wrong.
+    Worst,
+    /// The first one (Murty 1974): with a matrix all of whose principal minors are positive no set comes back.
+    First,
 }
 
 impl ActiveSetControl {
     /// A control without history.
     pub fn new(tolerance: ActiveSetTolerance) -> Self {
-        Self { tolerance, history: Vec::new(), proposed: Vec::new(), flipping: Vec::new(), union_taken: false }
+        Self { tolerance, history: Vec::new(), proposed: Vec::new(), flipping: Vec::new(), pace: Pace::Together }
     }
 
     /// Forgets the sets: at the start of each step and of each repetition of one, and when pairings changed.
     pub fn reset(&mut self) {
         self.history.clear();
         self.flipping.clear();
-        self.union_taken = false;
+        self.pace = Pace::Together;
     }
 
     /// Number of sets solved for since [`ActiveSetControl::reset`] or the union, that of the last proposal not counted.
@@ -150,21 +164,43 @@ impl ActiveSetControl {
             return ActiveSetOutcome::Unchanged;
         }
         self.history.extend_from_slice(active);
+        let one_by_one = |pace: Pace, proposed: &mut [bool]| {
+            let wrong = (0..slots).filter(|&slot| active[slot] != proposed[slot]);
+            // How far a slot is on the wrong side, a length.
+            let error = |slot: usize| if active[slot] { -(pressures[slot] / c[slot]) + gaps[slot].max(0.0) } else { -gaps[slot] };
+            let turned = match pace {
+                Pace::First => wrong.min(),
+                _ => wrong.max_by(|&a, &b| error(a).total_cmp(&error(b))),
+            };
+            proposed.copy_from_slice(active);
+            turned.into_iter().for_each(|slot| proposed[slot] = !proposed[slot]);
+        };
+        if matches!(self.pace, Pace::Worst | Pace::First) {
+            one_by_one(self.pace, &mut self.proposed);
+        }
         let first = self.history.chunks_exact(slots).position(|set| set == self.proposed);
         if let Some(first) = first {
+            let sets = || self.history.chunks_exact(slots).skip(first);
+            let seen = |slot: usize| (sets().any(|set| set[slot]), sets().all(|set| set[slot]));
             self.flipping.clear();
-            for slot in 0..slots {
-                let sets = || self.history.chunks_exact(slots).skip(first);
-                let (any, all) = (sets().any(|set| set[slot]), sets().all(|set| set[slot]));
-                if any && !all {
-                    self.flipping.push(slot);
+            self.flipping.extend((0..slots).filter(|&slot| { let (any, all) = seen(slot); any && !all }));
+            self.pace = match self.pace {
+                Pace::Together => {
+                    let union: Vec<bool> = (0..slots).map(|slot| seen(slot).0).collect();
+                    self.proposed.copy_from_slice(&union);
+                    Pace::AfterUnion
                 }
-                self.proposed[slot] = any;
-            }
-            if self.union_taken {
-                return ActiveSetOutcome::Cycling;
-            }
-            self.union_taken = true;
+                Pace::AfterUnion => {
+                    one_by_one(Pace::Worst, &mut self.proposed);
+                    Pace::Worst
+                }
+                Pace::Worst => {
+                    update(active, pressures, gaps, c, self.tolerance, &mut self.proposed);
+                    one_by_one(Pace::First, &mut self.proposed);
+                    Pace::First
+                }
+                Pace::First => return ActiveSetOutcome::Cycling,
+            };
             self.history.clear();
         }
         let (mut activated, mut released) = (0, 0);
