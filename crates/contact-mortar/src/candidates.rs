@@ -3,8 +3,8 @@
 //! The pairs are found once a step, generously: a pair without overlap has no weight, so that too long a list changes nothing, and within the step no pair comes or
 //! goes by a search.
 
-use crate::surfaces::{corners, master_facet, region};
 use crate::MortarError;
+use crate::surfaces::{corners, master_facet, region};
 use stoss_contact::ContactSurface;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 use stoss_segmentation::{FacetSegmentation, GapRange, MasterFacet, SlaveFrame, segment_facet};
@@ -35,8 +35,7 @@ impl Candidates {
         let gaps = GapRange { min: -range.depth, max: range.far };
         let of_facet = |facet: u32| {
             let x = corners(slave, facet, q);
-            let normal =
-                SlaveFrame::new(x).map_err(|source| MortarError::Segmentation { facet, source })?.normal();
+            let normal = SlaveFrame::new(x).map_err(|source| MortarError::Segmentation { facet, source })?.normal();
             let mut found = Vec::new();
             tree.query(&region(&x, normal, &bounds, gaps).inflated(range.reach), |f| found.push(f as u32));
             found.sort_unstable();
@@ -53,8 +52,7 @@ impl Candidates {
         facet: u32,
         q: &[f64],
     ) -> Result<FacetSegmentation, MortarError> {
-        let near: Vec<MasterFacet> =
-            self.0[facet as usize].iter().map(|&f| master_facet(master, f, q)).collect();
+        let near: Vec<MasterFacet> = self.0[facet as usize].iter().map(|&f| master_facet(master, f, q)).collect();
         segment_facet(corners(slave, facet, q), &near, GapRange::ALL)
             .map_err(|source| MortarError::Segmentation { facet, source })
     }

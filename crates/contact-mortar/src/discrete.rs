@@ -37,7 +37,9 @@ impl RelativeMotion {
         let origin = middle(nodes[0]);
         let mut arms: Vec<Vector3<f64>> = nodes.iter().map(|&n| middle(n) - origin).collect();
         let mut motion: Vec<Vector3<f64>> = nodes.iter().map(|&n| at(q_1, n) - at(q_0, n)).collect();
-        let mean = |v: &[Vector3<f64>]| -> Vector3<f64> { v.iter().zip(&weights).map(|(v, a)| v * *a).sum::<Vector3<f64>>() * share };
+        let mean = |v: &[Vector3<f64>]| -> Vector3<f64> {
+            v.iter().zip(&weights).map(|(v, a)| v * *a).sum::<Vector3<f64>>() * share
+        };
         let (centre, drift) = (mean(&arms), mean(&motion));
         arms.iter_mut().for_each(|arm| *arm -= centre);
         motion.iter_mut().for_each(|u| *u -= drift);

@@ -141,7 +141,8 @@ impl Factors {
             return;
         }
         let [value, slope] = self.of_gap(point.gap);
-        let (whole, by_gap, by_facing) = (facing.value * value, point.weight * facing.value * slope, point.weight * value);
+        let (whole, by_gap, by_facing) =
+            (facing.value * value, point.weight * facing.value * slope, point.weight * value);
         for ((w, g), f) in variation.weight.iter_mut().zip(&variation.gap).zip(&facing.derivative) {
             *w = whole * *w + by_gap * g + by_facing * f;
         }

@@ -4,7 +4,7 @@ use crate::frames::MaterialFrames;
 use crate::method::MortarContact;
 use crate::sides::Row;
 use crate::slip::SlipMeasure;
-use crate::slot::at;
+use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, PointIteration, Stick, stick_compliances};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration};
@@ -72,16 +72,8 @@ impl MortarContact {
         let (step_size, rounds) = (0.0, 0);
         // Before the first step these are the reference positions.
         let frames = MaterialFrames::new(&self.surfaces.slave, &self.step.q_n);
-        self.friction = Some(SurfaceFriction {
-            friction,
-            measure,
-            frames,
-            step_size,
-            rounds,
-            points,
-            compliance,
-            slivers,
-        });
+        self.friction =
+            Some(SurfaceFriction { friction, measure, frames, step_size, rounds, points, compliance, slivers });
         Ok(self)
     }
 
@@ -157,13 +149,15 @@ impl MortarContact {
         let surface = self.friction.as_ref()?;
         let point = surface.points[slot];
         // Slips of the midpoint rules have the weights of the middle at both ends.
-        let start = if self.rule == ContactRule::EndPoint { &self.step.start } else { self.friction_slots() }.get(slot)?;
+        let start =
+            if self.rule == ContactRule::EndPoint { &self.step.start } else { self.friction_slots() }.get(slot)?;
         Some(NodeFriction {
             friction: &surface.friction,
             measure: surface.measure,
             frames: &surface.frames,
             local: self.surfaces.rows[slot].local,
             start,
+            area: self.slip_area(slot),
             history: point.start,
             multiplier,
             compliance: if surface.slivers[slot] {
@@ -178,6 +172,20 @@ impl MortarContact {
             pressure,
             reversed: point.iteration.is_reversed(),
         })
+    }
+
+    /// Covered area that slip and energies of a slot belong to: that of the start of the step for the midpoint rules, that of the end for the end point.
+    fn slip_area(&self, slot: usize) -> f64 {
+        let of = |slots: &[Slot]| slots.get(slot).map_or(0.0, |slot| slot.support);
+        let (start, present) = (of(&self.step.start), of(self.friction_slots()));
+        let yang = self.friction.as_ref().is_some_and(|surface| surface.measure == SlipMeasure::Yang);
+        match self.rule {
+            ContactRule::EndPoint if yang => start,
+            ContactRule::EndPoint => present,
+            // A node that had no partner has the area of the middle.
+            _ if start > 0.0 => start,
+            _ => present,
+        }
     }
 
     /// Adds a slot's friction to its contribution; false if the node has no tangent plane.
@@ -274,7 +282,7 @@ impl MortarContact {
                 total.dissipated += before;
                 continue;
             };
-            let support = self.friction_slots()[slot].support;
+            let support = self.slip_area(slot);
             if surface.slivers[slot] {
                 // Nothing is kept for the next step.
                 let friction_work = support * step.work;
@@ -301,7 +309,7 @@ impl MortarContact {
         let count = self.friction.as_ref().map_or(0, |surface| surface.points.len());
         for slot in 0..count {
             let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot], &mut work) } else { None };
-            let support = self.friction_slots().get(slot).map_or(0.0, |s| s.support);
+            let support = self.slip_area(slot);
             let Some(surface) = &mut self.friction else { continue };
             let sliver = surface.slivers[slot];
             let (point, step_size) = (&mut surface.points[slot], surface.step_size);

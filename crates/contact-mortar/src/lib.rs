@@ -61,7 +61,7 @@ pub use error::MortarError;
 pub use factors::Factors;
 pub use integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 pub use matrices::MortarMatrices;
-pub use method::{Integrals, MortarContact, MortarOptions};
+pub use method::{Force, Integrals, MortarContact, MortarOptions};
 pub use multiplier::{MultiplierBasis, MultiplierSpace};
 pub use points::{PointVariation, QuadraturePoint, for_each_point, for_each_point_with_derivatives};
 pub use slip::SlipMeasure;

@@ -1,6 +1,6 @@
 //! Mortar matrices of a pair of surfaces.
 
-use crate::{Factors, MultiplierBasis, MultiplierSpace, TriangleRule, SurfaceSegmentation, facet_integrals};
+use crate::{Factors, MultiplierBasis, MultiplierSpace, SurfaceSegmentation, TriangleRule, facet_integrals};
 use stoss_contact::ContactSurface;
 
 /// `D` (slave by slave) and `M` (slave by master) as sparse rows, entries areas. Node numbers are the surfaces' local

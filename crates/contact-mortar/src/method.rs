@@ -8,8 +8,7 @@ use crate::sides::{Row, has_sharp_edges, rows, unit_normals};
 use crate::slot::{Evaluation, Slot, Want, at};
 use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
 use crate::tangential::Scratch;
-use crate::derivatives::GapFunctional;
-use crate::weights::{FacetWeights, Integration, hand_over};
+use crate::weights::{FacetWeights, Integration};
 use crate::{MortarError, MultiplierSpace, TriangleRule};
 use nalgebra::Vector3;
 use stoss_contact::{
@@ -29,6 +28,17 @@ pub enum Integrals {
     Frozen,
 }
 
+/// Force of a pressure under [`ContactRule::EndPoint`]. Neither has a resultant or a moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Force {
+    /// The gradient of the weighted gap: the force of a constraint that does no work, and what dynamics wants.
+    #[default]
+    Gradient,
+    /// The gradient at fixed weights: what statics wants. Where facets are large against the depth the other one has limit points, at which nodes slide out of
+    /// the overlap instead of carrying.
+    HeldWeights,
+}
+
 /// Options of the method.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MortarOptions {
@@ -38,6 +48,10 @@ pub struct MortarOptions {
     pub rule: TriangleRule,
     /// Which integrals.
     pub integrals: Integrals,
+    /// Which force.
+    pub force: Force,
+    /// Pressure over penetration, a stress per length, if contact is not rigid; under [`ContactRule::EndPoint`].
+    pub overclosure: Option<f64>,
     /// Whether a penetration that a node has at the start of a step is kept, as dynamics wants it: to push it out would give energy.
     pub keeps_penetration: bool,
 }
@@ -69,8 +83,6 @@ pub(crate) struct Surfaces {
     pub master: ContactSurface,
     /// The rows of the constraints.
     pub rows: Vec<Row>,
-    /// Row of each corner of the slave facets.
-    row_of: Vec<[usize; 4]>,
     /// Unit normals of the slave facets in the reference configuration.
     normals: Vec<Vector3<f64>>,
     /// Slave nodes without a multiplier, by local number.
@@ -175,8 +187,7 @@ impl Surfaces {
                 facets.push(None);
                 continue;
             }
-            let found =
-                candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
+            let found = candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
             facets.push((!found.segments.is_empty()).then(|| {
                 let corners = |m| master.patch(m, q).corners;
                 let without = slave.local_facets()[f].map(|n| self.without[n as usize]);
@@ -238,14 +249,10 @@ impl MortarContact {
         };
         let integration = Integration { space: options.space, rule: options.rule, factors };
         let rows = rows(&slave, &normals);
-        let mut row_of = vec![[0; 4]; slave.facets().len()];
-        for (k, row) in rows.iter().enumerate() {
-            row.facets.iter().for_each(|&(f, a)| row_of[f as usize][a] = k);
-        }
         let without = vec![false; slave.nodes().len()];
         Ok(Self {
             name: name.to_owned(),
-            surfaces: Surfaces { slave, master, rows, row_of, normals, without, integration },
+            surfaces: Surfaces { slave, master, rows, normals, without, integration },
             rule: ContactRule::EndPoint,
             step_size: 0.0,
             stiffness: 0.0,
@@ -265,9 +272,8 @@ impl MortarContact {
     #[must_use]
     pub fn with_crosspoints(mut self, prescribed: impl Fn(u32) -> [bool; 3]) -> Self {
         let slave = &self.surfaces.slave;
-        let fixed: Vec<bool> = (slave.nodes().iter().enumerate())
-            .map(|(a, &n)| self.is_held_along_normal(a, prescribed(n)))
-            .collect();
+        let fixed: Vec<bool> =
+            (slave.nodes().iter().enumerate()).map(|(a, &n)| self.is_held_along_normal(a, prescribed(n))).collect();
         let mut without = vec![false; fixed.len()];
         for node in 0..fixed.len() {
             let mut beside = slave.facets_around(node).iter().flat_map(|&f| slave.local_facets()[f as usize]);
@@ -365,9 +371,7 @@ impl MortarContact {
 
     /// Renews the slots of the end (and of the middle) at an iterate; tells whether stencils changed. Derivatives of `active` rows are there afterwards.
     fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<bool, ContactError> {
-        let has = |of: &Integrated, at_all: bool| {
-            at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a)
-        };
+        let has = |of: &Integrated, at_all: bool| at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a);
         let at_end = self.end.at == q_np1;
         let needs_end = want_tangent || self.rule == ContactRule::EndPoint || self.rule == ContactRule::EndPointMean;
         let end_done = at_end && (!needs_end || has(&self.end, at_end));
@@ -419,7 +423,8 @@ impl MortarContact {
             &self.end.slots
         } else {
             let needs = self.surfaces.needs(Need::Nothing, &missing);
-            integrated = self.surfaces.integrate(&self.step.candidates, &self.step.q_n, &needs, &self.step.start, false)?;
+            integrated =
+                self.surfaces.integrate(&self.step.candidates, &self.step.q_n, &needs, &self.step.start, false)?;
             &integrated.slots
         };
         let mut gradients = Vec::new();
@@ -449,37 +454,40 @@ impl MortarContact {
         Ok(())
     }
 
-    /// Compliance of a row, a volume per stress: none unless the support of a row that carries a multiplier has all but vanished.
-    fn compliance(&self, k: usize) -> f64 {
+    /// Whether the support of a row that carries a multiplier has all but vanished.
+    fn is_vanishing(&self, k: usize) -> bool {
         let least = VANISHING * CARRIED * self.surfaces.rows[k].area;
         let present = [&self.end, &self.middle].into_iter().filter_map(|of| of.slots.get(k));
-        let mut present = present.filter(|slot| !slot.nodes.is_empty());
-        if let Ok(x) = std::env::var("SOFT") { let x: f64 = x.parse().unwrap_or(0.0); if x > 0.0 { return x * self.surfaces.rows[k].area / self.stiffness; } }
-        if let Ok(x) = std::env::var("FADE") { let x: f64 = x.parse().unwrap_or(0.0); let f: f64 = std::env::var("FADEC").ok().and_then(|f| f.parse().ok()).unwrap_or(0.3);
-            let moving = std::env::var("FADEM").is_ok();
-            let slots = if moving { &self.end.slots } else { &self.step.start };
-            let row = &self.surfaces.rows[k]; let alpha = slots[k].opposite / row.area; if alpha < x { return f * (1.0 - alpha / x).powi(2) * row.area / self.stiffness; } }
-        if self.stiffness > 0.0 && present.any(|slot| slot.support < least) {
-            COMPLIANCE * self.surfaces.rows[k].area / self.stiffness
-        } else {
-            0.0
-        }
+        self.stiffness > 0.0 && present.filter(|slot| !slot.nodes.is_empty()).any(|slot| slot.support < least)
+    }
+
+    /// Compliance of a row, a volume per stress: that of the law, and next to nothing for a row that would vanish.
+    fn compliance(&self, k: usize) -> f64 {
+        let of_law = self.options.overclosure.map_or(0.0, |stiffness| self.end.slots[k].support / stiffness);
+        if self.is_vanishing(k) { of_law + COMPLIANCE * self.surfaces.rows[k].area / self.stiffness } else { of_law }
     }
 
     /// Adds force and row of a slot with their derivatives to `out`.
-    fn contribute(&self, k: usize, step: StepConfiguration<'_>, p: f64, want_tangent: bool, out: &mut LocalContribution) -> Result<(), ContactError> {
+    fn contribute(
+        &self,
+        k: usize,
+        step: StepConfiguration<'_>,
+        p: f64,
+        want_tangent: bool,
+        out: &mut LocalContribution,
+    ) -> Result<(), ContactError> {
         let slot = &self.end.slots[k];
         let nodes = slot.nodes.len();
         let n = 3 * nodes;
         let no_normal = || ContactError::NoNormal { node: slot.nodes[0] };
         let end_point = self.rule == ContactRule::EndPoint;
         let mean_of_ends = self.rule == ContactRule::EndPointMean;
-        let want = |needed: bool, whole: bool| match (want_tangent && needed, whole) {
-            (false, _) => Want::Gradient,
-            (true, false) => Want::FirstWeights,
-            (true, true) => Want::FixedWeights,
+        let holds = end_point && self.options.force == Force::HeldWeights;
+        let want_at_end = match (holds, want_tangent && (end_point || mean_of_ends)) {
+            (true, _) => Want::HeldForce,
+            (false, true) => Want::Hessian,
+            (false, false) => Want::Gradient,
         };
-        let want_at_end = want(end_point || mean_of_ends, self.has_second_derivatives());
         let at_end = slot.evaluate(step.q_np1, nodes, want_at_end).ok_or_else(no_normal)?;
         let start = &self.step.gradient[k];
         let start_of = |c: usize| start.get(c).copied().unwrap_or(0.0);
@@ -487,7 +495,7 @@ impl MortarContact {
         let mut force = vec![0.0; n];
         let mut hessian = Vec::new();
         if end_point {
-            force.copy_from_slice(&at_end.gradient);
+            force.copy_from_slice(if holds { &at_end.held } else { &at_end.gradient });
             hessian.clone_from(&at_end.hessian);
         } else if mean_of_ends {
             (0..n).for_each(|c| force[c] = 0.5 * (at_end.gradient[c] + start_of(c)));
@@ -495,7 +503,9 @@ impl MortarContact {
         } else if self.is_discrete() {
             let q_m = mean(step.q_n, step.q_np1);
             let middle = if self.is_frozen() { slot } else { &self.middle.slots[k] };
-            let at_middle = middle.evaluate(&q_m, nodes, want(true, false)).ok_or_else(no_normal)?;
+            let at_middle = middle
+                .evaluate(&q_m, nodes, if want_tangent { Want::Hessian } else { Want::Gradient })
+                .ok_or_else(no_normal)?;
             self.discrete_gradient(k, middle, step, &at_middle, &at_end, &mut force, &mut hessian);
         } else {
             (0..n).for_each(|c| force[c] = start_of(c));
@@ -514,49 +524,13 @@ impl MortarContact {
             *t -= g;
         }
         out.tangent[n * dim + n] -= compliance;
+        if let Some(stiffness) = self.options.overclosure {
+            slot.for_each_support_derivative(|column, d| out.tangent[n * dim + column] -= p / stiffness * d);
+        }
         for (row, h) in out.tangent.chunks_exact_mut(dim).zip(hessian.chunks_exact(n)) {
             row.iter_mut().zip(h).for_each(|(t, h)| *t -= p * h);
         }
         Ok(())
-    }
-
-    /// Whether the tangent has the second derivatives of the weights: where there is no inertia Newton needs them.
-    fn has_second_derivatives(&self) -> bool {
-        self.rule == ContactRule::EndPoint && self.options.space == MultiplierSpace::Standard
-    }
-
-    /// Adds `-p n . d2g` of all rows of the facets that a slot stands for: those of which it is the first active row. Their nodes are nodes of the slot.
-    fn add_second_derivatives(&self, k: usize, q: &[f64], pressures: &[f64], active: &[bool], out: &mut LocalContribution) {
-        let Surfaces { slave, master, rows, row_of, without, integration, .. } = &self.surfaces;
-        let nodes = &self.end.slots[k].nodes;
-        let dim = out.dim();
-        let carries = |row: usize| active[row] && self.step.carried[row];
-        for &(f, _) in &rows[k].facets {
-            let of_corners = row_of[f as usize];
-            let Some(found) = self.end.segments[f as usize].as_ref().filter(|found| !found.segments.is_empty()) else { continue };
-            if of_corners.iter().copied().filter(|&row| carries(row)).min() != Some(k) {
-                continue;
-            }
-            let give = hand_over(slave.local_facets()[f as usize].map(|n| without[n as usize]));
-            let pulls = of_corners.map(|row| {
-                if carries(row) { self.end.slots[row].normal(q) * -pressures[row] } else { Vector3::zeros() }
-            });
-            let weights = [0, 1, 2, 3].map(|b| (0..4).map(|a| pulls[a] * give[(a, b)]).sum());
-            let functional = GapFunctional { rule: integration.rule, factors: &integration.factors, weights };
-            for pair in found.segments.chunk_by(|a, b| a.master_facet == b.master_facet) {
-                let facet = pair[0].master_facet;
-                let corners = master.patch(facet, q).corners;
-                let Some(hessian) = functional.hessian(pair, found.frame.corners(), &corners) else { continue };
-                let global = slave.facets()[f as usize].into_iter().chain(master.facets()[facet as usize]);
-                let places: Vec<usize> = global.filter_map(|n| nodes.iter().position(|m| *m == n)).collect();
-                debug_assert_eq!(places.len(), 8);
-                for (i, row) in hessian.iter().enumerate() {
-                    for (j, value) in row.iter().enumerate() {
-                        out.tangent[(3 * places[i / 3] + i % 3) * dim + 3 * places[j / 3] + j % 3] += value;
-                    }
-                }
-            }
-        }
     }
 
     fn discrete_gradient(
@@ -627,7 +601,8 @@ impl MortarContact {
                 let [x, y] = facets.map(|nodes| corner(&self.step.q_n, nodes));
                 let normal = (x[2] - x[0]).cross(&(x[3] - x[1])).normalize();
                 let before: f64 =
-                    v.iter().map(|v| (point(&y, v.master) - point(&x, v.slave)).dot(&normal)).sum::<f64>() / v.len() as f64;
+                    v.iter().map(|v| (point(&y, v.master) - point(&x, v.slave)).dot(&normal)).sum::<f64>()
+                        / v.len() as f64;
                 if before >= 0.0 {
                     return Err(ContactError::Passed { facet: f as u32, before, after: deepest });
                 }
@@ -689,12 +664,11 @@ impl ContactMethod for MortarContact {
             _ => middle.iter().chain(&end).collect(),
         };
         let rows = surfaces.rows.iter().enumerate();
-        let carried = rows
-            .map(|(k, row)| seen.iter().all(|of| of.slots[k].opposite > CARRIED * row.area))
-            .collect();
+        let carried = rows.map(|(k, row)| seen.iter().all(|of| of.slots[k].opposite > CARRIED * row.area)).collect();
         let (frozen, no_penetration) = (self.is_frozen(), NO_PENETRATION * surfaces.slave.length_scale());
         let weights = if frozen { middle.as_ref().unwrap_or(&start) } else { &start };
-        let gap: Vec<Option<f64>> = weights.slots.iter().map(|slot| if slot.opposite > 0.0 { slot.gap(q_n) } else { None }).collect();
+        let gap: Vec<Option<f64>> =
+            weights.slots.iter().map(|slot| if slot.opposite > 0.0 { slot.gap(q_n) } else { None }).collect();
         let reference = gap.iter().zip(&surfaces.rows).map(|(gap, row)| match gap {
             Some(gap) if self.options.keeps_penetration && !frozen && *gap < -no_penetration * row.area => *gap,
             _ => 0.0,
@@ -801,9 +775,6 @@ impl ContactMethod for MortarContact {
             let carries = self.step.carried[k];
             if carries {
                 self.contribute(k, step, pressures[k], want_tangent, &mut out)?;
-                if want_tangent && self.has_second_derivatives() {
-                    self.add_second_derivatives(k, step.q_np1, pressures, active, &mut out);
-                }
             }
             let slides = carries && of_friction.is_some();
             if slides && !self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out) {
@@ -812,7 +783,8 @@ impl ContactMethod for MortarContact {
             // The row `-A p = 0` keeps the system regular until the slot opens.
             let (n, weight) = (3 * slot.nodes.len(), self.slot_weight(k));
             let (dim, first) = (out.dim(), n + out.slots.len());
-            let values = [(n, pressures[k], !carries), (first, multiplier[0], !slides), (first + 1, multiplier[1], !slides)];
+            let values =
+                [(n, pressures[k], !carries), (first, multiplier[0], !slides), (first + 1, multiplier[1], !slides)];
             for (row, value, _) in values[..1 + further].iter().filter(|(.., idle)| *idle) {
                 out.residual[*row] = -weight * value;
                 if want_tangent {
@@ -831,7 +803,10 @@ impl ContactMethod for MortarContact {
             let gap = if there { slot.gap(q_np1) } else { None };
             let area = slot.support.max(CARRIED * row.area);
             *out = gap.map_or(f64::INFINITY, |gap| (gap - self.step.reference[k]) / area);
-            if active[k] && self.compliance(k) > 0.0 { *out = 0.0; }
+            // The law gives a closed row the gap that its pressure asks for.
+            if active[k] && self.options.overclosure.is_some() {
+                *out = 0.0;
+            }
             if gap.is_none() && self.step.carried[k] && active[k] {
                 *out = 0.0;
             }
@@ -863,7 +838,12 @@ impl ContactMethod for MortarContact {
     }
 
     fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
-        Ok(self.friction_work(q_np1, pressures, active))
+        let mut work = self.friction_work(q_np1, pressures, active);
+        if let Some(stiffness) = self.options.overclosure {
+            let closed = self.end.slots.iter().zip(pressures).zip(active).filter(|(_, active)| **active);
+            work.stored += closed.map(|((slot, p), _)| 0.5 * slot.support * p * p / stiffness).sum::<f64>();
+        }
+        Ok(work)
     }
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
@@ -923,6 +903,7 @@ impl ContactMethod for MortarContact {
             let there = slot.support > 1e-8 * row.area;
             let gap = if there { slot.gap(q).map(|gap| gap / slot.support) } else { None };
             let kept = self.step.reference.get(k).copied().unwrap_or(0.0);
+            let of_law = gap.filter(|gap| self.options.overclosure.is_some() && *gap < 0.0);
             SlotReport {
                 node: nodes[row.local],
                 weight: row.area,
@@ -930,7 +911,7 @@ impl ContactMethod for MortarContact {
                 gap,
                 normal: if gap.is_some() { slot.normal(q).into() } else { [0.0; 3] },
                 feature: if gap.is_some() { "face" } else { "none" },
-                reference_gap: if there { kept / slot.support } else { 0.0 },
+                reference_gap: of_law.unwrap_or(if there { kept / slot.support } else { 0.0 }),
                 friction: self.last_friction(k),
             }
         });

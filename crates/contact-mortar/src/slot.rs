@@ -44,6 +44,8 @@ pub(crate) struct Evaluation {
     /// A volume.
     pub value: f64,
     pub gradient: Vec<f64>,
+    /// The gradient at fixed weights, see [`Want::HeldForce`].
+    pub held: Vec<f64>,
     /// Second derivative, see [`Want`], row-major; empty if not asked for.
     pub hessian: Vec<f64>,
 }
@@ -54,9 +56,9 @@ pub(crate) enum Want {
     /// Value and gradient.
     Gradient,
     /// The second derivative but for that of the weights, too.
-    FirstWeights,
-    /// The second derivative but for `n . d2g`, which somebody else adds.
-    FixedWeights,
+    Hessian,
+    /// The gradient at fixed weights, too, and the derivative of that one.
+    HeldForce,
 }
 
 /// Coefficient of a corner in the two diagonals.
@@ -200,10 +202,7 @@ impl Slot {
         // d Phi = n . dg + b . dc
         let b = (gap - n * value) / length;
         let (own, columns) = (3 * self.nodes.len(), 3 * nodes);
-        let mut by_gap = Matrix3xX::zeros(own);
-        for (k, &w) in self.whole.weights.iter().enumerate() {
-            (0..3).for_each(|i| by_gap[(i, 3 * k + i)] += w);
-        }
+        let mut by_gap = self.by_gap_held();
         if !self.whole.derivative.is_empty() {
             for (row, &node) in self.whole.derivative.chunks_exact(own).zip(&self.nodes) {
                 let x = at(q, node) - origin;
@@ -223,26 +222,47 @@ impl Slot {
                 }
             }
         }
-        let mut out = Evaluation { value, gradient: vec![0.0; columns], hessian: Vec::new() };
+        let mut out = Evaluation { value, gradient: vec![0.0; columns], ..Evaluation::default() };
         for (k, g) in out.gradient[..own].iter_mut().enumerate() {
             *g = n.dot(&by_gap.column(k)) + b.dot(&by_c.column(k));
         }
-        if want != Want::Gradient {
-            out.hessian = vec![0.0; columns * columns];
-            self.add_hessian([n, b], value, length, [&by_gap, &by_c], columns, &mut out.hessian);
-        }
-        if want == Want::FirstWeights {
-            self.add_motion_of_weights(n, columns, &mut out.hessian);
+        match want {
+            Want::Gradient => {}
+            Want::Hessian => {
+                out.hessian = vec![0.0; columns * columns];
+                self.add_hessian([n, b], value, length, [&by_gap, &by_gap, &by_c], columns, &mut out.hessian);
+                self.add_motion_of_weights(n, true, columns, &mut out.hessian);
+            }
+            Want::HeldForce => {
+                let held = self.by_gap_held();
+                out.held = vec![0.0; columns];
+                for (k, g) in out.held[..own].iter_mut().enumerate() {
+                    *g = n.dot(&held.column(k)) + b.dot(&by_c.column(k));
+                }
+                out.hessian = vec![0.0; columns * columns];
+                self.add_hessian([n, b], value, length, [&held, &by_gap, &by_c], columns, &mut out.hessian);
+                self.add_motion_of_weights(n, false, columns, &mut out.hessian);
+            }
         }
         Some(out)
     }
 
+    /// Derivative of the gap vector at fixed weights.
+    fn by_gap_held(&self) -> Matrix3xX<f64> {
+        let mut out = Matrix3xX::zeros(3 * self.nodes.len());
+        for (k, &w) in self.whole.weights.iter().enumerate() {
+            (0..3).for_each(|i| out[(i, 3 * k + i)] += w);
+        }
+        out
+    }
+
+    /// Adds the derivative of `left^T n + C^T b`: `left` is the derivative of the gap vector in the force, at fixed weights or not.
     fn add_hessian(
         &self,
         [n, b]: [Vector3<f64>; 2],
         value: f64,
         length: f64,
-        [by_gap, by_c]: [&Matrix3xX<f64>; 2],
+        [left, by_gap, by_c]: [&Matrix3xX<f64>; 3],
         columns: usize,
         out: &mut [f64],
     ) {
@@ -250,11 +270,11 @@ impl Slot {
         let project = Matrix3::identity() - n * n.transpose();
         let mixed = project / length;
         let twice = -(project * (value / length) + n * b.transpose() + b * n.transpose()) / length;
-        // H = G^T (mixed C) + C^T (mixed G + twice C), with G, C the derivatives of g and c.
+        // left^T (mixed C) + C^T (mixed G + twice C), with G, C the derivatives of g and c.
         let of_gap = mixed * by_c;
         let of_c = mixed * by_gap + twice * by_c;
         for i in 0..own {
-            let (g, c) = (by_gap.column(i), by_c.column(i));
+            let (g, c) = (left.column(i), by_c.column(i));
             let has_c = c.iter().any(|c| *c != 0.0);
             let row = &mut out[i * columns..][..own];
             for (j, h) in row.iter_mut().enumerate() {
@@ -282,8 +302,8 @@ impl Slot {
         }
     }
 
-    /// Adds `n . d2g`, but for the second derivative of the weights.
-    fn add_motion_of_weights(&self, n: Vector3<f64>, columns: usize, out: &mut [f64]) {
+    /// Adds `n . dw_k` to the rows of the nodes, if `both` to their columns, too.
+    fn add_motion_of_weights(&self, n: Vector3<f64>, both: bool, columns: usize, out: &mut [f64]) {
         let own = 3 * self.nodes.len();
         if self.whole.derivative.is_empty() {
             return;
@@ -292,7 +312,9 @@ impl Slot {
             for (j, &d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                 for i in 0..3 {
                     out[(3 * k + i) * columns + j] += n[i] * d;
-                    out[j * columns + 3 * k + i] += n[i] * d;
+                    if both {
+                        out[j * columns + 3 * k + i] += n[i] * d;
+                    }
                 }
             }
         }

@@ -38,6 +38,8 @@ pub(crate) struct NodeFriction<'a> {
     pub local: usize,
     /// The slot as it was at the start of the step.
     pub start: &'a Slot,
+    /// Covered area that slips are divided by where integrals do not follow the end: constant in the step, as the energy of springs wants it.
+    pub area: f64,
     /// Components of the traction there.
     pub history: [f64; 2],
     /// What the multipliers of [`stoss_contact::friction::Stick::Multiplier`] add to it.
@@ -189,12 +191,12 @@ impl NodeFriction<'_> {
 
     /// Covered area that a weighted slip is divided by.
     fn support(&self, slot: &Slot, at_end: bool) -> f64 {
-        if self.weights_of_end(at_end) { slot.support } else { self.start.support }
+        if self.weights_of_end(at_end) { slot.support } else { self.area }
     }
 
     /// Whether the slip of the step can be measured: with the weights of the start the node must have had a partner.
     fn has_slip(&self, at_end: bool) -> bool {
-        self.weights_of_end(at_end) || self.start.support > 0.0
+        self.weights_of_end(at_end) || self.area > 0.0
     }
 
     /// Adds force and tangent of a slot; false if the node has no tangent plane.

@@ -1,10 +1,10 @@
 //! Weights of one slave facet in the gap vectors of its four nodes, with derivatives.
 
+use crate::TriangleRule;
 use crate::derivatives::{PairDerivatives, pair_derivatives};
 use crate::factors::Factors;
 use crate::integrals::{FacetIntegrals, facet_integrals};
 use crate::multiplier::{MultiplierBasis, MultiplierSpace};
-use crate::TriangleRule;
 use nalgebra::{Matrix4, Vector3};
 use stoss_segmentation::FacetSegmentation;
 

@@ -51,10 +51,6 @@ fn pair(n: usize, m: usize, r: f64, mut place: impl FnMut(usize, usize, Vector3<
     }
 }
 
-fn is_rim(x: &Vector3<f64>, r: f64) -> bool {
-    x.x.abs().max(x.y.abs()) > r * (1.0 - 1e-9)
-}
-
 impl Pair {
     fn matrices(&self, space: MultiplierSpace, quadrature: TriangleRule) -> MortarMatrices {
         let s = segment_surfaces(&self.slave, &self.master, &self.q, GapRange::ALL).unwrap();

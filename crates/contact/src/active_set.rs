@@ -167,7 +167,9 @@ impl ActiveSetControl {
         let one_by_one = |pace: Pace, proposed: &mut [bool]| {
             let wrong = (0..slots).filter(|&slot| active[slot] != proposed[slot]);
             // How far a slot is on the wrong side, a length.
-            let error = |slot: usize| if active[slot] { -(pressures[slot] / c[slot]) + gaps[slot].max(0.0) } else { -gaps[slot] };
+            let error = |slot: usize| {
+                if active[slot] { -(pressures[slot] / c[slot]) + gaps[slot].max(0.0) } else { -gaps[slot] }
+            };
             let turned = match pace {
                 Pace::First => wrong.min(),
                 _ => wrong.max_by(|&a, &b| error(a).total_cmp(&error(b))),
@@ -183,7 +185,10 @@ impl ActiveSetControl {
             let sets = || self.history.chunks_exact(slots).skip(first);
             let seen = |slot: usize| (sets().any(|set| set[slot]), sets().all(|set| set[slot]));
             self.flipping.clear();
-            self.flipping.extend((0..slots).filter(|&slot| { let (any, all) = seen(slot); any && !all }));
+            self.flipping.extend((0..slots).filter(|&slot| {
+                let (any, all) = seen(slot);
+                any && !all
+            }));
             self.pace = match self.pace {
                 Pace::Together => {
                     let union: Vec<bool> = (0..slots).map(|slot| seen(slot).0).collect();

@@ -8,7 +8,7 @@
 //! in which the tangents' own variation has dropped out. What is fixed (a corner, an edge) follows from the vertex's
 //! origin.
 
-use crate::segment::{SMALLEST_AREA, edge_corners, weighted};
+use crate::segment::{SMALLEST_AREA, weighted};
 use crate::{Foot, MAX_VERTICES, Provenance, Segment, SlaveFrame};
 use nalgebra::Vector3;
 use stoss_reference_element::quad4::VERTICES;
@@ -42,7 +42,11 @@ fn solve(m: [[f64; 2]; 2], r: [f64; 2]) -> [f64; 2] {
 }
 
 fn edge_direction(edge: u8) -> [f64; 2] {
-    let [a, b] = edge_corners(edge).map(usize::from);
+    let (a, b) = match edge {
+        4 => (0, 2),
+        5 => (1, 3),
+        k => (k as usize, (k as usize + 1) % 4),
+    };
     [VERTICES[b][0] - VERTICES[a][0], VERTICES[b][1] - VERTICES[a][1]]
 }
 

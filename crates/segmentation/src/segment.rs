@@ -149,42 +149,6 @@ impl Segment {
         (0..count).map(move |k| [k, (k + 1) % count])
     }
 
-    /// The polygon with the same origins of its vertices where the facets have other positions: what [`segment_pair`] gives as long as no vertex appears or
-    /// vanishes. Derivatives by differences need it, which must not cross such an event.
-    #[must_use]
-    pub fn moved(&self, frame: &SlaveFrame, master: &[Vector3<f64>; 4]) -> Self {
-        let images = master.map(|x| frame.image(&x));
-        let mut out = self.clone();
-        for v in &mut out.vertices[..self.count] {
-            let on_master = |slave: [f64; 2]| {
-                let x1 = weighted(&self.slave_map.weights(slave), frame.corners());
-                inverse(self.master_map, &images, frame.image(&x1))
-            };
-            (v.slave, v.master) = match v.provenance {
-                Provenance::Slave(_) | Provenance::Cut => (v.slave, on_master(v.slave)),
-                Provenance::Master(k) => (inverse(self.slave_map, &frame.images, images[k as usize]), v.master),
-                Provenance::Intersection { slave_edge, master_edge } => {
-                    let ([a, b], [c, d]) = (edge_corners(slave_edge), edge_corners(master_edge));
-                    let (p, q) = (frame.images[a as usize], frame.images[b as usize]);
-                    let (r, t) = (images[c as usize], images[d as usize]);
-                    let (u, w) = (sub(q, p), sub(t, r));
-                    let det = cross(u, w);
-                    if det == 0.0 {
-                        (v.slave, v.master)
-                    } else {
-                        let from = sub(r, p);
-                        (between([a, b], cross(from, w) / det), between([c, d], cross(from, u) / det))
-                    }
-                }
-            };
-            let x1 = weighted(&self.slave_map.weights(v.slave), frame.corners());
-            let x2 = weighted(&self.master_map.weights(v.master), master);
-            v.gap = (x2 - x1).dot(&frame.normal());
-            v.image = frame.image(&x1);
-        }
-        out
-    }
-
     /// Projects the slave's point at `slave` on the master facet along `n0`.
     pub fn project(&self, frame: &SlaveFrame, master: &[Vector3<f64>; 4], slave: [f64; 2]) -> Foot {
         let x1 = weighted(&self.slave_map.weights(slave), frame.corners());
@@ -197,15 +161,6 @@ impl Segment {
 
 pub(crate) fn weighted(weights: &[f64; 4], x: &[Vector3<f64>; 4]) -> Vector3<f64> {
     x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2] + x[3] * weights[3]
-}
-
-/// Corners of an edge, see [`Provenance`].
-pub(crate) fn edge_corners(edge: u8) -> [u8; 2] {
-    match edge {
-        4 => [0, 2],
-        5 => [1, 3],
-        k => [k, (k + 1) % 4],
-    }
 }
 
 fn between(corners: [u8; 2], fraction: f64) -> [f64; 2] {

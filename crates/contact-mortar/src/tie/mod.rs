@@ -34,7 +34,9 @@ mod frame;
 mod method;
 mod rows;
 
-use crate::{CheckExtent, MortarError, MortarMatrices, MultiplierSpace, SurfaceCoverage, TriangleRule, segment_surfaces};
+use crate::{
+    CheckExtent, MortarError, MortarMatrices, MultiplierSpace, SurfaceCoverage, TriangleRule, segment_surfaces,
+};
 use frame::NodeFrame;
 use rows::{ConstraintRow, constraint_rows};
 use stoss_contact::ContactSurface;

@@ -96,7 +96,13 @@ pub fn kinds(method: &MortarContact) -> Vec<(u32, Provenance)> {
 
 /// Largest errors of the tangent against central differences, relative to its largest entry: of the constraint rows and of the forces. `None` if the segments
 /// change their kind within the differences, or nothing is active.
-pub fn tangent_errors(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Option<[f64; 2]> {
+pub fn tangent_errors(
+    method: &mut MortarContact,
+    rule: ContactRule,
+    q_n: &[f64],
+    q: &[f64],
+    p: &[f64],
+) -> Option<[f64; 2]> {
     let h = 1e-6;
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
     method.set_rule(rule, 0.1);

@@ -6,8 +6,8 @@ use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Kind, Load, LoadKind, Multipliers,
-    PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, split_set,
+    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Kind, Load, LoadKind,
+    Multipliers, PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -104,9 +104,13 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     });
     let enforcement = table.default("enforcement", Enforcement::Multiplier, |n| {
         let enforcement = enforcement(n)?;
-        if matches!(method, Some(ContactMethod::Mortar | ContactMethod::Cat)) && !enforcement.is_multiplier() {
-            return n
-                .fail("is for method = \"nts\" only: the other methods have pressures as multipliers", "remove it");
+        let has_it = match method {
+            Some(ContactMethod::Cat) => enforcement.is_multiplier(),
+            Some(ContactMethod::Mortar) => !matches!(enforcement, Enforcement::Augmented(_)),
+            _ => true,
+        };
+        if !has_it {
+            return n.fail("is not for this method, which has pressures as multipliers", "remove it");
         }
         if matches!(enforcement, Enforcement::Penalty(_)) && constraint == Some(Some(Constraint::Modified)) {
             return n.fail("a penalty needs the standard constraint", "remove `constraint`, or set it to \"standard\"");
@@ -165,7 +169,10 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         n.choice(Integrals::NAMES, Integrals::from_name)
     });
     let normals: Option<Option<()>> = table.optional("normals", |n| {
-        n.fail("is no option any more: normals are the means of the facets around a node, on each side of a sharp edge", "remove it")
+        n.fail(
+            "is no option any more: normals are the means of the facets around a node, on each side of a sharp edge",
+            "remove it",
+        )
     });
     let smoothing: Option<Option<()>> = table.optional("smoothing", |n| {
         n.fail("is no option any more: the weighted gap follows the facets, and slivers carry no pressure", "remove it")

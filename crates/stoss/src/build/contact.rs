@@ -152,8 +152,13 @@ impl PairInput<'_> {
                 let inside = reports.iter().filter(|r| r.gap.is_some_and(|g| g < -tolerance)).count();
                 let deepest = reports.iter().filter_map(|r| r.gap).fold(0.0, f64::min);
                 if inside > 0 {
-                    let keeps = constraint == Constraint::Modified || (item.method == ContactMethod::Mortar && scene.time.integrator.is_some());
-                    let then = if keeps { "they keep that gap" } else { "the first step closes that gap and changes the energy" };
+                    let keeps = constraint == Constraint::Modified
+                        || (item.method == ContactMethod::Mortar && scene.time.integrator.is_some());
+                    let then = if keeps {
+                        "they keep that gap"
+                    } else {
+                        "the first step closes that gap and changes the energy"
+                    };
                     warnings.push(format!(
                         "{}: {inside} slave nodes begin behind the master surface (deepest gap {deepest:.3e}); {then}",
                         item.label()

@@ -2,11 +2,13 @@
 
 use super::contact::PairInput;
 use super::{ContactPlan, Problems};
-use crate::scene::{Constraint, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip};
+use crate::scene::{Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip};
 use crate::solver::{ContactPair, Model, contact_rule};
 use std::collections::BTreeMap;
 use stoss_contact::ContactMethod;
-use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule};
+use stoss_contact_mortar::{
+    Force, Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule,
+};
 use stoss_integrators::GradientRule;
 
 /// Adds the contact to the model; reports what is wrong.
@@ -37,12 +39,28 @@ pub(super) fn contact(
             Some(Chosen::Frozen) => Integrals::Frozen,
             Some(Chosen::Moving) | None => Integrals::Moving,
         },
+        force: if dynamic { Force::Gradient } else { Force::HeldWeights },
+        overclosure: match item.enforcement {
+            Enforcement::Penalty(stiffness) => Some(stiffness),
+            Enforcement::Multiplier | Enforcement::Augmented(_) => None,
+        },
         keeps_penetration: dynamic,
     };
     if options.integrals == Integrals::Frozen && constant.is_none() {
         let message = "are those of the middle of the step; statics and this scheme take contact forces at its end";
         let remedy = "remove it, or use a scheme such as `energy-momentum`";
         problems.add(format!("{}.integrals", pair.key), "frozen", message, remedy);
+        return None;
+    }
+    if let (Some(stiffness), Some(scheme)) = (options.overclosure, constant) {
+        let message =
+            format!("is for statics and schemes that take contact forces at the end of the step, not for `{scheme}`");
+        problems.add(
+            format!("{}.enforcement", pair.key),
+            stiffness.to_string(),
+            message,
+            "remove it, or use `backward-euler`",
+        );
         return None;
     }
     // True if an entry cannot be had, which is said.

@@ -38,8 +38,7 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation) -> Option<Promise
             && model.contacts.iter().all(|pair| pair.method.conserves_angular_momentum()),
         energy: claims.energy,
         autonomous: !moved && model.loads.iter().all(stoss_solver::Load::is_conservative),
-        contact_gives_nothing: claims.energy
-            && scene.contacts.iter().all(gives_nothing),
+        contact_gives_nothing: claims.energy && scene.contacts.iter().all(gives_nothing),
         // A user who asks for less gets less.
         tolerance: TOLERANCE.max(100.0 * scene.solver.relative_tolerance.unwrap_or(0.0)),
     })
