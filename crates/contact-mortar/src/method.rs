@@ -48,6 +48,10 @@ pub struct MortarOptions {
     pub rule: TriangleRule,
     /// Which integrals.
     pub integrals: Integrals,
+    /// Where a surface has sharp edges: how much more near points count than far ones, [`Factors::nearness`] times the length of a slave facet. Zero, the plain
+    /// mean, lets edges sink in by a quarter of a facet, 12 by a ninth; but the integrand is no polynomial then, and where edges of both surfaces lie on each other
+    /// its error has a kink that Newton may not pass.
+    pub nearness: f64,
     /// Which force.
     pub force: Force,
     /// Pressure over penetration, a stress per length, if contact is not rigid; under [`ContactRule::EndPoint`].
@@ -61,9 +65,7 @@ const MARGIN: f64 = 3.0;
 /// How deep they are looked for where no depth is lost, in the same.
 const DEPTH: f64 = 4.0;
 /// Penetration at which points take no part any more, in lengths of slave facets: beyond that, at a sharp edge, other sides are.
-const DEEPEST_AT_EDGES: f64 = 2.0 / 3.0;
-/// Nearness where a surface has sharp edges, over the length of a slave facet.
-const NEARNESS: f64 = 12.0;
+const DEEPEST_AT_EDGES: f64 = 1.0;
 /// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
 /// to nothing.
 const CARRIED: f64 = 0.02;
@@ -245,7 +247,7 @@ impl MortarContact {
         let factors = Factors {
             facing: true,
             deepest: if sharp { thinner.min(DEEPEST_AT_EDGES * h) } else { thinner },
-            nearness: if sharp { NEARNESS / h } else { 0.0 },
+            nearness: if sharp { options.nearness / h } else { 0.0 },
         };
         let integration = Integration { space: options.space, rule: options.rule, factors };
         let rows = rows(&slave, &normals);

@@ -166,8 +166,8 @@ proptest! {
         let integrals = if rule == ContactRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
         let options = MortarOptions { integrals, force: Force::HeldWeights, ..options(dual) };
         let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap();
-        let mut method = method(options).with_friction(friction, measure(of, rule)).unwrap();
         let mut plain = method(options);
+        let mut method = plain.clone().with_friction(friction, measure(of, rule)).unwrap();
         let (q_0, q_n) = (moved(&f), moved(&d));
         // Another pressure before: stepping `C` has a kink where the history lies on the cone.
         let p_0: Vec<f64> = p.iter().map(|p| before * p).collect();

@@ -168,6 +168,10 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         mortar_only(n)?;
         n.choice(Integrals::NAMES, Integrals::from_name)
     });
+    let nearness = table.optional("nearness", |n| {
+        mortar_only(n)?;
+        n.not_negative()
+    });
     let normals: Option<Option<()>> = table.optional("normals", |n| {
         n.fail(
             "is no option any more: normals are the means of the facets around a node, on each side of a sharp edge",
@@ -204,6 +208,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         multipliers: multipliers?,
         quadrature: quadrature?,
         integrals: integrals?,
+        nearness: nearness?,
         friction: friction?,
     })
 }

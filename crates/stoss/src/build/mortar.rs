@@ -39,6 +39,7 @@ pub(super) fn contact(
             Some(Chosen::Frozen) => Integrals::Frozen,
             Some(Chosen::Moving) | None => Integrals::Moving,
         },
+        nearness: item.nearness.unwrap_or(0.0),
         force: if dynamic { Force::Gradient } else { Force::HeldWeights },
         overclosure: match item.enforcement {
             Enforcement::Penalty(stiffness) => Some(stiffness),

@@ -2,7 +2,7 @@
 
 use stoss_contact::ContactSurface;
 use stoss_contact_mortar::segmentation::GapRange;
-use stoss_contact_mortar::{MortarMatrices, MultiplierSpace, Quadrature, segment_surfaces};
+use stoss_contact_mortar::{MortarMatrices, MultiplierSpace, TriangleRule, segment_surfaces};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::{DMatrix, DVector};
 
@@ -66,7 +66,7 @@ fn pair(random: &mut Random, half_side: f64, curvature: f64) -> Outcome<Pair> {
 impl Pair {
     fn matrices(&self, space: MultiplierSpace) -> Outcome<MortarMatrices> {
         let segments = segment_surfaces(&self.slave, &self.master, &self.q, GapRange::ALL)?;
-        Ok(MortarMatrices::assemble(&self.slave, &self.master, &self.q, &segments, space, Quadrature::default()))
+        Ok(MortarMatrices::assemble(&self.slave, &self.master, &self.q, &segments, space, TriangleRule::default()))
     }
 
     /// Largest error of `D^-1 M` applied to a field at the slave nodes, over the largest value.
