@@ -246,44 +246,18 @@ fn ironing_converges_quadratically() {
     }
 }
 
-/// Gaps of either sign that are kept need integrals that stay in the step; the one-sided constraint goes with all.
+/// Integrals that stay in the step are for schemes that take forces at its middle.
 #[test]
-fn kept_gaps_with_integrals_that_move_are_refused() {
-    let text = scene_file("two-blocks-mortar.toml");
-    let start = text.find("scheme = \"").unwrap() + "scheme = \"".len();
-    let scheme = &text[start..start + text[start..].find('"').unwrap()];
-    let (before, after) = text.split_once("method = \"mortar\"\n").unwrap();
-    let after = after.lines().filter(|line| !line.starts_with("constraint")).collect::<Vec<_>>().join("\n");
-    for with in [scheme, "backward-euler"] {
-        for constraint in ["modified", "one-sided"] {
-            let refused = with == "backward-euler" && constraint == "modified";
-            let text =
-                format!("{before}method = \"mortar\"\nconstraint = \"{constraint}\"\n{after}").replace(scheme, with);
-            let scene = stoss::scene::parse(&text, "test.toml").unwrap();
-            let built = stoss::build::build(&scene, std::path::Path::new("."));
-            assert_eq!(built.is_err(), refused, "{with} {constraint}");
-            if let Err(error) = built {
-                let error = error.to_string();
-                assert!(error.contains("contact[0].constraint") && error.contains(constraint), "{error}");
-            }
+fn frozen_integrals_with_forces_at_the_end_are_refused() {
+    let text = scene_file("two-blocks-mortar.toml")
+        .replace("method = \"mortar\"", "method = \"mortar\"\nintegrals = \"frozen\"");
+    for (scheme, refused) in [("energy-momentum", false), ("midpoint", false), ("backward-euler", true)] {
+        let scene = stoss::scene::parse(&text.replace("energy-momentum", scheme), "test.toml").unwrap();
+        let built = stoss::build::build(&scene, std::path::Path::new("."));
+        assert_eq!(built.is_err(), refused, "{scheme}");
+        if let Err(error) = built {
+            assert!(error.to_string().contains("contact[0].integrals"), "{error}");
         }
-    }
-}
-
-/// What a contact is built with that says nothing of its constraint: that which throws out nothing.
-#[test]
-fn the_constraint_that_a_scene_leaves_out_gives_no_energy() {
-    let text = scene_file("two-blocks-mortar.toml").replace("constraint = \"standard\"\n", "");
-    for (method, scheme, expected) in [
-        ("mortar", "energy-momentum", "one-sided"),
-        ("mortar", "midpoint", "one-sided"),
-        ("mortar", "backward-euler", "one-sided"),
-        ("nts", "energy-momentum", "standard"),
-    ] {
-        let text = text.replace("\"mortar\"", &format!("\"{method}\"")).replace("energy-momentum", scheme);
-        let scene = stoss::scene::parse(&text, "test.toml").unwrap();
-        let built = stoss::build::build(&scene, std::path::Path::new(".")).unwrap();
-        assert_eq!(built.contacts[0].constraint, expected, "{method} {scheme}");
     }
 }
 

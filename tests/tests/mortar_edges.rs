@@ -79,11 +79,10 @@ fn a_cube_that_falls_on_its_edge_is_not_thrown_out() {
     }
 }
 
-/// A block that falls on the rim of a slab and leans over it, the slab with dual multipliers: what backward Euler makes of it is told, once, and energy-momentum
-/// makes nothing of it.
+/// A block that falls on the rim of a slab and leans over it, the slab with dual multipliers: no scheme gains energy.
 #[test]
-fn a_gain_of_energy_is_told() {
-    for (scheme, gains) in [("backward-euler", true), ("energy-momentum", false)] {
+fn a_block_on_a_rim_gains_nothing() {
+    for scheme in ["backward-euler", "energy-momentum"] {
         let bodies = [
             block("lower", [0.0; 3], [2.0, 2.0, 1.0], [4, 3, 2], 1000.0, 1.0, ""),
             block(
@@ -107,6 +106,6 @@ fn a_gain_of_energy_is_told() {
             most = most.max(s.advance().unwrap().balance.total() / first);
         }
         let told = s.decisions().iter().filter(|d| d.kind == DecisionKind::Warning).count();
-        assert_eq!((told, most > 1.05), (usize::from(gains), gains), "{scheme}: {told} warnings, {most}");
+        assert!(told == 0 && most < 1.0 + 1e-9, "{scheme}: {told} warnings, {most}");
     }
 }

@@ -331,7 +331,7 @@ fn friction_of_mirror_images_is_a_mirror_image() {
     let path = "[[0, 0, 0, 0], [0.3, 0, 0, -0.2], [1.0, 1.2, 0, -0.2]]";
     for (slave, master) in [("block.bottom", "slab.top"), ("slab.top", "block.bottom")] {
         let more = format!(
-            "[[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\nsmoothing = 0.5\n\
+            "[[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\nenforcement = {{ penalty = 20.0 }}\n\
              friction = {{ law = \"coulomb\", mu = 0.5, penalty = 2.0 }}\n"
         );
         let mut s = pressed(0.1, slab, block, path, &more);

@@ -60,7 +60,7 @@ fn scenes() -> impl Strategy<Value = Scene> {
         "method = \"nts\"\nconstraint = \"modified\"",
         "method = \"nts\"\nfriction = { law = \"coulomb\", mu = 0.4 }",
         "method = \"mortar\"",
-        "method = \"mortar\"\nconstraint = \"modified\"",
+        "method = \"mortar\"\nintegrals = \"frozen\"",
         "method = \"mortar\"\nmultipliers = \"dual\"",
         "method = \"mortar\"\nfriction = { law = \"coulomb\", mu = 0.4 }",
     ]);

@@ -109,6 +109,8 @@ pub(crate) struct StepState {
     reference: Vec<f64>,
     /// Rows that may carry a multiplier.
     carried: Vec<bool>,
+    /// Corners of the slave facets that hand their functions over.
+    without: Vec<[bool; 4]>,
 }
 
 /// Slots at one configuration.
@@ -177,6 +179,7 @@ impl Surfaces {
         candidates: &Candidates,
         q: &[f64],
         needs: &[Need],
+        without: &[[bool; 4]],
         old: &[Slot],
         with_facets: bool,
     ) -> Result<Integrated, ContactError> {
@@ -192,8 +195,7 @@ impl Surfaces {
             let found = candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
             facets.push((!found.segments.is_empty()).then(|| {
                 let corners = |m| master.patch(m, q).corners;
-                let without = slave.local_facets()[f].map(|n| self.without[n as usize]);
-                self.integration.facet_weights(&found, corners, without, need == Need::Derivative)
+                self.integration.facet_weights(&found, corners, without[f], need == Need::Derivative)
             }));
             segments.push(Some(found));
         }
@@ -213,6 +215,21 @@ impl Surfaces {
             slots: slots.collect(),
             derivatives: rows.iter().map(derived).collect(),
         })
+    }
+
+    /// Corners of each slave facet that hand their functions over: those of crosspoints, and of rows that carry nothing in the step, unless nobody is left.
+    fn handing_over(&self, carried: Option<&[bool]>) -> Vec<[bool; 4]> {
+        let crosspoints: Vec<[bool; 4]> =
+            self.slave.local_facets().iter().map(|nodes| nodes.map(|n| self.without[n as usize])).collect();
+        let Some(carried) = carried else { return crosspoints };
+        let mut out = crosspoints.clone();
+        for (row, _) in self.rows.iter().zip(carried).filter(|(_, carried)| !**carried) {
+            row.facets.iter().for_each(|&(f, corner)| out[f as usize][corner] = true);
+        }
+        for (out, crosspoints) in out.iter_mut().zip(&crosspoints).filter(|(out, _)| **out == [true; 4]) {
+            *out = *crosspoints;
+        }
+        out
     }
 
     /// Needs of the facets: `least` of all, derivatives of those around rows that are chosen.
@@ -391,13 +408,20 @@ impl MortarContact {
             self.end.clone()
         } else {
             let needs = surfaces.needs(Need::Value, chosen);
-            surfaces.integrate(candidates, q_np1, &needs, &self.end.slots, with_facets && !self.has_middle())?
+            surfaces.integrate(
+                candidates,
+                q_np1,
+                &needs,
+                &step.without,
+                &self.end.slots,
+                with_facets && !self.has_middle(),
+            )?
         };
         let mut middle = Integrated::default();
         if self.has_middle() {
             let q_m = mean(&step.q_n, q_np1);
             let needs = surfaces.needs(Need::Nothing, active);
-            middle = surfaces.integrate(candidates, &q_m, &needs, &end.slots, with_facets)?;
+            middle = surfaces.integrate(candidates, &q_m, &needs, &step.without, &end.slots, with_facets)?;
             // Nodes of the middle belong to the stencil of the end.
             for (slot, of_middle) in end.slots.iter_mut().zip(&middle.slots) {
                 slot.widen(&of_middle.nodes);
@@ -425,8 +449,14 @@ impl MortarContact {
             &self.end.slots
         } else {
             let needs = self.surfaces.needs(Need::Nothing, &missing);
-            integrated =
-                self.surfaces.integrate(&self.step.candidates, &self.step.q_n, &needs, &self.step.start, false)?;
+            integrated = self.surfaces.integrate(
+                &self.step.candidates,
+                &self.step.q_n,
+                &needs,
+                &self.step.without,
+                &self.step.start,
+                false,
+            )?;
             &integrated.slots
         };
         let mut gradients = Vec::new();
@@ -653,11 +683,12 @@ impl ContactMethod for MortarContact {
             .map_err(|error| segmentation_error(&error))?;
         let values = surfaces.needs(Need::Value, &[]);
         let with_facets = self.friction.is_some();
+        let crosspoints = surfaces.handing_over(None);
         let predicted = |part: f64| {
             let q = if velocity.is_empty() { q_n.to_vec() } else { along(q_n, part * self.step_size, &velocity) };
-            surfaces.integrate(&candidates, &q, &values, &[], with_facets && self.is_frozen())
+            surfaces.integrate(&candidates, &q, &values, &crosspoints, &[], with_facets && self.is_frozen())
         };
-        let start = surfaces.integrate(&candidates, q_n, &values, &[], with_facets)?;
+        let mut start = surfaces.integrate(&candidates, q_n, &values, &crosspoints, &[], with_facets)?;
         let still = velocity.is_empty() || self.step_size == 0.0;
         let middle = if (self.has_middle() && !still) || self.is_frozen() { Some(predicted(0.5)?) } else { None };
         let end = if still || self.is_frozen() { None } else { Some(predicted(1.0)?) };
@@ -666,7 +697,14 @@ impl ContactMethod for MortarContact {
             _ => middle.iter().chain(&end).collect(),
         };
         let rows = surfaces.rows.iter().enumerate();
-        let carried = rows.map(|(k, row)| seen.iter().all(|of| of.slots[k].opposite > CARRIED * row.area)).collect();
+        let carried: Vec<bool> =
+            rows.map(|(k, row)| seen.iter().all(|of| of.slots[k].opposite > CARRIED * row.area)).collect();
+        // In statics no energy is at stake, and constant pressures stay exact.
+        let hands_over = self.options.force == Force::HeldWeights && self.rule == ContactRule::EndPoint;
+        let without = if hands_over { surfaces.handing_over(Some(&carried)) } else { crosspoints.clone() };
+        if without != crosspoints {
+            start = surfaces.integrate(&candidates, q_n, &values, &without, &[], with_facets)?;
+        }
         let (frozen, no_penetration) = (self.is_frozen(), NO_PENETRATION * surfaces.slave.length_scale());
         let weights = if frozen { middle.as_ref().unwrap_or(&start) } else { &start };
         let gap: Vec<Option<f64>> =
@@ -694,6 +732,7 @@ impl ContactMethod for MortarContact {
             gradient: vec![Vec::new(); count],
             reference,
             carried,
+            without,
         };
         self.begin_friction()
     }
@@ -832,6 +871,11 @@ impl ContactMethod for MortarContact {
             self.step.carried[k] = inside;
             changes += usize::from(inside);
         }
+        if changes > 0 && self.step.without != self.surfaces.handing_over(None) {
+            // What they had handed over comes back to them.
+            self.step.without = self.surfaces.handing_over(Some(&self.step.carried));
+            self.end.at.clear();
+        }
         Ok(changes)
     }
 
@@ -896,7 +940,7 @@ impl ContactMethod for MortarContact {
             let candidates = Candidates::find(&self.surfaces.slave, &self.surfaces.master, q, range)
                 .map_err(|error| segmentation_error(&error))?;
             let needs = self.surfaces.needs(Need::Value, &[]);
-            fresh = self.surfaces.integrate(&candidates, q, &needs, &[], false)?;
+            fresh = self.surfaces.integrate(&candidates, q, &needs, &self.surfaces.handing_over(None), &[], false)?;
             &fresh.slots
         };
         let nodes = self.surfaces.slave.nodes();

@@ -8,6 +8,8 @@ const STATIC: &str = include_str!("data/quasi-static.toml");
 /// A mistake: `from` in the base scene is replaced by `to`; the problem is in the line that contains `at` and names `key`.
 struct Case {
     base: &'static str,
+    /// The contact of the base scene is mortar contact.
+    mortar: bool,
     from: &'static str,
     to: &'static str,
     at: &'static str,
@@ -15,16 +17,21 @@ struct Case {
 }
 
 const fn dynamic(from: &'static str, to: &'static str, at: &'static str, key: &'static str) -> Case {
-    Case { base: DYNAMIC, from, to, at, key }
+    Case { base: DYNAMIC, mortar: false, from, to, at, key }
+}
+
+/// A mistake in a mortar contact.
+const fn mortar(from: &'static str, to: &'static str, at: &'static str, key: &'static str) -> Case {
+    Case { base: DYNAMIC, mortar: true, from, to, at, key }
 }
 
 const fn quasi(from: &'static str, to: &'static str, at: &'static str, key: &'static str) -> Case {
-    Case { base: STATIC, from, to, at, key }
+    Case { base: STATIC, mortar: false, from, to, at, key }
 }
 
 /// A mistake in the rotation of the static scene.
 const fn turn(from: &'static str, to: &'static str, key: &'static str) -> Case {
-    Case { base: STATIC, from, to, at: "rotation = {", key }
+    Case { base: STATIC, mortar: false, from, to, at: "rotation = {", key }
 }
 
 const TURN: &str =
@@ -209,10 +216,17 @@ const CASES: &[Case] = &[
     ),
     dynamic("constraint = \"modified\"", "multipliers = \"dual\"", "dual", "contact[0].multipliers"),
     dynamic("constraint = \"modified\"", "smoothing = 0.1", "smoothing", "contact[0].smoothing"),
-    dynamic("method = \"nts\"", "method = \"mortar\"\nsmoothing = -1.0", "smoothing", "contact[0].smoothing"),
-    dynamic("method = \"nts\"", "method = \"mortar\"\nmultipliers = \"single\"", "single", "contact[0].multipliers"),
-    dynamic("method = \"nts\"", "method = \"mortar\"\nquadrature = 7", "quadrature", "contact[0].quadrature"),
-    dynamic("method = \"nts\"", "method = \"mortar\"\nnormals = \"none\"", "none", "contact[0].normals"),
+    dynamic("constraint = \"modified\"", "normals = \"facet\"", "facet", "contact[0].normals"),
+    dynamic("constraint = \"modified\"", "integrals = \"frozen\"", "frozen", "contact[0].integrals"),
+    dynamic("constraint = \"modified\"", "nearness = 12", "nearness", "contact[0].nearness"),
+    mortar("constraint = \"modified\"", "smoothing = 0.1", "smoothing", "contact[0].smoothing"),
+    mortar("constraint = \"modified\"", "multipliers = \"single\"", "single", "contact[0].multipliers"),
+    mortar("constraint = \"modified\"", "quadrature = 7", "quadrature", "contact[0].quadrature"),
+    mortar("constraint = \"modified\"", "normals = \"none\"", "none", "contact[0].normals"),
+    mortar("constraint = \"modified\"", "integrals = \"held\"", "held", "contact[0].integrals"),
+    mortar("constraint = \"modified\"", "nearness = -1.0", "nearness", "contact[0].nearness"),
+    mortar("constraint = \"modified\"", "constraint = \"modified\"", "modified", "contact[0].constraint"),
+    mortar("constraint = \"modified\"", "enforcement = { augmented = 1 }", "enforcement", "contact[0].enforcement"),
     dynamic(
         "constraint = \"modified\"",
         "friction = { law = \"coulomb\", mu = 0.3, slip = \"direct\" }",
@@ -399,7 +413,8 @@ fn every_mistake_is_reported_once_at_its_place() {
     let mut failures = Vec::new();
     for case in CASES {
         assert_eq!(case.base.matches(case.from).count().min(1), 1, "the base scene has no {:?}", case.from);
-        let text = case.base.replacen(case.from, case.to, 1);
+        let base = if case.mortar { case.base.replacen("\"nts\"", "\"mortar\"", 1) } else { case.base.to_owned() };
+        let text = base.replacen(case.from, case.to, 1);
         let label = format!("{:?} -> {:?}", case.from, case.to);
         let Some(place) = text.find(case.at) else { panic!("{label}: no {:?}", case.at) };
         let line = 1 + text[..place].matches('\n').count();
