@@ -4,7 +4,7 @@ use crate::candidates::{Candidates, SearchRange};
 use crate::discrete::RelativeMotion;
 use crate::factors::Factors;
 use crate::frictional::SurfaceFriction;
-use crate::sides::{Row, has_sharp_edges, rows, unit_normals};
+use crate::sides::{Row, has_sharp_edges, rows, sheets, unit_normals};
 use crate::slot::{Evaluation, Slot, Want, at};
 use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
 use crate::tangential::Scratch;
@@ -15,7 +15,7 @@ use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, LocalContribution,
     SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
-use stoss_segmentation::{FacetSegmentation, GapRange};
+use stoss_segmentation::{FacetSegmentation, GapRange, Segment};
 
 /// Which integrals the weighted gaps of a step have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,6 +85,9 @@ pub(crate) struct Surfaces {
     pub master: ContactSurface,
     /// The rows of the constraints.
     pub rows: Vec<Row>,
+    /// Smooth part of the master that each of its facets belongs to, and how many there are.
+    sheets: Vec<usize>,
+    sheet_count: usize,
     /// Unit normals of the slave facets in the reference configuration.
     normals: Vec<Vector3<f64>>,
     /// Slave nodes without a multiplier, by local number.
@@ -185,18 +188,24 @@ impl Surfaces {
     ) -> Result<Integrated, ContactError> {
         let Self { slave, master, rows, .. } = self;
         let mut segments = Vec::with_capacity(needs.len());
-        let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len());
+        let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len() * self.sheet_count);
         for (f, &need) in needs.iter().enumerate() {
             if need == Need::Nothing {
                 segments.push(None);
-                facets.push(None);
+                facets.extend((0..self.sheet_count).map(|_| None));
                 continue;
             }
             let found = candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
-            facets.push((!found.segments.is_empty()).then(|| {
+            for sheet in 0..self.sheet_count {
+                let of_sheet = |segment: &&Segment| self.sheets[segment.master_facet as usize] == sheet;
+                let own: Vec<Segment> = found.segments.iter().filter(of_sheet).cloned().collect();
                 let corners = |m| master.patch(m, q).corners;
-                self.integration.facet_weights(&found, corners, without[f], need == Need::Derivative)
-            }));
+                facets.push((!own.is_empty()).then(|| {
+                    let found = FacetSegmentation { frame: found.frame.clone(), segments: own, hidden: Vec::new() };
+                    let without = without[f * self.sheet_count + sheet];
+                    self.integration.facet_weights(&found, corners, without, need == Need::Derivative)
+                }));
+            }
             segments.push(Some(found));
         }
         let wanted = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] != Need::Nothing);
@@ -204,7 +213,10 @@ impl Surfaces {
         let kept = |k: usize| old.get(k).map_or(&[][..], |slot: &Slot| &slot.nodes);
         let slots = rows.iter().enumerate().map(|(k, row)| {
             if wanted(row) {
-                Slot::gather(row, [slave, master], &facets, kept(k), with_facets)
+                {
+                    let of = |f: u32| facets[f as usize * self.sheet_count + row.sheet].as_ref();
+                    Slot::gather(row, [slave, master], &of, kept(k), with_facets)
+                }
             } else {
                 Slot::default()
             }
@@ -217,14 +229,15 @@ impl Surfaces {
         })
     }
 
-    /// Corners of each slave facet that hand their functions over: those of crosspoints, and of rows that carry nothing in the step, unless nobody is left.
+    /// Corners of each slave facet, against each smooth part of the master, that hand their functions over: those of crosspoints, and of rows that carry nothing in the step, unless nobody is left.
     fn handing_over(&self, carried: Option<&[bool]>) -> Vec<[bool; 4]> {
-        let crosspoints: Vec<[bool; 4]> =
-            self.slave.local_facets().iter().map(|nodes| nodes.map(|n| self.without[n as usize])).collect();
+        let facets = self.slave.local_facets().iter().map(|nodes| nodes.map(|n| self.without[n as usize]));
+        let crosspoints: Vec<[bool; 4]> = facets.flat_map(|f| std::iter::repeat_n(f, self.sheet_count)).collect();
         let Some(carried) = carried else { return crosspoints };
         let mut out = crosspoints.clone();
         for (row, _) in self.rows.iter().zip(carried).filter(|(_, carried)| !**carried) {
-            row.facets.iter().for_each(|&(f, corner)| out[f as usize][corner] = true);
+            let place = |f: u32| f as usize * self.sheet_count + row.sheet;
+            row.facets.iter().for_each(|&(f, corner)| out[place(f)][corner] = true);
         }
         for (out, crosspoints) in out.iter_mut().zip(&crosspoints).filter(|(out, _)| **out == [true; 4]) {
             *out = *crosspoints;
@@ -267,11 +280,12 @@ impl MortarContact {
             nearness: if sharp { options.nearness / h } else { 0.0 },
         };
         let integration = Integration { space: options.space, rule: options.rule, factors };
-        let rows = rows(&slave, &normals);
+        let (sheets, sheet_count) = sheets(&master, &master_normals);
+        let rows = rows(&slave, &normals, sheet_count);
         let without = vec![false; slave.nodes().len()];
         Ok(Self {
             name: name.to_owned(),
-            surfaces: Surfaces { slave, master, rows, normals, without, integration },
+            surfaces: Surfaces { slave, master, rows, sheets, sheet_count, normals, without, integration },
             rule: ContactRule::EndPoint,
             step_size: 0.0,
             stiffness: 0.0,

@@ -29,22 +29,51 @@ pub(crate) fn has_sharp_edges(surface: &ContactSurface, normals: &[Vector3<f64>]
     (0..normals.len()).any(|f| neighbours(f).any(|e| is_sharp(normals, e as usize, f)))
 }
 
-/// A constraint that a slave node may have: the node's shape function on the facets of one of its sides. Facets are on one side of a node if edges at the node that
+/// More smooth parts than this, as a coarse mesh of a round body has, are taken for one.
+const MOST_SHEETS: usize = 12;
+
+/// Numbers of the smooth parts into which sharp edges divide a surface, one a facet, and how many there are; reference normals.
+pub(crate) fn sheets(surface: &ContactSurface, normals: &[Vector3<f64>]) -> (Vec<usize>, usize) {
+    const NONE: usize = usize::MAX;
+    let mut sheets = vec![NONE; normals.len()];
+    let mut count = 0;
+    for first in 0..normals.len() {
+        if sheets[first] != NONE {
+            continue;
+        }
+        sheets[first] = count;
+        let mut reached = vec![first];
+        while let Some(f) = reached.pop() {
+            for e in (0..4).filter_map(|edge| surface.neighbour(f as u32, edge)).map(|e| e as usize) {
+                if sheets[e] == NONE && !is_sharp(normals, e, f) {
+                    sheets[e] = count;
+                    reached.push(e);
+                }
+            }
+        }
+        count += 1;
+    }
+    if count > MOST_SHEETS { (vec![0; normals.len()], 1) } else { (sheets, count) }
+}
+
+/// A constraint that a slave node may have against one smooth part of the master: the node's shape function on the facets of one of its sides. Facets are on one side of a node if edges at the node that
 /// are not sharp lead from one to the other, so that a node of a smooth surface has one row, and one at an edge of a block two.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Row {
     /// Local number of the node.
     pub local: usize,
+    /// Smooth part of the master.
+    pub sheet: usize,
     /// Facets of the side, ascending, and which of their corners the node is.
     pub facets: Vec<(u32, usize)>,
     /// Reference area.
     pub area: f64,
-    /// Whether the node has other sides.
+    /// Whether the node has other rows.
     pub shared: bool,
 }
 
-/// Rows of all slave nodes, in the order of the nodes.
-pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>]) -> Vec<Row> {
+/// Rows of all slave nodes against a master of so many smooth parts, in the order of the nodes.
+pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>], sheets: usize) -> Vec<Row> {
     let facets = surface.local_facets();
     let mut rows = Vec::new();
     for local in 0..surface.nodes().len() {
@@ -67,8 +96,8 @@ pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>]) -> Vec<Ro
             }
             side.sort_unstable();
             let facets: Vec<(u32, usize)> = side.into_iter().filter_map(|f| Some((f, corner(f)?))).collect();
-            let area = facets.iter().map(|&(f, a)| surface.corner_areas()[f as usize][a]).sum();
-            rows.push(Row { local, facets, area, shared: false });
+            let area: f64 = facets.iter().map(|&(f, a)| surface.corner_areas()[f as usize][a]).sum();
+            rows.extend((0..sheets).map(|sheet| Row { local, sheet, facets: facets.clone(), area, shared: false }));
         }
         let shared = rows.len() - first_row > 1;
         rows[first_row..].iter_mut().for_each(|row| row.shared = shared);
@@ -86,10 +115,11 @@ mod tests {
         let q: Vec<f64> = (0..8).flat_map(corner).collect();
         let facets = [[4, 5, 7, 6], [0, 2, 3, 1], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
         let surface = ContactSurface::new("slave", &facets, &q).unwrap();
-        let rows = rows(&surface, &unit_normals(&surface, &q));
+        let rows = rows(&surface, &unit_normals(&surface, &q), 1);
         assert_eq!(rows.len(), 24);
         assert!(rows.iter().all(|row| row.shared && (row.area - 0.25).abs() < 1e-15));
+        assert_eq!(sheets(&surface, &unit_normals(&surface, &q)).1, 6);
         let top = ContactSurface::new("slave", &facets[..1], &q).unwrap();
-        assert!(super::rows(&top, &unit_normals(&top, &q)).iter().all(|row| !row.shared));
+        assert!(super::rows(&top, &unit_normals(&top, &q), 1).iter().all(|row| !row.shared));
     }
 }

@@ -73,10 +73,10 @@ pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
 
 impl Slot {
     /// Gathers the weights of the facets of a row. `old` are nodes to keep in front.
-    pub fn gather(
+    pub fn gather<'w>(
         row: &Row,
         surfaces: [&ContactSurface; 2],
-        facets: &[Option<FacetWeights>],
+        facets: &dyn Fn(u32) -> Option<&'w FacetWeights>,
         old: &[u32],
         with_facets: bool,
     ) -> Self {
@@ -85,7 +85,7 @@ impl Slot {
         // Nodes first, so that all arrays have their final size.
         let mut maps: Vec<Vec<usize>> = Vec::new();
         for &(f, a) in &row.facets {
-            let weights = facets[f as usize].as_ref();
+            let weights = facets(f);
             if let Some(w) = weights {
                 slot.support += w.support[a];
                 slot.opposite += w.opposite[a];
@@ -112,7 +112,7 @@ impl Slot {
                 own.weights = vec![0.0; nodes];
             }
             corners.iter().for_each(|&k| slot.positive[k] += CORNER_WEIGHT * row.area / (4 * maps.len()) as f64);
-            if let Some(w) = &facets[f as usize] {
+            if let Some(w) = facets(f) {
                 let count = w.node_count();
                 for (k, &to) in map.iter().enumerate() {
                     let weight = w.weights[a * count + k];

@@ -8,6 +8,7 @@ use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpac
 /// Faces of a cube whose corner `k` is at the bits of `k`, numbered outward; the first one is the lower.
 const CUBE: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
 const SLAVE: usize = 8;
+/// Rows against one and against two smooth parts of the master.
 const ROWS: usize = 24;
 
 /// A unit cube with its lowest corner at `at`, over a plate of 4 by 4 in z = 0 with a wall at its end, x = 4.

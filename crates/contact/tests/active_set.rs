@@ -121,11 +121,11 @@ fn a_cycle_takes_the_union_once_then_one_slot_at_a_time_and_is_then_reported() {
     assert_eq!((third, active), (ActiveSetOutcome::Changed { activated: 0, released: 1 }, [true, false, false]));
     // It came back: slots are turned one at a time, first the one that is most wrong, then the first, until that comes back, too.
     let closed = ActiveSetOutcome::Union { activated: 1, released: 0 };
-    let fourth = control.propose(&mut active, &[1.0, 0.0, 0.0], &[0.0, -1.0, -2.0], &c);
-    assert_eq!((fourth, active), (closed, [true, false, true]));
-    let fifth = control.propose(&mut active, &[1.0, 0.0, -1.0], &[0.0, 1.0, 0.0], &c);
+    let fourth = control.propose(&mut active, &[1.0, 0.0, 0.0], &[0.0, -1.0, 1.0], &c);
+    assert_eq!((fourth, active), (closed, [true, true, false]));
+    let fifth = control.propose(&mut active, &[1.0, -1.0, 0.0], &[0.0, 0.0, 1.0], &c);
     assert_eq!((fifth, active), (ActiveSetOutcome::Changed { activated: 0, released: 1 }, [true, false, false]));
-    let sixth = control.propose(&mut active, &[1.0, 0.0, 0.0], &[0.0, -1.0, -2.0], &c);
+    let sixth = control.propose(&mut active, &[1.0, 0.0, 0.0], &[0.0, -1.0, 1.0], &c);
     assert_eq!((sixth, active), (closed, [true, true, false]));
     let seventh = control.propose(&mut active, &[1.0, -1.0, 0.0], &[0.0, 0.0, 1.0], &c);
     assert_eq!((seventh, active), (ActiveSetOutcome::Changed { activated: 0, released: 1 }, [true, false, false]));

@@ -11,6 +11,10 @@ use stoss_contact_mortar::{
 };
 use stoss_integrators::GradientRule;
 
+/// How much more near points count in statics than far ones, over the length of a slave facet. In dynamics the force would have the kinks of its weights, at which
+/// Newton stops where edges of both surfaces lie on each other.
+const NEARNESS: f64 = 12.0;
+
 /// Adds the contact to the model; reports what is wrong.
 pub(super) fn contact(
     pair: &PairInput<'_>,
@@ -39,7 +43,7 @@ pub(super) fn contact(
             Some(Chosen::Frozen) => Integrals::Frozen,
             Some(Chosen::Moving) | None => Integrals::Moving,
         },
-        nearness: item.nearness.unwrap_or(0.0),
+        nearness: item.nearness.unwrap_or(if dynamic { 0.0 } else { NEARNESS }),
         force: if dynamic { Force::Gradient } else { Force::HeldWeights },
         overclosure: match item.enforcement {
             Enforcement::Penalty(stiffness) => Some(stiffness),
