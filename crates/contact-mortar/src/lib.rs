@@ -4,19 +4,18 @@
 //! ```text
 //! segment_surfaces(&slave, &master, q, GapRange) -> SurfaceSegmentation      all slave facets
 //! SurfaceSegmentation::check(&master, q, CheckExtent) -> SurfaceCoverage   the invariant of coverage
-//! for_each_point(&segment, &frame, &master corners, Quadrature, |point| ..)   shapes, weights, gap
+//! for_each_point(&segment, &frame, &master corners, TriangleRule, |point| ..)   shapes, weights, gap
 //! for_each_point_with_derivatives(.., |point, variation| ..)   with derivatives
-//! facet_integrals(&FacetSegmentation, corners of master, Quadrature) -> FacetIntegrals   int N_i, N_i N_j, N_i N_k
-//! pair_derivatives(&segment, &frame, &corners, Quadrature, &mut PairDerivatives)   added up
+//! facet_integrals(&FacetSegmentation, corners of master, TriangleRule, &Factors) -> FacetIntegrals   int N_i, N_i N_j, N_i N_k
+//! pair_derivatives(&segment, &frame, &corners, TriangleRule, &Factors, &mut PairDerivatives)   added up
 //! MultiplierBasis::new(MultiplierSpace, &FacetIntegrals)                 coefficients phi_A = sum_i C_Ai N_i
 //! MultiplierBasis::slave_block / master_block                            D_e = C int N N, M_e = C int N N^(2)
-//! MortarMatrices::assemble(&slave, &master, q, &SurfaceSegmentation, space, Quadrature) -> D, M
+//! MortarMatrices::assemble(&slave, &master, q, &SurfaceSegmentation, space, TriangleRule) -> D, M
 //! ```
 //! With the same points on both sides `sum_K M_AK = sum_J D_AJ` for every slave node `A`
 //! ([`MortarMatrices::imbalance`]): constants are transferred exactly and contact forces have no resultant. Linear
-//! fields are transferred exactly between flat surfaces, because the default [`PointMap::Projected`] evaluates both
-//! sides at the same place. The map of the thesis, linear in the triangle on both sides, does so for parallelograms
-//! only; it stays selectable.
+//! fields are transferred exactly between flat surfaces, because both sides are evaluated at the same place. The points are those of triangles around the
+//! centroid of each segment: integrals are continuous functions of the positions.
 //!
 //! # Multiplier spaces
 //! Standard: the slave's shape functions. Dual: biorthogonal on the covered part of each facet, `int phi_A N_J =
@@ -31,10 +30,13 @@
 //! No global system. Integrals in reference or current coordinates: whatever `q` holds.
 //!
 //! # Contact
-//! [`MortarContact`] is the contact method: weighted gaps `Phi_A = n_A . (D_AJ x1_J - M_AK x2_K)` with
-//! complementary nodal pressures, integrals that move with the iterate in statics and with backward Euler and stay those of the
-//! expected middle of the step with other schemes, an energy-momentum element with directors. [`MortarContact::with_friction`] adds a law of `stoss_contact::friction` with tractions at
-//! the slave nodes and slips that are weighted as the gaps are ([`SlipMeasure`]).
+//! [`MortarContact`] is the contact method: weighted gaps `Phi_A = n_A . (D_AJ x1_J - M_AK x2_K)` whose integrals move with the positions, with
+//! complementary nodal pressures, and forces that are the discrete gradient of the gap (docs/theory/mortar.md). [`MortarContact::with_friction`] adds a law of
+//! `stoss_contact::friction` with tractions at the slave nodes and slips that are weighted as the gaps are ([`SlipMeasure`]).
+//!
+//! Its stages: `candidates` (pairs that may meet in a step), segmentation (`stoss-segmentation`), `factors` and `weights` (integrals of a slave facet with
+//! derivatives), `slot` (the weighted gap: value, gradient, second derivative), `discrete` and `law` (force and row), `frictional` and `tangential` (friction),
+//! `method` (the contact method, report). `state` has what is built once, what is constant in a step, and slots at one configuration.
 
 mod candidates;
 mod derivatives;
@@ -44,13 +46,16 @@ mod factors;
 mod frames;
 mod frictional;
 mod integrals;
+mod law;
 mod matrices;
 mod method;
 mod multiplier;
+mod passage;
 mod points;
 mod sides;
 mod slip;
 mod slot;
+mod state;
 mod surfaces;
 mod tangential;
 pub mod tie;

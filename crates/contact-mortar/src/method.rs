@@ -1,21 +1,21 @@
 //! Mortar contact as a contact method. Its friction is in `frictional`, `tangential` and `slip`.
 
 use crate::candidates::{Candidates, SearchRange};
-use crate::discrete::RelativeMotion;
 use crate::factors::Factors;
 use crate::frictional::SurfaceFriction;
-use crate::sides::{Row, has_sharp_edges, rows, sheets, unit_normals};
-use crate::slot::{Evaluation, Slot, Want, at};
+use crate::sides::{has_sharp_edges, rows, sheets, unit_normals};
+use crate::slot::{Slot, Want};
+use crate::state::{Integrated, Need, StepState, Surfaces, segmentation_error};
 use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
 use crate::tangential::Scratch;
-use crate::weights::{FacetWeights, Integration};
+use crate::weights::Integration;
 use crate::{MortarError, MultiplierSpace, TriangleRule};
 use nalgebra::Vector3;
 use stoss_contact::{
     Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, LocalContribution,
     SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
-use stoss_segmentation::{FacetSegmentation, GapRange, Segment};
+use stoss_segmentation::{FacetSegmentation, GapRange};
 
 /// Which integrals the weighted gaps of a step have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,72 +68,11 @@ const DEPTH: f64 = 4.0;
 const DEEPEST_AT_EDGES: f64 = 1.0;
 /// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
 /// to nothing.
-const CARRIED: f64 = 0.02;
-/// Part of [`CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
-const VANISHING: f64 = 0.1;
-/// That compliance, in lengths of facets over Young's modulus.
-const COMPLIANCE: f64 = 1e-6;
+pub(crate) const CARRIED: f64 = 0.02;
 /// A penetration at the start of a step that is less than this, in lengths of facets, is what the iteration left.
 const NO_PENETRATION: f64 = 1e-11;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
 const FREE_ALONG_NORMAL: f64 = 0.1;
-
-/// What is built once.
-#[derive(Clone, Debug)]
-pub(crate) struct Surfaces {
-    pub slave: ContactSurface,
-    pub master: ContactSurface,
-    /// The rows of the constraints.
-    pub rows: Vec<Row>,
-    /// Smooth part of the master that each of its facets belongs to, and how many there are.
-    sheets: Vec<usize>,
-    sheet_count: usize,
-    /// Unit normals of the slave facets in the reference configuration.
-    normals: Vec<Vector3<f64>>,
-    /// Slave nodes without a multiplier, by local number.
-    without: Vec<bool>,
-    integration: Integration,
-}
-
-/// What is constant in a step.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct StepState {
-    candidates: Candidates,
-    range: Option<GapRange>,
-    /// Positions at the start.
-    pub q_n: Vec<f64>,
-    /// Slots there.
-    pub start: Vec<Slot>,
-    /// Weighted gap of each row there; `None` without a partner.
-    gap: Vec<Option<f64>>,
-    /// Its gradient, of the rows that needed it.
-    gradient: Vec<Vec<f64>>,
-    /// Weighted gap that a closed row keeps.
-    reference: Vec<f64>,
-    /// Rows that may carry a multiplier.
-    carried: Vec<bool>,
-    /// Corners of the slave facets that hand their functions over.
-    without: Vec<[bool; 4]>,
-}
-
-/// Slots at one configuration.
-#[derive(Clone, Debug, Default)]
-struct Integrated {
-    /// Positions; empty before the first evaluation.
-    at: Vec<f64>,
-    segments: Vec<Option<FacetSegmentation>>,
-    slots: Vec<Slot>,
-    /// Rows whose derivatives are there.
-    derivatives: Vec<bool>,
-}
-
-/// What is asked of a slave facet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Need {
-    Nothing,
-    Value,
-    Derivative,
-}
 
 /// Slave surface against master surface with one pressure (traction) for each side of a slave node and weighted gaps (formulation §8.1) whose integrals move:
 /// the weighted gap `Phi_A(q)` is a function of the positions alone, see docs/theory/mortar.md.
@@ -152,18 +91,14 @@ pub struct MortarContact {
     pub(crate) rule: ContactRule,
     step_size: f64,
     /// Stress per length, see [`MortarContact::with_stiffness`].
-    stiffness: f64,
+    pub(crate) stiffness: f64,
     /// Velocities at the start of the next step; empty if nobody told.
     velocity: Vec<f64>,
     pub(crate) step: StepState,
     /// At the end of the step, and at its middle where the rule asks for it. With frozen integrals both have the weights of the step.
-    end: Integrated,
-    middle: Integrated,
+    pub(crate) end: Integrated,
+    pub(crate) middle: Integrated,
     pub(crate) friction: Option<SurfaceFriction>,
-}
-
-fn segmentation_error(error: &MortarError) -> ContactError {
-    ContactError::Segmentation { reason: error.to_string() }
 }
 
 /// `a + f b`.
@@ -171,88 +106,8 @@ fn along(a: &[f64], f: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + f * b).collect()
 }
 
-fn mean(a: &[f64], b: &[f64]) -> Vec<f64> {
+pub(crate) fn mean(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
-}
-
-impl Surfaces {
-    /// Segments and slots at `q`. `old`: slots whose nodes stay in front. Rows on facets that were not asked for are empty.
-    fn integrate(
-        &self,
-        candidates: &Candidates,
-        q: &[f64],
-        needs: &[Need],
-        without: &[[bool; 4]],
-        old: &[Slot],
-        with_facets: bool,
-    ) -> Result<Integrated, ContactError> {
-        let Self { slave, master, rows, .. } = self;
-        let mut segments = Vec::with_capacity(needs.len());
-        let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len() * self.sheet_count);
-        for (f, &need) in needs.iter().enumerate() {
-            if need == Need::Nothing {
-                segments.push(None);
-                facets.extend((0..self.sheet_count).map(|_| None));
-                continue;
-            }
-            let found = candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
-            for sheet in 0..self.sheet_count {
-                let of_sheet = |segment: &&Segment| self.sheets[segment.master_facet as usize] == sheet;
-                let own: Vec<Segment> = found.segments.iter().filter(of_sheet).cloned().collect();
-                let corners = |m| master.patch(m, q).corners;
-                facets.push((!own.is_empty()).then(|| {
-                    let found = FacetSegmentation { frame: found.frame.clone(), segments: own, hidden: Vec::new() };
-                    let without = without[f * self.sheet_count + sheet];
-                    self.integration.facet_weights(&found, corners, without, need == Need::Derivative)
-                }));
-            }
-            segments.push(Some(found));
-        }
-        let wanted = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] != Need::Nothing);
-        let derived = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] == Need::Derivative);
-        let kept = |k: usize| old.get(k).map_or(&[][..], |slot: &Slot| &slot.nodes);
-        let slots = rows.iter().enumerate().map(|(k, row)| {
-            if wanted(row) {
-                {
-                    let of = |f: u32| facets[f as usize * self.sheet_count + row.sheet].as_ref();
-                    Slot::gather(row, [slave, master], &of, kept(k), with_facets)
-                }
-            } else {
-                Slot::default()
-            }
-        });
-        Ok(Integrated {
-            at: q.to_vec(),
-            segments,
-            slots: slots.collect(),
-            derivatives: rows.iter().map(derived).collect(),
-        })
-    }
-
-    /// Corners of each slave facet, against each smooth part of the master, that hand their functions over: those of crosspoints, and of rows that carry nothing in the step, unless nobody is left.
-    fn handing_over(&self, carried: Option<&[bool]>) -> Vec<[bool; 4]> {
-        let facets = self.slave.local_facets().iter().map(|nodes| nodes.map(|n| self.without[n as usize]));
-        let crosspoints: Vec<[bool; 4]> = facets.flat_map(|f| std::iter::repeat_n(f, self.sheet_count)).collect();
-        let Some(carried) = carried else { return crosspoints };
-        let mut out = crosspoints.clone();
-        for (row, _) in self.rows.iter().zip(carried).filter(|(_, carried)| !**carried) {
-            let place = |f: u32| f as usize * self.sheet_count + row.sheet;
-            row.facets.iter().for_each(|&(f, corner)| out[place(f)][corner] = true);
-        }
-        for (out, crosspoints) in out.iter_mut().zip(&crosspoints).filter(|(out, _)| **out == [true; 4]) {
-            *out = *crosspoints;
-        }
-        out
-    }
-
-    /// Needs of the facets: `least` of all, derivatives of those around rows that are chosen.
-    fn needs(&self, least: Need, chosen: &[bool]) -> Vec<Need> {
-        let mut needs = vec![least; self.slave.facets().len()];
-        for (row, _) in self.rows.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
-            row.facets.iter().for_each(|&(f, _)| needs[f as usize] = Need::Derivative);
-        }
-        needs
-    }
 }
 
 impl MortarContact {
@@ -380,17 +235,13 @@ impl MortarContact {
         present.map(|s| s.check(&self.surfaces.master, &self.end.at, CheckExtent::Near)).transpose()
     }
 
-    fn is_frozen(&self) -> bool {
+    pub(crate) fn is_frozen(&self) -> bool {
         self.options.integrals == Integrals::Frozen
     }
 
     /// Whether forces are evaluated at the middle of the step.
-    fn has_middle(&self) -> bool {
+    pub(crate) fn has_middle(&self) -> bool {
         matches!(self.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum)
-    }
-
-    fn is_discrete(&self) -> bool {
-        self.has_middle()
     }
 
     /// Slots whose weights friction has: those of the middle of the step, or of the end if the rule takes forces there.
@@ -398,7 +249,7 @@ impl MortarContact {
         if self.has_middle() { &self.middle.slots } else { &self.end.slots }
     }
 
-    fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.surfaces.slave.length_scale()
     }
 
@@ -496,163 +347,6 @@ impl MortarContact {
                 }
             }
             self.step.gradient[k] = sorted;
-        }
-        Ok(())
-    }
-
-    /// Whether the support of a row that carries a multiplier has all but vanished.
-    fn is_vanishing(&self, k: usize) -> bool {
-        let least = VANISHING * CARRIED * self.surfaces.rows[k].area;
-        let present = [&self.end, &self.middle].into_iter().filter_map(|of| of.slots.get(k));
-        self.stiffness > 0.0 && present.filter(|slot| !slot.nodes.is_empty()).any(|slot| slot.support < least)
-    }
-
-    /// Compliance of a row, a volume per stress: that of the law, and next to nothing for a row that would vanish.
-    fn compliance(&self, k: usize) -> f64 {
-        let of_law = self.options.overclosure.map_or(0.0, |stiffness| self.end.slots[k].support / stiffness);
-        if self.is_vanishing(k) { of_law + COMPLIANCE * self.surfaces.rows[k].area / self.stiffness } else { of_law }
-    }
-
-    /// Adds force and row of a slot with their derivatives to `out`.
-    fn contribute(
-        &self,
-        k: usize,
-        step: StepConfiguration<'_>,
-        p: f64,
-        want_tangent: bool,
-        out: &mut LocalContribution,
-    ) -> Result<(), ContactError> {
-        let slot = &self.end.slots[k];
-        let nodes = slot.nodes.len();
-        let n = 3 * nodes;
-        let no_normal = || ContactError::NoNormal { node: slot.nodes[0] };
-        let end_point = self.rule == ContactRule::EndPoint;
-        let mean_of_ends = self.rule == ContactRule::EndPointMean;
-        let holds = end_point && self.options.force == Force::HeldWeights;
-        let want_at_end = match (holds, want_tangent && (end_point || mean_of_ends)) {
-            (true, _) => Want::HeldForce,
-            (false, true) => Want::Hessian,
-            (false, false) => Want::Gradient,
-        };
-        let at_end = slot.evaluate(step.q_np1, nodes, want_at_end).ok_or_else(no_normal)?;
-        let start = &self.step.gradient[k];
-        let start_of = |c: usize| start.get(c).copied().unwrap_or(0.0);
-        // G and its derivative by q_np1.
-        let mut force = vec![0.0; n];
-        let mut hessian = Vec::new();
-        if end_point {
-            force.copy_from_slice(if holds { &at_end.held } else { &at_end.gradient });
-            hessian.clone_from(&at_end.hessian);
-        } else if mean_of_ends {
-            (0..n).for_each(|c| force[c] = 0.5 * (at_end.gradient[c] + start_of(c)));
-            hessian.extend(at_end.hessian.iter().map(|h| 0.5 * h));
-        } else if self.is_discrete() {
-            let q_m = mean(step.q_n, step.q_np1);
-            let middle = if self.is_frozen() { slot } else { &self.middle.slots[k] };
-            let at_middle = middle
-                .evaluate(&q_m, nodes, if want_tangent { Want::Hessian } else { Want::Gradient })
-                .ok_or_else(no_normal)?;
-            self.discrete_gradient(k, middle, step, &at_middle, &at_end, &mut force, &mut hessian);
-        } else {
-            (0..n).for_each(|c| force[c] = start_of(c));
-        }
-        let compliance = self.compliance(k);
-        out.residual[n] -= at_end.value - self.step.reference[k] + compliance * p;
-        out.residual[..n].iter_mut().zip(&force).for_each(|(r, g)| *r -= p * g);
-        if !want_tangent {
-            return Ok(());
-        }
-        let dim = out.dim();
-        for (i, g) in force.iter().enumerate() {
-            out.tangent[i * dim + n] -= g;
-        }
-        for (t, g) in out.tangent[n * dim..].iter_mut().zip(&at_end.gradient) {
-            *t -= g;
-        }
-        out.tangent[n * dim + n] -= compliance;
-        if let Some(stiffness) = self.options.overclosure {
-            slot.for_each_support_derivative(|column, d| out.tangent[n * dim + column] -= p / stiffness * d);
-        }
-        for (row, h) in out.tangent.chunks_exact_mut(dim).zip(hessian.chunks_exact(n)) {
-            row.iter_mut().zip(h).for_each(|(t, h)| *t -= p * h);
-        }
-        Ok(())
-    }
-
-    fn discrete_gradient(
-        &self,
-        k: usize,
-        middle: &Slot,
-        step: StepConfiguration<'_>,
-        at_middle: &Evaluation,
-        at_end: &Evaluation,
-        force: &mut [f64],
-        hessian: &mut Vec<f64>,
-    ) {
-        let slot = &self.end.slots[k];
-        let area = self.surfaces.rows[k].area;
-        force.copy_from_slice(&at_middle.gradient);
-        let work: f64 = (slot.nodes.iter().zip(at_middle.gradient.chunks_exact(3)))
-            .map(|(&node, g)| (at(step.q_np1, node) - at(step.q_n, node)).dot(&Vector3::new(g[0], g[1], g[2])))
-            .sum();
-        let defect = at_end.value - self.step.gap[k].unwrap_or(0.0) - work;
-        let relative = RelativeMotion::new(&middle.positive, &slot.nodes, step.q_n, step.q_np1);
-        let length = at_middle.gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
-        let (theta, _) = relative.factor(defect, area, self.length(), length);
-        let motion = || relative.motion.iter().flat_map(|w| w.iter());
-        force.iter_mut().zip(motion()).for_each(|(g, w)| *g += theta * w);
-        if at_middle.hessian.is_empty() {
-            return;
-        }
-        hessian.extend(at_middle.hessian.iter().map(|h| 0.5 * h));
-        if theta == 0.0 {
-            return;
-        }
-        // Hess Phi(q_m) dq by the difference of the gradients at both ends.
-        let n = force.len();
-        let start = &self.step.gradient[k];
-        let slope: Vec<f64> = motion()
-            .enumerate()
-            .map(|(c, w)| {
-                let ends = 0.5 * (at_end.gradient[c] + start.get(c).copied().unwrap_or(0.0));
-                (ends - at_middle.gradient[c] - 2.0 * theta * w) / relative.work
-            })
-            .collect();
-        for (row, w) in hessian.chunks_exact_mut(n).zip(motion()) {
-            row.iter_mut().zip(&slope).for_each(|(h, s)| *h += w * s);
-        }
-        relative.add_projection(theta, n, hessian);
-    }
-
-    /// Fails if a part of the slave that lay before the master has gone deeper than where contact takes notice: the step was too long.
-    fn check_passage(&self) -> Result<(), ContactError> {
-        let depth = self.factors().fading_depth();
-        if !depth.is_finite() {
-            return Ok(());
-        }
-        let Surfaces { slave, master, .. } = &self.surfaces;
-        let corner = |q: &[f64], nodes: [u32; 4]| nodes.map(|n| at(q, n));
-        let point = |x: &[Vector3<f64>; 4], xi: [f64; 2]| -> Vector3<f64> {
-            stoss_reference_element::quad4::shape(xi).iter().zip(x).map(|(n, x)| x * *n).sum()
-        };
-        for (f, found) in self.end.segments.iter().enumerate() {
-            let Some(found) = found else { continue };
-            for segment in &found.segments {
-                let v = segment.vertices();
-                let deepest = v.iter().map(|v| v.gap).sum::<f64>() / v.len() as f64;
-                if deepest > -depth {
-                    continue;
-                }
-                let facets = [slave.facets()[f], master.facets()[segment.master_facet as usize]];
-                let [x, y] = facets.map(|nodes| corner(&self.step.q_n, nodes));
-                let normal = (x[2] - x[0]).cross(&(x[3] - x[1])).normalize();
-                let before: f64 =
-                    v.iter().map(|v| (point(&y, v.master) - point(&x, v.slave)).dot(&normal)).sum::<f64>()
-                        / v.len() as f64;
-                if before >= 0.0 {
-                    return Err(ContactError::Passed { facet: f as u32, before, after: deepest });
-                }
-            }
         }
         Ok(())
     }

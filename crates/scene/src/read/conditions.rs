@@ -193,7 +193,8 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         );
     }
     has_effect?;
-    (normals?, smoothing?);
+    normals?;
+    smoothing?;
     let (constraint, enforcement) = (constraint?, enforcement?);
     Some(Contact {
         name: name?,

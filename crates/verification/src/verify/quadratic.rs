@@ -19,6 +19,8 @@ const FEW: usize = 5;
 const NEAR: f64 = 1e-4;
 /// `log2(log(round-off) / log(NEAR))`.
 const CORRECTIONS: f64 = 2.0;
+/// The same where convergence is linear.
+const LINEAR_CORRECTIONS: f64 = 4.0;
 /// Residuals that a note shows.
 const SHOWN: usize = 6;
 
@@ -60,6 +62,20 @@ fn corrections(step: &Step) -> Option<usize> {
 
 /// Rows of a run: order and corrections with their bounds, residuals of one step as a note, iterations a step.
 pub fn rows(run: &Run, findings: &mut Findings) -> Outcome<()> {
+    rows_at(run, findings, Rate::Quadratic)
+}
+
+/// How fast Newton is to converge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rate {
+    /// With an exact tangent.
+    Quadratic,
+    /// Mortar contact in dynamics leaves the second derivatives of the weights out of the tangent.
+    Linear,
+}
+
+/// The same at a rate.
+pub fn rows_at(run: &Run, findings: &mut Findings, rate: Rate) -> Outcome<()> {
     let steps = run.newton()?;
     let touching: Vec<&Step> = steps.iter().filter(|step| step.active > 0.0).collect();
     let mut orders: Vec<f64> = touching
@@ -71,7 +87,7 @@ pub fn rows(run: &Run, findings: &mut Findings) -> Outcome<()> {
         .collect();
     orders.sort_by(f64::total_cmp);
     let median = orders.get(orders.len() / 2).copied().unwrap_or(f64::NAN);
-    let bound = if orders.len() < FEW { Bound::Told } else { Bound::AtLeast(QUADRATIC) };
+    let bound = if orders.len() < FEW || rate == Rate::Linear { Bound::Told } else { Bound::AtLeast(QUADRATIC) };
     let note = format!(
         "median of {} of {} steps in contact, since the last change of the active set; the others are at round-off too soon",
         orders.len(),
@@ -84,7 +100,7 @@ pub fn rows(run: &Run, findings: &mut Findings) -> Outcome<()> {
         &run.name,
         format!("corrections from below {NEAR:e} to round-off, mean of the steps in contact"),
         mean,
-        Bound::AtMost(CORRECTIONS),
+        Bound::AtMost(if rate == Rate::Linear { LINEAR_CORRECTIONS } else { CORRECTIONS }),
     );
     // The step with most residuals shows most.
     let example = touching.iter().max_by_key(|step| step.residuals.len());

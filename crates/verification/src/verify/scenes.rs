@@ -76,7 +76,10 @@ impl Suite for Scenes {
                 findings.checks.extend(readme::checks(&run, figures, scales)?);
             }
             if has_friction(&scene) {
-                quadratic::rows(&run, &mut findings)?;
+                let is_linear =
+                    has_mortar(&scene) && scene.get("time").and_then(|time| time.get("integrator")).is_some();
+                let rate = if is_linear { quadratic::Rate::Linear } else { quadratic::Rate::Quadratic };
+                quadratic::rows_at(&run, &mut findings, rate)?;
             }
             if has_mortar(&scene) {
                 findings.checks.push(run.coverage()?);

@@ -21,8 +21,6 @@ const ITERATIONS: f64 = 5.0;
 const CONVERGED: f64 = 0.005;
 /// The same where the slab is the slave and lies against the block's sides.
 const CONVERGED_SLAB: f64 = 0.02;
-/// Compliance of the pressures where the slab's nodes wrap round the rim of the block.
-const SMOOTHING: f64 = 1.0;
 /// Stiffness there of the springs of stick.
 const SPRINGS: f64 = 1.0;
 
@@ -168,7 +166,6 @@ fn before_sides(scene: &Table) -> Outcome<Table> {
     scene.insert("set".into(), Value::Array(vec![Value::Table(set)]));
     let contact = entry(&mut scene, "contact", 0)?;
     contact.insert("master".into(), "indenter.shoe".into());
-    contact.insert("smoothing".into(), SMOOTHING.into());
     friction(&mut scene)?.insert("penalty".into(), SPRINGS.into());
     Ok(scene)
 }

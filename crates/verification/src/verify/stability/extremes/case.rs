@@ -113,6 +113,9 @@ impl Touch {
     pub const LOWER: Self = Self { slave: LOWER, side: Side::Top };
 }
 
+/// What stands for the constraint of mortar contact, which has one only.
+pub const TRUE_GAP: &str = "true gap";
+
 /// One combination.
 pub struct Case {
     /// The extreme, as the document names it.
@@ -123,8 +126,8 @@ pub struct Case {
     pub scheme: Option<&'static str>,
     /// True with the modified constraint.
     pub modified: bool,
-    /// True with the one-sided constraint: contact takes energy and never gives any.
-    pub one_sided: bool,
+    /// True with mortar contact: it takes energy and never gives any.
+    pub true_gap: bool,
     /// The scene.
     pub scene: Scene,
     /// Files that the scene refers to.
@@ -149,7 +152,7 @@ impl Case {
             combination: scheme.unwrap_or("quasi-static").to_owned(),
             scheme,
             modified: false,
-            one_sided: false,
+            true_gap: false,
             scene,
             files: Vec::new(),
             touch: None,
@@ -167,10 +170,14 @@ impl Case {
         scene: Scene,
         touch: Touch,
     ) -> Self {
-        let combination = if constraint == "standard" { scheme.to_owned() } else { format!("{scheme} {constraint}") };
+        let combination = if matches!(constraint, "standard" | TRUE_GAP) {
+            scheme.to_owned()
+        } else {
+            format!("{scheme} {constraint}")
+        };
         let case = Self::new(family, Some(scheme), scene, Oracle::Conservation);
-        let (modified, one_sided) = (constraint == "modified", constraint == "one-sided");
-        Self { combination, modified, one_sided, touch: Some(touch), ..case }
+        let (modified, true_gap) = (constraint == "modified", constraint == TRUE_GAP);
+        Self { combination, modified, true_gap, touch: Some(touch), ..case }
     }
 
     /// With another name of the combination.

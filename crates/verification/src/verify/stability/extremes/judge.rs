@@ -196,7 +196,7 @@ impl Drifts {
             },
             claims: [claims.linear_momentum, claims.angular_momentum, claims.energy && !case.renews_integrals],
             but_for_closings: standard,
-            never_rises: claims.energy && case.one_sided,
+            never_rises: claims.energy && case.true_gap,
         })
     }
 

@@ -141,10 +141,8 @@ impl Scene {
     }
 
     /// Mortar contact.
-    pub fn mortar(mut self, slave: &str, master: &str, constraint: &str) -> Self {
-        self.add(&format!(
-            "\n[[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\nconstraint = \"{constraint}\"\n"
-        ));
+    pub fn mortar(mut self, slave: &str, master: &str) -> Self {
+        self.add(&format!("\n[[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n"));
         self
     }
 

@@ -67,7 +67,7 @@ fn slide(scheme: &'static str, facets: f64, mortar: bool) -> Case {
     let scene = on_plate(scheme, [STEP, EDGE], STEPS, speed, speed * time, &format!("[0.0, 0.0, {:?}]", -GRAVITY));
     let [slave, master] = ["upper.bottom", "lower.top"];
     let (family, scene) = if mortar {
-        ("mortar: slide over facets in a step", scene.mortar(slave, master, "standard"))
+        ("mortar: slide over facets in a step", scene.mortar(slave, master))
     } else {
         ("slide over facets in a step", scene.contact(slave, master, "standard"))
     };

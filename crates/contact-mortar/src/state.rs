@@ -1,0 +1,151 @@
+//! What mortar contact holds: surfaces, built once; what is constant in a step; slots at one configuration.
+
+use crate::MortarError;
+use crate::candidates::Candidates;
+use crate::sides::Row;
+use crate::slot::Slot;
+use crate::weights::{FacetWeights, Integration};
+use nalgebra::Vector3;
+use stoss_contact::{ContactError, ContactSurface};
+use stoss_segmentation::{FacetSegmentation, GapRange, Segment};
+
+/// What is built once.
+#[derive(Clone, Debug)]
+pub(crate) struct Surfaces {
+    pub slave: ContactSurface,
+    pub master: ContactSurface,
+    /// The rows of the constraints.
+    pub rows: Vec<Row>,
+    /// Smooth part of the master that each of its facets belongs to, and how many there are.
+    pub sheets: Vec<usize>,
+    pub sheet_count: usize,
+    /// Unit normals of the slave facets in the reference configuration.
+    pub normals: Vec<Vector3<f64>>,
+    /// Slave nodes without a multiplier, by local number.
+    pub without: Vec<bool>,
+    pub integration: Integration,
+}
+
+/// What is constant in a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StepState {
+    pub candidates: Candidates,
+    pub range: Option<GapRange>,
+    /// Positions at the start.
+    pub q_n: Vec<f64>,
+    /// Slots there.
+    pub start: Vec<Slot>,
+    /// Weighted gap of each row there; `None` without a partner.
+    pub gap: Vec<Option<f64>>,
+    /// Its gradient, of the rows that needed it.
+    pub gradient: Vec<Vec<f64>>,
+    /// Weighted gap that a closed row keeps.
+    pub reference: Vec<f64>,
+    /// Rows that may carry a multiplier.
+    pub carried: Vec<bool>,
+    /// Corners of the slave facets that hand their functions over.
+    pub without: Vec<[bool; 4]>,
+}
+
+/// Slots at one configuration.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Integrated {
+    /// Positions; empty before the first evaluation.
+    pub at: Vec<f64>,
+    pub segments: Vec<Option<FacetSegmentation>>,
+    pub slots: Vec<Slot>,
+    /// Rows whose derivatives are there.
+    pub derivatives: Vec<bool>,
+}
+
+/// What is asked of a slave facet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Need {
+    Nothing,
+    Value,
+    Derivative,
+}
+
+pub(crate) fn segmentation_error(error: &MortarError) -> ContactError {
+    ContactError::Segmentation { reason: error.to_string() }
+}
+
+impl Surfaces {
+    /// Segments and slots at `q`. `old`: slots whose nodes stay in front. Rows on facets that were not asked for are empty.
+    pub fn integrate(
+        &self,
+        candidates: &Candidates,
+        q: &[f64],
+        needs: &[Need],
+        without: &[[bool; 4]],
+        old: &[Slot],
+        with_facets: bool,
+    ) -> Result<Integrated, ContactError> {
+        let Self { slave, master, rows, .. } = self;
+        let mut segments = Vec::with_capacity(needs.len());
+        let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len() * self.sheet_count);
+        for (f, &need) in needs.iter().enumerate() {
+            if need == Need::Nothing {
+                segments.push(None);
+                facets.extend((0..self.sheet_count).map(|_| None));
+                continue;
+            }
+            let found = candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
+            for sheet in 0..self.sheet_count {
+                let of_sheet = |segment: &&Segment| self.sheets[segment.master_facet as usize] == sheet;
+                let own: Vec<Segment> = found.segments.iter().filter(of_sheet).cloned().collect();
+                let corners = |m| master.patch(m, q).corners;
+                facets.push((!own.is_empty()).then(|| {
+                    let found = FacetSegmentation { frame: found.frame.clone(), segments: own, hidden: Vec::new() };
+                    let without = without[f * self.sheet_count + sheet];
+                    self.integration.facet_weights(&found, corners, without, need == Need::Derivative)
+                }));
+            }
+            segments.push(Some(found));
+        }
+        let wanted = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] != Need::Nothing);
+        let derived = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] == Need::Derivative);
+        let kept = |k: usize| old.get(k).map_or(&[][..], |slot: &Slot| &slot.nodes);
+        let slots = rows.iter().enumerate().map(|(k, row)| {
+            if wanted(row) {
+                {
+                    let of = |f: u32| facets[f as usize * self.sheet_count + row.sheet].as_ref();
+                    Slot::gather(row, [slave, master], &of, kept(k), with_facets)
+                }
+            } else {
+                Slot::default()
+            }
+        });
+        Ok(Integrated {
+            at: q.to_vec(),
+            segments,
+            slots: slots.collect(),
+            derivatives: rows.iter().map(derived).collect(),
+        })
+    }
+
+    /// Corners of each slave facet, against each smooth part of the master, that hand their functions over: those of crosspoints, and of rows that carry nothing in the step, unless nobody is left.
+    pub fn handing_over(&self, carried: Option<&[bool]>) -> Vec<[bool; 4]> {
+        let facets = self.slave.local_facets().iter().map(|nodes| nodes.map(|n| self.without[n as usize]));
+        let crosspoints: Vec<[bool; 4]> = facets.flat_map(|f| std::iter::repeat_n(f, self.sheet_count)).collect();
+        let Some(carried) = carried else { return crosspoints };
+        let mut out = crosspoints.clone();
+        for (row, _) in self.rows.iter().zip(carried).filter(|(_, carried)| !**carried) {
+            let place = |f: u32| f as usize * self.sheet_count + row.sheet;
+            row.facets.iter().for_each(|&(f, corner)| out[place(f)][corner] = true);
+        }
+        for (out, crosspoints) in out.iter_mut().zip(&crosspoints).filter(|(out, _)| **out == [true; 4]) {
+            *out = *crosspoints;
+        }
+        out
+    }
+
+    /// Needs of the facets: `least` of all, derivatives of those around rows that are chosen.
+    pub fn needs(&self, least: Need, chosen: &[bool]) -> Vec<Need> {
+        let mut needs = vec![least; self.slave.facets().len()];
+        for (row, _) in self.rows.iter().zip(chosen).filter(|(_, chosen)| **chosen) {
+            row.facets.iter().for_each(|&(f, _)| needs[f as usize] = Need::Derivative);
+        }
+        needs
+    }
+}
