@@ -143,8 +143,7 @@ fn exact_stick_does_no_work() {
     }
 }
 
-/// The impact of the thesis with mu = 0.2: momenta are exact; what energy the bodies lose is dissipated, but for what closing nodes lose and what
-/// renewed integrals change.
+/// The impact of the thesis with mu = 0.2: momenta are exact; what energy the bodies lose is dissipated, but for what closing nodes lose.
 #[test]
 fn two_blocks_keep_momenta_and_lose_what_friction_dissipates() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/two-blocks-mortar-02.toml");
@@ -182,7 +181,6 @@ fn two_blocks_keep_momenta_and_lose_what_friction_dissipates() {
     assert!(dissipated > 0.02);
     assert!(spread(&all[..first]) < 1e-11 && spread(&all[last..]) < 1e-10);
     assert!((all[last] / all[0] - 1.0).abs() < 2e-2);
-    // With the one-sided constraint, not even where integrals are renewed.
     let rise = all.windows(2).map(|w| (w[1] - w[0]) / all[0]).fold(0.0, f64::max);
     assert!(rise < 1e-12, "energy rises by {rise:e} in a step");
 }

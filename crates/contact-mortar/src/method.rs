@@ -64,8 +64,9 @@ pub struct MortarOptions {
 const MARGIN: f64 = 3.0;
 /// How deep they are looked for where no depth is lost, in the same.
 const DEPTH: f64 = 4.0;
-/// Penetration at which points take no part any more, in lengths of slave facets: beyond that, at a sharp edge, other sides are.
-const DEEPEST_AT_EDGES: f64 = 1.0;
+/// Penetration at which points take no part any more, in lengths of slave facets, where a surface has sharp edges or both sides of its body: beyond that other sides
+/// are.
+const DEEPEST: f64 = 1.0;
 /// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
 /// to nothing.
 pub(crate) const CARRIED: f64 = 0.02;
@@ -131,7 +132,7 @@ impl MortarContact {
         let h = slave.length_scale();
         let factors = Factors {
             facing: true,
-            deepest: if sharp { thinner.min(DEEPEST_AT_EDGES * h) } else { thinner },
+            deepest: if sharp || thinner.is_finite() { thinner.min(DEEPEST * h) } else { f64::INFINITY },
             nearness: if sharp { options.nearness / h } else { 0.0 },
         };
         let integration = Integration { space: options.space, rule: options.rule, factors };
