@@ -138,9 +138,14 @@ pub fn for_each_point_with_derivatives(
             let (by_a1, by_a2) = (a2.cross(&unit), unit.cross(&a1));
             let (by_xi1, by_xi2) = (by_a2.dot(&a12), by_a1.dot(&a12));
             let gradient = quad4::shape_gradient(point.slave);
-            // dg = n0 . (dx2 - dx1): x2 - x1 has the direction of n0, so that the turning of n0 drops out.
-            let [s1, s2] = [normal.dot(&a1), normal.dot(&a2)];
-            let [m1, m2] = tangents(point.master, master).map(|m| normal.dot(&m));
+            // dg = n0 . (dx2 - dx1): x2 - x1 has the direction of n0, so that the turning of n0 drops out. Facets that were split have affine maps.
+            let slope = |gradient: [[f64; 2]; 4], x: &[Vector3<f64>; 4]| -> [f64; 2] {
+                [0, 1].map(|b| normal.dot(&combine(gradient.map(|g| g[b]), x)))
+            };
+            let [s1, s2] = slope(segment.slave_map.weights_gradient(point.slave), corners);
+            let [m1, m2] = slope(segment.master_map.weights_gradient(point.master), master);
+            let (on_slave, on_master) =
+                (segment.slave_map.weights(point.slave), segment.master_map.weights(point.master));
             let mut variation = PointVariation {
                 coordinates: PointDerivative { slave, master: master_xi },
                 weight: [0.0; LOCAL],
@@ -151,9 +156,9 @@ pub fn for_each_point_with_derivatives(
                 let mut g = m1 * master_xi[0][k] + m2 * master_xi[1][k] - s1 * slave[0][k] - s2 * slave[1][k];
                 if k < 12 {
                     d += gradient[k / 3][0] * by_a1[k % 3] + gradient[k / 3][1] * by_a2[k % 3];
-                    g -= point.slave_shape[k / 3] * normal[k % 3];
+                    g -= on_slave[k / 3] * normal[k % 3];
                 } else {
-                    g += point.master_shape[k / 3 - 4] * normal[k % 3];
+                    g += on_master[k / 3 - 4] * normal[k % 3];
                 }
                 variation.weight[k] = w * det_variation[k] * density + parametric_weight * d;
                 variation.gap[k] = g;

@@ -119,6 +119,21 @@ proptest! {
         }
     }
 
+    /// A corner of a facet that has passed the diagonal beside it: its image is split into triangles with maps of their own, and the depth factor fades there.
+    #[test]
+    fn forces_on_split_facets_have_no_moment(d in warp(), lift in -0.35f64..-0.2, corner in 0.55f64..0.7) {
+        let mut q = lifted(&d.iter().map(|d| 0.2 * d).collect::<Vec<f64>>(), lift);
+        let at = |q: &[f64], k: usize| Vector3::new(q[3 * k], q[3 * k + 1], q[3 * k + 2]);
+        let inside = at(&q, 0) + (at(&q, 4) - at(&q, 0)) * corner;
+        q[..3].copy_from_slice(inside.as_slice());
+        let p = [1.0; SLAVE];
+        let mut method = begun(false, 2, ContactRule::EndPoint, &q);
+        prop_assert!(method.segments().is_some_and(|s| s.facets[0].frame.is_split()));
+        let r = residual(&mut method, ContactRule::EndPoint, &q, &q, &p);
+        let (force, moment) = resultants(&r, &q);
+        prop_assert!(force.amax() < 1e-11 && moment.amax() < 1e-11, "{force} {moment}");
+    }
+
     /// M7: the work of the force is the change of the weighted gaps.
     #[test]
     fn the_work_is_the_change_of_the_gaps(
