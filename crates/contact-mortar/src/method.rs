@@ -254,6 +254,15 @@ impl MortarContact {
         self.surfaces.slave.length_scale()
     }
 
+    /// Pairs of facets that may meet within `reach` of `q`, and how far they were looked for.
+    fn search(&self, q: &[f64], reach: f64) -> Result<(Candidates, SearchRange), ContactError> {
+        let Surfaces { slave, master, integration, .. } = &self.surfaces;
+        let h = slave.length_scale().max(master.length_scale());
+        let range = SearchRange { depth: integration.factors.deepest.min(DEPTH * h), far: MARGIN * h, reach };
+        let candidates = Candidates::find(slave, master, q, range).map_err(|error| segmentation_error(&error))?;
+        Ok((candidates, range))
+    }
+
     /// Renews the slots of the end (and of the middle) at an iterate; tells whether stencils changed. Derivatives of `active` rows are there afterwards.
     fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<bool, ContactError> {
         let has = |of: &Integrated, at_all: bool| at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a);
@@ -385,11 +394,7 @@ impl ContactMethod for MortarContact {
         let velocity = std::mem::take(&mut self.velocity);
         let surfaces = &self.surfaces;
         let factors = self.factors();
-        let h = surfaces.slave.length_scale().max(surfaces.master.length_scale());
-        let depth = if factors.deepest.is_finite() { factors.deepest } else { DEPTH * h };
-        let range = SearchRange { depth, far: MARGIN * h, reach };
-        let candidates = Candidates::find(&surfaces.slave, &surfaces.master, q_n, range)
-            .map_err(|error| segmentation_error(&error))?;
+        let (candidates, range) = self.search(q_n, reach)?;
         let values = surfaces.needs(Need::Value, &[]);
         let with_facets = self.friction.is_some();
         let crosspoints = surfaces.handing_over(None);
@@ -434,7 +439,7 @@ impl ContactMethod for MortarContact {
         }
         self.step = StepState {
             candidates,
-            range: Some(GapRange { min: -factors.fading_depth().min(depth), max: h }),
+            range: Some(GapRange { min: -factors.fading_depth().min(range.depth), max: range.far / MARGIN }),
             q_n: q_n.to_vec(),
             start: if frozen { self.end.slots.clone() } else { start.slots },
             gap,
@@ -643,11 +648,7 @@ impl ContactMethod for MortarContact {
         let slots = if self.end.at == q && !self.is_frozen() {
             &self.end.slots
         } else {
-            let h = self.surfaces.slave.length_scale().max(self.surfaces.master.length_scale());
-            let depth = if self.factors().deepest.is_finite() { self.factors().deepest } else { DEPTH * h };
-            let range = SearchRange { depth, far: MARGIN * h, reach: 0.0 };
-            let candidates = Candidates::find(&self.surfaces.slave, &self.surfaces.master, q, range)
-                .map_err(|error| segmentation_error(&error))?;
+            let (candidates, _) = self.search(q, 0.0)?;
             let needs = self.surfaces.needs(Need::Value, &[]);
             fresh = self.surfaces.integrate(&candidates, q, &needs, &self.surfaces.handing_over(None), &[], false)?;
             &fresh.slots

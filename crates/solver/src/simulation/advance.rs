@@ -247,8 +247,8 @@ impl Simulation {
             return;
         }
         let reason = format!(
-            "{CONTACT_GAVE} {:.0} % of their energy in this step; the motion is doubtful from here on. `energy-momentum` with the one-sided or the modified \
-             constraint does not do that; smaller steps, or exchanging slave and master, may help. This is said once",
+            "{CONTACT_GAVE} {:.0} % of their energy in this step; the motion is doubtful from here on. `energy-momentum` with mortar contact or with the \
+             modified constraint does not do that; smaller steps, or exchanging slave and master, may help. This is said once",
             100.0 * gain / energy
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
