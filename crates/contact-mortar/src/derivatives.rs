@@ -2,31 +2,34 @@
 
 use crate::{Factors, TriangleRule, for_each_point_with_derivatives};
 use nalgebra::Vector3;
-use stoss_reference_element::quad4;
+use stoss_reference_element::{MAX_NODES, Nodal};
 use stoss_segmentation::{LOCAL, Segment, SlaveFrame};
 
-/// Derivatives of a pair's integrals with respect to its 24 nodal components (slave `3 I + c`, master `12 + 3 K + c`).
+/// Derivatives of a pair's integrals with respect to its nodal components (slave `3 I + c`, master `MASTER + 3 K + c`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairDerivatives {
     /// Of `int N_i dA`.
-    pub shape: [[f64; LOCAL]; 4],
+    pub shape: [[f64; LOCAL]; MAX_NODES],
     /// Of `int N_i N_j dA`.
-    pub mass: [[[f64; LOCAL]; 4]; 4],
+    pub mass: [[[f64; LOCAL]; MAX_NODES]; MAX_NODES],
     /// Of `int N_i N_k^(2) dA`.
-    pub coupling: [[[f64; LOCAL]; 4]; 4],
+    pub coupling: [[[f64; LOCAL]; MAX_NODES]; MAX_NODES],
 }
 
 impl PairDerivatives {
     /// All zero.
-    pub const ZERO: Self =
-        Self { shape: [[0.0; LOCAL]; 4], mass: [[[0.0; LOCAL]; 4]; 4], coupling: [[[0.0; LOCAL]; 4]; 4] };
+    pub const ZERO: Self = Self {
+        shape: [[0.0; LOCAL]; MAX_NODES],
+        mass: [[[0.0; LOCAL]; MAX_NODES]; MAX_NODES],
+        coupling: [[[0.0; LOCAL]; MAX_NODES]; MAX_NODES],
+    };
 }
 
 /// Adds the derivatives of the integrals over `segment` to `out`.
 pub fn pair_derivatives(
     segment: &Segment,
     frame: &SlaveFrame,
-    master: &[Vector3<f64>; 4],
+    master: &Nodal<Vector3<f64>>,
     rule: TriangleRule,
     factors: &Factors,
     out: &mut PairDerivatives,
@@ -35,18 +38,18 @@ pub fn pair_derivatives(
     for_each_point_with_derivatives(segment, frame, master, rule, |p, d| {
         let (mut p, mut d) = (*p, *d);
         factors.apply_with_derivatives(&facing, &mut p, &mut d);
-        let (g1, g2) = (quad4::shape_gradient(p.slave), quad4::shape_gradient(p.master));
+        let (g1, g2) = (frame.kind().shape_gradient(p.slave), master.kind().shape_gradient(p.master));
         let (s, m) = (&d.coordinates.slave, &d.coordinates.master);
         let along = |g: [f64; 2], x: &[[f64; LOCAL]; 2]| -> [f64; LOCAL] {
             std::array::from_fn(|k| g[0] * x[0][k] + g[1] * x[1][k])
         };
         let (dn1, dn2) = (g1.map(|g| along(g, s)), g2.map(|g| along(g, m)));
-        for i in 0..4 {
+        for i in 0..frame.kind().node_count() {
             let n = p.slave_shape[i];
             let dwn: [f64; LOCAL] = std::array::from_fn(|k| d.weight[k] * n + p.weight * dn1[i][k]);
             out.shape[i].iter_mut().zip(&dwn).for_each(|(o, d)| *o += d);
             let wn = p.weight * n;
-            for j in 0..4 {
+            for j in 0..MAX_NODES {
                 let (n1, n2) = (p.slave_shape[j], p.master_shape[j]);
                 let (mass, coupling) = (&mut out.mass[i][j], &mut out.coupling[i][j]);
                 for k in 0..LOCAL {

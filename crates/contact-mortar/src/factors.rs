@@ -5,8 +5,10 @@
 //! tests do not notice.
 
 use crate::points::{PointVariation, QuadraturePoint};
+use crate::surfaces::diagonals;
 use nalgebra::Vector3;
-use stoss_segmentation::{LOCAL, SlaveFrame};
+use stoss_reference_element::Nodal;
+use stoss_segmentation::{LOCAL, MASTER, SlaveFrame};
 
 /// Cosines of the angle between opposed normals: from 85 degrees on a facet takes no part, up to 60 degrees it takes part wholly.
 const FACING: [f64; 2] = [0.087_155_742_747_658_17, 0.5];
@@ -53,10 +55,6 @@ fn nearness(u: f64) -> [f64; 2] {
     }
 }
 
-fn area_vector(x: &[Vector3<f64>; 4]) -> Vector3<f64> {
-    (x[2] - x[0]).cross(&(x[3] - x[1]))
-}
-
 /// Factor of a pair of facets, with derivatives.
 #[derive(Clone, Debug)]
 pub(crate) struct Facing {
@@ -69,16 +67,17 @@ impl Factors {
     pub const NONE: Self = Self { facing: false, deepest: f64::INFINITY, nearness: 0.0 };
 
     /// How much a slave and a master facet look at each other, from 0 to 1.
-    pub fn facing(&self, frame: &SlaveFrame, master: &[Vector3<f64>; 4]) -> f64 {
+    pub fn facing(&self, frame: &SlaveFrame, master: &Nodal<Vector3<f64>>) -> f64 {
         self.facing_of(frame, master, false).value
     }
 
-    pub(crate) fn facing_of(&self, frame: &SlaveFrame, master: &[Vector3<f64>; 4], want_derivative: bool) -> Facing {
+    pub(crate) fn facing_of(&self, frame: &SlaveFrame, master: &Nodal<Vector3<f64>>, want_derivative: bool) -> Facing {
         let mut out = Facing { value: 1.0, derivative: [0.0; LOCAL] };
         if !self.facing {
             return out;
         }
-        let area = area_vector(master);
+        let [d_1, d_2] = diagonals(master);
+        let area = d_1.cross(&d_2);
         let length = area.norm();
         let (slave, normal) = (frame.normal(), area / length);
         let cosine = -slave.dot(&normal);
@@ -95,10 +94,11 @@ impl Factors {
         }
         // d n_m = (1 - n n^T) / |c| (dd_1 x d_2 + d_1 x dd_2)
         let b = (slave - normal * slave.dot(&normal)) * (-slope / length);
-        let (d_1, d_2) = (master[2] - master[0], master[3] - master[1]);
         let (by_1, by_2) = (d_2.cross(&b), b.cross(&d_1));
-        for (k, d) in [-by_1, -by_2, by_1, by_2].iter().enumerate() {
-            (0..3).for_each(|c| out.derivative[12 + 3 * k + c] = d[c]);
+        let [c_1, c_2] = master.kind().diagonals();
+        for k in 0..master.len() {
+            let d = by_1 * c_1[k] + by_2 * c_2[k];
+            (0..3).for_each(|c| out.derivative[MASTER + 3 * k + c] = d[c]);
         }
         out
     }

@@ -4,6 +4,7 @@
 //! decomposition `R U` of the deformation that takes the reference diagonals of its facets to the present ones in the best way. A diagonal alone
 //! would turn with a shear, too, and the mirror image of a deformation would not turn tractions by the mirror image.
 
+use crate::surfaces::diagonals;
 use nalgebra::{Matrix2, Vector2, Vector3};
 use stoss_contact::ContactSurface;
 
@@ -27,12 +28,7 @@ impl MaterialFrames {
     /// From reference positions (`3 * nodes`).
     pub fn new(slave: &ContactSurface, reference: &[f64]) -> Self {
         let facets = 0..slave.facets().len() as u32;
-        let diagonals: Vec<[Vector3<f64>; 2]> = facets
-            .map(|f| {
-                let x = slave.patch(f, reference).corners;
-                [x[2] - x[0], x[3] - x[1]]
-            })
-            .collect();
+        let diagonals: Vec<[Vector3<f64>; 2]> = facets.map(|f| diagonals(&slave.patch(f, reference).corners)).collect();
         let tangents = |local: usize| {
             let around = slave.facets_around(local);
             let area = |f: &u32| diagonals[*f as usize][1].cross(&diagonals[*f as usize][0]);
@@ -89,8 +85,7 @@ mod tests {
         let mut along = [Vector3::zeros(); 2];
         let mut normal = Vector3::zeros();
         for (&f, c) in surface.facets_around(local).iter().zip(&coordinates) {
-            let x = surface.patch(f, q).corners;
-            let d = [x[2] - x[0], x[3] - x[1]];
+            let d = diagonals(&surface.patch(f, q).corners);
             normal += d[1].cross(&d[0]);
             for (a, along) in along.iter_mut().enumerate() {
                 *along += d[0] * c[0][a] + d[1] * c[1][a];

@@ -2,28 +2,36 @@
 
 use crate::{Factors, TriangleRule, for_each_point};
 use nalgebra::Vector3;
+use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 use stoss_segmentation::FacetSegmentation;
+
+/// Matrix over the nodes of two facets; zero where there is no node.
+pub type FacetMatrix = [[f64; MAX_NODES]; MAX_NODES];
 
 /// Integrals with one master facet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairIntegrals {
     /// Local number of the master facet.
     pub master_facet: u32,
+    /// Its kind.
+    pub master_kind: FacetKind,
     /// `int N_i^(1) N_k^(2) dA`, an area.
-    pub coupling: [[f64; 4]; 4],
+    pub coupling: FacetMatrix,
     /// `int N_i N_j dA` over this pair only.
-    pub mass: [[f64; 4]; 4],
+    pub mass: FacetMatrix,
 }
 
 /// Integrals over the covered part of one slave facet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FacetIntegrals {
+    /// The kind of the facet.
+    pub kind: FacetKind,
     /// `int N_i dA`, an area.
-    pub shape: [f64; 4],
+    pub shape: [f64; MAX_NODES],
     /// `int N_i dA` without the factors of the gap, however deep or far the master is, an area.
-    pub opposite: [f64; 4],
+    pub opposite: [f64; MAX_NODES],
     /// `int N_i N_j dA`, an area.
-    pub mass: [[f64; 4]; 4],
+    pub mass: FacetMatrix,
     /// One entry for each master facet opposite, in the order of the segments.
     pub pairs: Vec<PairIntegrals>,
     /// Parametric area of the covered part over that of the facet: 1 if wholly covered.
@@ -33,23 +41,26 @@ pub struct FacetIntegrals {
 /// Integrals over the segments of a facet, with factors at the points. `corners` gives the positions of a master facet.
 pub fn facet_integrals(
     found: &FacetSegmentation,
-    corners: impl Fn(u32) -> [Vector3<f64>; 4],
+    corners: impl Fn(u32) -> Nodal<Vector3<f64>>,
     rule: TriangleRule,
     factors: &Factors,
 ) -> FacetIntegrals {
+    let kind = found.frame.kind();
     let mut out = FacetIntegrals {
-        shape: [0.0; 4],
-        opposite: [0.0; 4],
-        mass: [[0.0; 4]; 4],
+        kind,
+        shape: [0.0; MAX_NODES],
+        opposite: [0.0; MAX_NODES],
+        mass: [[0.0; MAX_NODES]; MAX_NODES],
         pairs: Vec::new(),
-        covered: 0.25 * found.parametric_area(),
+        covered: found.parametric_area() / kind.area(),
     };
     for segment in &found.segments {
         if out.pairs.last().is_none_or(|p| p.master_facet != segment.master_facet) {
             out.pairs.push(PairIntegrals {
                 master_facet: segment.master_facet,
-                coupling: [[0.0; 4]; 4],
-                mass: [[0.0; 4]; 4],
+                master_kind: segment.master_map.kind(),
+                coupling: [[0.0; MAX_NODES]; MAX_NODES],
+                mass: [[0.0; MAX_NODES]; MAX_NODES],
             });
         }
         let Some(pair) = out.pairs.last_mut() else { continue };
@@ -57,14 +68,14 @@ pub fn facet_integrals(
         let facing = factors.facing_of(&found.frame, &master, false);
         for_each_point(segment, &found.frame, &master, rule, |p| {
             let mut p = *p;
-            for i in 0..4 {
+            for i in 0..MAX_NODES {
                 out.opposite[i] += facing.value * p.weight * p.slave_shape[i];
             }
             factors.apply(&facing, &mut p);
-            for i in 0..4 {
+            for i in 0..MAX_NODES {
                 let w = p.weight * p.slave_shape[i];
                 out.shape[i] += w;
-                for j in 0..4 {
+                for j in 0..MAX_NODES {
                     pair.mass[i][j] += w * p.slave_shape[j];
                     pair.coupling[i][j] += w * p.master_shape[j];
                 }
@@ -72,8 +83,8 @@ pub fn facet_integrals(
         });
     }
     for pair in &out.pairs {
-        for i in 0..4 {
-            for j in 0..4 {
+        for i in 0..MAX_NODES {
+            for j in 0..MAX_NODES {
                 out.mass[i][j] += pair.mass[i][j];
             }
         }

@@ -48,16 +48,16 @@ impl MortarMatrices {
             let basis = MultiplierBasis::new(space, &integrals);
             let d = basis.slave_block(&integrals);
             let nodes = slave.local_facets()[facet];
-            for a in 0..4 {
-                let row = nodes[a] as usize;
+            for (a, &row) in nodes.iter().enumerate() {
+                let row = row as usize;
                 out.weights[row] += d[a].iter().sum::<f64>();
-                out.slave[row].extend((0..4).filter(|&j| d[a][j] != 0.0).map(|j| (nodes[j], d[a][j])));
+                out.slave[row].extend((0..nodes.len()).filter(|&j| d[a][j] != 0.0).map(|j| (nodes[j], d[a][j])));
             }
             for pair in &integrals.pairs {
                 let m = basis.master_block(&pair.coupling);
                 let opposite = master.local_facets()[pair.master_facet as usize];
-                for a in 0..4 {
-                    out.master[nodes[a] as usize].extend((0..4).map(|k| (opposite[k], m[a][k])));
+                for (a, &row) in nodes.iter().enumerate() {
+                    out.master[row as usize].extend(opposite.iter().zip(m[a]).map(|(&node, m)| (node, m)));
                 }
             }
         }

@@ -12,8 +12,8 @@ use crate::weights::Integration;
 use crate::{MortarError, MultiplierSpace, TriangleRule};
 use nalgebra::Vector3;
 use stoss_contact::{
-    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, LocalContribution,
-    SlotReport, StepConfiguration, clear_inactive, multipliers_of,
+    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, FacetNodes,
+    LocalContribution, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
 use stoss_segmentation::{FacetSegmentation, GapRange};
 
@@ -116,10 +116,10 @@ impl MortarContact {
     ///
     /// # Errors
     /// Empty or degenerate surfaces, shared nodes.
-    pub fn new(
+    pub fn new<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
         name: &str,
-        slave_facets: &[[u32; 4]],
-        master_facets: &[[u32; 4]],
+        slave_facets: &[S],
+        master_facets: &[M],
         reference: &[f64],
         options: MortarOptions,
     ) -> Result<Self, ContactError> {

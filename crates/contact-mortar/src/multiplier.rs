@@ -1,7 +1,13 @@
 //! Multiplier spaces on a slave facet.
 
 use crate::FacetIntegrals;
-use nalgebra::{Matrix4, SymmetricEigen, Vector4};
+use crate::integrals::FacetMatrix;
+use nalgebra::{SMatrix, SVector, SymmetricEigen};
+use stoss_reference_element::MAX_NODES;
+
+/// Matrix and vector over the nodes of a facet; zero where there is no node.
+pub(crate) type NodeMatrix = SMatrix<f64, MAX_NODES, MAX_NODES>;
+pub(crate) type NodeVector = SVector<f64, MAX_NODES>;
 
 /// Which functions the multipliers are made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,7 +19,7 @@ pub enum MultiplierSpace {
     Dual,
 }
 
-/// Below this smallest eigenvalue of the scaled mass matrix (1/9 for a parallelogram that is wholly covered) dual
+/// Below this smallest eigenvalue of the scaled mass matrix (1/9 for a parallelogram that is wholly covered, 1/4 for a triangle) dual
 /// functions would be larger than 1e7 and their integrals lose all digits.
 const SMALLEST_EIGENVALUE: f64 = 1e-7;
 
@@ -21,46 +27,49 @@ const SMALLEST_EIGENVALUE: f64 = 1e-7;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultiplierBasis {
     /// Coefficients `C_Ai`: row the multiplier, column the shape function.
-    pub coefficients: [[f64; 4]; 4],
+    pub coefficients: FacetMatrix,
     /// Whether the facet is covered too little for dual functions: standard functions, lumped `D`.
     pub lumped: bool,
     diagonal: bool,
-    inverse_mass: Matrix4<f64>,
+    inverse_mass: NodeMatrix,
 }
 
-fn rows(m: &Matrix4<f64>) -> [[f64; 4]; 4] {
+fn rows(m: &NodeMatrix) -> FacetMatrix {
     std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
 }
 
-fn matrix(m: &[[f64; 4]; 4]) -> Matrix4<f64> {
-    Matrix4::from_fn(|i, j| m[i][j])
+pub(crate) fn matrix(m: &FacetMatrix) -> NodeMatrix {
+    NodeMatrix::from_fn(|i, j| m[i][j])
 }
 
 impl MultiplierBasis {
     /// The functions of a facet with these integrals.
     pub fn new(space: MultiplierSpace, integrals: &FacetIntegrals) -> Self {
         let standard = |diagonal| Self {
-            coefficients: rows(&Matrix4::identity()),
+            coefficients: rows(&NodeMatrix::identity()),
             lumped: diagonal,
             diagonal,
-            inverse_mass: Matrix4::zeros(),
+            inverse_mass: NodeMatrix::zeros(),
         };
         if space == MultiplierSpace::Standard {
             return standard(false);
         }
         // Scaled to unit row sums of the constant: the eigenvalues tell how well the functions are told apart.
-        if integrals.shape.iter().any(|s| s.is_nan() || *s <= 0.0) {
+        let nodes = integrals.kind.node_count();
+        if integrals.shape[..nodes].iter().any(|s| s.is_nan() || *s <= 0.0) {
             return standard(true);
         }
-        let scale = Vector4::from(integrals.shape).map(|s| 1.0 / s.sqrt());
+        let scale = NodeVector::from_fn(|i, _| if i < nodes { 1.0 / integrals.shape[i].sqrt() } else { 0.0 });
         let mass = matrix(&integrals.mass);
-        let scaled = Matrix4::from_fn(|i, j| scale[i] * mass[(i, j)] * scale[j]);
+        // Where there is no node a row of the identity, which tells nothing and drops out again.
+        let absent = |i: usize, j: usize| if i == j && i >= nodes { 1.0 } else { 0.0 };
+        let scaled = NodeMatrix::from_fn(|i, j| scale[i] * mass[(i, j)] * scale[j] + absent(i, j));
         let eigen = SymmetricEigen::new(scaled).eigenvalues;
         let smallest = eigen.iter().fold(f64::INFINITY, |m: f64, &e| m.min(e));
         let inverse = (smallest > SMALLEST_EIGENVALUE).then(|| scaled.try_inverse()).flatten();
         let Some(inverse) = inverse else { return standard(true) };
-        let inverse_mass = Matrix4::from_fn(|i, j| scale[i] * inverse[(i, j)] * scale[j]);
-        let c = Matrix4::from_fn(|i, j| integrals.shape[i] * inverse_mass[(i, j)]);
+        let inverse_mass = NodeMatrix::from_fn(|i, j| scale[i] * inverse[(i, j)] * scale[j]);
+        let c = NodeMatrix::from_fn(|i, j| integrals.shape[i] * inverse_mass[(i, j)]);
         Self { coefficients: rows(&c), lumped: false, diagonal: true, inverse_mass }
     }
 
@@ -70,17 +79,17 @@ impl MultiplierBasis {
     }
 
     /// `phi_A` at a point with shape functions `shape`.
-    pub fn values(&self, shape: &[f64; 4]) -> [f64; 4] {
-        self.coefficients.map(|c| (0..4).map(|i| c[i] * shape[i]).sum())
+    pub fn values(&self, shape: &[f64; MAX_NODES]) -> [f64; MAX_NODES] {
+        self.coefficients.map(|c| (0..MAX_NODES).map(|i| c[i] * shape[i]).sum())
     }
 
     /// `D_AJ = int phi_A N_J dA`. Dual and lumped: diagonal, `int phi_A dA` as the row sums of
     /// [`MultiplierBasis::master_block`], with which they have to agree even where dual functions are large.
-    pub fn slave_block(&self, integrals: &FacetIntegrals) -> [[f64; 4]; 4] {
+    pub fn slave_block(&self, integrals: &FacetIntegrals) -> FacetMatrix {
         if !self.diagonal {
             return rows(&(matrix(&self.coefficients) * matrix(&integrals.mass)));
         }
-        let mut d = [[0.0; 4]; 4];
+        let mut d = [[0.0; MAX_NODES]; MAX_NODES];
         for pair in &integrals.pairs {
             for (a, row) in self.master_block(&pair.coupling).iter().enumerate() {
                 d[a][a] += row.iter().sum::<f64>();
@@ -90,14 +99,14 @@ impl MultiplierBasis {
     }
 
     /// `M_AK = int phi_A N_K^(2) dA` from `int N_i N_K^(2) dA` of a pair.
-    pub fn master_block(&self, coupling: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    pub fn master_block(&self, coupling: &FacetMatrix) -> FacetMatrix {
         rows(&(matrix(&self.coefficients) * matrix(coupling)))
     }
 
     /// `d C` for variations of `int N_i` and `int N_i N_j` over the whole covered part: `dC = (diag(d shape) - C d
     /// mass) mass^-1`. Zero for standard and lumped functions.
-    pub fn coefficient_variation(&self, shape: &[f64; 4], mass: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
-        let diagonal = Matrix4::from_diagonal(&Vector4::from(*shape));
+    pub fn coefficient_variation(&self, shape: &[f64; MAX_NODES], mass: &FacetMatrix) -> FacetMatrix {
+        let diagonal = NodeMatrix::from_diagonal(&NodeVector::from(*shape));
         rows(&((diagonal - matrix(&self.coefficients) * matrix(mass)) * self.inverse_mass))
     }
 }

@@ -3,9 +3,10 @@
 use crate::method::MortarContact;
 use crate::slot::at;
 use crate::state::Surfaces;
+use crate::surfaces::area_vector;
 use nalgebra::Vector3;
-use stoss_contact::ContactError;
-use stoss_reference_element::quad4;
+use stoss_contact::{ContactError, FacetNodes};
+use stoss_reference_element::Nodal;
 
 impl MortarContact {
     /// Fails if a part of the slave that lay before the master has gone deeper than where contact takes notice: the step was too long.
@@ -15,9 +16,9 @@ impl MortarContact {
             return Ok(());
         }
         let Surfaces { slave, master, .. } = &self.surfaces;
-        let corner = |q: &[f64], nodes: [u32; 4]| nodes.map(|n| at(q, n));
-        let point = |x: &[Vector3<f64>; 4], xi: [f64; 2]| -> Vector3<f64> {
-            quad4::shape(xi).iter().zip(x).map(|(n, x)| x * *n).sum()
+        let corner = |q: &[f64], nodes: FacetNodes| nodes.map(|n| at(q, n));
+        let point = |x: &Nodal<Vector3<f64>>, xi: [f64; 2]| -> Vector3<f64> {
+            x.kind().shape(xi).iter().zip(x).map(|(n, x)| x * *n).sum()
         };
         for (f, found) in self.end.segments.iter().enumerate() {
             let Some(found) = found else { continue };
@@ -29,7 +30,7 @@ impl MortarContact {
                 }
                 let facets = [slave.facets()[f], master.facets()[segment.master_facet as usize]];
                 let [x, y] = facets.map(|nodes| corner(&self.step.q_n, nodes));
-                let normal = (x[2] - x[0]).cross(&(x[3] - x[1])).normalize();
+                let normal = area_vector(&x).normalize();
                 let before: f64 =
                     v.iter().map(|v| (point(&y, v.master) - point(&x, v.slave)).dot(&normal)).sum::<f64>()
                         / v.len() as f64;

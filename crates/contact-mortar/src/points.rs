@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 use stoss_reference_element::{
-    quad4,
+    MAX_NODES, Nodal,
     triangle::{self, TriangleRule},
 };
-use stoss_segmentation::{Foot, LOCAL, PointDerivative, Segment, SlaveFrame};
+use stoss_segmentation::{Foot, LOCAL, MASTER, PointDerivative, Segment, SlaveFrame};
 
 /// A Gauss point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,16 +15,16 @@ pub struct QuadraturePoint {
     /// Convective coordinates on the master.
     pub master: [f64; 2],
     /// Shape functions of the slave.
-    pub slave_shape: [f64; 4],
+    pub slave_shape: [f64; MAX_NODES],
     /// Shape functions of the master.
-    pub master_shape: [f64; 4],
+    pub master_shape: [f64; MAX_NODES],
     /// `w_g |a1 x a2| det(d xi / d eta)`, an area of the slave (formulation (7.1)).
     pub weight: f64,
     /// `(x2 - x1) . n0` along the normal of the segmentation plane, a length.
     pub gap: f64,
 }
 
-/// Derivatives of a point with respect to the 24 components of the slave's and the master's nodes.
+/// Derivatives of a point with respect to the components of the slave's and the master's nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointVariation {
     /// Of both coordinates.
@@ -39,12 +39,13 @@ fn linear(eta: &[f64; 3], p: [[f64; 2]; 3]) -> [f64; 2] {
     std::array::from_fn(|i| eta[0] * p[0][i] + eta[1] * p[1][i] + eta[2] * p[2][i])
 }
 
-fn combine(weights: [f64; 4], x: &[Vector3<f64>; 4]) -> Vector3<f64> {
+fn combine(weights: [f64; MAX_NODES], x: &Nodal<Vector3<f64>>) -> Vector3<f64> {
+    let x = x.padded();
     x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2] + x[3] * weights[3]
 }
 
-fn tangents(xi: [f64; 2], x: &[Vector3<f64>; 4]) -> [Vector3<f64>; 2] {
-    let gradient = quad4::shape_gradient(xi);
+fn tangents(xi: [f64; 2], x: &Nodal<Vector3<f64>>) -> [Vector3<f64>; 2] {
+    let gradient = x.kind().shape_gradient(xi);
     [combine(gradient.map(|g| g[0]), x), combine(gradient.map(|g| g[1]), x)]
 }
 
@@ -58,7 +59,7 @@ fn triangle_of(segment: &Segment, centroid: [f64; 2], edge: [usize; 2]) -> ([[f6
 fn point_at(
     segment: &Segment,
     frame: &SlaveFrame,
-    master: &[Vector3<f64>; 4],
+    master: &Nodal<Vector3<f64>>,
     corners: [[f64; 2]; 3],
     eta: &[f64; 3],
     parametric_weight: f64,
@@ -69,8 +70,8 @@ fn point_at(
     let point = QuadraturePoint {
         slave,
         master: foot.master,
-        slave_shape: quad4::shape(slave),
-        master_shape: quad4::shape(foot.master),
+        slave_shape: frame.kind().shape(slave),
+        master_shape: master.kind().shape(foot.master),
         weight: parametric_weight * a1.cross(&a2).norm(),
         gap: foot.gap,
     };
@@ -85,7 +86,7 @@ fn point_at(
 pub fn for_each_point(
     segment: &Segment,
     frame: &SlaveFrame,
-    master: &[Vector3<f64>; 4],
+    master: &Nodal<Vector3<f64>>,
     rule: TriangleRule,
     mut visit: impl FnMut(&QuadraturePoint),
 ) {
@@ -102,7 +103,7 @@ pub fn for_each_point(
 pub fn for_each_point_with_derivatives(
     segment: &Segment,
     frame: &SlaveFrame,
-    master: &[Vector3<f64>; 4],
+    master: &Nodal<Vector3<f64>>,
     rule: TriangleRule,
     mut visit: impl FnMut(&QuadraturePoint, &PointVariation),
 ) {
@@ -111,7 +112,7 @@ pub fn for_each_point_with_derivatives(
     let of_centroid = segment.centroid_derivative(&vertex);
     let corners = frame.corners();
     let normal = frame.normal();
-    let a12 = combine(quad4::mixed_derivative(), corners);
+    let a12 = combine(frame.kind().mixed_derivative(), corners);
     for edge in segment.fan() {
         let (ends, det) = triangle_of(segment, centroid, edge);
         let [p, q, r] = ends;
@@ -137,9 +138,9 @@ pub fn for_each_point_with_derivatives(
             let unit = c / density;
             let (by_a1, by_a2) = (a2.cross(&unit), unit.cross(&a1));
             let (by_xi1, by_xi2) = (by_a2.dot(&a12), by_a1.dot(&a12));
-            let gradient = quad4::shape_gradient(point.slave);
+            let gradient = frame.kind().shape_gradient(point.slave);
             // dg = n0 . (dx2 - dx1): x2 - x1 has the direction of n0, so that the turning of n0 drops out. Facets that were split have affine maps.
-            let slope = |gradient: [[f64; 2]; 4], x: &[Vector3<f64>; 4]| -> [f64; 2] {
+            let slope = |gradient: [[f64; 2]; MAX_NODES], x: &Nodal<Vector3<f64>>| -> [f64; 2] {
                 [0, 1].map(|b| normal.dot(&combine(gradient.map(|g| g[b]), x)))
             };
             let [s1, s2] = slope(segment.slave_map.weights_gradient(point.slave), corners);
@@ -154,11 +155,11 @@ pub fn for_each_point_with_derivatives(
             for k in 0..LOCAL {
                 let mut d = by_xi1 * slave[0][k] + by_xi2 * slave[1][k];
                 let mut g = m1 * master_xi[0][k] + m2 * master_xi[1][k] - s1 * slave[0][k] - s2 * slave[1][k];
-                if k < 12 {
+                if k < MASTER {
                     d += gradient[k / 3][0] * by_a1[k % 3] + gradient[k / 3][1] * by_a2[k % 3];
                     g -= on_slave[k / 3] * normal[k % 3];
                 } else {
-                    g += on_master[k / 3 - 4] * normal[k % 3];
+                    g += on_master[k / 3 - MAX_NODES] * normal[k % 3];
                 }
                 variation.weight[k] = w * det_variation[k] * density + parametric_weight * d;
                 variation.gap[k] = g;

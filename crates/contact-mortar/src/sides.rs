@@ -1,5 +1,6 @@
 //! Sharp edges of a surface in the reference configuration, and the rows of the constraints: one for each side of a slave node.
 
+use crate::surfaces::{area_vector, corners};
 use nalgebra::Vector3;
 use stoss_contact::ContactSurface;
 
@@ -10,12 +11,8 @@ const SHARP: f64 = 0.825;
 
 /// Unit normals of all facets at positions `q`; zero where there is none.
 pub(crate) fn unit_normals(surface: &ContactSurface, q: &[f64]) -> Vec<Vector3<f64>> {
-    let area_vector = |facet: u32| {
-        let x = surface.patch(facet, q).corners;
-        (x[2] - x[0]).cross(&(x[3] - x[1]))
-    };
     let facets = 0..surface.facets().len() as u32;
-    facets.map(|f| area_vector(f).try_normalize(0.0).unwrap_or_default()).collect()
+    facets.map(|f| area_vector(&corners(surface, f, q)).try_normalize(0.0).unwrap_or_default()).collect()
 }
 
 /// Whether an edge between facets with these reference normals is sharp.
@@ -25,8 +22,7 @@ fn is_sharp(normals: &[Vector3<f64>], e: usize, f: usize) -> bool {
 
 /// Whether a surface has sharp edges; reference normals.
 pub(crate) fn has_sharp_edges(surface: &ContactSurface, normals: &[Vector3<f64>]) -> bool {
-    let neighbours = |f: usize| (0..4).filter_map(move |edge| surface.neighbour(f as u32, edge));
-    (0..normals.len()).any(|f| neighbours(f).any(|e| is_sharp(normals, e as usize, f)))
+    (0..normals.len()).any(|f| surface.neighbours(f as u32).any(|e| is_sharp(normals, e as usize, f)))
 }
 
 /// More smooth parts than this, as a coarse mesh of a round body has, are taken for one.
@@ -44,7 +40,7 @@ pub(crate) fn sheets(surface: &ContactSurface, normals: &[Vector3<f64>]) -> (Vec
         sheets[first] = count;
         let mut reached = vec![first];
         while let Some(f) = reached.pop() {
-            for e in (0..4).filter_map(|edge| surface.neighbour(f as u32, edge)).map(|e| e as usize) {
+            for e in surface.neighbours(f as u32).map(|e| e as usize) {
                 if sheets[e] == NONE && !is_sharp(normals, e, f) {
                     sheets[e] = count;
                     reached.push(e);
@@ -87,7 +83,8 @@ pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>], sheets: u
             while let Some(&f) = side.get(next) {
                 next += 1;
                 let Some(a) = corner(f) else { continue };
-                for e in [a, (a + 3) % 4].into_iter().filter_map(|edge| surface.neighbour(f, edge)) {
+                let before = facets[f as usize].kind().previous(a);
+                for e in [a, before].into_iter().filter_map(|edge| surface.neighbour(f, edge)) {
                     if left.contains(&e) && !is_sharp(normals, e as usize, f as usize) {
                         left.retain(|&f| f != e);
                         side.push(e);

@@ -1,12 +1,14 @@
 //! The weighted gap of one row as a function of the positions: value, gradient, second derivative (docs/theory/mortar.md).
 //!
-//! `Phi = n . g` with the gap vector `g = sum_k w_k x_k` and the normal `n = c / |c|`, `c = -sum_f d1_f x d2_f` over the diagonals of the facets of the row. The
+//! `Phi = n . g` with the gap vector `g = sum_k w_k x_k` and the normal `n = c / |c|`, `c = -sum_f d1_f x d2_f` over the diagonals ([`stoss_reference_element::FacetKind::diagonals`]) of the facets of the row. The
 //! weights move with the positions.
 
 use crate::sides::Row;
+use crate::surfaces::{area_vector, diagonals};
 use crate::weights::FacetWeights;
 use nalgebra::{Matrix3, Matrix3xX, Vector3};
 use stoss_contact::ContactSurface;
+use stoss_reference_element::Nodal;
 
 /// Weights of nodes in a gap vector.
 #[derive(Clone, Debug, Default)]
@@ -14,7 +16,7 @@ pub(crate) struct Group {
     /// The slave facet, the first of those that make the normal.
     pub facet: u32,
     /// Corners of the facets that make the normal, as positions in [`Slot::nodes`].
-    pub corners: Vec<[usize; 4]>,
+    pub corners: Vec<Nodal<usize>>,
     /// One weight a node, an area.
     pub weights: Vec<f64>,
     /// `d weights / d x`, row-major, one column a component; empty if held.
@@ -61,8 +63,6 @@ pub(crate) enum Want {
     HeldForce,
 }
 
-/// Coefficient of a corner in the two diagonals.
-const DIAGONAL: [[f64; 4]; 2] = [[-1.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0]];
 /// Part of the reference area by which the corners of a row's facets take part in [`Slot::positive`], covered or not: they turn the normal.
 const CORNER_WEIGHT: f64 = 1e-3;
 
@@ -92,7 +92,8 @@ impl Slot {
             }
             let opposite = weights.into_iter().flat_map(|w| &w.masters).map(|&m| master.facets()[m as usize]);
             let mut map = Vec::new();
-            for node in std::iter::once(slave.facets()[f as usize]).chain(opposite).flatten() {
+            let own = slave.facets()[f as usize];
+            for node in std::iter::once(own).chain(opposite).flatten() {
                 let k = slot.nodes.iter().position(|&n| n == node).unwrap_or_else(|| {
                     slot.nodes.push(node);
                     slot.nodes.len() - 1
@@ -105,13 +106,14 @@ impl Slot {
         slot.positive = vec![0.0; nodes];
         slot.whole = Group { facet: row.facets[0].0, weights: vec![0.0; nodes], ..Group::default() };
         for (&(f, a), map) in row.facets.iter().zip(&maps) {
-            let corners = std::array::from_fn(|k| map[k]);
+            let corners = Nodal::from_fn(slave.facets()[f as usize].kind(), |k| map[k]);
             slot.whole.corners.push(corners);
             let mut own = Group { facet: f, corners: vec![corners], ..Group::default() };
             if with_facets {
                 own.weights = vec![0.0; nodes];
             }
-            corners.iter().for_each(|&k| slot.positive[k] += CORNER_WEIGHT * row.area / (4 * maps.len()) as f64);
+            let share = CORNER_WEIGHT * row.area / (corners.len() * maps.len()) as f64;
+            corners.iter().for_each(|&k| slot.positive[k] += share);
             if let Some(w) = facets(f) {
                 let count = w.node_count();
                 for (k, &to) in map.iter().enumerate() {
@@ -174,8 +176,7 @@ impl Slot {
         let gap = weights.map(|(w, &node)| (at(q, node) - origin) * *w).sum();
         let mut c = Vector3::zeros();
         for corners in &self.whole.corners {
-            let x = corners.map(|k| at(q, self.nodes[k]));
-            c -= (x[2] - x[0]).cross(&(x[3] - x[1]));
+            c -= area_vector(&corners.map(|k| at(q, self.nodes[k])));
         }
         (gap, c, origin)
     }
@@ -213,9 +214,9 @@ impl Slot {
         }
         let mut by_c = Matrix3xX::zeros(own);
         for corners in &self.whole.corners {
-            let x = corners.map(|k| at(q, self.nodes[k]));
-            let turned = [(x[3] - x[1]).cross_matrix(), -(x[2] - x[0]).cross_matrix()];
-            for (row, m) in DIAGONAL.iter().zip(&turned) {
+            let [d_1, d_2] = diagonals(&corners.map(|k| at(q, self.nodes[k])));
+            let turned = [d_2.cross_matrix(), -d_1.cross_matrix()];
+            for (row, m) in corners.kind().diagonals().iter().zip(&turned) {
                 for (&k, &sign) in corners.iter().zip(row).filter(|(_, c)| **c != 0.0) {
                     let mut block = by_c.fixed_columns_mut::<3>(3 * k);
                     block += m * sign;
@@ -288,8 +289,9 @@ impl Slot {
         // b . d2c
         let turn = b.cross_matrix();
         for corners in &self.whole.corners {
-            for (&k, &f) in corners.iter().zip(&DIAGONAL[0]).filter(|(_, f)| **f != 0.0) {
-                for (&l, &g) in corners.iter().zip(&DIAGONAL[1]).filter(|(_, g)| **g != 0.0) {
+            let [by_1, by_2] = corners.kind().diagonals();
+            for (&k, &f) in corners.iter().zip(&by_1).filter(|(_, f)| **f != 0.0) {
+                for (&l, &g) in corners.iter().zip(&by_2).filter(|(_, g)| **g != 0.0) {
                     for i in 0..3 {
                         for j in 0..3 {
                             let value = f * g * turn[(i, j)];
@@ -343,7 +345,7 @@ impl Slot {
             visit(0, k, w);
         }
         for (f, corners) in group.corners.iter().enumerate() {
-            for (d, row) in DIAGONAL.iter().enumerate() {
+            for (d, row) in corners.kind().diagonals().iter().enumerate() {
                 for (&k, &c) in corners.iter().zip(row).filter(|(_, c)| **c != 0.0) {
                     visit(1 + 2 * f + d, k, c);
                 }

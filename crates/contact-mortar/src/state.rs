@@ -7,6 +7,7 @@ use crate::slot::Slot;
 use crate::weights::{FacetWeights, Integration};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactSurface};
+use stoss_reference_element::MAX_NODES;
 use stoss_segmentation::{FacetSegmentation, GapRange, Segment};
 
 /// What is built once.
@@ -26,6 +27,9 @@ pub(crate) struct Surfaces {
     pub integration: Integration,
 }
 
+/// Corners of a facet that hand their functions over; places where there is no corner do so.
+pub(crate) type Without = [bool; MAX_NODES];
+
 /// What is constant in a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepState {
@@ -44,7 +48,7 @@ pub(crate) struct StepState {
     /// Rows that may carry a multiplier.
     pub carried: Vec<bool>,
     /// Corners of the slave facets that hand their functions over.
-    pub without: Vec<[bool; 4]>,
+    pub without: Vec<Without>,
 }
 
 /// Slots at one configuration.
@@ -77,7 +81,7 @@ impl Surfaces {
         candidates: &Candidates,
         q: &[f64],
         needs: &[Need],
-        without: &[[bool; 4]],
+        without: &[Without],
         old: &[Slot],
         with_facets: bool,
     ) -> Result<Integrated, ContactError> {
@@ -125,16 +129,18 @@ impl Surfaces {
     }
 
     /// Corners of each slave facet, against each smooth part of the master, that hand their functions over: those of crosspoints, and of rows that carry nothing in the step, unless nobody is left.
-    pub fn handing_over(&self, carried: Option<&[bool]>) -> Vec<[bool; 4]> {
-        let facets = self.slave.local_facets().iter().map(|nodes| nodes.map(|n| self.without[n as usize]));
-        let crosspoints: Vec<[bool; 4]> = facets.flat_map(|f| std::iter::repeat_n(f, self.sheet_count)).collect();
+    pub fn handing_over(&self, carried: Option<&[bool]>) -> Vec<Without> {
+        let facets = self.slave.local_facets().iter().map(|nodes| -> Without {
+            std::array::from_fn(|k| nodes.get(k).is_none_or(|&n| self.without[n as usize]))
+        });
+        let crosspoints: Vec<Without> = facets.flat_map(|f| std::iter::repeat_n(f, self.sheet_count)).collect();
         let Some(carried) = carried else { return crosspoints };
         let mut out = crosspoints.clone();
         for (row, _) in self.rows.iter().zip(carried).filter(|(_, carried)| !**carried) {
             let place = |f: u32| f as usize * self.sheet_count + row.sheet;
             row.facets.iter().for_each(|&(f, corner)| out[place(f)][corner] = true);
         }
-        for (out, crosspoints) in out.iter_mut().zip(&crosspoints).filter(|(out, _)| **out == [true; 4]) {
+        for (out, crosspoints) in out.iter_mut().zip(&crosspoints).filter(|(out, _)| **out == [true; MAX_NODES]) {
             *out = *crosspoints;
         }
         out

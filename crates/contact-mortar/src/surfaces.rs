@@ -4,6 +4,7 @@ use crate::MortarError;
 use nalgebra::Vector3;
 use stoss_contact::ContactSurface;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
+use stoss_reference_element::Nodal;
 use stoss_segmentation::{FacetSegmentation, GapRange, MasterFacet, SlaveFrame, check_coverage, segment_facet};
 
 /// Segments of all slave facets.
@@ -53,11 +54,22 @@ pub struct SurfaceCoverage {
     pub faults: Vec<CoverageFault>,
 }
 
-/// Parametric tolerance of the invariant (the facet has 4).
+/// Parametric tolerance of the invariant.
 const TOLERANCE: f64 = 1e-12;
 
-pub(crate) fn corners(surface: &ContactSurface, facet: u32, q: &[f64]) -> [Vector3<f64>; 4] {
+pub(crate) fn corners(surface: &ContactSurface, facet: u32, q: &[f64]) -> Nodal<Vector3<f64>> {
     surface.patch(facet, q).corners
+}
+
+/// The two vectors of [`stoss_reference_element::FacetKind::diagonals`].
+pub(crate) fn diagonals(x: &Nodal<Vector3<f64>>) -> [Vector3<f64>; 2] {
+    x.kind().diagonals().map(|d| x.iter().zip(d).map(|(x, c)| x * c).sum())
+}
+
+/// Twice the area of a facet along its normal.
+pub(crate) fn area_vector(x: &Nodal<Vector3<f64>>) -> Vector3<f64> {
+    let [d_1, d_2] = diagonals(x);
+    d_1.cross(&d_2)
 }
 
 pub(crate) fn master_facet(master: &ContactSurface, id: u32, q: &[f64]) -> MasterFacet {
@@ -101,33 +113,34 @@ pub fn segment_surfaces(
 }
 
 /// A slave facet swept along its normal through the range, no farther than the master's bounds reach.
-pub(crate) fn region(x: &[Vector3<f64>; 4], normal: Vector3<f64>, bounds: &Aabb, range: GapRange) -> Aabb {
+pub(crate) fn region(x: &Nodal<Vector3<f64>>, normal: Vector3<f64>, bounds: &Aabb, range: GapRange) -> Aabb {
     let own = Aabb::from_points(x);
     let far = (bounds.max - bounds.min).norm() + (bounds.max - own.min).norm() + (own.max - bounds.min).norm();
     let (low, high) = (range.min.clamp(-far, far), range.max.clamp(-far, far));
-    let ends: [Vector3<f64>; 8] = std::array::from_fn(|k| x[k % 4] + normal * if k < 4 { low } else { high });
     let size = x.iter().map(|c| c.amax()).fold(0.0, f64::max);
-    Aabb::from_points(&ends).inflated(1e-12 * (far + size))
+    let [low, high] = [low, high].map(|far| x.map(|x| x + normal * far));
+    let [low, high] = [Aabb::from_points(&low), Aabb::from_points(&high)];
+    Aabb::from_points(&[low.min, low.max, high.min, high.max]).inflated(1e-12 * (far + size))
 }
 
 /// The least distance from the middle of a facet, against its normal, to a facet of the same surface that looks the other way: how thin the body is
 /// where both of its sides belong to the surface. Infinity if they do so nowhere. A length.
 pub(crate) fn thickness(surface: &ContactSurface, q: &[f64]) -> f64 {
-    let facets: Vec<[Vector3<f64>; 4]> = (0..surface.facets().len() as u32).map(|f| corners(surface, f, q)).collect();
-    let normals: Vec<Vector3<f64>> = facets.iter().map(|x| (x[2] - x[0]).cross(&(x[3] - x[1]))).collect();
-    let boxes: Vec<Aabb> = facets.iter().map(Aabb::from_points).collect();
+    let facets: Vec<Nodal<Vector3<f64>>> = (0..surface.facets().len() as u32).map(|f| corners(surface, f, q)).collect();
+    let normals: Vec<Vector3<f64>> = facets.iter().map(area_vector).collect();
+    let boxes: Vec<Aabb> = facets.iter().map(|x| Aabb::from_points(x)).collect();
     let tree = BoundingVolumeTree::build(&boxes);
     let bounds = tree.bounds();
     let extent = (bounds.max - bounds.min).norm();
     let mut least = f64::INFINITY;
     for (x, normal) in facets.iter().zip(&normals) {
         let Some(inward) = (-normal).try_normalize(0.0) else { continue };
-        let middle = (x[0] + x[1] + x[2] + x[3]) * 0.25;
+        let middle = x.iter().sum::<Vector3<f64>>() / x.len() as f64;
         let end = middle + inward * extent.min(least);
         tree.query(&Aabb::from_points(&[middle, end]).inflated(1e-12 * extent), |other| {
             if normals[other].dot(&inward) > 0.0 {
                 let y = &facets[other];
-                for [a, b, c] in [[y[0], y[1], y[2]], [y[0], y[2], y[3]]] {
+                for [a, b, c] in y.kind().triangles().iter().map(|t| t.map(|k| y[k])) {
                     least =
                         distance_along(middle, inward, a, b, c).filter(|d| *d > 0.0).map_or(least, |d| least.min(d));
                 }
@@ -187,8 +200,7 @@ impl SurfaceSegmentation {
                 ids.extend(found.segments.iter().map(|s| s.master_facet).chain(found.hidden.iter().map(|h| h.id)));
                 for _ in 0..2 {
                     for i in 0..ids.len() {
-                        let facet = ids[i];
-                        ids.extend((0..4).filter_map(|edge| master.neighbour(facet, edge)));
+                        ids.extend(master.neighbours(ids[i]));
                     }
                     ids.sort_unstable();
                     ids.dedup();
@@ -204,9 +216,10 @@ impl SurfaceSegmentation {
             let facet = slave_facet as u32;
             let report = check_coverage(found, surface, self.range)
                 .map_err(|source| MortarError::Segmentation { facet, source })?;
-            let scale = 0.25 * found.frame.image_area();
+            let whole = found.frame.kind().area();
+            let scale = found.frame.image_area() / whole;
             let too_much = if report.cut { 0.0 } else { -report.uncovered };
-            out.worst = out.worst.max(0.25 * report.uncovered_opposite().max(report.double).max(too_much));
+            out.worst = out.worst.max(report.uncovered_opposite().max(report.double).max(too_much) / whole);
             out.area += found.frame.image_area();
             out.covered += found.segments.iter().map(|s| s.image_area()).sum::<f64>();
             if !report.is_tiling(TOLERANCE) {

@@ -6,6 +6,7 @@
 use crate::frames::{Coordinates, MaterialFrames};
 use crate::slip::{Facet, SlipMeasure, normal_part, tangents};
 use crate::slot::{Group, Slot, at};
+use crate::surfaces::diagonals;
 use nalgebra::Vector3;
 use stoss_contact::dual::{Dual, Scalar, V3, dot};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
@@ -125,8 +126,8 @@ impl Slot {
         let position = |k: usize| at(q, self.nodes[k]) - origin;
         let weights = group.weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
         let gap: Vector3<f64> = weights.map(|(k, w)| position(k) * *w).sum();
-        let c = group.corners.first().copied().unwrap_or_default();
-        [gap, position(c[2]) - position(c[0]), position(c[3]) - position(c[1])].map(Into::into)
+        let [d_1, d_2] = group.corners.first().map_or([Vector3::zeros(); 2], |c| diagonals(&c.map(position)));
+        [gap, d_1, d_2].map(Into::into)
     }
 }
 

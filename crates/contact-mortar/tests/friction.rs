@@ -4,7 +4,7 @@ mod sheets;
 
 use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
-use sheets::{NODES, SLAVE, assemble, method, moved, options, pressures, resultants, warp};
+use sheets::{Mesh, NODES, SLAVE, assemble, meshes, method, moved, options, pressures, resultants, warp};
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
 use stoss_contact::{ContactError, ContactMethod, ContactRule, StepConfiguration};
@@ -30,11 +30,18 @@ fn law(kind: usize) -> Arc<dyn FrictionLaw> {
     }
 }
 
-fn with(law: Arc<dyn FrictionLaw>, midpoint: MidpointFriction, dual: bool, measure: SlipMeasure) -> MortarContact {
-    with_stick(law, Stick::Penalty, midpoint, dual, measure)
+fn with(
+    meshes: [Mesh; 2],
+    law: Arc<dyn FrictionLaw>,
+    midpoint: MidpointFriction,
+    dual: bool,
+    measure: SlipMeasure,
+) -> MortarContact {
+    with_stick(meshes, law, Stick::Penalty, midpoint, dual, measure)
 }
 
 fn with_stick(
+    meshes: [Mesh; 2],
     law: Arc<dyn FrictionLaw>,
     stick: Stick,
     midpoint: MidpointFriction,
@@ -42,7 +49,7 @@ fn with_stick(
     measure: SlipMeasure,
 ) -> MortarContact {
     let friction = Friction::new(law, PENALTY, stick, midpoint).unwrap();
-    method(options(dual)).with_friction(friction, measure).unwrap()
+    method(meshes, options(dual)).with_friction(friction, measure).unwrap()
 }
 
 fn plus(q: &[f64], factor: f64, d: &[f64]) -> Vec<f64> {
@@ -81,6 +88,7 @@ fn go(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: 
 
 /// What friction adds to the residual of the step that has begun.
 fn friction_force(
+    meshes: [Mesh; 2],
     method: &mut MortarContact,
     rule: ContactRule,
     q_n: &[f64],
@@ -88,7 +96,7 @@ fn friction_force(
     p: &[f64],
     dual: bool,
 ) -> Vec<f64> {
-    let mut plain = sheets::method(options(dual));
+    let mut plain = sheets::method(meshes, options(dual));
     begin(&mut plain, rule, q_n);
     let residual = |m: &mut MortarContact| {
         m.renew(q, &[], &[], &set(p), true).unwrap();
@@ -155,7 +163,7 @@ proptest! {
 
     #[test]
     fn tangents_are_derivatives(
-        d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
+        meshes in meshes(), d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
         kind in 0usize..4, midpoint in 0usize..3, exact: bool, m in prop::collection::vec(-0.05f64..0.05, 2 * SLAVE),
         v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)],
     ) {
@@ -166,7 +174,7 @@ proptest! {
         let integrals = if rule == ContactRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
         let options = MortarOptions { integrals, force: Force::HeldWeights, ..options(dual) };
         let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap();
-        let mut plain = method(options);
+        let mut plain = method(meshes, options);
         let mut method = plain.clone().with_friction(friction, measure(of, rule)).unwrap();
         let (q_0, q_n) = (moved(&f), moved(&d));
         // Another pressure before: stepping `C` has a kink where the history lies on the cone.
@@ -186,16 +194,16 @@ proptest! {
 
     #[test]
     fn forces_have_no_resultant_and_the_objective_ones_no_moment(
-        d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
+        meshes in meshes(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
         kind in 0usize..4,
     ) {
         let rule = RULES[rule];
         let measure = measure(of, rule);
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
-        let mut method = with(law(kind), MidpointFriction::B, dual, measure);
+        let mut method = with(meshes, law(kind), MidpointFriction::B, dual, measure);
         begin(&mut method, rule, &q_n);
-        let r = friction_force(&mut method, rule, &q_n, &q, &p, dual);
+        let r = friction_force(meshes, &mut method, rule, &q_n, &q, &p, dual);
         let about = if rule == ContactRule::EndPoint { q.clone() } else { plus(&q_n, 0.5, &e) };
         let size = r.iter().map(|x| x.abs()).sum::<f64>().max(1.0);
         let (force, moment) = resultants(&r, &about);
@@ -208,16 +216,16 @@ proptest! {
     /// One node with the force of the thesis: the moment is that of the gap vector, which the mortar matrices give.
     #[test]
     fn the_moment_of_the_direct_force_is_that_of_the_gap(
-        d in warp(), e in warp(), lift in -0.3f64..0.5, node in 0usize..SLAVE, dual: bool, rule in 0usize..3,
+        meshes in meshes(), d in warp(), e in warp(), lift in -0.3f64..0.5, node in 0usize..SLAVE, dual: bool, rule in 0usize..3,
     ) {
         let rule = RULES[rule];
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
         let mut p = [0.0; SLAVE];
         p[node] = 1.3;
-        let mut method = with(law(0), MidpointFriction::B, dual, SlipMeasure::Direct);
+        let mut method = with(meshes, law(0), MidpointFriction::B, dual, SlipMeasure::Direct);
         begin(&mut method, rule, &q_n);
-        let r = friction_force(&mut method, rule, &q_n, &q, &p, dual);
+        let r = friction_force(meshes, &mut method, rule, &q_n, &q, &p, dual);
         let end = rule == ContactRule::EndPoint;
         // The integrals are those of the place of the force.
         let about = if end { q.clone() } else { plus(&q_n, 0.5, &e) };
@@ -237,7 +245,7 @@ proptest! {
 
     #[test]
     fn a_rigid_motion_turns_the_traction(
-        d in warp(), e in warp(), p in pressures(), angle in -1.2f64..1.2, dual: bool, rule in 0usize..3, of in 0usize..3,
+        meshes in meshes(), d in warp(), e in warp(), p in pressures(), angle in -1.2f64..1.2, dual: bool, rule in 0usize..3, of in 0usize..3,
     ) {
         let rule = RULES[rule];
         let measure = measure(of, rule);
@@ -247,12 +255,12 @@ proptest! {
         let rotated = |q: &[f64], shift: Vector3<f64>| -> Vec<f64> {
             q.chunks_exact(3).flat_map(|x| <[f64; 3]>::from(turn * Vector3::new(x[0], x[1], x[2]) + shift)).collect()
         };
-        let mut method = with(law(1), MidpointFriction::B, dual, measure);
+        let mut method = with(meshes, law(1), MidpointFriction::B, dual, measure);
         go(&mut method, rule, &q_0, &q_1, &p);
         // A step at rest: the areas are those of `q_1` then.
         go(&mut method, rule, &q_1, &q_1, &p);
         begin(&mut method, rule, &q_1);
-        let before = friction_force(&mut method, rule, &q_1, &q_1, &p, dual);
+        let before = friction_force(meshes, &mut method, rule, &q_1, &q_1, &p, dual);
         let at_rest = method.work(&q_1, &p, &set(&p)).unwrap();
         prop_assert!(at_rest.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
         let q_2 = rotated(&q_1, Vector3::new(1.0, 2.0, -0.5));
@@ -262,7 +270,7 @@ proptest! {
         prop_assert!(turned.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
         go(&mut method, rule, &q_1, &q_2, &p);
         begin(&mut method, rule, &q_2);
-        let after = friction_force(&mut method, rule, &q_2, &q_2, &p, dual);
+        let after = friction_force(meshes, &mut method, rule, &q_2, &q_2, &p, dual);
         let size = before.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
         for (a, b) in rotated(&before, Vector3::zeros()).iter().zip(&after) {
             prop_assert!((a - b).abs() < 1e-11 * size, "{rule:?}: {a} {b}");
@@ -272,18 +280,18 @@ proptest! {
     /// Over a walk with changing pressures: what the force works is stored or dissipated, and nothing comes back from what was dissipated.
     #[test]
     fn the_work_is_stored_or_dissipated(
-        walk in prop::collection::vec((warp(), pressures()), 4), dual: bool, energy_momentum: bool,
+        meshes in meshes(), walk in prop::collection::vec((warp(), pressures()), 4), dual: bool, energy_momentum: bool,
         midpoint in 0usize..2, mu in prop_oneof![Just(0.0), 0.05f64..3.0], objective: bool,
     ) {
         let rule = if energy_momentum { ContactRule::EnergyMomentum } else { ContactRule::Midpoint };
         let midpoint = [MidpointFriction::B, MidpointFriction::C][midpoint];
         let measure = if objective { SlipMeasure::Objective } else { SlipMeasure::Direct };
-        let mut method = with(coulomb(mu), midpoint, dual, measure);
+        let mut method = with(meshes, coulomb(mu), midpoint, dual, measure);
         let mut stored = 0.0;
         for pair in walk.windows(2) {
             let (q_n, q, p) = (moved(&pair[0].0), moved(&pair[1].0), &pair[1].1);
             begin(&mut method, rule, &q_n);
-            let force = friction_force(&mut method, rule, &q_n, &q, p, dual);
+            let force = friction_force(meshes, &mut method, rule, &q_n, &q, p, dual);
             let work: f64 = (0..3 * NODES).map(|k| force[k] * (q[k] - q_n[k])).sum();
             let energy = method.work(&q, p, &set(p)).unwrap();
             let size = 1.0 + stored + energy.stored;
@@ -298,9 +306,9 @@ proptest! {
     }
 
     #[test]
-    fn history_survives_a_checkpoint(d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
+    fn history_survives_a_checkpoint(meshes in meshes(), d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
         let rule = RULES[rule];
-        let new = || with(coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
+        let new = || with(meshes, coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
         let (q_0, q_1, q_2) = (moved(&d), moved(&e), moved(&f));
         let mut first = new();
         go(&mut first, rule, &q_0, &q_1, &p);
@@ -310,7 +318,7 @@ proptest! {
         prop_assert_eq!(&second.save_history(), &bytes);
         let force = |m: &mut MortarContact| {
             begin(m, rule, &q_1);
-            friction_force(m, rule, &q_1, &q_2, &p, false)
+            friction_force(meshes, m, rule, &q_1, &q_2, &p, false)
         };
         prop_assert_eq!(force(&mut first), force(&mut second));
         let short = second.load_history(&bytes[1..]);
@@ -326,14 +334,15 @@ proptest! {
 #[test]
 fn what_has_no_friction_is_refused() {
     let friction = || Friction::new(coulomb(0.3), PENALTY, Stick::Penalty, MidpointFriction::B).unwrap();
+    let meshes = Mesh::PAIRS[3];
     let refused = |error: ContactError| matches!(error, ContactError::FrictionUnavailable { .. });
-    let mut yang = method(options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
+    let mut yang = method(meshes, options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
     let q = sheets::base();
     yang.set_rule(ContactRule::EndPoint, 0.1);
     yang.begin_step(&q, 0.5).unwrap();
     yang.set_rule(ContactRule::Midpoint, 0.1);
     assert!(refused(yang.begin_step(&q, 0.5).unwrap_err()));
-    let mut objective = method(options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();
+    let mut objective = method(meshes, options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();
     objective.set_rule(ContactRule::EndPointMean, 0.1);
     assert!(refused(objective.begin_step(&q, 0.5).unwrap_err()));
 }

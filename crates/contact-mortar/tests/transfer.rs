@@ -3,8 +3,10 @@
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_contact::ContactSurface;
-use stoss_contact_mortar::segmentation::{GapRange, LOCAL, SlaveFrame, segment_facet, segment_pair};
+use stoss_contact_mortar::segmentation::{GapRange, LOCAL, MASTER, SlaveFrame, segment_facet, segment_pair};
 use stoss_contact_mortar::*;
+use stoss_reference_element::{MAX_NODES, Nodal};
+use stoss_testkit::meshes::{Mesh, meshes};
 
 /// Slave grid `n x n` over `[-1, 1]^2`, outward normal up, and master grid `m x m` over `[-r, r]^2` above it, outward
 /// normal down.
@@ -34,7 +36,17 @@ fn grid(n: usize, r: f64, first: u32, up: bool) -> (Vec<[u32; 4]>, Vec<Vector3<f
 }
 
 /// `place(side, node, x)` moves the nodes; side 0 is the slave.
-fn pair(n: usize, m: usize, r: f64, mut place: impl FnMut(usize, usize, Vector3<f64>) -> Vector3<f64>) -> Pair {
+fn pair(n: usize, m: usize, r: f64, place: impl FnMut(usize, usize, Vector3<f64>) -> Vector3<f64>) -> Pair {
+    pair_of(Mesh::PAIRS[0], n, m, r, place)
+}
+
+fn pair_of(
+    meshes: [Mesh; 2],
+    n: usize,
+    m: usize,
+    r: f64,
+    mut place: impl FnMut(usize, usize, Vector3<f64>) -> Vector3<f64>,
+) -> Pair {
     let (sf, sx) = grid(n, 1.0, 0, true);
     let (mf, mx) = grid(m, r, sx.len() as u32, false);
     let moved: Vec<_> = [sx, mx]
@@ -45,8 +57,8 @@ fn pair(n: usize, m: usize, r: f64, mut place: impl FnMut(usize, usize, Vector3<
         .collect();
     let q: Vec<f64> = moved.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
     Pair {
-        slave: ContactSurface::new("slave", &sf, &q).unwrap(),
-        master: ContactSurface::new("master", &mf, &q).unwrap(),
+        slave: ContactSurface::new("slave", &meshes[0].of(&sf), &q).unwrap(),
+        master: ContactSurface::new("master", &meshes[1].of(&mf), &q).unwrap(),
         q,
     }
 }
@@ -95,10 +107,10 @@ proptest! {
 
     #[test]
     fn constants_pass_between_curved_surfaces(
-        n in 1usize..6, m in 1usize..6, d in moves(), shift in -1.0f64..1.0, r in 0.6f64..1.5,
+        meshes in meshes(), n in 1usize..6, m in 1usize..6, d in moves(), shift in -1.0f64..1.0, r in 0.6f64..1.5,
     ) {
         // Partly covered in general.
-        let p = pair(n, m, r, |side, k, x| {
+        let p = pair_of(meshes, n, m, r, |side, k, x| {
             let h = if side == 0 { 2.0 / n as f64 } else { 2.0 * r / m as f64 };
             let d = Vector3::from(d[k + 36 * side]) * h;
             let shift = if side == 1 { Vector3::new(shift, 0.0, 0.05) } else { Vector3::zeros() };
@@ -124,11 +136,11 @@ proptest! {
 
     #[test]
     fn linear_fields_pass_between_flat_surfaces(
-        n in 1usize..6, m in 1usize..6, d in moves(), c in prop::array::uniform3(-1.0f64..1.0),
+        meshes in meshes(), n in 1usize..6, m in 1usize..6, d in moves(), c in prop::array::uniform3(-1.0f64..1.0),
         turn in prop::array::uniform3(-2.0f64..2.0),
     ) {
         let turn = Rotation3::from_scaled_axis(Vector3::from(turn));
-        let p = pair(n, m, 1.0, |side, k, x| {
+        let p = pair_of(meshes, n, m, 1.0, |side, k, x| {
             let h = 2.0 / if side == 0 { n } else { m } as f64;
             let mut d = Vector3::from(d[k + 36 * side]) * h;
             d.z = 0.0;
@@ -151,22 +163,22 @@ proptest! {
 
     #[test]
     fn dual_functions_are_biorthogonal_on_partly_covered_facets(
-        d in prop::collection::vec(prop::array::uniform2(-0.3f64..0.3), 4),
+        meshes in meshes(), d in prop::collection::vec(prop::array::uniform2(-0.3f64..0.3), 4),
         shift in prop::array::uniform2(-1.5f64..1.5),
     ) {
-        let p = pair(1, 1, 1.0, |side, k, x| {
+        let p = pair_of(meshes, 1, 1, 1.0, |side, k, x| {
             if side == 0 { x + Vector3::new(d[k][0], d[k][1], 0.0) } else { x + Vector3::new(shift[0], shift[1], 0.1) }
         });
         let s = segment_surfaces(&p.slave, &p.master, &p.q, GapRange::ALL).unwrap();
         let found = &s.facets[0];
-        let corners = p.master.patch(0, &p.q).corners;
+        let corners = |f| p.master.patch(f, &p.q).corners;
         let quadrature = TriangleRule::default();
-        let integrals = facet_integrals(found, |_| corners, quadrature, &Factors::NONE);
+        let integrals = facet_integrals(found, corners, quadrature, &Factors::NONE);
         let basis = MultiplierBasis::new(MultiplierSpace::Dual, &integrals);
         let block = basis.slave_block(&integrals);
-        let mut direct = [[0.0; 4]; 4];
+        let mut direct = [[0.0; MAX_NODES]; MAX_NODES];
         for segment in &found.segments {
-            for_each_point(segment, &found.frame, &corners, quadrature, |g| {
+            for_each_point(segment, &found.frame, &corners(segment.master_facet), quadrature, |g| {
                 for (row, phi) in direct.iter_mut().zip(basis.values(&g.slave_shape)) {
                     for (entry, n) in row.iter_mut().zip(g.slave_shape) {
                         *entry += g.weight * phi * n;
@@ -175,8 +187,9 @@ proptest! {
             });
         }
         if !basis.lumped {
-            for a in 0..4 {
-                for j in 0..4 {
+            let nodes = integrals.kind.node_count();
+            for a in 0..nodes {
+                for j in 0..nodes {
                     let size = integrals.shape[a].max(integrals.shape[j]);
                     prop_assert!((direct[a][j] - block[a][j]).abs() < 1e-7 * size);
                     prop_assert!(a == j || block[a][j] == 0.0);
@@ -189,7 +202,7 @@ proptest! {
 
     #[test]
     fn derivatives_of_the_integrals(
-        d in prop::collection::vec(prop::array::uniform3(-0.3f64..0.3), 8), angle in 0.1f64..0.7,
+        meshes in meshes(), d in prop::collection::vec(prop::array::uniform3(-0.3f64..0.3), 8), angle in 0.1f64..0.7,
         whole in any::<bool>(),
     ) {
         let quadrature = TriangleRule::SevenPoint;
@@ -201,17 +214,20 @@ proptest! {
             let x = Vector3::new(c[order][0], c[order][1], if k < 4 { 0.0 } else { 0.2 });
             (if k < 4 { x } else { turn * x }) + Vector3::from(d[k])
         }).collect();
+        // A triangle has the first three of the four.
+        let corners = |side: usize, x: &[Vector3<f64>]| -> Nodal<Vector3<f64>> {
+            let x: [Vector3<f64>; 4] = std::array::from_fn(|k| x[4 * side + k]);
+            if meshes[side] == Mesh::Triangles { [x[0], x[1], x[2]].into() } else { x.into() }
+        };
         let integrate = |x: &[Vector3<f64>]| {
-            let s: [Vector3<f64>; 4] = std::array::from_fn(|k| x[k]);
-            let m: [Vector3<f64>; 4] = std::array::from_fn(|k| x[4 + k]);
-            let facet = segmentation::MasterFacet { id: 0, nodes: [0, 1, 2, 3], corners: m };
+            let (s, m) = (corners(0, x), corners(1, x));
+            let facet = segmentation::MasterFacet { id: 0, nodes: Nodal::from_fn(m.kind(), |k| k as u32), corners: m };
             let found = segment_facet(s, &[facet], GapRange::ALL).unwrap();
             let kinds: Vec<_> = found.segments.iter().flat_map(|s| s.vertices().iter().map(|v| v.provenance)).collect();
             (facet_integrals(&found, |_| m, quadrature, &factors), kinds)
         };
         let (base, kinds) = integrate(&x);
-        let s: [Vector3<f64>; 4] = std::array::from_fn(|k| x[k]);
-        let m: [Vector3<f64>; 4] = std::array::from_fn(|k| x[4 + k]);
+        let (s, m) = (corners(0, &x), corners(1, &x));
         let frame = SlaveFrame::new(s).unwrap();
         let mut segments = Vec::new();
         segment_pair(&frame, 0, &m, &mut segments).unwrap();
@@ -257,8 +273,8 @@ proptest! {
 
 #[test]
 fn row_sums_of_a_covered_flat_surface_are_nodal_areas() {
-    let p = pair(3, 5, 1.3, |side, _, x| x + Vector3::new(0.0, 0.0, 0.1 * side as f64));
-    for space in SPACES {
+    for (meshes, space) in Mesh::PAIRS.into_iter().flat_map(|m| SPACES.map(|s| (m, s))) {
+        let p = pair_of(meshes, 3, 5, 1.3, |side, _, x| x + Vector3::new(0.0, 0.0, 0.1 * side as f64));
         let m = p.matrices(space, TriangleRule::default());
         for (w, a) in m.weights.iter().zip(p.slave.nodal_areas()) {
             assert!((w - a).abs() < 1e-14);
@@ -270,8 +286,9 @@ fn row_sums_of_a_covered_flat_surface_are_nodal_areas() {
 fn a_constant_pressure_loads_the_master_as_it_should() {
     // Heart of the patch test: sum_A M_AK = int N_K dA, with the surfaces sheared and inclined.
     let turn = Rotation3::from_euler_angles(0.4, -0.2, 1.1);
-    let p = pair(3, 4, 1.0, |_, _, x| turn * Vector3::new(60.0 * (x.x + 0.2 * x.y), 60.0 * x.y, 0.0));
-    for space in SPACES {
+    for (meshes, space) in Mesh::PAIRS.into_iter().flat_map(|m| SPACES.map(|s| (m, s))) {
+        let sheared = |x: Vector3<f64>| turn * Vector3::new(60.0 * (x.x + 0.2 * x.y), 60.0 * x.y, 0.0);
+        let p = pair_of(meshes, 3, 4, 1.0, |_, _, x| sheared(x));
         for quadrature in TriangleRule::ALL {
             let m = p.matrices(space, quadrature);
             let mut loads = vec![0.0; p.master.nodes().len()];
@@ -287,20 +304,25 @@ fn a_constant_pressure_loads_the_master_as_it_should() {
 
 #[test]
 fn integrals_do_not_change_in_rigid_motion() {
-    let p = pair(1, 1, 1.0, |side, k, x| x + Vector3::new(0.1 * k as f64, 0.07 * side as f64, 0.2 + 0.05 * x.x * x.y));
-    let (s, m) = (p.slave.patch(0, &p.q).corners, p.master.patch(0, &p.q).corners);
-    let frame = SlaveFrame::new(s).unwrap();
-    let mut segments = Vec::new();
-    segment_pair(&frame, 0, &m, &mut segments).unwrap();
-    let mut d = PairDerivatives::ZERO;
-    pair_derivatives(&segments[0], &frame, &m, TriangleRule::default(), &Factors::NONE, &mut d);
-    for axis in 0..3 {
-        let unit = Vector3::ith(axis, 1.0);
-        for motion in [|u: &Vector3<f64>, _: &Vector3<f64>| *u, |u: &Vector3<f64>, x: &Vector3<f64>| u.cross(x)] {
-            let v: Vec<Vector3<f64>> = s.iter().chain(&m).map(|x| motion(&unit, x)).collect();
-            for row in d.coupling.iter().chain(&d.mass).flatten().chain(&d.shape) {
-                let rate: f64 = (0..LOCAL).map(|k| row[k] * v[k / 3][k % 3]).sum();
-                assert!(rate.abs() < 1e-13, "{rate}");
+    for meshes in Mesh::PAIRS {
+        let p = pair_of(meshes, 1, 1, 1.0, |side, k, x| {
+            x + Vector3::new(0.1 * k as f64, 0.07 * side as f64, 0.2 + 0.05 * x.x * x.y)
+        });
+        let (s, m) = (p.slave.patch(0, &p.q).corners, p.master.patch(0, &p.q).corners);
+        let frame = SlaveFrame::new(s).unwrap();
+        let mut segments = Vec::new();
+        segment_pair(&frame, 0, &m, &mut segments).unwrap();
+        let mut d = PairDerivatives::ZERO;
+        pair_derivatives(&segments[0], &frame, &m, TriangleRule::default(), &Factors::NONE, &mut d);
+        for axis in 0..3 {
+            let unit = Vector3::ith(axis, 1.0);
+            for motion in [|u: &Vector3<f64>, _: &Vector3<f64>| *u, |u: &Vector3<f64>, x: &Vector3<f64>| u.cross(x)] {
+                let v: [Nodal<Vector3<f64>>; 2] = [s, m].map(|x| x.map(|x| motion(&unit, &x)));
+                let v = |k: usize| v[k / MASTER].padded()[k % MASTER / 3][k % 3];
+                for row in d.coupling.iter().chain(&d.mass).flatten().chain(&d.shape) {
+                    let rate: f64 = (0..LOCAL).map(|k| row[k] * v(k)).sum();
+                    assert!(rate.abs() < 1e-13, "{rate}");
+                }
             }
         }
     }
@@ -325,9 +347,10 @@ fn a_facet_without_segments_is_noticed() {
 
 #[test]
 fn master_finer_by_20_and_coarser_by_20() {
-    for (n, m, r) in [(2, 40, 1.0), (40, 2, 1.0), (3, 1, 20.0)] {
-        let p =
-            pair(n, m, r, |side, _, x| x + Vector3::new(0.0, 0.0, 0.05 * side as f64 + 0.02 * (x.x * x.x).min(1.0)));
+    for (k, (n, m, r)) in [(2, 40, 1.0), (40, 2, 1.0), (3, 1, 20.0)].into_iter().cycle().take(15).enumerate() {
+        let p = pair_of(Mesh::PAIRS[k / 3], n, m, r, |side, _, x| {
+            x + Vector3::new(0.0, 0.0, 0.05 * side as f64 + 0.02 * (x.x * x.x).min(1.0))
+        });
         let s = segment_surfaces(&p.slave, &p.master, &p.q, GapRange { min: -1.0, max: 1.0 }).unwrap();
         let report = s.check(&p.master, &p.q, CheckExtent::Near).unwrap();
         assert!(report.faults.is_empty());

@@ -8,6 +8,7 @@ use std::{hint::black_box, time::Duration};
 use stoss_contact_nts::crossing::Crossing;
 use stoss_contact_nts::invariants::{discrete_gradient, discrete_gradient_and_tangent};
 use stoss_contact_nts::kinematics::{Gap, Local, points};
+use stoss_reference_element::FacetKind;
 
 /// Slave node and two warped facets that share the edge of nodes 2 and 3: seven nodes.
 const NODES: [[f64; 3]; 7] = [
@@ -23,10 +24,11 @@ const NODES: [[f64; 3]; 7] = [
 const SEVEN: usize = 21;
 const START: [usize; 4] = [1, 2, 3, 4];
 const END: [usize; 4] = [2, 5, 6, 3];
+const QUAD4: FacetKind = FacetKind::Quad4;
 
 fn gap(q: &Local) -> Gap {
-    let (x, patch) = points(q);
-    Gap::project(&x, &patch, [0.0, 0.0]).expect("a modestly warped facet has a foot")
+    let (x, patch) = points(q, QUAD4);
+    Gap::from_centre(&x, &patch).expect("a modestly warped facet has a foot")
 }
 
 /// Slave node and the nodes of a facet.
@@ -58,8 +60,9 @@ fn elements(criterion: &mut Criterion) {
     let middle: [f64; SEVEN] = std::array::from_fn(|k| 0.5 * (q_n[k] + slides[k]));
     let (end, mid) = (gap(&local(&slides, &END)), gap(&local(&middle, &START)));
     assert!(end.outside() < 0.0 && mid.outside() < 0.0, "the feet lie on their facets");
+    let (to, from) = (END.into(), START.into());
     let crossing =
-        Crossing { q_n: &q_n, q_np1: &slides, gap_n: gap_n.gap, end: (&end, &END), mid: (&mid, &START), length: 2.0 };
+        Crossing { q_n: &q_n, q_np1: &slides, gap_n: gap_n.gap, end: (&end, &to), mid: (&mid, &from), length: 2.0 };
     let (mut gradient, mut tangent) = ([0.0; SEVEN], [0.0; SEVEN * SEVEN]);
     criterion.bench_function("crossing, 7 nodes", |bencher| {
         bencher.iter(|| black_box(&crossing).evaluate(black_box(&mut gradient), &mut []));

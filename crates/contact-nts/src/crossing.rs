@@ -14,10 +14,11 @@
 //! The midpoint rule takes the same element. Without `theta` a node that runs from a floor on a wall would be lifted by a pressure along the floor's
 //! normal, with work that nobody does.
 
-use crate::kinematics::{Gap, LOCAL};
+use crate::kinematics::{Gap, LOCAL, Local, NODES};
+use stoss_reference_element::Nodal;
 
 /// Most nodes of the element: the slave node and three disjoint facets (at `n`, at the midpoint, at `n+1`).
-pub const MAX_NODES: usize = 13;
+pub const MAX_NODES: usize = 1 + 3 * stoss_reference_element::MAX_NODES;
 
 /// Sum of squares (relative to the fourth power of the length) below which the correction is left out: nothing moves.
 const SMALLEST_CHANGE: f64 = 1.0e-14;
@@ -32,16 +33,30 @@ pub struct Crossing<'a> {
     /// Gap at `n` on its facet.
     pub gap_n: f64,
     /// Kinematics at `n+1` on the facet reached, and the local node numbers of that facet.
-    pub end: (&'a Gap, &'a [usize; 4]),
+    pub end: (&'a Gap, &'a Nodal<usize>),
     /// Kinematics at the midpoint on its facet, and the local node numbers of that facet.
-    pub mid: (&'a Gap, &'a [usize; 4]),
+    pub mid: (&'a Gap, &'a Nodal<usize>),
     /// A typical master edge.
     pub length: f64,
 }
 
-/// Local node of each of the five nodes of a facet's [`Gap`].
-pub(crate) fn spread(facet: &[usize; 4]) -> [usize; 5] {
-    [0, facet[0], facet[1], facet[2], facet[3]]
+/// Node of the element for each of the local nodes of a facet's [`Gap`].
+pub(crate) fn spread(facet: &Nodal<usize>) -> [usize; NODES] {
+    std::array::from_fn(|k| if k == 0 { 0 } else { facet.padded()[k - 1] })
+}
+
+/// Component of the element for a component of a [`Gap`].
+pub(crate) fn component(nodes: &[usize; NODES], k: usize) -> usize {
+    3 * nodes[k / 3] + k % 3
+}
+
+/// The local vector of a facet from the blocks of the element's nodes.
+pub(crate) fn local_of(facet: &Nodal<usize>, block: impl Fn(usize) -> [f64; 3]) -> Local {
+    let mut out = [0.0; LOCAL];
+    for (to, node) in out.chunks_exact_mut(3).zip(spread(facet)) {
+        to.copy_from_slice(&block(node));
+    }
+    out
 }
 
 impl Crossing<'_> {
@@ -63,7 +78,6 @@ impl Crossing<'_> {
         }
         // N_b . dq and (1/2) H_b dq are needed for theta and its derivative.
         let hessian = self.mid.0.hessian();
-        let component = |nodes: &[usize; 5], k: usize| 3 * nodes[k / 3] + k % 3;
         let dq = |k: usize| self.q_np1[k] - self.q_n[k];
         if !tangent.is_empty() {
             for i in 0..LOCAL {

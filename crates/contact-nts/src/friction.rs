@@ -14,15 +14,15 @@
 //!   into the new tangent plane by the smallest rotation (§10.3 projects instead). Lengths do not change, so no stored energy
 //!   is lost over an edge.
 
-use crate::crossing::{MAX_NODES, spread};
+use crate::crossing::{MAX_NODES, component as at, spread};
 use crate::dual::{Dual, Scalar};
 use crate::kinematics::{Gap, LOCAL, LocalMatrix};
 use nalgebra::Vector3;
 use stoss_contact::dual::{V3, cross, dot, unit};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep, PointIteration};
 use stoss_contact::{ContactRule, SlotFriction};
-use stoss_geometry::BilinearPatch;
-use stoss_reference_element::quad4;
+use stoss_geometry::Patch;
+use stoss_reference_element::Nodal;
 
 /// Two tangent planes with `1 + n . m` below this are folded upon each other: no rotation from one to the other is the smallest. The
 /// traction is dropped then.
@@ -87,29 +87,20 @@ fn transport<T: Scalar>(components: [T; 2], from: &[V3<T>; 3], to: &[V3<T>; 3]) 
     Some([to[0], to[1]].map(|e| dot(e, v) - tilt * dot(e, from[2])))
 }
 
-/// Coordinates where the frame of a foot is taken: far out on its extension a facet can be degenerate.
-pub(crate) fn inside(foot: [f64; 2]) -> [f64; 2] {
-    foot.map(|x| x.clamp(-1.0, 1.0))
-}
-
-/// Frame of a facet at a foot.
-fn frame_of(patch: &BilinearPatch, foot: [f64; 2]) -> [V3<f64>; 3] {
-    frame(patch.tangents(inside(foot)).map(Into::into))
+/// Frame of a facet at a foot, taken inside of the facet: far out on its extension it can be degenerate.
+fn frame_of(patch: &Patch, foot: [f64; 2]) -> [V3<f64>; 3] {
+    frame(patch.tangents(patch.kind().clamp(foot)).map(Into::into))
 }
 
 /// Carries components from a foot on a facet to one on another facet, in one configuration; zero if they are folded.
-pub(crate) fn carry(
-    components: [f64; 2],
-    from: (&BilinearPatch, [f64; 2]),
-    to: (&BilinearPatch, [f64; 2]),
-) -> [f64; 2] {
+pub(crate) fn carry(components: [f64; 2], from: (&Patch, [f64; 2]), to: (&Patch, [f64; 2])) -> [f64; 2] {
     transport(components, &frame_of(from.0, from.1), &frame_of(to.0, to.1)).unwrap_or([0.0; 2])
 }
 
 /// How the slip of the step is measured.
 pub(crate) enum Slip<'a> {
     /// Between material points: kinematics at `q_np1` and local node numbers of the end facet.
-    Feet(&'a Gap, &'a [usize; 4]),
+    Feet(&'a Gap, &'a Nodal<usize>),
     /// Conjugate to the force: `q_np1 - q_n` of the element.
     Work(&'a [f64]),
 }
@@ -122,9 +113,9 @@ pub(crate) struct FrictionElement<'a> {
     /// Positions in the configuration of the force.
     pub q: &'a [f64],
     /// Kinematics there, and the local node numbers of the facet.
-    pub at: (&'a Gap, &'a [usize; 4]),
+    pub at: (&'a Gap, &'a Nodal<usize>),
     /// Local node numbers of the facet at `n`.
-    pub start: &'a [usize; 4],
+    pub start: &'a Nodal<usize>,
     pub history: &'a PointHistory,
     /// Of the stick by multipliers.
     pub compliance: f64,
@@ -203,8 +194,8 @@ impl FrictionElement<'_> {
         if self.at_end { 1.0 } else { 0.5 }
     }
 
-    pub fn patch(&self, facet: &[usize; 4]) -> BilinearPatch {
-        BilinearPatch::new(facet.map(|k| Vector3::new(self.q[3 * k], self.q[3 * k + 1], self.q[3 * k + 2])))
+    pub fn patch(&self, facet: &Nodal<usize>) -> Patch {
+        Patch::new(facet.map(|k| Vector3::new(self.q[3 * k], self.q[3 * k + 1], self.q[3 * k + 2])))
     }
 
     /// `D^a . dq` for an increment of the element's positions.
@@ -217,7 +208,7 @@ impl FrictionElement<'_> {
     fn arguments(&self) -> Arguments<f64> {
         let tangents = self.at.0.tangents.map(Into::into);
         let start = self.patch(self.start);
-        let old = start.tangents(inside(self.history.foot)).map(Into::into);
+        let old = start.tangents(start.kind().clamp(self.history.foot)).map(Into::into);
         let slip = match self.slip {
             Slip::Feet(end, facet) => self.patch(facet).point(end.xi) - start.point(self.history.foot),
             Slip::Work(increment) => {
@@ -393,7 +384,8 @@ impl FrictionElement<'_> {
                 }
             }
         }
-        let old = quad4::shape_gradient(inside(self.history.foot));
+        let start = self.start.kind();
+        let old = start.shape_gradient(start.clamp(self.history.foot));
         for al in 0..2 {
             for i in 0..3 {
                 for (node, shape) in self.start.iter().zip(&old) {
@@ -405,7 +397,7 @@ impl FrictionElement<'_> {
             Slip::Feet(end, facet) => {
                 let tangents = self.patch(facet).tangents(end.xi);
                 let end_blocks = spread(facet);
-                let old = quad4::shape(self.history.foot);
+                let old = start.shape(self.history.foot);
                 for i in 0..3 {
                     let row = &mut out[12 + i];
                     for (node, shape) in facet.iter().zip(&end.shape) {
@@ -439,9 +431,4 @@ impl FrictionElement<'_> {
         }
         out
     }
-}
-
-/// Component of the element for a component of a [`Gap`].
-fn at(blocks: &[usize; 5], k: usize) -> usize {
-    3 * blocks[k / 3] + k % 3
 }

@@ -1,9 +1,9 @@
 //! Friction as a part of the contact method: which rule takes what, history, augmentation, energies.
 
 use crate::augmented::mean;
-use crate::crossing::MAX_NODES;
+use crate::crossing::{MAX_NODES, local_of};
 use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, SurfaceFriction, carry};
-use crate::kinematics::{Gap, LOCAL, Local, points};
+use crate::kinematics::{Gap, points};
 use crate::method::{ConstraintForm, NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
@@ -70,12 +70,10 @@ impl NodeToSurface {
             }
         }
         if !at_end {
-            let mut local: Local = [0.0; LOCAL];
-            for (block, node) in local.chunks_exact_mut(3).zip(std::iter::once(0).chain(element.mid)) {
-                block.copy_from_slice(&placed.q[3 * node..3 * node + 3]);
-            }
-            let (x, patch) = points(&local);
-            let from = if pairing.start == pairing.end { end.xi } else { [0.0; 2] };
+            let kind = element.mid.kind();
+            let local = local_of(&element.mid, |node| std::array::from_fn(|i| placed.q[3 * node + i]));
+            let (x, patch) = points(&local, kind);
+            let from = if pairing.start == pairing.end { end.xi } else { kind.centre() };
             let failed = ContactError::Projection { node: self.node(slot), facet: pairing.mid };
             let mid = if self.augmented {
                 Gap::at(&x, &patch, mean(self.start_coordinates(slot, pairing.end), end.xi))

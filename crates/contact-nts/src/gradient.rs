@@ -1,7 +1,7 @@
 //! The gradient of the gap that a rule takes, and its derivative.
 //!
 //! The gradient of the gap that the rules take, of a node paired with a *start* facet at `n` and an *end* facet at
-//! `n+1`, which may be the same (each measured on the facet's bilinear extension, so that a foot beyond an edge is
+//! `n+1`, which may be the same (each measured on the facet's extension, so that a foot beyond an edge is
 //! allowed):
 //!
 //! | rule | gradient | derivative | no moment about |
@@ -18,20 +18,13 @@
 //! angular momentum of the trapezoidal rule sees: zero in a rigid motion, of second order in the motion on one facet,
 //! the kink times the motion over an edge.
 
-use crate::crossing::{Crossing, MAX_NODES};
+use crate::crossing::{Crossing, MAX_NODES, component, local_of, spread};
 use crate::invariants;
-use crate::kinematics::{Gap, LOCAL, Local, LocalMatrix, points};
+use crate::kinematics::{Gap, Local, LocalMatrix, points};
 use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
 use stoss_contact::{ContactError, ContactRule, StepConfiguration};
-
-fn local(q: &[f64], nodes: &[u32]) -> Local {
-    let mut out = [0.0; LOCAL];
-    for (block, &node) in out.chunks_exact_mut(3).zip(nodes) {
-        block.copy_from_slice(&q[3 * node as usize..3 * node as usize + 3]);
-    }
-    out
-}
+use stoss_reference_element::Nodal;
 
 impl NodeToSurface {
     /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.
@@ -55,13 +48,13 @@ impl NodeToSurface {
                 return Ok(());
             }
             ContactRule::EndPoint => {
-                work.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), n, 1.0);
+                work.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), &element.end, n, 1.0);
                 return Ok(());
             }
             ContactRule::EndPointMean => {
                 let start = self.gap(slot, pairing.start, step.q_n)?;
                 let half = end.gradient.map(|g| 0.5 * g);
-                work.set(&half, want_tangent.then(|| end.hessian()).as_ref(), n, 0.5);
+                work.set(&half, want_tangent.then(|| end.hessian()).as_ref(), &element.end, n, 0.5);
                 work.add_gradient(&start.gradient, &element.start, 0.5);
                 return Ok(());
             }
@@ -69,25 +62,26 @@ impl NodeToSurface {
             _ => {}
         }
         if pairing.start == pairing.end && !self.slots[slot].relaxing {
-            let (q_n, q_1) = (local(step.q_n, &element.nodes[..5]), local(step.q_np1, &element.nodes[..5]));
+            let kind = end.kind;
+            let [q_n, q_1] = [step.q_n, step.q_np1].map(|q| element.local(q));
             if step.rule == ContactRule::EnergyMomentum {
-                let (x, patch) = points(&q_n);
+                let (x, patch) = points(&q_n, kind);
                 // The same start as for `gap_n`, hence the same foot.
-                let at_n = Gap::project(&x, &patch, [0.0, 0.0]).ok_or_else(|| failed(pairing.end))?;
+                let at_n = Gap::from_centre(&x, &patch).ok_or_else(|| failed(pairing.end))?;
                 if want_tangent {
                     let (g, k) = invariants::discrete_gradient_and_tangent(&q_n, &q_1, &at_n, end, self.length)
                         .ok_or_else(|| failed(pairing.end))?;
-                    work.set(&g, Some(&k), n, 1.0);
+                    work.set(&g, Some(&k), &element.end, n, 1.0);
                 } else {
                     let g = invariants::discrete_gradient(&q_n, &q_1, &at_n, end, self.length)
                         .ok_or_else(|| failed(pairing.end))?;
-                    work.set(&g, None, n, 1.0);
+                    work.set(&g, None, &element.end, n, 1.0);
                 }
             } else {
                 let q_mid: Local = std::array::from_fn(|k| 0.5 * (q_n[k] + q_1[k]));
-                let (x, patch) = points(&q_mid);
+                let (x, patch) = points(&q_mid, kind);
                 let mid = Gap::project(&x, &patch, end.xi).ok_or_else(|| failed(pairing.end))?;
-                work.set(&mid.gradient, want_tangent.then(|| mid.hessian()).as_ref(), n, 0.5);
+                work.set(&mid.gradient, want_tangent.then(|| mid.hessian()).as_ref(), &element.end, n, 0.5);
             }
             return Ok(());
         }
@@ -97,14 +91,9 @@ impl NodeToSurface {
             q_n[3 * k..3 * k + 3].copy_from_slice(&step.q_n[at..at + 3]);
             q_1[3 * k..3 * k + 3].copy_from_slice(&step.q_np1[at..at + 3]);
         }
-        let mut q_mid = [0.0; LOCAL];
-        for (block, node) in std::iter::once(0).chain(element.mid).enumerate() {
-            for i in 0..3 {
-                q_mid[3 * block + i] = 0.5 * (q_n[3 * node + i] + q_1[3 * node + i]);
-            }
-        }
-        let (x, patch) = points(&q_mid);
-        let mid = Gap::project(&x, &patch, [0.0, 0.0]).ok_or_else(|| failed(pairing.mid))?;
+        let middle = |node: usize| std::array::from_fn(|i| 0.5 * (q_n[3 * node + i] + q_1[3 * node + i]));
+        let (x, patch) = points(&local_of(&element.mid, middle), element.mid.kind());
+        let mid = Gap::from_centre(&x, &patch).ok_or_else(|| failed(pairing.mid))?;
         Crossing {
             q_n: &q_n[..n],
             q_np1: &q_1[..n],
@@ -138,20 +127,21 @@ impl Work {
     }
 
     /// Adds `factor * gradient` at the slave node and a facet's nodes.
-    fn add_gradient(&mut self, gradient: &Local, facet: &[usize; 4], factor: f64) {
-        for (node, part) in std::iter::once(&0).chain(facet).zip(gradient.chunks_exact(3)) {
+    fn add_gradient(&mut self, gradient: &Local, facet: &Nodal<usize>, factor: f64) {
+        for (node, part) in spread(facet).iter().zip(gradient.chunks_exact(3)) {
             for i in 0..3 {
                 self.gradient[3 * node + i] += factor * part[i];
             }
         }
     }
 
-    /// A gradient, and `factor` times a tangent, at the slave node and the end facet's nodes.
-    fn set(&mut self, gradient: &Local, tangent: Option<&LocalMatrix>, n: usize, factor: f64) {
-        self.gradient[..LOCAL].copy_from_slice(gradient);
+    /// Adds a gradient, and `factor` times a tangent, at the slave node and a facet's nodes.
+    fn set(&mut self, gradient: &Local, tangent: Option<&LocalMatrix>, facet: &Nodal<usize>, n: usize, factor: f64) {
+        self.add_gradient(gradient, facet, 1.0);
+        let nodes = spread(facet);
         for (i, row) in tangent.into_iter().flatten().enumerate() {
             for (j, k) in row.iter().enumerate() {
-                self.tangent[i * n + j] = factor * k;
+                self.tangent[component(&nodes, i) * n + component(&nodes, j)] += factor * k;
             }
         }
     }

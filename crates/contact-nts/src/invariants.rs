@@ -8,7 +8,7 @@
 
 use crate::dual::{Dual, Scalar};
 use crate::kinematics::{Gap, LOCAL, Local, LocalMatrix};
-use stoss_reference_element::quad4;
+use stoss_reference_element::{FacetKind, quad4};
 
 const INVARIANTS: usize = 17;
 /// Local positions, director, convective coordinates.
@@ -40,7 +40,17 @@ struct Shape<T> {
 }
 
 impl<T: Scalar> Shape<T> {
-    fn at(f: [T; 2]) -> Self {
+    fn at(kind: FacetKind, f: [T; 2]) -> Self {
+        match kind {
+            FacetKind::Quad4 => Self::of_quad4(f),
+            FacetKind::Tri3 => {
+                let [zero, one] = [0.0, 1.0].map(T::constant);
+                Self { n: [f[0], f[1], zero], d: [[one, zero, zero], [zero, one, zero]], mixed: [0.0; 3] }
+            }
+        }
+    }
+
+    fn of_quad4(f: [T; 2]) -> Self {
         let one = T::constant(1.0);
         let factor = |i: usize, k: usize| one + f[k].scale(quad4::VERTICES[i + 1][k]);
         let vertex = |i: usize| quad4::VERTICES[i + 1];
@@ -59,8 +69,10 @@ fn product<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> T {
     dot(a, b)
 }
 
-/// Relative vectors of a configuration: slave minus first master node, other master nodes minus first, director, coordinates.
+/// Relative vectors of a configuration: slave minus first master node, other master nodes minus first, director, coordinates. What a triangle has
+/// not is zero, and so is the force on it.
 struct Configuration<T> {
+    kind: FacetKind,
     r: V3<T>,
     e: [V3<T>; 3],
     d: V3<T>,
@@ -68,14 +80,15 @@ struct Configuration<T> {
 }
 
 impl<T: Scalar> Configuration<T> {
-    fn new(q: &[T; LOCAL], d: V3<T>, f: [T; 2]) -> Self {
+    fn new(kind: FacetKind, q: &[T; LOCAL], d: V3<T>, f: [T; 2]) -> Self {
         let node = |k: usize| [q[3 * k], q[3 * k + 1], q[3 * k + 2]];
-        Self { r: sub(node(0), node(1)), e: std::array::from_fn(|i| sub(node(i + 2), node(1))), d, f }
+        Self { kind, r: sub(node(0), node(1)), e: std::array::from_fn(|i| sub(node(i + 2), node(1))), d, f }
     }
 
     fn mean(&self, other: &Self) -> Self {
         let v = |a: &V3<T>, b: &V3<T>| std::array::from_fn(|i| mean(a[i], b[i]));
         Self {
+            kind: self.kind,
             r: v(&self.r, &other.r),
             e: std::array::from_fn(|i| v(&self.e[i], &other.e[i])),
             d: v(&self.d, &other.d),
@@ -156,8 +169,8 @@ fn gram<T: Scalar>(pi: &[T; INVARIANTS]) -> [[T; 3]; 3] {
 }
 
 /// The six constraints (§6.3).
-fn constraints<T: Scalar>(pi: &[T; INVARIANTS]) -> [T; 6] {
-    let s = Shape::at([pi[14], pi[15]]);
+fn constraints<T: Scalar>(kind: FacetKind, pi: &[T; INVARIANTS]) -> [T; 6] {
+    let s = Shape::at(kind, [pi[14], pi[15]]);
     let heights = [pi[1], pi[2], pi[3]];
     let along = [pi[5], pi[6], pi[7]];
     let g = gram(pi);
@@ -173,10 +186,10 @@ fn constraints<T: Scalar>(pi: &[T; INVARIANTS]) -> [T; 6] {
 }
 
 /// Derivatives of the constraints with respect to the invariants.
-fn constraint_gradients<T: Scalar>(pi: &[T; INVARIANTS]) -> [[T; INVARIANTS]; 6] {
+fn constraint_gradients<T: Scalar>(kind: FacetKind, pi: &[T; INVARIANTS]) -> [[T; INVARIANTS]; 6] {
     let zero = T::constant(0.0);
     let mut out = [[zero; INVARIANTS]; 6];
-    let s = Shape::at([pi[14], pi[15]]);
+    let s = Shape::at(kind, [pi[14], pi[15]]);
     let heights = [pi[1], pi[2], pi[3]];
     let along = [pi[5], pi[6], pi[7]];
     let g = gram(pi);
@@ -248,9 +261,9 @@ fn gradient<T: Scalar>(n: &Configuration<T>, np1: &Configuration<T>) -> Option<[
     for d in delta {
         square = square + d * d;
     }
-    let mut rows = constraint_gradients(&pi_mid);
+    let mut rows = constraint_gradients(n.kind, &pi_mid);
     if square.value() > SMALLEST_CHANGE * SMALLEST_CHANGE {
-        let (phi_n, phi_1) = (constraints(&pi_n), constraints(&pi_1));
+        let (phi_n, phi_1) = (constraints(n.kind, &pi_n), constraints(n.kind, &pi_1));
         for (i, row) in rows.iter_mut().enumerate() {
             let mut defect = phi_1[i] - phi_n[i];
             for k in 0..INVARIANTS {
@@ -282,8 +295,8 @@ fn gradient<T: Scalar>(n: &Configuration<T>, np1: &Configuration<T>) -> Option<[
 /// both ends; `length` is a typical master edge. `None` if the local equations are singular.
 pub fn discrete_gradient(q_n: &Local, q_np1: &Local, gap_n: &Gap, gap_np1: &Gap, length: f64) -> Option<Local> {
     let scale = 1.0 / length;
-    let n = Configuration::new(&q_n.map(|x| scale * x), gap_n.normal.into(), gap_n.xi);
-    let np1 = Configuration::new(&q_np1.map(|x| scale * x), gap_np1.normal.into(), gap_np1.xi);
+    let n = Configuration::new(gap_n.kind, &q_n.map(|x| scale * x), gap_n.normal.into(), gap_n.xi);
+    let np1 = Configuration::new(gap_np1.kind, &q_np1.map(|x| scale * x), gap_np1.normal.into(), gap_np1.xi);
     gradient(&n, &np1)
 }
 
@@ -300,13 +313,18 @@ pub fn discrete_gradient_and_tangent(
     let q_0: [Dual; LOCAL] = std::array::from_fn(|k| constant(scale * q_n[k]));
     // The seeds are the scaled positions; the derivative is scaled back at the end.
     let q_1: [Dual; LOCAL] = std::array::from_fn(|k| Dual::variable(scale * q_np1[k], k));
-    let n = Configuration::new(&q_0, std::array::from_fn(|i| constant(gap_n.normal[i])), gap_n.xi.map(constant));
+    let n = Configuration::new(
+        gap_n.kind,
+        &q_0,
+        std::array::from_fn(|i| constant(gap_n.normal[i])),
+        gap_n.xi.map(constant),
+    );
     // At the foot the coordinates' derivative is D^alpha, and the director's that of the normalised cross product.
     let f: [Dual; 2] =
         std::array::from_fn(|al| Dual { value: gap_np1.xi[al], partial: gap_np1.xi_gradient[al].map(|d| d * length) });
-    let s = Shape::at(f);
+    let s = Shape::at(gap_np1.kind, f);
     let zero = constant(0.0);
-    let free = Configuration::new(&q_1, [zero; 3], f);
+    let free = Configuration::new(gap_np1.kind, &q_1, [zero; 3], f);
     let tangent = |a: usize| -> V3<Dual> {
         std::array::from_fn(|i| s.d[a][0] * free.e[0][i] + s.d[a][1] * free.e[1][i] + s.d[a][2] * free.e[2][i])
     };

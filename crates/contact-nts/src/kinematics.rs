@@ -1,12 +1,15 @@
-//! Gap of a point to an extended bilinear facet, with first and second variation (formulation §4.2, §4.4).
+//! Gap of a point to an extended facet, with first and second variation (formulation §4.2, §4.4).
 
 use nalgebra::Vector3;
-use stoss_geometry::BilinearPatch;
-use stoss_reference_element::quad4;
+use stoss_geometry::Patch;
+use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
-/// Number of local position components: slave node, then four master nodes.
-pub const LOCAL: usize = 15;
-/// A local vector: slave node, then four master nodes, three components each.
+/// Number of local nodes: slave node, then the master nodes.
+pub const NODES: usize = 1 + MAX_NODES;
+/// Number of local position components.
+pub const LOCAL: usize = 3 * NODES;
+/// A local vector: slave node, then the master nodes, three components each. Beyond the nodes of the facet derivatives are zero; positions there are those
+/// of its first node ([`Nodal::padded`]), so that whoever adds what belongs to such a place to the first node is right.
 pub type Local = [f64; LOCAL];
 /// A local matrix, row by row.
 pub type LocalMatrix = [[f64; LOCAL]; LOCAL];
@@ -16,7 +19,9 @@ pub type LocalMatrix = [[f64; LOCAL]; LOCAL];
 pub struct Gap {
     /// Signed gap `g = (x - x(xi)) . n`, positive outside.
     pub gap: f64,
-    /// Convective coordinates of the foot; outside of `[-1, 1]` on the extension of the facet.
+    /// The kind of the facet.
+    pub kind: FacetKind,
+    /// Convective coordinates of the foot; outside of the facet on its extension.
     pub xi: [f64; 2],
     /// Unit outward normal of the master.
     pub normal: Vector3<f64>,
@@ -29,8 +34,8 @@ pub struct Gap {
     /// `a_12`.
     pub(crate) a_12: Vector3<f64>,
     /// Shape functions and their derivatives at the foot.
-    pub(crate) shape: [f64; 4],
-    pub(crate) shape_gradient: [[f64; 2]; 4],
+    pub(crate) shape: [f64; MAX_NODES],
+    pub(crate) shape_gradient: [[f64; 2]; MAX_NODES],
     metric: [[f64; 2]; 2],
     /// `A^ab`.
     upper: [[f64; 2]; 2],
@@ -48,7 +53,7 @@ fn inverse(m: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
 
 impl Gap {
     /// Projects `x` on the extended facet, from `start`; `None` if there is no foot, or the foot is a focal point (`A` singular).
-    pub fn project(x: &Vector3<f64>, patch: &BilinearPatch, start: [f64; 2]) -> Option<Self> {
+    pub fn project(x: &Vector3<f64>, patch: &Patch, start: [f64; 2]) -> Option<Self> {
         let foot = patch.project(x, start);
         if !foot.converged {
             return None;
@@ -56,16 +61,22 @@ impl Gap {
         Self::at_foot(patch, foot.xi, foot.gap)
     }
 
+    /// [`Gap::project`] from the centre of the facet.
+    pub fn from_centre(x: &Vector3<f64>, patch: &Patch) -> Option<Self> {
+        Self::project(x, patch, patch.kind().centre())
+    }
+
     /// Kinematics at given coordinates instead of a foot: gap, normal, tangents and shape functions there. The variations are those of a
     /// projection only where the coordinates are its foot. `None` where the facet is degenerate.
-    pub(crate) fn at(x: &Vector3<f64>, patch: &BilinearPatch, xi: [f64; 2]) -> Option<Self> {
+    pub(crate) fn at(x: &Vector3<f64>, patch: &Patch, xi: [f64; 2]) -> Option<Self> {
         let gap = (x - patch.point(xi)).dot(&patch.normal(xi));
         Self::at_foot(patch, xi, gap)
     }
 
-    fn at_foot(patch: &BilinearPatch, xi: [f64; 2], gap: f64) -> Option<Self> {
+    fn at_foot(patch: &Patch, xi: [f64; 2], gap: f64) -> Option<Self> {
         let frame = patch.frame(xi);
-        let (shape, shape_gradient) = (quad4::shape(xi), quad4::shape_gradient(xi));
+        let kind = patch.kind();
+        let (shape, shape_gradient) = (kind.shape(xi), kind.shape_gradient(xi));
         let (n, a) = (frame.normal, frame.tangents);
         let mut gradient = [0.0; LOCAL];
         put(&mut gradient, 0, &n, 1.0);
@@ -77,7 +88,7 @@ impl Gap {
         for b in 0..2 {
             put(&mut lower[b], 0, &a[b], 1.0);
         }
-        for i in 0..4 {
+        for i in 0..MAX_NODES {
             put(&mut gradient, i + 1, &n, -shape[i]);
             for b in 0..2 {
                 put(&mut lower[b], i + 1, &a[b], -shape[i]);
@@ -87,6 +98,7 @@ impl Gap {
         let xi_gradient =
             std::array::from_fn(|al| std::array::from_fn(|k| upper[al][0] * lower[0][k] + upper[al][1] * lower[1][k]));
         Some(Self {
+            kind,
             gap,
             xi,
             normal: n,
@@ -102,9 +114,9 @@ impl Gap {
         })
     }
 
-    /// Largest convective coordinate, beyond 1 outside of the facet.
+    /// How far the foot lies outside of the facet, in halves of an edge ([`FacetKind::excess`]).
     pub fn outside(&self) -> f64 {
-        self.xi[0].abs().max(self.xi[1].abs()) - 1.0
+        self.kind.excess(self.xi)
     }
 
     /// Second variation of the gap, (4.3).
@@ -112,7 +124,7 @@ impl Gap {
         let [d_1, d_2] = &self.xi_gradient;
         let h = self.curvature_12;
         let mut n_a = [[0.0; LOCAL]; 2];
-        for i in 0..4 {
+        for i in 0..MAX_NODES {
             for (al, n_a) in n_a.iter_mut().enumerate() {
                 put(n_a, i + 1, &self.normal, self.shape_gradient[i][al]);
             }
@@ -146,18 +158,19 @@ impl Gap {
     pub fn xi_hessian(&self) -> [LocalMatrix; 2] {
         let d = &self.xi_gradient;
         // Coefficients of the slave node and the facet's nodes in E.
-        let e: [f64; 5] = std::array::from_fn(|k| if k == 0 { 1.0 } else { -self.shape[k - 1] });
+        let mixed = self.kind.mixed_derivative();
+        let e: [f64; NODES] = std::array::from_fn(|k| if k == 0 { 1.0 } else { -self.shape[k - 1] });
         let lower: [LocalMatrix; 2] = std::array::from_fn(|b| {
             let other = 1 - b;
             // What stands beside D^c in symmetric pairs: T_bc - g N_bc + V_bc.
             let beside: [Local; 2] = std::array::from_fn(|c| {
                 let mut w = [0.0; LOCAL];
-                for i in 0..4 {
+                for i in 0..MAX_NODES {
                     // T_bc and, of V_bc, T_cb.
                     put(&mut w, i + 1, &self.tangents[b], self.shape_gradient[i][c]);
                     put(&mut w, i + 1, &self.tangents[c], self.shape_gradient[i][b]);
                     if c == other {
-                        put(&mut w, i + 1, &self.normal, -self.gap * SHAPE_12[i]);
+                        put(&mut w, i + 1, &self.normal, -self.gap * mixed[i]);
                     }
                 }
                 let slope = self.a_12.dot(&self.tangents[c]);
@@ -190,9 +203,6 @@ impl Gap {
     }
 }
 
-/// `N_I,12` of the four shape functions.
-pub(crate) const SHAPE_12: [f64; 4] = [0.25, -0.25, 0.25, -0.25];
-
 /// Adds `factor * v` to the block of a local node.
 fn put(local: &mut Local, node: usize, v: &Vector3<f64>, factor: f64) {
     for i in 0..3 {
@@ -201,7 +211,7 @@ fn put(local: &mut Local, node: usize, v: &Vector3<f64>, factor: f64) {
 }
 
 /// Positions of slave node and facet as points.
-pub fn points(local: &Local) -> (Vector3<f64>, BilinearPatch) {
+pub fn points(local: &Local, kind: FacetKind) -> (Vector3<f64>, Patch) {
     let at = |k: usize| Vector3::new(local[3 * k], local[3 * k + 1], local[3 * k + 2]);
-    (at(0), BilinearPatch::new([at(1), at(2), at(3), at(4)]))
+    (at(0), Patch::new(Nodal::from_fn(kind, |k| at(1 + k))))
 }

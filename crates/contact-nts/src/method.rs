@@ -2,17 +2,19 @@
 //!
 //! Pairings are made in `pairing`, gap gradients in `gradient`, friction in `friction` and `frictional`.
 
+use crate::crossing::{component, spread};
 use crate::friction::SurfaceFriction;
 use crate::gradient::Work;
-use crate::kinematics::{Gap, LOCAL};
+use crate::kinematics::Gap;
 use crate::normal::Normal;
 use crate::slot::{ElementNodes, Pairing, Slot};
 use nalgebra::Vector3;
 use stoss_contact::{
-    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, LocalContribution,
-    MasterPoint, MasterSearch, SearchOptions, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
+    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, FacetNodes,
+    LocalContribution, MasterPoint, MasterSearch, SearchOptions, SlotReport, StepConfiguration, clear_inactive,
+    multipliers_of,
 };
-use stoss_geometry::BilinearPatch;
+use stoss_geometry::Patch;
 
 /// What is kept zero while a node is closed (formulation §9.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,10 +68,10 @@ impl NodeToSurface {
     ///
     /// # Errors
     /// Empty or degenerate surfaces, shared nodes, options out of range, a penalty with the modified constraint.
-    pub fn new(
+    pub fn new<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
         name: &str,
-        slave_facets: &[[u32; 4]],
-        master_facets: &[[u32; 4]],
+        slave_facets: &[S],
+        master_facets: &[M],
         reference: &[f64],
         options: NodeToSurfaceOptions,
     ) -> Result<Self, ContactError> {
@@ -96,15 +98,14 @@ impl NodeToSurface {
         self.slave.nodes()[slot]
     }
 
-    pub(crate) fn patch(&self, facet: u32, q: &[f64]) -> BilinearPatch {
+    pub(crate) fn patch(&self, facet: u32, q: &[f64]) -> Patch {
         self.search.surface().patch(facet, q)
     }
 
     /// Projection of a slot's node on an extended facet.
     pub(crate) fn gap(&self, slot: usize, facet: u32, q: &[f64]) -> Result<Gap, ContactError> {
         let node = self.node(slot);
-        Gap::project(&position(q, node), &self.patch(facet, q), [0.0, 0.0])
-            .ok_or(ContactError::Projection { node, facet })
+        Gap::from_centre(&position(q, node), &self.patch(facet, q)).ok_or(ContactError::Projection { node, facet })
     }
 
     /// What the gap of a node that is not active may fall to before it counts as closed: a node that was released while it kept a negative gap
@@ -345,9 +346,9 @@ impl ContactMethod for NodeToSurface {
                     }
                     contribution.tangent[i * dim + n] = -weight * work.gradient[i];
                 }
-                for j in 0..LOCAL {
-                    // The end facet's nodes are the first five of the element.
-                    contribution.tangent[n * dim + j] = -weight * row.d_gap * end.gradient[j];
+                let nodes = spread(&element.end);
+                for (j, gradient) in end.gradient.iter().enumerate() {
+                    contribution.tangent[n * dim + component(&nodes, j)] -= weight * row.d_gap * gradient;
                 }
                 contribution.tangent[n * dim + n] = -weight * row.d_pressure;
             }

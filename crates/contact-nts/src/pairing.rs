@@ -6,9 +6,10 @@ use crate::method::{ConstraintForm, NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration};
+use stoss_geometry::Patch;
 
-/// How far the foot at `n` may lie on the extension of the facet that a node closes on, in convective coordinates: up to one
-/// facet beyond the edge the bilinear extension is still the same surface; farther off the crossing element is used.
+/// How far the foot at `n` may lie on the extension of the facet that a node closes on, in halves of an edge: up to one
+/// facet beyond the edge the extension is still the same surface; farther off the crossing element is used.
 const MODEST_EXTENSION: f64 = 2.0;
 
 /// A node that moves farther than this relative to the master in a step (in multiples of the facets' length and of the depth limit)
@@ -33,7 +34,8 @@ const NEAR_ENOUGH: f64 = 1.0e-4;
 impl NodeToSurface {
     /// Motion of a node in the step relative to the material of a facet at its foot at `n+1`.
     fn slip(&self, slot: usize, facet: u32, q_np1: &[f64]) -> Result<f64, ContactError> {
-        let xi = self.gap(slot, facet, q_np1)?.xi.map(|x| x.clamp(-1.0, 1.0));
+        let gap = self.gap(slot, facet, q_np1)?;
+        let xi = gap.kind.clamp(gap.xi);
         let relative = |q: &[f64]| position(q, self.node(slot)) - self.patch(facet, q).point(xi);
         Ok((relative(q_np1) - relative(&self.q_n)).norm())
     }
@@ -105,7 +107,7 @@ impl NodeToSurface {
     /// motion is too small for a jump.
     pub(crate) fn pieces(&self, slot: usize, q_np1: &[f64]) -> Option<(f64, usize)> {
         let facet = self.search.surface().facets()[self.slots[slot].origin? as usize];
-        let mean = |q: &[f64]| facet.iter().map(|&n| position(q, n)).sum::<Vector3<f64>>() / 4.0;
+        let mean = |q: &[f64]| facet.iter().map(|&n| position(q, n)).sum::<Vector3<f64>>() / facet.len() as f64;
         let relative = |q: &[f64]| position(q, self.node(slot)) - mean(q);
         let motion = (relative(q_np1) - relative(&self.q_n)).norm();
         let length = self.search.surface().length_scale().min(self.search.depth_limit());
@@ -217,7 +219,7 @@ impl NodeToSurface {
             }
             (None, origin) => {
                 let x = position(&self.q_n, self.node(slot));
-                let on_end = Gap::project(&x, &self.patch(end, &self.q_n), [0.0, 0.0]);
+                let on_end = Gap::from_centre(&x, &self.patch(end, &self.q_n));
                 match (on_end, origin) {
                     (Some(gap), None) => (end, gap.gap),
                     (Some(gap), Some(facet))
@@ -247,8 +249,8 @@ impl NodeToSurface {
     /// Gap of a node to the extension of a facet, both at the midpoint; `None` without a foot.
     fn gap_at_midpoint(&self, slot: usize, facet: u32, q_np1: &[f64]) -> Option<Gap> {
         let middle = |node: u32| (position(&self.q_n, node) + position(q_np1, node)) * 0.5;
-        let corners = self.search.surface().facets()[facet as usize].map(middle);
-        Gap::project(&middle(self.node(slot)), &stoss_geometry::BilinearPatch::new(corners), [0.0, 0.0])
+        let patch = Patch::new(self.search.surface().facets()[facet as usize].map(middle));
+        Gap::from_centre(&middle(self.node(slot)), &patch)
     }
 
     /// The facet of the midpoint: start or end if the midpoint projects on one of them, else the facet found by the search.

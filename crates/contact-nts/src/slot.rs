@@ -1,7 +1,9 @@
 //! One potential constraint: where its node was at `n`, and with which facets it is paired in the step.
 
-use crate::crossing::MAX_NODES;
-use stoss_contact::ContactSurface;
+use crate::crossing::{MAX_NODES, local_of};
+use crate::kinematics::Local;
+use stoss_contact::{ContactSurface, FacetNodes};
+use stoss_reference_element::Nodal;
 
 /// Returns of one node to a facet that it had in this step already, after which it stays on the extension of the last one. A node in a
 /// valley or on a ridge can be sent to and fro between two facets for ever. Staying is harmless: every pairing conserves, the extension
@@ -131,19 +133,20 @@ pub(crate) struct ElementNodes {
     pub count: usize,
     pub nodes: [u32; MAX_NODES],
     /// Local numbers of the start facet's nodes.
-    pub start: [usize; 4],
-    /// Local numbers of the end facet's nodes: the first four masters.
-    pub end: [usize; 4],
+    pub start: Nodal<usize>,
+    /// Local numbers of the end facet's nodes: the first masters.
+    pub end: Nodal<usize>,
     /// Local numbers of the midpoint facet's nodes.
-    pub mid: [usize; 4],
+    pub mid: Nodal<usize>,
 }
 
 impl ElementNodes {
     pub fn new(slave: u32, master: &ContactSurface, pairing: Pairing) -> Self {
-        let masters = [1, 2, 3, 4];
-        let mut out = Self { count: 5, nodes: [0; MAX_NODES], start: masters, end: masters, mid: masters };
+        let facet = master.facets()[pairing.end as usize];
+        let end = Nodal::from_fn(facet.kind(), |k| 1 + k);
+        let mut out = Self { count: 1 + facet.len(), nodes: [0; MAX_NODES], start: end, end, mid: end };
         out.nodes[0] = slave;
-        out.nodes[1..5].copy_from_slice(&master.facets()[pairing.end as usize]);
+        out.nodes[1..1 + facet.len()].copy_from_slice(&facet);
         if pairing.start != pairing.end {
             out.start = out.add(master.facets()[pairing.start as usize]);
             out.mid = out.add(master.facets()[pairing.mid as usize]);
@@ -152,7 +155,7 @@ impl ElementNodes {
     }
 
     /// Local numbers of a facet's nodes; new ones are appended.
-    fn add(&mut self, facet: [u32; 4]) -> [usize; 4] {
+    fn add(&mut self, facet: FacetNodes) -> Nodal<usize> {
         facet.map(|node| match self.nodes[1..self.count].iter().position(|&n| n == node) {
             Some(k) => k + 1,
             None => {
@@ -161,6 +164,11 @@ impl ElementNodes {
                 self.count - 1
             }
         })
+    }
+
+    /// Positions (or their increments) of the slave node and the end facet.
+    pub fn local(&self, q: &[f64]) -> Local {
+        local_of(&self.end, |k| std::array::from_fn(|i| q[3 * self.nodes[k] as usize + i]))
     }
 
     pub fn list(&self) -> &[u32] {

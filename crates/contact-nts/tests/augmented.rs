@@ -6,8 +6,9 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact::{Auxiliary, ContactError, ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact::{Auxiliary, ContactError, ContactMethod, ContactRule, FacetNodes, StepConfiguration};
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
+use stoss_testkit::meshes::{Mesh, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 const RULES: [ContactRule; 2] = [ContactRule::EndPoint, ContactRule::Midpoint];
@@ -16,9 +17,15 @@ const NODES: usize = 2 * (FACETS as usize + 1) + 4;
 const PRESSURE: f64 = 3.0;
 const STEP: f64 = 0.1;
 
+/// Surfaces of these meshes.
+fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
+    move |side, quads| meshes[side].of(quads)
+}
+
 /// A step of warped, moving facets with a gap; the node is in contact before and after it.
 #[derive(Clone, Debug)]
 struct Path {
+    meshes: [Mesh; 2],
     q: [Vec<f64>; 3],
     rule: ContactRule,
     /// Coefficient of friction: none, slip for certain, stick for certain.
@@ -39,17 +46,19 @@ fn path() -> impl Strategy<Value = Path> {
         (-0.15..0.15_f64, -0.15..0.15_f64),
         (prop_oneof![0.05..0.15_f64, 0.9..1.1_f64, 3.9..4.1_f64], 0.05..0.15_f64, -0.25..-0.15_f64),
         (prop::sample::select(&RULES[..]), prop::sample::select(vec![None, Some(0.02), Some(1e3)])),
-        (any::<bool>(), any::<bool>(), any::<bool>(), proptest::array::uniform6(-0.2..0.2_f64)),
+        (meshes(), any::<bool>(), any::<bool>(), any::<bool>(), proptest::array::uniform6(-0.2..0.2_f64)),
     )
-        .prop_map(|(noise, (x, y, z), (dx, dy), (slide, side, depth), (rule, mu), (term, slope, exact, off))| {
-            let q = path_of(FACETS, [&noise.0, &noise.1, &noise.2], [x, y, z], [dx, dy], [slide, side, depth]);
-            Path { q, rule, mu, drop_gap_term: term, drop_gap_slope: slope, exact, off }
-        })
+        .prop_map(
+            |(noise, (x, y, z), (dx, dy), (slide, side, depth), (rule, mu), (meshes, term, slope, exact, off))| {
+                let q = path_of(FACETS, [&noise.0, &noise.1, &noise.2], [x, y, z], [dx, dy], [slide, side, depth]);
+                Path { meshes, q, rule, mu, drop_gap_term: term, drop_gap_slope: slope, exact, off }
+            },
+        )
 }
 
 impl Path {
     fn direct(&self) -> NodeToSurface {
-        let direct = standard(FACETS);
+        let direct = standard_on(&divide(self.meshes), FACETS);
         match self.mu {
             Some(mu) => {
                 let law = Arc::new(Coulomb::new(mu).unwrap());

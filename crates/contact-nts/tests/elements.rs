@@ -4,7 +4,17 @@ use proptest::prelude::*;
 use stoss_contact_nts::crossing::Crossing;
 use stoss_contact_nts::invariants::{discrete_gradient, discrete_gradient_and_tangent};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
+use stoss_reference_element::{FacetKind, Nodal};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
+
+fn kind() -> impl Strategy<Value = FacetKind> {
+    prop::sample::select(&FacetKind::ALL[..])
+}
+
+/// Where there is no node, the first one of the facet stands.
+fn padded(kind: FacetKind, q: Local) -> Local {
+    std::array::from_fn(|k| if k / 3 > kind.node_count() { q[3 + k % 3] } else { q[k] })
+}
 
 /// A slave node above or below a warped facet of size two: positions with a gap that is not zero.
 fn configuration() -> impl Strategy<Value = Local> {
@@ -27,13 +37,13 @@ fn configuration() -> impl Strategy<Value = Local> {
         })
 }
 
-fn gap(q: &Local) -> Gap {
-    let (x, patch) = points(q);
-    Gap::project(&x, &patch, [0.0, 0.0]).expect("a modestly warped facet has a foot")
+fn gap(kind: FacetKind, q: &Local) -> Gap {
+    let (x, patch) = points(q, kind);
+    Gap::from_centre(&x, &patch).expect("a modestly warped facet has a foot")
 }
 
-fn moved(q: &Local, by: &[f64], size: f64) -> Local {
-    std::array::from_fn(|k| q[k] + size * by[k])
+fn moved(kind: FacetKind, q: &Local, by: &[f64], size: f64) -> Local {
+    padded(kind, std::array::from_fn(|k| q[k] + size * by[k]))
 }
 
 fn rotated(q: &[f64]) -> Vec<f64> {
@@ -67,36 +77,40 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn first_and_second_variation(q in configuration()) {
-        let kinematics = gap(&q);
-        let gradient = central_difference_jacobian(|x, out| out[0] = gap(x.try_into().unwrap()).gap, &q, 1e-3, 1);
+    fn first_and_second_variation(kind in kind(), q in configuration()) {
+        let q = padded(kind, q);
+        let kinematics = gap(kind, &q);
+        let gradient = central_difference_jacobian(|x, out| out[0] = gap(kind, x.try_into().unwrap()).gap, &q, 1e-3, 1);
         assert_jacobian_close(&kinematics.gradient, &gradient, LOCAL, 1e-8, "N");
-        let xi = central_difference_jacobian(|x, out| out.copy_from_slice(&gap(x.try_into().unwrap()).xi), &q, 1e-3, 2);
+        let xi = central_difference_jacobian(|x, out| out.copy_from_slice(&gap(kind, x.try_into().unwrap()).xi), &q, 1e-3, 2);
         assert_jacobian_close(&kinematics.xi_gradient.concat(), &xi, LOCAL, 1e-7, "D");
         let hessian =
-            central_difference_jacobian(|x, out| out.copy_from_slice(&gap(x.try_into().unwrap()).gradient), &q, 1e-3, LOCAL);
+            central_difference_jacobian(|x, out| out.copy_from_slice(&gap(kind, x.try_into().unwrap()).gradient), &q, 1e-3, LOCAL);
         assert_jacobian_close(&kinematics.hessian().concat(), &hessian, LOCAL, 1e-7, "second variation of g");
         let second = central_difference_jacobian(
-            |x, out| out.copy_from_slice(&gap(x.try_into().unwrap()).xi_gradient.concat()), &q, 1e-3, 2 * LOCAL,
+            |x, out| out.copy_from_slice(&gap(kind, x.try_into().unwrap()).xi_gradient.concat()), &q, 1e-3, 2 * LOCAL,
         );
         let closed: Vec<f64> = kinematics.xi_hessian().iter().flat_map(|h| h.concat()).collect();
         assert_jacobian_close(&closed, &second, LOCAL, 1e-7, "second variation of xi");
     }
 
     #[test]
-    fn full_variation_conserves_momenta_for_any_gap(q in configuration()) {
-        prop_assert!(resultants(&q, &q, &gap(&q).gradient) < 1e-13);
+    fn full_variation_conserves_momenta_for_any_gap(kind in kind(), q in configuration()) {
+        let q = padded(kind, q);
+        prop_assert!(resultants(&q, &q, &gap(kind, &q).gradient) < 1e-13);
     }
 
     #[test]
     fn discrete_gradient_conserves_and_works(
+        kind in kind(),
         q_n in configuration(),
         by in proptest::array::uniform15(-1.0..1.0_f64),
         power in 0..6_i32,
     ) {
+        let q_n = padded(kind, q_n);
         let size = 0.2 * 10.0_f64.powi(-power);
-        let q_1 = moved(&q_n, &by, size);
-        let (a, b) = (gap(&q_n), gap(&q_1));
+        let q_1 = moved(kind, &q_n, &by, size);
+        let (a, b) = (gap(kind, &q_n), gap(kind, &q_1));
         let g = discrete_gradient(&q_n, &q_1, &a, &b, 2.0).unwrap();
         prop_assert!(resultants(&q_n, &q_1, &g) < 1e-12, "momenta {:e}", resultants(&q_n, &q_1, &g));
         let defect = work(&q_n, &q_1, &g) - (b.gap - a.gap);
@@ -109,14 +123,17 @@ proptest! {
     }
 
     #[test]
-    fn discrete_gradient_has_its_tangent(q_n in configuration(), by in proptest::array::uniform15(-1.0..1.0_f64)) {
-        let q_1 = moved(&q_n, &by, 0.1);
-        let a = gap(&q_n);
-        let (_, tangent) = discrete_gradient_and_tangent(&q_n, &q_1, &a, &gap(&q_1), 1.7).unwrap();
+    fn discrete_gradient_has_its_tangent(
+        kind in kind(), q_n in configuration(), by in proptest::array::uniform15(-1.0..1.0_f64),
+    ) {
+        let q_n = padded(kind, q_n);
+        let q_1 = moved(kind, &q_n, &by, 0.1);
+        let a = gap(kind, &q_n);
+        let (_, tangent) = discrete_gradient_and_tangent(&q_n, &q_1, &a, &gap(kind, &q_1), 1.7).unwrap();
         let numeric = central_difference_jacobian(
             |x, out| {
                 let q: &Local = x.try_into().unwrap();
-                out.copy_from_slice(&discrete_gradient(&q_n, q, &a, &gap(q), 1.7).unwrap());
+                out.copy_from_slice(&discrete_gradient(&q_n, q, &a, &gap(kind, q), 1.7).unwrap());
             },
             &q_1,
             1e-3,
@@ -127,13 +144,15 @@ proptest! {
 
     #[test]
     fn discrete_gradient_is_frame_indifferent_and_tends_to_the_gradient(
+        kind in kind(),
         q_n in configuration(),
         by in proptest::array::uniform15(-1.0..1.0_f64),
     ) {
-        let q_1 = moved(&q_n, &by, 0.1);
-        let g = discrete_gradient(&q_n, &q_1, &gap(&q_n), &gap(&q_1), 2.0).unwrap();
+        let q_n = padded(kind, q_n);
+        let q_1 = moved(kind, &q_n, &by, 0.1);
+        let g = discrete_gradient(&q_n, &q_1, &gap(kind, &q_n), &gap(kind, &q_1), 2.0).unwrap();
         let (p_n, p_1): (Local, Local) = (rotated(&q_n).try_into().unwrap(), rotated(&q_1).try_into().unwrap());
-        let h = discrete_gradient(&p_n, &p_1, &gap(&p_n), &gap(&p_1), 2.0).unwrap();
+        let h = discrete_gradient(&p_n, &p_1, &gap(kind, &p_n), &gap(kind, &p_1), 2.0).unwrap();
         // Rotate g without the shift.
         let zero = rotated(&[0.0; 3]);
         let expected: Vec<f64> = rotated(&g).chunks_exact(3).flat_map(|x| [x[0] - zero[0], x[1] - zero[1], x[2] - zero[2]]).collect();
@@ -142,10 +161,10 @@ proptest! {
         }
         // Second order: a step a tenth as large is a hundred times closer to the gradient at the midpoint.
         let distance = |size: f64| -> f64 {
-            let q_1 = moved(&q_n, &by, size);
+            let q_1 = moved(kind, &q_n, &by, size);
             let mid: Local = std::array::from_fn(|k| 0.5 * (q_n[k] + q_1[k]));
-            let g = discrete_gradient(&q_n, &q_1, &gap(&q_n), &gap(&q_1), 2.0).unwrap();
-            let n = gap(&mid).gradient;
+            let g = discrete_gradient(&q_n, &q_1, &gap(kind, &q_n), &gap(kind, &q_1), 2.0).unwrap();
+            let n = gap(kind, &mid).gradient;
             g.iter().zip(&n).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
         };
         prop_assert!(distance(2e-3) < 0.02 * distance(2e-2) + 1e-10, "{:e} {:e}", distance(2e-3), distance(2e-2));
@@ -153,6 +172,7 @@ proptest! {
 
     #[test]
     fn crossing_conserves_works_and_has_its_tangent(
+        kinds in (kind(), kind()),
         noise in proptest::array::uniform18(-0.15..0.15_f64),
         from in (0.3..0.9_f64, -0.8..0.8_f64, -0.3..0.3_f64),
         to in (1.1..1.8_f64, -0.8..0.8_f64, -0.3..0.3_f64),
@@ -162,7 +182,9 @@ proptest! {
         let base = [
             [1.0, -1.0, 0.0], [3.0, -1.0, -0.4], [3.0, 1.0, -0.4], [1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0],
         ];
-        let (end_nodes, start_nodes) = ([1, 2, 3, 4], [5, 1, 4, 6]);
+        // A triangle has three of the four.
+        let nodes = |kind, quad: [usize; 4]| Nodal::from_fn(kind, |k| quad[k]);
+        let (end_nodes, start_nodes) = (nodes(kinds.0, [1, 2, 3, 4]), nodes(kinds.1, [5, 1, 4, 6]));
         let mut q_n = vec![from.0, from.1, from.2];
         let mut q_1 = vec![to.0, to.1, to.2];
         for (k, corner) in base.iter().enumerate() {
@@ -172,12 +194,12 @@ proptest! {
                 q_1.push(x + by[3 * k + i]);
             }
         }
-        let on = |q: &[f64], facet: &[usize; 4]| {
+        let on = |q: &[f64], facet: &Nodal<usize>| {
             let mut local = [0.0; LOCAL];
-            for (block, node) in [0, facet[0], facet[1], facet[2], facet[3]].into_iter().enumerate() {
+            for (block, node) in std::iter::once(&0).chain(facet).enumerate() {
                 local[3 * block..3 * block + 3].copy_from_slice(&q[3 * node..3 * node + 3]);
             }
-            gap(&local)
+            gap(facet.kind(), &local)
         };
         let gap_n = on(&q_n, &start_nodes).gap;
         let evaluate = |q_1: &[f64], tangent: &mut [f64]| {
@@ -203,7 +225,7 @@ proptest! {
 #[test]
 fn nothing_moves() {
     let q = [0.2, 0.1, 0.3, -1.0, -1.0, 0.0, 1.0, -1.0, 0.1, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0];
-    let a = gap(&q);
+    let a = gap(FacetKind::Quad4, &q);
     let g = discrete_gradient(&q, &q, &a, &a, 2.0).unwrap();
     for k in 0..LOCAL {
         assert!((g[k] - a.gradient[k]).abs() < 1e-13);

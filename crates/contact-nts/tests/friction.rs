@@ -6,9 +6,11 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork, Enforcement};
+use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, FacetNodes};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
+use stoss_reference_element::FacetKind;
+use stoss_testkit::meshes::{Mesh, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
@@ -19,21 +21,29 @@ const PENALTY: f64 = 40.0;
 const PRESSURE: f64 = 3.0;
 const STEP: f64 = 0.1;
 
-fn with_law(law: Arc<dyn FrictionLaw>, stick: Stick, stepping: MidpointFriction) -> NodeToSurface {
-    rough(standard(FACETS), law, stick, stepping)
+/// Surfaces of these meshes.
+fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
+    move |side, quads| meshes[side].of(quads)
+}
+
+const QUADS: [Mesh; 2] = Mesh::PAIRS[0];
+
+fn with_law(meshes: [Mesh; 2], law: Arc<dyn FrictionLaw>, stick: Stick, stepping: MidpointFriction) -> NodeToSurface {
+    rough(standard_on(&divide(meshes), FACETS), law, stick, stepping)
 }
 
 fn rough(smooth: NodeToSurface, law: Arc<dyn FrictionLaw>, stick: Stick, stepping: MidpointFriction) -> NodeToSurface {
     smooth.with_friction(Friction::new(law, PENALTY, stick, stepping).unwrap()).unwrap()
 }
 
-fn with_coulomb(mu: f64, stepping: MidpointFriction) -> NodeToSurface {
-    with_law(Arc::new(Coulomb::new(mu).unwrap()), Stick::Penalty, stepping)
+fn with_coulomb(meshes: [Mesh; 2], mu: f64, stepping: MidpointFriction) -> NodeToSurface {
+    with_law(meshes, Arc::new(Coulomb::new(mu).unwrap()), Stick::Penalty, stepping)
 }
 
 /// Three configurations of warped, moving facets with a gap: the node closes in the first step, and slides in it and in the second one.
 #[derive(Clone, Debug)]
 struct Path {
+    meshes: [Mesh; 2],
     q: [Vec<f64>; 3],
     rule: ContactRule,
     stepping: MidpointFriction,
@@ -45,16 +55,16 @@ struct Path {
 fn path() -> impl Strategy<Value = Path> {
     let noise = |size: f64| proptest::collection::vec(-size..size, 3 * SLAVE);
     (
-        (noise(0.06), noise(0.05), noise(0.05)),
+        (noise(0.06), noise(0.05), noise(0.05), meshes()),
         (0.4..0.6_f64, 0.2..0.4_f64, 0.1..0.2_f64),
         (-0.15..0.15_f64, -0.15..0.15_f64),
         (prop_oneof![0.05..0.15_f64, 0.9..1.1_f64, 3.9..4.1_f64], 0.05..0.15_f64, -0.25..-0.15_f64),
         (prop::sample::select(&RULES[..]), prop::sample::select(&STEPPINGS[..]), prop_oneof![Just(1.4), Just(7.0)]),
     )
         .prop_map(
-            |((shape, moved, again), (x, y, z), (dx, dy), (slide, side, depth), (rule, stepping, before))| {
+            |((shape, moved, again, meshes), (x, y, z), (dx, dy), (slide, side, depth), (rule, stepping, before))| {
                 let q = path_of(FACETS, [&shape, &moved, &again], [x, y, z], [dx, dy], [slide, side, depth]);
-                Path { q, rule, stepping, before }
+                Path { meshes, q, rule, stepping, before }
             },
         )
 }
@@ -71,7 +81,7 @@ impl Path {
 
     /// Nodal forces of the friction alone, on the nodes.
     fn friction(&self, m: &NodeToSurface) -> Vec<f64> {
-        let mut frictionless = standard(FACETS);
+        let mut frictionless = standard_on(&divide(self.meshes), FACETS);
         frictionless = self.run(frictionless);
         let without = self.residual(&frictionless);
         let n = without.len() - 1;
@@ -82,7 +92,7 @@ impl Path {
     fn friction_with(&self, m: &NodeToSurface, q: &[f64], pressure: f64, auxiliaries: &[f64]) -> Vec<f64> {
         let x: Vec<f64> = q.iter().chain(&[pressure]).chain(&auxiliaries[..2]).copied().collect();
         let with = assembled_with(m, &self.q[1], self.rule, &x, auxiliaries, false).0;
-        let frictionless = self.run(standard(FACETS));
+        let frictionless = self.run(standard_on(&divide(self.meshes), FACETS));
         let without = assembled(&frictionless, &self.q[1], q, pressure, self.rule, false).0;
         with[..q.len()].iter().zip(&without).map(|(a, b)| b - a).collect()
     }
@@ -116,7 +126,7 @@ proptest! {
             k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
         };
         let normal = [Enforcement::Multiplier, Enforcement::Penalty(30.0), Enforcement::Augmented(30.0)][enforcement];
-        let m = path.run(rough(enforced(FACETS, normal), law, Stick::Penalty, path.stepping));
+        let m = path.run(rough(enforced_on(&divide(path.meshes), FACETS, normal), law, Stick::Penalty, path.stepping));
         let (residual, tangent) = assembled(&m, &path.q[1], &path.q[2], PRESSURE, path.rule, true);
         let n = residual.len();
         let mut at = path.q[2].clone();
@@ -139,7 +149,7 @@ proptest! {
             0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
             k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
         };
-        let m = path.run(with_law(law, Stick::Multiplier, path.stepping).with_compliant_stick(|_| compliant));
+        let m = path.run(with_law(path.meshes, law, Stick::Multiplier, path.stepping).with_compliant_stick(|_| compliant));
         let x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE]).chain(&multiplier).copied().collect();
         let (n, auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
         let (_, tangent) = assembled_with(&m, &path.q[1], path.rule, &x, &auxiliaries, true);
@@ -155,7 +165,7 @@ proptest! {
     #[test]
     fn a_multiplier_is_the_traction_of_the_law(path in path(), mu in 0.01..0.25_f64) {
         let solved = |mu: f64, start: [f64; 2]| {
-            let mut m = path.run(with_law(Arc::new(Coulomb::new(mu).unwrap()), Stick::Multiplier, path.stepping));
+            let mut m = path.run(with_law(path.meshes, Arc::new(Coulomb::new(mu).unwrap()), Stick::Multiplier, path.stepping));
             let mut x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE]).chain(&start).copied().collect();
             let (n, mut auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
             for _ in 0..40 {
@@ -188,7 +198,7 @@ proptest! {
         multiplier in proptest::array::uniform2(-1.0..1.0_f64),
     ) {
         prop_assume!(multiplier[0].hypot(multiplier[1]) > 0.1);
-        let mut m = path.run(with_law(Arc::new(Coulomb::new(1e3).unwrap()), Stick::Multiplier, path.stepping));
+        let mut m = path.run(with_law(path.meshes, Arc::new(Coulomb::new(1e3).unwrap()), Stick::Multiplier, path.stepping));
         let mut x: Vec<f64> = path.q[2].iter().chain(&[pressure]).chain(&multiplier).copied().collect();
         let (n, mut auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
         let apart = |r: &[f64]| r[n - 2].hypot(r[n - 1]);
@@ -231,7 +241,7 @@ proptest! {
         turn in proptest::array::uniform3(-1.0..1.0_f64),
         shift in proptest::array::uniform3(-2.0..2.0_f64),
     ) {
-        let make = || with_law(Arc::new(Coulomb::new(coefficient(stick)).unwrap()), Stick::Multiplier, path.stepping);
+        let make = || with_law(path.meshes, Arc::new(Coulomb::new(coefficient(stick)).unwrap()), Stick::Multiplier, path.stepping);
         let rotation = Rotation3::new(Vector3::from(turn));
         let rotate = |v: &[f64], shift: Vector3<f64>| -> Vec<f64> {
             v.chunks_exact(3).flat_map(|x| <[f64; 3]>::from(rotation * Vector3::from_column_slice(x) + shift)).collect()
@@ -258,7 +268,7 @@ proptest! {
 
     #[test]
     fn friction_has_no_resultant_and_no_moment(path in path(), stick: bool) {
-        let m = path.run(with_coulomb(coefficient(stick), path.stepping));
+        let m = path.run(with_coulomb(path.meshes, coefficient(stick), path.stepping));
         let forces = path.friction(&m);
         let size = forces.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
         // The two tractions of variant C may cancel.
@@ -283,7 +293,7 @@ proptest! {
             *rotated = rotate(q, Vector3::from(shift));
         }
         let mu = coefficient(stick);
-        let (a, b) = (path.run(with_coulomb(mu, path.stepping)), other.run(with_coulomb(mu, path.stepping)));
+        let (a, b) = (path.run(with_coulomb(path.meshes, mu, path.stepping)), other.run(with_coulomb(path.meshes, mu, path.stepping)));
         let expected = rotate(&path.friction(&a), Vector3::zeros());
         let found = other.friction(&b);
         let size = expected.iter().fold(1.0_f64, |a, f| a.max(f.abs()));
@@ -307,11 +317,11 @@ proptest! {
             .chunks_exact(3)
             .flat_map(|x| <[f64; 3]>::from(rotation * Vector3::from_column_slice(x) + Vector3::from(shift)))
             .collect();
-        let m = rigid.run(with_coulomb(1e3, rigid.stepping));
+        let m = rigid.run(with_coulomb(rigid.meshes, 1e3, rigid.stepping));
         let before = {
             let mut at_rest = rigid.clone();
             at_rest.q[2] = at_rest.q[1].clone();
-            let m = at_rest.run(with_coulomb(1e3, rigid.stepping));
+            let m = at_rest.run(with_coulomb(rigid.meshes, 1e3, rigid.stepping));
             work(&m, &at_rest.q[2], PRESSURE, &ACTIVE)
         };
         let after = work(&m, &rigid.q[2], PRESSURE, &ACTIVE);
@@ -329,7 +339,7 @@ proptest! {
 
     #[test]
     fn dissipation_is_not_negative_and_the_energy_momentum_balance_is_exact(path in path(), mu in 0.0..2.0_f64) {
-        let start = path.run(with_coulomb(mu, path.stepping));
+        let start = path.run(with_coulomb(path.meshes, mu, path.stepping));
         let w = work(&start, &path.q[2], PRESSURE, &ACTIVE);
         // What the released spring held is lost.
         let open = work(&start, &path.q[2], PRESSURE, &OPEN);
@@ -356,7 +366,7 @@ fn flat(at: [f64; 2]) -> Vec<f64> {
 #[test]
 fn on_a_flat_surface_edges_do_not_matter() {
     for rule in RULES {
-        let mut m = with_coulomb(0.5, MidpointFriction::B);
+        let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::B);
         let q_0 = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
         m.set_rule(rule, STEP);
         m.begin_step(&q_0, 10.0).unwrap();
@@ -394,7 +404,7 @@ fn on_a_flat_surface_edges_do_not_matter() {
 fn traction_turns_with_the_surface_over_edges() {
     for heights in [[0.0, 0.0, -0.5, -1.0, -1.5, -2.0, -2.5], [0.0, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5]] {
         for rule in RULES {
-            let mut m = with_coulomb(1e3, MidpointFriction::C);
+            let mut m = with_coulomb(QUADS, 1e3, MidpointFriction::C);
             let on = |x: f64| {
                 let z = if x < 1.0 { 0.0 } else { (x - 1.0) * heights[2] };
                 positions(&heights, [x, 0.3, z])
@@ -423,7 +433,7 @@ fn traction_turns_with_the_surface_over_edges() {
 
 #[test]
 fn a_node_that_comes_back_begins_anew() {
-    let mut m = with_coulomb(0.5, MidpointFriction::C);
+    let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
     m.set_rule(ContactRule::EndPoint, STEP);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let pressures = [PRESSURE, 0.0, 0.0, 0.0];
@@ -446,14 +456,14 @@ fn a_node_that_comes_back_begins_anew() {
 
 #[test]
 fn history_goes_through_bytes() {
-    let mut m = with_coulomb(0.5, MidpointFriction::C);
+    let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
     m.set_rule(ContactRule::Midpoint, STEP);
     m.begin_step(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), 1.0).unwrap();
     let on = flat([0.5, 0.33]);
     m.repair(&on, &ACTIVE).unwrap();
     m.commit(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
     let bytes = m.save_history();
-    let mut other = with_coulomb(0.5, MidpointFriction::C);
+    let mut other = with_coulomb(QUADS, 0.5, MidpointFriction::C);
     other.load_history(&bytes).unwrap();
     assert_eq!(other.save_history(), bytes);
     let next = flat([0.52, 0.33]);
@@ -492,7 +502,7 @@ fn augmented_multipliers_stick_exactly() {
     for rule in RULES {
         for (bound, expected) in [(10.0, 0.4), (1.5, 0.9 - 1.5 / SPRING)] {
             let law = Arc::new(Coulomb::new(bound / PRESSURE).unwrap());
-            let mut m = with_law(law, Stick::Augmented, MidpointFriction::C);
+            let mut m = with_law(QUADS, law, Stick::Augmented, MidpointFriction::C);
             let (start, target) = (flat([0.4, 0.3]), 0.9);
             m.set_rule(rule, STEP);
             m.begin_step(&start, 1.0).unwrap();
@@ -528,7 +538,7 @@ fn the_paths_reach_every_kind_of_pairing() {
     let mut runner = TestRunner::deterministic();
     let mut nodes = Vec::new();
     for _ in 0..200 {
-        let m = path().new_tree(&mut runner).unwrap().current().run(with_coulomb(1.0, MidpointFriction::C));
+        let m = path().new_tree(&mut runner).unwrap().current().run(with_coulomb(QUADS, 1.0, MidpointFriction::C));
         m.stencils(&ACTIVE, &mut |stencil, _| nodes.push(stencil.len()));
     }
     for kind in [5, 7, 13] {
@@ -557,14 +567,15 @@ fn the_slip_is_that_of_the_formulation_to_second_order() {
         for (i, d) in [0.8, 0.5, -0.2].iter().enumerate() {
             end[3 * SLAVE + i] += size * d;
         }
-        let mut m = with_coulomb(1e3, MidpointFriction::C);
+        let mut m = with_coulomb(QUADS, 1e3, MidpointFriction::C);
         m.set_rule(ContactRule::EndPoint, STEP);
         m.begin_step(&q, 1.0).unwrap();
         m.repair(&end, &ACTIVE).unwrap();
         let (residual, _) = assembled(&m, &q, &end, 0.0, ContactRule::EndPoint, false);
         assert!(residual[3 * SLAVE..3 * SLAVE + 3].iter().all(|r| *r == 0.0), "no pressure, no friction");
         let with = assembled(&m, &q, &end, PRESSURE, ContactRule::EndPoint, false).0;
-        let ((x_n, patch_n), (x, patch)) = (points(&local(&q)), points(&local(&end)));
+        let ((x_n, patch_n), (x, patch)) =
+            (points(&local(&q), FacetKind::Quad4), points(&local(&end), FacetKind::Quad4));
         let at_n = Gap::project(&x_n, &patch_n, [0.0; 2]).unwrap();
         let gap = Gap::project(&x, &patch, [0.0; 2]).unwrap();
         let tangents = patch.tangents(gap.xi);

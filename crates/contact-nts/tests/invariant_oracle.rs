@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector, Matrix5, SVector, Vector3, Vector5};
 use proptest::prelude::*;
 use stoss_contact_nts::invariants::discrete_gradient;
 use stoss_contact_nts::kinematics::{Gap, Local, points};
+use stoss_reference_element::FacetKind;
 
 type Z = SVector<f64, 20>;
 type Pi = SVector<f64, 17>;
@@ -27,11 +28,17 @@ fn invariants(z: &Z) -> Pi {
 }
 
 /// (4.79) with the third row of formulation §6.3.
-fn constraints(pi: &Pi) -> Phi {
+fn constraints(kind: FacetKind, pi: &Pi) -> Phi {
     let (u, v) = (pi[14], pi[15]);
-    let shape = Vector3::new((1.0 + u) * (1.0 - v), (1.0 + u) * (1.0 + v), (1.0 - u) * (1.0 + v)) / 4.0;
-    let by_u = Vector3::new(1.0 - v, 1.0 + v, -1.0 - v) / 4.0;
-    let by_v = Vector3::new(-1.0 - u, 1.0 + u, 1.0 - u) / 4.0;
+    let (shape, by_u, by_v) = match kind {
+        FacetKind::Quad4 => (
+            Vector3::new((1.0 + u) * (1.0 - v), (1.0 + u) * (1.0 + v), (1.0 - u) * (1.0 + v)) / 4.0,
+            Vector3::new(1.0 - v, 1.0 + v, -1.0 - v) / 4.0,
+            Vector3::new(-1.0 - u, 1.0 + u, 1.0 - u) / 4.0,
+        ),
+        // The last of the three vectors is zero and has no function.
+        FacetKind::Tri3 => (Vector3::new(u, v, 0.0), Vector3::x(), Vector3::y()),
+    };
     let heights = Vector3::new(pi[1], pi[2], pi[3]);
     let gram = nalgebra::Matrix3::new(pi[8], pi[9], pi[10], pi[9], pi[11], pi[12], pi[10], pi[12], pi[13]);
     let rest = Vector3::new(pi[5], pi[6], pi[7]) - gram * shape;
@@ -61,10 +68,11 @@ fn jacobian<const N: usize, const M: usize>(
     })
 }
 
-fn expected(q_n: &Local, q_1: &Local, length: f64) -> Local {
+fn expected(kind: FacetKind, q_n: &Local, q_1: &Local, length: f64) -> Local {
+    let constraints = |pi: &Pi| constraints(kind, pi);
     let state = |q: &Local| {
-        let (x, patch) = points(q);
-        let foot = patch.project(&x, [0.0, 0.0]);
+        let (x, patch) = points(q, kind);
+        let foot = patch.project(&x, kind.centre());
         let values: Vec<f64> = q.iter().map(|c| c / length).chain(foot.normal.iter().copied()).chain(foot.xi).collect();
         Z::from_vec(values)
     };
@@ -88,6 +96,7 @@ proptest! {
 
     #[test]
     fn element_is_the_one_of_the_formulation(
+        kind in prop::sample::select(&FacetKind::ALL[..]),
         noise in proptest::array::uniform12(-0.25..0.25_f64),
         at in (-0.9..0.9_f64, -0.9..0.9_f64, -0.5..0.5_f64),
         by in proptest::array::uniform15(-0.2..0.2_f64),
@@ -96,12 +105,17 @@ proptest! {
         let corners = [-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0];
         let q_n: Local = std::array::from_fn(|k| if k < 3 { [at.0, at.1, at.2][k] } else { corners[k - 3] + noise[k - 3] });
         let q_1: Local = std::array::from_fn(|k| q_n[k] + by[k]);
+        // Where there is no node, the first one of the facet stands.
+        let padded = |q: Local| -> Local {
+            std::array::from_fn(|k| if k / 3 > kind.node_count() { q[3 + k % 3] } else { q[k] })
+        };
+        let (q_n, q_1) = (padded(q_n), padded(q_1));
         let gap = |q: &Local| {
-            let (x, patch) = points(q);
-            Gap::project(&x, &patch, [0.0, 0.0]).unwrap()
+            let (x, patch) = points(q, kind);
+            Gap::from_centre(&x, &patch).unwrap()
         };
         let found = discrete_gradient(&q_n, &q_1, &gap(&q_n), &gap(&q_1), length).unwrap();
-        let expected = expected(&q_n, &q_1, length);
+        let expected = expected(kind, &q_n, &q_1, length);
         for k in 0..15 {
             prop_assert!((found[k] - expected[k]).abs() < 1e-10, "{k}: {} {}", found[k], expected[k]);
         }

@@ -3,9 +3,15 @@
 mod common;
 use common::*;
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, SearchOptions};
+use stoss_contact::{ContactMethod, ContactRule, FacetNodes, SearchOptions};
 use stoss_contact_nts::ConstraintForm;
+use stoss_testkit::meshes::{Mesh, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
+
+/// Surfaces of these meshes.
+fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
+    move |side, quads| meshes[side].of(quads)
+}
 
 /// Work of the contact forces in the step.
 fn work(residual: &[f64], q_n: &[f64], q_1: &[f64]) -> f64 {
@@ -32,6 +38,7 @@ proptest! {
     // Facets at n, at the midpoint and at n+1 have no node in common: the element with 13 nodes.
     #[test]
     fn a_slide_over_three_disjoint_facets(
+        meshes in meshes(),
         heights in proptest::array::uniform7(-0.08..0.08_f64),
         moved in proptest::array::uniform7(-0.05..0.05_f64),
         from in (0.35..0.65_f64, 0.2..0.4_f64),
@@ -41,12 +48,12 @@ proptest! {
         let q_n = positions(&heights, [from.0, from.1, 0.0]);
         let end: Vec<f64> = heights.iter().zip(&moved).map(|(h, m)| h + m).collect();
         let q_1 = positions(&end, [from.0 + slide, from.1, -0.15]);
-        let mut m = standard(6);
+        let mut m = standard_on(&divide(meshes), 6);
         in_contact(&mut m, &q_n);
         prop_assert_eq!(m.repair(&q_1, &ACTIVE).unwrap(), 1);
         let mut count = 0;
         m.stencils(&ACTIVE, &mut |nodes, _| count = nodes.len());
-        prop_assert_eq!(count, 13);
+        prop_assert!(if meshes[1] == Mesh::Quads { count == 13 } else { (7..=13).contains(&count) }, "{count}");
         let rule = if conserving { ContactRule::EnergyMomentum } else { ContactRule::Midpoint };
         let (residual, tangent) = assembled(&m, &q_n, &q_1, 3.0, rule, true);
         prop_assert!(resultant(&residual, &q_n, &q_1) < 1e-12);
@@ -63,6 +70,7 @@ proptest! {
     // What the standard constraint promises: a closed node that goes over edges and stays closed does no work.
     #[test]
     fn a_closed_node_that_slides_over_edges_does_no_work(
+        meshes in meshes(),
         heights in proptest::array::uniform5(-0.3..0.3_f64),
         moved in proptest::array::uniform5(-0.1..0.1_f64),
         x in (0.1..0.9_f64, 1.1..3.9_f64),
@@ -75,7 +83,7 @@ proptest! {
         let end: [f64; 5] = std::array::from_fn(|i| heights[i] + moved[i]);
         let q_n = positions(&heights, [x.0, y, height(&heights, x.0)]);
         let q_1 = positions(&end, [x.1, y, height(&end, x.1)]);
-        let mut m = standard(4);
+        let mut m = standard_on(&divide(meshes), 4);
         in_contact(&mut m, &q_n);
         prop_assert_eq!(m.repair(&q_1, &ACTIVE).unwrap(), 1);
         let pressure = 7.0;
@@ -90,6 +98,7 @@ proptest! {
     // Modified constraint: work and constraint row refer to the same gap at n, wherever the node comes from.
     #[test]
     fn a_node_that_closes_from_above_a_ridge(
+        meshes in meshes(),
         slope in 0.1..1.0_f64,
         x in (0.6..1.4_f64, 0.3..1.7_f64),
         height in 0.01..0.2_f64,
@@ -97,7 +106,7 @@ proptest! {
         let heights = [0.0, 0.0, -slope, -2.0 * slope, -3.0 * slope];
         let q_n = positions(&heights, [x.0, 0.3, height]);
         let q_1 = positions(&heights, [x.1, 0.3, -slope * (x.1 - 1.0_f64).max(0.0) - 0.02]);
-        let mut m = method(4, ConstraintForm::Modified, SearchOptions::default());
+        let mut m = method_on(&divide(meshes), 4, ConstraintForm::Modified, SearchOptions::default());
         m.begin_step(&q_n, 10.0).unwrap();
         let closed = gap(&m, &q_1, &OPEN);
         prop_assert!((-0.02..0.0).contains(&closed), "the gap to the surface, no deeper than under its flat facet: {}", closed);

@@ -5,9 +5,11 @@ mod common;
 use common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, SearchOptions};
-use stoss_contact_nts::kinematics::{Gap, LOCAL, points};
+use stoss_contact::{ContactMethod, ContactRule, FacetNodes, SearchOptions};
+use stoss_contact_nts::kinematics::Gap;
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
+use stoss_geometry::Patch;
+use stoss_testkit::meshes::{Mesh, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 const RULES: [ContactRule; 5] = [
@@ -22,6 +24,11 @@ const FACETS: u32 = 6;
 const SLAVE: u32 = 2 * (FACETS + 1);
 const PRESSURE: f64 = 3.0;
 
+/// Surfaces of these meshes.
+fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
+    move |side, quads| meshes[side].of(quads)
+}
+
 /// A step with its pairing made.
 #[derive(Debug)]
 struct Case {
@@ -29,14 +36,18 @@ struct Case {
     q_n: Vec<f64>,
     q_1: Vec<f64>,
     /// Facets at both ends.
-    start: u32,
-    end: u32,
+    start: FacetNodes,
+    end: FacetNodes,
     nodes: usize,
 }
 
 /// Warped facets that move, and a node that starts on facet 0 with a gap and ends with one on this facet, the next or
 /// the fifth. It was in contact at `n`, or closes in the step.
 fn step() -> impl Strategy<Value = Case> {
+    meshes().prop_flat_map(step_on)
+}
+
+fn step_on(meshes: [Mesh; 2]) -> impl Strategy<Value = Case> {
     let noise = |size: f64| proptest::collection::vec(-size..size, 3 * SLAVE as usize);
     (
         noise(0.06),
@@ -45,9 +56,9 @@ fn step() -> impl Strategy<Value = Case> {
         (prop_oneof![-0.1..0.1_f64, 0.9..1.1_f64, 3.9..4.1_f64], -0.35..-0.2_f64),
         any::<(bool, bool, bool)>(),
     )
-        .prop_map(|(noise, moved, (x, y, z), (slide, depth), (in_contact_at_n, behind, modified))| {
+        .prop_map(move |(noise, moved, (x, y, z), (slide, depth), (in_contact_at_n, behind, modified))| {
             let form = if modified { ConstraintForm::Modified } else { ConstraintForm::Standard };
-            let mut m = method(FACETS, form, SearchOptions::default());
+            let mut m = method_on(&divide(meshes), FACETS, form, SearchOptions::default());
             let flat = [0.0; FACETS as usize + 1];
             let z = if in_contact_at_n && behind { -z } else { z };
             let (mut q_n, mut q_1) = (positions(&flat, [x, y, z]), positions(&flat, [x + slide, y, depth]));
@@ -63,30 +74,29 @@ fn step() -> impl Strategy<Value = Case> {
             m.repair(&q_1, &ACTIVE).unwrap();
             let mut nodes = Vec::new();
             m.stencils(&ACTIVE, &mut |stencil, _| nodes.extend_from_slice(stencil));
-            let end = (0..FACETS).find(|&f| facet(f)[..] == nodes[1..5]).unwrap();
+            let facets = meshes[1].of(&row(FACETS));
+            let end = *facets.iter().find(|f| nodes[1..].starts_with(f)).unwrap();
             // One facet for the whole step, or from the one that the node was at.
-            let start = if nodes.len() == 5 { end } else { 0 };
+            let x = at(&q_n, SLAVE);
+            let distance = |f: &FacetNodes| Patch::new(f.map(|n| at(&q_n, n))).closest_point(&x).distance_squared;
+            let nearest = facets.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+            let start = if nodes.len() == 1 + end.len() { end } else { nearest };
             Case { method: m, q_n, q_1, start, end, nodes: nodes.len() }
         })
 }
 
-fn facet(k: u32) -> [u32; 4] {
-    [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1]
+fn at(q: &[f64], node: u32) -> Vector3<f64> {
+    Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3])
 }
 
 /// Gap of the slave node to an extended facet.
-fn gap_to(facet: [u32; 4], q: &[f64]) -> f64 {
-    let mut local = [0.0; LOCAL];
-    for (block, node) in local.chunks_exact_mut(3).zip(std::iter::once(SLAVE).chain(facet)) {
-        block.copy_from_slice(&q[3 * node as usize..3 * node as usize + 3]);
-    }
-    let (x, patch) = points(&local);
-    Gap::project(&x, &patch, [0.0, 0.0]).unwrap().gap
+fn gap_to(facet: &FacetNodes, q: &[f64]) -> f64 {
+    Gap::from_centre(&at(q, SLAVE), &Patch::new(facet.map(|n| at(q, n)))).unwrap().gap
 }
 
 /// Its gradient by differences.
-fn gradient_of_gap(k: u32, q: &[f64]) -> Vec<f64> {
-    central_difference_jacobian(|q, out| out[0] = gap_to(facet(k), q), q, 1e-3, 1)
+fn gradient_of_gap(facet: &FacetNodes, q: &[f64]) -> Vec<f64> {
+    central_difference_jacobian(|q, out| out[0] = gap_to(facet, q), q, 1e-3, 1)
 }
 
 impl Case {
@@ -115,7 +125,7 @@ proptest! {
     #[test]
     fn gradients_at_the_ends_are_those_of_the_gaps_there(case in step()) {
         let (m, n) = (&case.method, case.q_1.len());
-        let (at_n, at_1) = (gradient_of_gap(case.start, &case.q_n), gradient_of_gap(case.end, &case.q_1));
+        let (at_n, at_1) = (gradient_of_gap(&case.start, &case.q_n), gradient_of_gap(&case.end, &case.q_1));
         let mean: Vec<f64> = at_n.iter().zip(&at_1).map(|(a, b)| 0.5 * (a + b)).collect();
         let factor = -m.slot_weight(0) * PRESSURE;
         for (rule, expected) in
@@ -127,12 +137,12 @@ proptest! {
         }
         // The constraint is the gap at the end, under the standard form, and the same row under every rule.
         let row = case.residual(ContactRule::EndPoint)[n];
-        let end_gap = gap_to(facet(case.end), &case.q_1);
+        let end_gap = gap_to(&case.end, &case.q_1);
         let reference = row / m.slot_weight(0) + end_gap;
-        let start_gap = gap_to(facet(case.start), &case.q_n);
+        let start_gap = gap_to(&case.start, &case.q_n);
         // The gap to an extension may be anything.
         let far = |gap: f64| gap.abs() > 0.02;
-        prop_assert!(far(end_gap) && (case.start != 0 || far(start_gap)), "gaps {start_gap} {end_gap}");
+        prop_assert!(far(end_gap) && (case.start == case.end || far(start_gap)), "gaps {start_gap} {end_gap}");
         prop_assert!(reference.abs() < 1e-14 || (reference - start_gap).abs() < 1e-14, "reference gap {reference}");
         for rule in RULES {
             prop_assert_eq!(case.residual(rule)[n], row);
@@ -199,6 +209,7 @@ proptest! {
 
     #[test]
     fn the_mean_of_the_ends_has_no_moment_in_a_rigid_motion(
+        meshes in meshes(),
         case in step(),
         turn in proptest::array::uniform3(-1.0..1.0_f64),
         shift in proptest::array::uniform3(-2.0..2.0_f64),
@@ -209,7 +220,7 @@ proptest! {
             .chunks_exact(3)
             .flat_map(|x| <[f64; 3]>::from(rotation * Vector3::from_column_slice(x) + Vector3::from(shift)))
             .collect();
-        let mut m = standard(FACETS);
+        let mut m = standard_on(&divide(meshes), FACETS);
         in_contact(&mut m, &q_n);
         prop_assert_eq!(m.repair(&q_1, &ACTIVE).unwrap(), 0);
         let residual = assembled(&m, &q_n, &q_1, PRESSURE, ContactRule::EndPointMean, false).0;
@@ -223,12 +234,20 @@ proptest! {
 fn the_strategy_reaches_every_kind_of_pairing() {
     use proptest::{strategy::ValueTree, test_runner::TestRunner};
     let mut runner = TestRunner::deterministic();
-    let cases: Vec<Case> = (0..200).map(|_| step().new_tree(&mut runner).unwrap().current()).collect();
+    let cases: Vec<Case> = (0..200).map(|_| step_on(Mesh::PAIRS[0]).new_tree(&mut runner).unwrap().current()).collect();
     for nodes in [5, 7, 13] {
         let count = cases.iter().filter(|c| c.nodes == nodes && (c.start == c.end) == (nodes == 5)).count();
         assert!(count > 10, "{count} cases with {nodes} nodes");
     }
-    assert!(cases.iter().any(|c| c.start == 1 && c.end == 1), "closes on the next facet and starts on its extension");
+    let next = FacetNodes::from(row(FACETS)[1]);
+    let on_extension = |c: &&Case| c.start == next && c.end == next;
+    assert!(cases.iter().any(|c| on_extension(&c)), "closes on the next facet and starts on its extension");
+    // Of triangles: one, two with an edge, two with a node, three.
+    let cases: Vec<Case> = (0..400).map(|_| step_on(Mesh::PAIRS[3]).new_tree(&mut runner).unwrap().current()).collect();
+    for nodes in [4, 5, 6, 7, 10] {
+        let count = cases.iter().filter(|c| c.nodes == nodes && (c.start == c.end) == (nodes == 4)).count();
+        assert!(count > 0, "{count} cases with {nodes} nodes");
+    }
 }
 
 #[test]

@@ -24,4 +24,5 @@ pub use method::{
     StepConfiguration, clear_inactive, multipliers_of,
 };
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
+pub use stoss_reference_element::{FacetKind, FacetNodes};
 pub use surface::{ContactSurface, IrregularEdge};

@@ -6,8 +6,8 @@
 use crate::ContactError;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-use stoss_geometry::BilinearPatch;
-use stoss_reference_element::{quad4, quadrature::gauss_quad_2};
+use stoss_geometry::Patch;
+use stoss_reference_element::{FacetNodes, MAX_NODES, Nodal};
 
 const NONE: u32 = u32::MAX;
 
@@ -21,20 +21,21 @@ pub struct IrregularEdge {
     pub facets: Vec<u32>,
 }
 
-/// Facets of four nodes each, numbered so that `a_1 x a_2` points out of the body (formulation §1.1).
+/// Facets of any kinds, numbered so that `a_1 x a_2` points out of the body (formulation §1.1).
 ///
 /// Facets and surface nodes have local numbers, the positions in [`ContactSurface::facets`] and [`ContactSurface::nodes`]. Edge `k` of a facet
-/// runs from its corner `k` to corner `(k + 1) % 4`.
+/// runs from its corner `k` to the next one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactSurface {
-    facets: Vec<[u32; 4]>,
+    facets: Vec<FacetNodes>,
     nodes: Vec<u32>,
-    local_facets: Vec<[u32; 4]>,
-    neighbours: Vec<[u32; 4]>,
+    local_facets: Vec<FacetNodes>,
+    /// Over each edge; [`NONE`] at a rim.
+    neighbours: Vec<FacetNodes>,
     around_start: Vec<u32>,
     around: Vec<u32>,
     nodal_areas: Vec<f64>,
-    corner_areas: Vec<[f64; 4]>,
+    corner_areas: Vec<Nodal<f64>>,
     length_scale: f64,
     irregular_edges: Vec<IrregularEdge>,
 }
@@ -46,7 +47,8 @@ pub(crate) fn position(q: &[f64], node: u32) -> Vector3<f64> {
 }
 
 impl ContactSurface {
-    /// Builds the surface from facets (global nodes, outward numbering) and the reference coordinates of all nodes.
+    /// Builds the surface from facets (global nodes, outward numbering) and the reference coordinates of all nodes. Facets of one kind may be
+    /// arrays; [`FacetNodes`] of different kinds make a mixed surface.
     ///
     /// `side` ("slave" or "master") is for messages.
     ///
@@ -54,13 +56,21 @@ impl ContactSurface {
     /// [`ContactError::EmptySurface`], [`ContactError::MissingNode`], [`ContactError::NotFinite`], and
     /// [`ContactError::DegenerateFacet`] if a facet has no area, an edge without length, or a reference normal that turns over
     /// between two of its corners. Edges that are not manifold are no error: see [`ContactSurface::irregular_edges`].
-    pub fn new(side: &'static str, facets: &[[u32; 4]], reference: &[f64]) -> Result<Self, ContactError> {
+    pub fn new<F: Copy + Into<FacetNodes>>(
+        side: &'static str,
+        facets: &[F],
+        reference: &[f64],
+    ) -> Result<Self, ContactError> {
+        Self::of_nodes(side, facets.iter().map(|&f| f.into()).collect(), reference)
+    }
+
+    fn of_nodes(side: &'static str, facets: Vec<FacetNodes>, reference: &[f64]) -> Result<Self, ContactError> {
         if facets.is_empty() {
             return Err(ContactError::EmptySurface { side });
         }
         let count = reference.len() / 3;
         for (facet, corners) in facets.iter().enumerate() {
-            for &node in corners {
+            for node in *corners {
                 if node as usize >= count {
                     return Err(ContactError::MissingNode { facet: facet as u32, node, count });
                 }
@@ -68,35 +78,35 @@ impl ContactSurface {
                     return Err(ContactError::NotFinite { node });
                 }
             }
-            check_facet(facet as u32, &BilinearPatch::new(corners.map(|n| position(reference, n))))?;
+            check_facet(facet as u32, &Patch::new(corners.map(|n| position(reference, n))))?;
         }
 
         let mut nodes: Vec<u32> = facets.iter().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
         let local = |node: u32| nodes.partition_point(|&n| n < node) as u32;
-        let local_facets: Vec<[u32; 4]> = facets.iter().map(|f| f.map(local)).collect();
+        let local_facets: Vec<FacetNodes> = facets.iter().map(|f| f.map(local)).collect();
 
-        let (neighbours, irregular_edges) = connect(facets);
+        let (neighbours, irregular_edges) = connect(&facets);
         let (around_start, around) = facets_around_nodes(&local_facets, nodes.len());
 
         let mut nodal_areas = vec![0.0; nodes.len()];
         let mut corner_areas = Vec::with_capacity(facets.len());
         let (mut length, mut edges) = (0.0, 0usize);
         for (facet, local_nodes) in facets.iter().zip(&local_facets) {
-            let patch = BilinearPatch::new(facet.map(|n| position(reference, n)));
+            let patch = Patch::new(facet.map(|n| position(reference, n)));
             let areas = shape_integrals(&patch);
             for (node, area) in local_nodes.iter().zip(areas) {
                 nodal_areas[*node as usize] += area;
             }
-            corner_areas.push(areas);
-            for k in 0..4 {
-                length += (patch.corners[(k + 1) % 4] - patch.corners[k]).norm();
+            corner_areas.push(Nodal::from_fn(facet.kind(), |k| areas[k]));
+            for edge in edge_vectors(&patch) {
+                length += edge.norm();
                 edges += 1;
             }
         }
         Ok(Self {
-            facets: facets.to_vec(),
+            facets,
             nodes,
             local_facets,
             neighbours,
@@ -110,12 +120,12 @@ impl ContactSurface {
     }
 
     /// Global nodes of every facet.
-    pub fn facets(&self) -> &[[u32; 4]] {
+    pub fn facets(&self) -> &[FacetNodes] {
         &self.facets
     }
 
     /// Local nodes of every facet.
-    pub fn local_facets(&self) -> &[[u32; 4]] {
+    pub fn local_facets(&self) -> &[FacetNodes] {
         &self.local_facets
     }
 
@@ -135,6 +145,11 @@ impl ContactSurface {
         (other != NONE).then_some(other)
     }
 
+    /// Facets over the edges of a facet.
+    pub fn neighbours(&self, facet: u32) -> impl Iterator<Item = u32> {
+        self.neighbours[facet as usize].into_iter().filter(|&n| n != NONE)
+    }
+
     /// Facets that have a (local) node, ascending.
     pub fn facets_around(&self, local_node: usize) -> &[u32] {
         &self.around[self.around_start[local_node] as usize..self.around_start[local_node + 1] as usize]
@@ -150,7 +165,7 @@ impl ContactSurface {
         self.neighbours.iter().flatten().filter(|&&n| n == NONE).count()
     }
 
-    /// `A^s = int N_s dA` over the reference surface for every local node (formulation §1.5), an area; 2x2 Gauss points a facet.
+    /// `A^s = int N_s dA` over the reference surface for every local node (formulation §1.5), an area; with the kind's rule on each facet.
     pub fn nodal_areas(&self) -> &[f64] {
         &self.nodal_areas
     }
@@ -159,7 +174,7 @@ impl ContactSurface {
     pub fn nodal_areas_at(&self, q: &[f64]) -> Vec<f64> {
         let mut areas = vec![0.0; self.nodes.len()];
         for (facet, local_nodes) in self.facets.iter().zip(&self.local_facets) {
-            let patch = BilinearPatch::new(facet.map(|n| position(q, n)));
+            let patch = Patch::new(facet.map(|n| position(q, n)));
             for (node, area) in local_nodes.iter().zip(shape_integrals(&patch)) {
                 areas[*node as usize] += area;
             }
@@ -168,7 +183,7 @@ impl ContactSurface {
     }
 
     /// What each facet adds to the nodal areas of its corners, an area.
-    pub fn corner_areas(&self) -> &[[f64; 4]] {
+    pub fn corner_areas(&self) -> &[Nodal<f64>] {
         &self.corner_areas
     }
 
@@ -183,8 +198,8 @@ impl ContactSurface {
     }
 
     /// The patch of a facet at positions `q`.
-    pub fn patch(&self, facet: u32, q: &[f64]) -> BilinearPatch {
-        BilinearPatch::new(self.facets[facet as usize].map(|n| position(q, n)))
+    pub fn patch(&self, facet: u32, q: &[f64]) -> Patch {
+        Patch::new(self.facets[facet as usize].map(|n| position(q, n)))
     }
 
     /// Unit normal of the surface at a local node: mean of the surrounding facets' normals weighted by their angles there
@@ -193,9 +208,9 @@ impl ContactSurface {
         let mut sum = Vector3::zeros();
         for &facet in self.facets_around(local_node) {
             let patch = self.patch(facet, q);
-            for corner in 0..4 {
-                if self.local_facets[facet as usize][corner] as usize == local_node {
-                    sum += patch.normal(quad4::VERTICES[corner]) * patch.corner_angle(corner);
+            for (corner, &node) in self.local_facets[facet as usize].iter().enumerate() {
+                if node as usize == local_node {
+                    sum += patch.normal(patch.kind().vertices()[corner]) * patch.corner_angle(corner);
                 }
             }
         }
@@ -215,11 +230,11 @@ impl ContactSurface {
     }
 }
 
-/// `int N_I dA` for the four corners.
-fn shape_integrals(patch: &BilinearPatch) -> [f64; 4] {
-    let mut areas = [0.0; 4];
-    for (xi, weight) in gauss_quad_2() {
-        let shape = quad4::shape(xi);
+/// `int N_I dA` for the corners; zero beyond them.
+fn shape_integrals(patch: &Patch) -> [f64; MAX_NODES] {
+    let mut areas = [0.0; MAX_NODES];
+    for &(xi, weight) in patch.kind().rule() {
+        let shape = patch.shape(xi);
         let density = patch.area_vector(xi).norm() * weight;
         for (area, n) in areas.iter_mut().zip(shape) {
             *area += n * density;
@@ -228,11 +243,18 @@ fn shape_integrals(patch: &BilinearPatch) -> [f64; 4] {
     areas
 }
 
-fn check_facet(facet: u32, patch: &BilinearPatch) -> Result<(), ContactError> {
+/// Corner to corner.
+fn edge_vectors(patch: &Patch) -> impl Iterator<Item = Vector3<f64>> {
+    let ends = (0..patch.kind().edge_count()).map(|k| patch.kind().side(k));
+    ends.map(|[from, to]| patch.corners[to] - patch.corners[from])
+}
+
+fn check_facet(facet: u32, patch: &Patch) -> Result<(), ContactError> {
     let area: f64 = shape_integrals(patch).iter().sum();
-    let longest = (0..4).map(|k| (patch.corners[(k + 1) % 4] - patch.corners[k]).norm()).fold(0.0, f64::max);
-    let centre = patch.normal([0.0, 0.0]);
-    let turned = quad4::VERTICES.iter().any(|&xi| patch.area_vector(xi).dot(&centre) <= 1e-10 * longest * longest);
+    let longest = edge_vectors(patch).map(|e| e.norm()).fold(0.0, f64::max);
+    let centre = patch.normal(patch.kind().centre());
+    let turned =
+        patch.kind().vertices().iter().any(|&xi| patch.area_vector(xi).dot(&centre) <= 1e-10 * longest * longest);
     if area <= 1e-10 * longest * longest || turned {
         return Err(ContactError::DegenerateFacet { facet, area });
     }
@@ -240,31 +262,33 @@ fn check_facet(facet: u32, patch: &BilinearPatch) -> Result<(), ContactError> {
 }
 
 /// Neighbours over edges; edges that are not shared by exactly two facets of opposite direction are left open.
-fn connect(facets: &[[u32; 4]]) -> (Vec<[u32; 4]>, Vec<IrregularEdge>) {
+fn connect(facets: &[FacetNodes]) -> (Vec<FacetNodes>, Vec<IrregularEdge>) {
     // Nodes of the edge, smaller first -> (facet, edge, whether it runs from the smaller to the larger).
     let mut edges: BTreeMap<[u32; 2], Vec<(u32, usize, bool)>> = BTreeMap::new();
     for (facet, corners) in facets.iter().enumerate() {
-        for k in 0..4 {
-            let (from, to) = (corners[k], corners[(k + 1) % 4]);
+        for k in 0..corners.kind().edge_count() {
+            let [from, to] = corners.kind().side(k).map(|corner| corners[corner]);
             edges.entry([from.min(to), from.max(to)]).or_default().push((facet as u32, k, from < to));
         }
     }
-    let mut neighbours = vec![[NONE; 4]; facets.len()];
+    let start: Vec<usize> = facets.iter().scan(0, |next, f| Some(std::mem::replace(next, *next + f.len()))).collect();
+    let mut over = vec![NONE; facets.iter().map(|f| f.len()).sum()];
     let mut irregular = Vec::new();
     for (nodes, uses) in edges {
         match uses[..] {
             [_] => {}
             [(f, k, forward), (g, l, other)] if forward != other && f != g => {
-                neighbours[f as usize][k] = g;
-                neighbours[g as usize][l] = f;
+                over[start[f as usize] + k] = g;
+                over[start[g as usize] + l] = f;
             }
             _ => irregular.push(IrregularEdge { nodes, facets: uses.iter().map(|u| u.0).collect() }),
         }
     }
-    (neighbours, irregular)
+    let neighbours = facets.iter().zip(start).map(|(f, start)| Nodal::from_fn(f.kind(), |k| over[start + k]));
+    (neighbours.collect(), irregular)
 }
 
-fn facets_around_nodes(local_facets: &[[u32; 4]], nodes: usize) -> (Vec<u32>, Vec<u32>) {
+fn facets_around_nodes(local_facets: &[FacetNodes], nodes: usize) -> (Vec<u32>, Vec<u32>) {
     let mut start = vec![0u32; nodes + 1];
     for &node in local_facets.iter().flatten() {
         start[node as usize + 1] += 1;
@@ -273,7 +297,7 @@ fn facets_around_nodes(local_facets: &[[u32; 4]], nodes: usize) -> (Vec<u32>, Ve
         start[i + 1] += start[i];
     }
     let mut fill = start.clone();
-    let mut around = vec![0; 4 * local_facets.len()];
+    let mut around = vec![0; start[nodes] as usize];
     for (facet, corners) in local_facets.iter().enumerate() {
         for &node in corners {
             around[fill[node as usize] as usize] = facet as u32;

@@ -6,6 +6,7 @@ use common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stoss_contact::Feature;
+use stoss_testkit::meshes::mesh;
 
 fn solids() -> Vec<(&'static str, Vec<[i32; 3]>)> {
     let missing_corner = block(2, 2, 2).into_iter().filter(|c| *c != [1, 1, 1]).collect();
@@ -25,11 +26,11 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
-    fn gap_is_the_signed_distance_of_known_solids(x in proptest::array::uniform3(-0.7..4.7f64)) {
+    fn gap_is_the_signed_distance_of_known_solids(mesh in mesh(), x in proptest::array::uniform3(-0.7..4.7f64)) {
         let x = Vector3::from(x);
         for (name, cubes) in solids() {
             let (facets, q) = voxels(&cubes);
-            let search = search(&facets, &q, unlimited());
+            let search = search(&mesh.of(&facets), &q, unlimited());
             prop_assert_eq!(search.surface().boundary_edge_count(), 0);
             let point = search.at(&q).closest(&x, None);
             let expected = voxel_distance(&cubes, &x);
@@ -45,12 +46,12 @@ proptest! {
     /// and outside. (Lines of generic direction meet every kind of transition.)
     #[test]
     fn gap_is_continuous_along_any_line(
-        from in proptest::array::uniform3(-0.7..3.7f64), to in proptest::array::uniform3(-0.7..3.7f64),
+        mesh in mesh(), from in proptest::array::uniform3(-0.7..3.7f64), to in proptest::array::uniform3(-0.7..3.7f64),
     ) {
         let (from, to) = (Vector3::from(from), Vector3::from(to));
         for (name, cubes) in solids() {
             let (facets, q) = voxels(&cubes);
-            let search = search(&facets, &q, unlimited());
+            let search = search(&mesh.of(&facets), &q, unlimited());
             let view = search.at(&q);
             let steps = 60;
             let mut last = view.closest(&from, None).gap;
@@ -65,10 +66,11 @@ proptest! {
 
     #[test]
     fn closest_point_of_warped_sheets_agrees_with_brute_force(
-        noise in proptest::collection::vec(-0.3..0.3f64, 75), heights in proptest::collection::vec(-0.5..0.5f64, 25),
+        mesh in mesh(), noise in proptest::collection::vec(-0.3..0.3f64, 75), heights in proptest::collection::vec(-0.5..0.5f64, 25),
         x in proptest::array::uniform3(0.0..1.0f64), moved in proptest::array::uniform3(-3.0..3.0f64),
     ) {
-        let (facets, mut q) = sheet(4, 4, |u, v| [u, v, 0.0]);
+        let (quads, mut q) = sheet(4, 4, |u, v| [u, v, 0.0]);
+        let facets = mesh.of(&quads);
         let reference = q.clone();
         for (c, d) in q.iter_mut().zip(&noise) { *c += d; }
         for (i, h) in heights.iter().enumerate() { q[3 * i + 2] += h; }
@@ -76,7 +78,7 @@ proptest! {
         let mut search = search(&facets, &reference, unlimited());
         let expected = facets.iter().map(|f| {
             let corner = |n: u32| Vector3::from_column_slice(&q[3 * n as usize..3 * n as usize + 3]);
-            sampled_distance(f.map(corner), &x)
+            sampled_distance([0, 1, 2, f.len() - 1].map(|k| corner(f[k])), &x)
         }).fold(f64::INFINITY, f64::min);
         // The tree is still that of the flat sheet; then that of the warped one: the same bits.
         let stale = search.at(&q).closest(&x, None);
@@ -105,7 +107,7 @@ proptest! {
     }
 
     #[test]
-    fn sphere_of_facets_is_nearly_a_sphere(direction in proptest::array::uniform3(-1.0..1.0f64), radius in 0.7..1.5f64) {
+    fn sphere_of_facets_is_nearly_a_sphere(mesh in mesh(), direction in proptest::array::uniform3(-1.0..1.0f64), radius in 0.7..1.5f64) {
         let direction = Vector3::from(direction);
         prop_assume!(direction.norm() > 0.1);
         let n = 6;
@@ -114,7 +116,7 @@ proptest! {
             let v = Vector3::from_column_slice(p).add_scalar(-0.5 * f64::from(n)).normalize();
             p.copy_from_slice(v.as_slice());
         }
-        let search = search(&facets, &q, unlimited());
+        let search = search(&mesh.of(&facets), &q, unlimited());
         let x = direction.normalize() * radius;
         let gap = search.at(&q).closest(&x, None).gap;
         // Chords of at most 0.3 lie at most 0.023 below the sphere in the middle of a facet.

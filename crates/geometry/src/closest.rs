@@ -1,25 +1,25 @@
 //! The closest point of the closed patch, globally.
 
-use crate::BilinearPatch;
-use crate::patch::{CORNER_COORDINATES, Monomials};
+use crate::Patch;
+use crate::patch::Monomials;
 use crate::polynomial::sign_changes_of_quintic;
 use nalgebra::Vector3;
 
 /// Where on a closed patch a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PatchFeature {
-    /// In the open square.
+    /// In the open facet.
     Interior,
-    /// In the open edge from corner `k` to corner `(k + 1) % 4`.
+    /// In the open edge from corner `k` to the next one.
     Edge(usize),
     /// In corner `k`.
     Vertex(usize),
 }
 
-/// Result of [`BilinearPatch::closest_point`].
+/// Result of [`Patch::closest_point`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoint {
-    /// Coordinates in `[-1, 1]`; exactly `-1` or `1` on edges and corners.
+    /// Coordinates in the closed facet; on an edge `FacetKind::edge_excess` is exactly zero, at a corner they are exactly those of the vertex.
     pub xi: [f64; 2],
     /// The closest point itself.
     pub point: Vector3<f64>,
@@ -35,10 +35,10 @@ struct Candidate {
     feature: PatchFeature,
 }
 
-impl BilinearPatch {
-    /// The point of the closed patch `|xi^a| <= 1` with the smallest distance to `x`, warped patches and points far away included.
+impl Patch {
+    /// The point of the closed patch with the smallest distance to `x`, warped patches and points far away included.
     ///
-    /// Where the squared distance is convex on the square (always near a patch that is not badly warped), Newton's method or the
+    /// Where the squared distance is convex on the square (always near a patch that is not badly warped, and for triangles without a sliver of an angle), Newton's method or the
     /// closest edge settles it. Otherwise every stationary point is visited: with `xi^1` eliminated, the stationary points are roots of a
     /// polynomial of degree five in `xi^2`.
     pub fn closest_point(&self, x: &Vector3<f64>) -> ClosestPoint {
@@ -60,7 +60,7 @@ impl BilinearPatch {
 
 fn closest(patch: &Monomials, target: &Vector3<f64>) -> Candidate {
     let convex = is_convex(patch, target);
-    if convex && let Some(interior) = newton_inside(patch, target, [0.0, 0.0]) {
+    if convex && let Some(interior) = newton_inside(patch, target, patch.kind.centre()) {
         return interior;
     }
     let mut best = closest_edge(patch, target);
@@ -84,7 +84,7 @@ fn closest(patch: &Monomials, target: &Vector3<f64>) -> Candidate {
     best
 }
 
-/// Whether half the Hessian `m_ab - r . a_ab` of the squared distance is positive definite on the whole square (sufficient).
+/// Whether half the Hessian `m_ab - r . a_ab` of the squared distance is positive definite on the whole square `|xi^a| <= 1` (sufficient).
 fn is_convex(patch: &Monomials, target: &Vector3<f64>) -> bool {
     // |a_1|^2 is a quadratic in xi^2 only, |a_2|^2 in xi^1 only; the mixed entry is bilinear, hence largest in a corner.
     let c_12_squared = patch.c_12.norm_squared();
@@ -95,15 +95,15 @@ fn is_convex(patch: &Monomials, target: &Vector3<f64>) -> bool {
     };
     let constant = patch.c_1.dot(&patch.c_2) - (target - patch.c_0).dot(&patch.c_12);
     let (s_1, s_2) = (2.0 * patch.c_1.dot(&patch.c_12), 2.0 * patch.c_2.dot(&patch.c_12));
-    let mixed = CORNER_COORDINATES
+    let mixed = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
         .iter()
-        .map(|t| (constant + s_1 * t[0] + s_2 * t[1] + 2.0 * c_12_squared * t[0] * t[1]).abs())
+        .map(|t: &[f64; 2]| (constant + s_1 * t[0] + s_2 * t[1] + 2.0 * c_12_squared * t[0] * t[1]).abs())
         .fold(0.0, f64::max);
     // The margin keeps Newton's matrix well conditioned.
     0.99 * smallest(&patch.c_1) * smallest(&patch.c_2) > mixed * mixed
 }
 
-/// Plain Newton that must stay in the open square; `None` if it leaves it or does not converge.
+/// Plain Newton that must stay in the open facet; `None` if it leaves it or does not converge.
 fn newton_inside(patch: &Monomials, target: &Vector3<f64>, start: [f64; 2]) -> Option<Candidate> {
     let mut xi = start;
     for iteration in 0..12 {
@@ -123,12 +123,12 @@ fn newton_inside(patch: &Monomials, target: &Vector3<f64>, start: [f64; 2]) -> O
         xi = [xi[0] + step[0], xi[1] + step[1]];
         let length = step[0].abs().max(step[1].abs());
         // The first step of a far target may overshoot a little before it turns back.
-        if xi[0].abs().max(xi[1].abs()) >= if iteration < 3 { 1.5 } else { 1.0 } {
+        if patch.kind.excess(xi) >= if iteration < 3 { 0.5 } else { 0.0 } {
             return None;
         }
         // Convergence is quadratic: after a step of 1e-8 the error is round-off.
         if length < 1e-8 {
-            let inside = xi[0].abs() < 1.0 && xi[1].abs() < 1.0;
+            let inside = patch.kind.excess(xi) < 0.0;
             let distance_squared = (target - patch.point(xi)).norm_squared();
             return inside.then_some(Candidate { xi, distance_squared, feature: PatchFeature::Interior });
         }
@@ -138,22 +138,23 @@ fn newton_inside(patch: &Monomials, target: &Vector3<f64>, start: [f64; 2]) -> O
 
 /// Nearest point of the boundary; of equal ones the first edge's.
 fn closest_edge(patch: &Monomials, target: &Vector3<f64>) -> Candidate {
-    let corners = CORNER_COORDINATES.map(|c| patch.point(c));
+    let vertices = patch.kind.vertices();
     let mut best = Candidate { xi: [0.0; 2], distance_squared: f64::INFINITY, feature: PatchFeature::Vertex(0) };
-    for k in 0..4 {
-        let next = (k + 1) % 4;
-        let edge = corners[next] - corners[k];
+    for k in 0..patch.kind.edge_count() {
+        let next = patch.kind.next(k);
+        let start = patch.point(vertices[k]);
+        let edge = patch.point(vertices[next]) - start;
         let length_squared = edge.norm_squared();
-        let t = (target - corners[k]).dot(&edge) / length_squared;
+        let t = (target - start).dot(&edge) / length_squared;
         let (xi, feature) = if t < 1.0 && t > 0.0 {
-            let (from, to) = (CORNER_COORDINATES[k], CORNER_COORDINATES[next]);
-            // One of the two is the same number in both corners and stays exact.
+            let (from, to) = (vertices[k], vertices[next]);
+            // What is the same number in both corners stays exact.
             let along = |i: usize| if from[i] == to[i] { from[i] } else { from[i] + t * (to[i] - from[i]) };
             ([along(0), along(1)], PatchFeature::Edge(k))
         } else if t >= 1.0 {
-            (CORNER_COORDINATES[next], PatchFeature::Vertex(next))
+            (vertices[next], PatchFeature::Vertex(next))
         } else {
-            (CORNER_COORDINATES[k], PatchFeature::Vertex(k))
+            (vertices[k], PatchFeature::Vertex(k))
         };
         let distance_squared = (target - patch.point(xi)).norm_squared();
         if distance_squared < best.distance_squared {
@@ -163,23 +164,23 @@ fn closest_edge(patch: &Monomials, target: &Vector3<f64>) -> Candidate {
     best
 }
 
-/// For a convex distance: whether the best point of the boundary is the best of the square.
+/// For a convex distance: whether the best point of the boundary is the best of the facet.
 fn is_minimal_at_boundary(patch: &Monomials, target: &Vector3<f64>, best: &Candidate) -> bool {
     let r = target - patch.point(best.xi);
     let [a_1, a_2] = patch.tangents(best.xi);
-    // The distance falls along a_a if r . a_a > 0; inwards is -a_a at xi = 1 and +a_a at xi = -1.
     match best.feature {
-        PatchFeature::Edge(0) => r.dot(&a_2) <= 0.0,
-        PatchFeature::Edge(1) => r.dot(&a_1) >= 0.0,
-        PatchFeature::Edge(2) => r.dot(&a_2) >= 0.0,
-        PatchFeature::Edge(_) => r.dot(&a_1) <= 0.0,
-        // Both directions into the square are edges, which have been searched.
+        // The distance falls along a direction if its product with r is positive.
+        PatchFeature::Edge(k) => {
+            let inward = patch.kind.inward(k);
+            inward[0] * r.dot(&a_1) + inward[1] * r.dot(&a_2) <= 0.0
+        }
+        // Both directions into the facet are edges, which have been searched.
         PatchFeature::Vertex(_) => true,
         PatchFeature::Interior => false,
     }
 }
 
-/// Visits every minimum of the squared distance in the open square (and perhaps other stationary points).
+/// Visits every minimum of the squared distance in the open facet (and perhaps other stationary points).
 ///
 /// For fixed `t = xi^2` the patch is a line `c_0 + t c_2 + xi^1 a`, `a = c_1 + t c_12`. With `b = x - c_0 - t c_2` its nearest point has
 /// `xi^1 = B / A`, `A = a . a`, `B = a . b`, and the squared distance `D - B^2 / A`, `D = b . b`, is stationary where
@@ -211,7 +212,7 @@ fn for_each_stationary_point(patch: &Monomials, target: &Vector3<f64>, mut visit
     for &t in &roots[..count] {
         let denominator = a[0] + t * (a[1] + t * a[2]);
         let xi_1 = (b[0] + t * (b[1] + t * b[2])) / denominator;
-        if xi_1.abs() < 1.0 && t.abs() < 1.0 {
+        if patch.kind.excess([xi_1, t]) < 0.0 {
             visit([xi_1, t]);
         }
     }

@@ -1,9 +1,10 @@
-//! Bilinear patches, closest-point projection, boxes and a bounding-volume tree.
+//! Patches of facets, closest-point projection, boxes and a bounding-volume tree.
 //!
 //! This crate is pure geometry in three dimensions and `f64`: it knows no mesh, no body and no contact. Lengths are in the
-//! caller's unit; convective coordinates are free of units and run over `[-1, 1]`.
+//! caller's unit; convective coordinates are free of units and run over
+//! the reference facet.
 //!
-//! * [`BilinearPatch`]: a four-node facet with its tangents, metric and curvature; projection on the extended patch and the
+//! * [`Patch`]: a facet, bilinear or a triangle, with its tangents, metric and curvature; projection on the extended patch and the
 //!   closest point on the closed patch;
 //! * [`Aabb`], [`BoundingVolumeTree`]: boxes, overlap and nearest-first queries without allocation.
 
@@ -16,6 +17,6 @@ mod tree;
 
 pub use aabb::Aabb;
 pub use closest::{ClosestPoint, PatchFeature};
-pub use patch::{BilinearPatch, SurfaceFrame};
+pub use patch::{Patch, SurfaceFrame};
 pub use project::Projection;
 pub use tree::BoundingVolumeTree;

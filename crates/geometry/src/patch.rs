@@ -1,19 +1,20 @@
-//! The bilinear patch and its differential geometry.
+//! The patch of a facet and its differential geometry.
 //!
 //! Not here: the projections ([`crate::Projection`], [`crate::ClosestPoint`]), which are further `impl` blocks of the patch.
 
 use nalgebra::Vector3;
+use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
-/// A bilinear surface patch `x(xi) = sum_I N_I(xi) m_I`.
+/// A surface patch `x(xi) = sum_I N_I(xi) m_I`: a bilinear quadrilateral or a triangle.
 ///
-/// Corners are numbered as in the reference square: `(-1,-1), (1,-1), (1,1), (-1,1)`. Edge `k` runs from corner `k` to corner
-/// `(k + 1) % 4`. The normal `a_1 x a_2` points to the side from which the corners are seen counter-clockwise.
+/// Corners are numbered as in the reference facet, [`FacetKind::vertices`]. Edge `k` runs from corner `k` to the next one. The normal
+/// `a_1 x a_2` points to the side from which the corners are seen counter-clockwise.
 ///
-/// The four corners need not lie in a plane (a *warped* patch is a piece of a hyperbolic paraboloid).
+/// Four corners need not lie in a plane (a *warped* patch is a piece of a hyperbolic paraboloid).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BilinearPatch {
-    /// Positions `m_1 .. m_4` of the corners, a length.
-    pub corners: [Vector3<f64>; 4],
+pub struct Patch {
+    /// Positions of the corners, a length.
+    pub corners: Nodal<Vector3<f64>>,
 }
 
 /// Everything that contact needs of a patch at one place (formulation §4).
@@ -23,7 +24,7 @@ pub struct SurfaceFrame {
     pub point: Vector3<f64>,
     /// Tangents `a_1`, `a_2`.
     pub tangents: [Vector3<f64>; 2],
-    /// Mixed second derivative `a_12 = a_21`; `a_11 = a_22 = 0`.
+    /// Mixed second derivative `a_12 = a_21`, zero for a triangle; `a_11 = a_22 = 0`.
     pub a_12: Vector3<f64>,
     /// Unit normal `a_1 x a_2 / |a_1 x a_2|`, zero where the patch is degenerate.
     pub normal: Vector3<f64>,
@@ -33,14 +34,13 @@ pub struct SurfaceFrame {
     pub curvature_12: f64,
 }
 
-/// Corner coordinates `(xi^1, xi^2)` in the order of [`BilinearPatch::corners`].
-pub(crate) const CORNER_COORDINATES: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-
-/// The patch relative to its first corner in monomials: `x - m_1 = c_0 + xi^1 c_1 + xi^2 c_2 + xi^1 xi^2 c_12`.
+/// The patch relative to its first corner in monomials: `x - m_1 = c_0 + xi^1 c_1 + xi^2 c_2 + xi^1 xi^2 c_12`. With it patches of all kinds are the same
+/// but for the domain of the coordinates.
 ///
 /// Differences of corners are formed first, so that a patch far from the origin loses no digits.
 #[derive(Clone, Copy)]
 pub(crate) struct Monomials {
+    pub kind: FacetKind,
     pub c_0: Vector3<f64>,
     pub c_1: Vector3<f64>,
     pub c_2: Vector3<f64>,
@@ -56,28 +56,43 @@ impl Monomials {
     }
 }
 
-impl BilinearPatch {
+impl Patch {
     /// A patch from its corners.
-    pub fn new(corners: [Vector3<f64>; 4]) -> Self {
-        Self { corners }
+    pub fn new(corners: impl Into<Nodal<Vector3<f64>>>) -> Self {
+        Self { corners: corners.into() }
     }
 
-    /// Shape functions `N_1 .. N_4` at `xi`.
-    pub fn shape(xi: [f64; 2]) -> [f64; 4] {
-        CORNER_COORDINATES.map(|c| 0.25 * (1.0 + c[0] * xi[0]) * (1.0 + c[1] * xi[1]))
+    /// The kind of the facet.
+    pub fn kind(&self) -> FacetKind {
+        self.corners.kind()
+    }
+
+    /// Shape functions at `xi`.
+    pub fn shape(&self, xi: [f64; 2]) -> [f64; MAX_NODES] {
+        self.kind().shape(xi)
     }
 
     pub(crate) fn monomials(&self) -> Monomials {
-        let [e_2, e_3, e_4] = [1, 2, 3].map(|i| self.corners[i] - self.corners[0]);
-        Monomials {
-            c_0: (e_2 + e_3 + e_4) * 0.25,
-            c_1: (e_2 + e_3 - e_4) * 0.25,
-            c_2: (e_3 + e_4 - e_2) * 0.25,
-            c_12: (e_3 - e_2 - e_4) * 0.25,
+        let kind = self.kind();
+        let edge = |i: usize| self.corners[i] - self.corners[0];
+        match kind {
+            FacetKind::Quad4 => {
+                let [e_2, e_3, e_4] = [1, 2, 3].map(edge);
+                Monomials {
+                    kind,
+                    c_0: (e_2 + e_3 + e_4) * 0.25,
+                    c_1: (e_2 + e_3 - e_4) * 0.25,
+                    c_2: (e_3 + e_4 - e_2) * 0.25,
+                    c_12: (e_3 - e_2 - e_4) * 0.25,
+                }
+            }
+            FacetKind::Tri3 => {
+                Monomials { kind, c_0: Vector3::zeros(), c_1: edge(1), c_2: edge(2), c_12: Vector3::zeros() }
+            }
         }
     }
 
-    /// `x(xi)`, also outside the reference square.
+    /// `x(xi)`, also outside the reference facet.
     pub fn point(&self, xi: [f64; 2]) -> Vector3<f64> {
         self.corners[0] + self.monomials().point(xi)
     }
@@ -92,7 +107,7 @@ impl BilinearPatch {
         self.monomials().c_12
     }
 
-    /// `a_1 x a_2` at `xi`: its length is the area of the surface per area of the reference square.
+    /// `a_1 x a_2` at `xi`: its length is the area of the surface per area of the reference facet.
     pub fn area_vector(&self, xi: [f64; 2]) -> Vector3<f64> {
         let [a_1, a_2] = self.tangents(xi);
         a_1.cross(&a_2)
@@ -135,8 +150,8 @@ impl BilinearPatch {
     /// Angle between the two edges that meet at a corner, in radians; zero if one of them has no length.
     pub fn corner_angle(&self, corner: usize) -> f64 {
         let here = self.corners[corner];
-        let u = self.corners[(corner + 1) % 4] - here;
-        let v = self.corners[(corner + 3) % 4] - here;
+        let u = self.corners[self.kind().next(corner)] - here;
+        let v = self.corners[self.kind().previous(corner)] - here;
         u.cross(&v).norm().atan2(u.dot(&v)).max(0.0) * f64::from(u8::from(u.norm() > 0.0 && v.norm() > 0.0))
     }
 }

@@ -1,13 +1,13 @@
 //! Normal projection onto the extended patch (formulation §4.1, thesis (4.24)-(4.28)).
 
-use crate::BilinearPatch;
+use crate::Patch;
 use crate::patch::Monomials;
 use nalgebra::Vector3;
 
-/// Result of [`BilinearPatch::project`].
+/// Result of [`Patch::project`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// Convective coordinates of the foot; not clamped, so that they may lie outside `[-1, 1]`.
+    /// Convective coordinates of the foot; not clamped, so that they may lie outside the facet.
     pub xi: [f64; 2],
     /// `g = (x - x(xi)) . n`, positive on the side of the normal.
     pub gap: f64,
@@ -33,7 +33,7 @@ struct Attempt {
     residual: f64,
 }
 
-impl BilinearPatch {
+impl Patch {
     /// Foot of the normal from `x` on the patch extended beyond its edges.
     ///
     /// Solves `r_a = (x - x(xi)) . a_a = 0` by Newton's method from `start` (formulation §4.1). The iteration is damped and keeps to
@@ -47,8 +47,10 @@ impl BilinearPatch {
         let mut best = newton(&monomials, &target, start);
         if !best.converged {
             let near = self.closest_point(x).xi;
-            let starts = [near, [0.0, 0.0], [-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]];
-            for other in starts {
+            let kind = self.kind();
+            let centre = kind.centre();
+            let near_corner = |v: &[f64; 2]| std::array::from_fn(|i| centre[i] + 0.9 * (v[i] - centre[i]));
+            for other in [near, centre].into_iter().chain(kind.vertices().iter().map(near_corner)) {
                 let attempt = newton(&monomials, &target, other);
                 if attempt.converged || attempt.residual < best.residual {
                     best = attempt;

@@ -2,34 +2,43 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_geometry::{BilinearPatch, PatchFeature};
+use stoss_geometry::{Patch, PatchFeature};
+use stoss_reference_element::{FacetKind, Nodal};
 
 fn vector(range: f64) -> impl Strategy<Value = Vector3<f64>> {
     proptest::array::uniform3(-range..range).prop_map(Vector3::from)
 }
 
-/// Any four points: folded, twisted, far from a facet of a sensible mesh.
-fn wild_patch() -> impl Strategy<Value = BilinearPatch> {
-    proptest::array::uniform4(vector(1.0)).prop_map(BilinearPatch::new)
+fn kind() -> impl Strategy<Value = FacetKind> {
+    proptest::sample::select(&FacetKind::ALL[..])
 }
 
-/// The reference square, skewed, warped and moved far from the origin.
-fn facet() -> impl Strategy<Value = BilinearPatch> {
-    (proptest::array::uniform4(vector(0.3)), vector(50.0), vector(1.0), 0.0..3.1f64).prop_map(
-        |(noise, offset, axis, angle)| {
-            let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|c| Vector3::new(c[0], c[1], 0.0));
+/// Any points: folded, twisted, far from a facet of a sensible mesh.
+fn wild_patch() -> impl Strategy<Value = Patch> {
+    (kind(), proptest::array::uniform4(vector(1.0)))
+        .prop_map(|(kind, corners)| Patch::new(Nodal::from_fn(kind, |i| corners[i])))
+}
+
+/// The reference facet, skewed, warped and moved far from the origin.
+fn facet() -> impl Strategy<Value = Patch> {
+    (kind(), proptest::array::uniform4(vector(0.3)), vector(50.0), vector(1.0), 0.0..3.1f64).prop_map(
+        |(kind, noise, offset, axis, angle)| {
+            let place = |i: usize| Vector3::new(kind.vertices()[i][0], kind.vertices()[i][1], 0.0);
             let rotation = nalgebra::Rotation3::new(axis.normalize() * angle);
-            BilinearPatch::new([0, 1, 2, 3].map(|i| offset + rotation * (square[i] + noise[i])))
+            // Edges of a triangle are half as long.
+            let noise = noise.map(|n| n * (0.5 * kind.area().sqrt()));
+            Patch::new(Nodal::from_fn(kind, |i| offset + rotation * (place(i) + noise[i])))
         },
     )
 }
 
 /// Distance by dense sampling and a shrinking pattern search from the best samples: knows nothing of derivatives.
-fn brute_force_distance(patch: &BilinearPatch, x: &Vector3<f64>) -> f64 {
+fn brute_force_distance(patch: &Patch, x: &Vector3<f64>) -> f64 {
     const N: usize = 40;
     let f = |xi: [f64; 2]| (x - patch.point(xi)).norm();
     let mut samples: Vec<([f64; 2], f64)> = (0..=N * N + 2 * N)
         .map(|i| [2.0 * (i / (N + 1)) as f64 / N as f64 - 1.0, 2.0 * (i % (N + 1)) as f64 / N as f64 - 1.0])
+        .map(|xi| patch.kind().clamp(xi))
         .map(|xi| (xi, f(xi)))
         .collect();
     samples.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -40,7 +49,7 @@ fn brute_force_distance(patch: &BilinearPatch, x: &Vector3<f64>) -> f64 {
             let mut improved = false;
             for k in 0..8 {
                 let angle = std::f64::consts::FRAC_PI_4 * k as f64;
-                let trial = [xi[0] + size * angle.cos(), xi[1] + size * angle.sin()].map(|c| c.clamp(-1.0, 1.0));
+                let trial = patch.kind().clamp([xi[0] + size * angle.cos(), xi[1] + size * angle.sin()]);
                 if f(trial) < value {
                     (xi, value, improved) = (trial, f(trial), true);
                 }
@@ -72,8 +81,8 @@ proptest! {
         prop_assert!((frame.normal.norm() - 1.0).abs() < 1e-14);
         prop_assert_eq!(frame.metric, patch.metric(xi));
         prop_assert_eq!(frame.curvature_12, patch.curvature(xi)[0][1]);
-        let shape = BilinearPatch::shape(xi);
-        let sum: Vector3<f64> = (0..4).map(|i| patch.corners[i] * shape[i]).sum();
+        let shape = patch.shape(xi);
+        let sum: Vector3<f64> = patch.corners.iter().zip(shape).map(|(m, n)| m * n).sum();
         prop_assert!((sum - frame.point).norm() < 1e-13 * (1.0 + sum.norm()));
     }
 
@@ -109,7 +118,7 @@ proptest! {
         a in vector(1.0), b in vector(1.0), o in vector(1.0),
     ) {
         prop_assume!(a.cross(&b).norm() > 0.1 * a.norm() * b.norm() && a.norm().min(b.norm()) > 0.1);
-        let patch = BilinearPatch::new([o, o + a, o + a + b, o + b]);
+        let patch = Patch::new([o, o + a, o + a + b, o + b]);
         let x = patch.point(xi) + patch.frame([0.0; 2]).normal * gap;
         let p = patch.project(&x, [0.0, 0.0]);
         prop_assert!(p.converged);
@@ -131,7 +140,8 @@ proptest! {
     fn closest_point_feature_and_optimality(patch in facet(), xi in proptest::array::uniform2(-2.0..2.0f64), gap in -1.0..1.0f64) {
         let x = patch.point(xi) + patch.normal(xi) * gap;
         let c = patch.closest_point(&x);
-        let on_side = [c.xi[1] == -1.0, c.xi[0] == 1.0, c.xi[1] == 1.0, c.xi[0] == -1.0];
+        let kind = patch.kind();
+        let on_side: Vec<bool> = (0..kind.edge_count()).map(|k| kind.edge_excess(k, c.xi) == 0.0).collect();
         let sides = on_side.iter().filter(|s| **s).count();
         match c.feature {
             PatchFeature::Interior => prop_assert_eq!(sides, 0),
@@ -141,13 +151,19 @@ proptest! {
                 prop_assert_eq!(c.point, patch.corners[k]);
             }
         }
-        prop_assert!(c.xi.iter().all(|c| c.abs() <= 1.0));
-        // First-order optimality in the directions that the square allows.
+        prop_assert!(kind.excess(c.xi) <= 0.0);
+        // First-order optimality in the directions that the facet allows: to its corners, and in the interior all.
         let r = x - c.point;
-        for (k, a) in patch.tangents(c.xi).iter().enumerate() {
-            let slope = r.dot(a) / a.norm_squared();
-            let blocked = c.xi[k].abs() == 1.0 && slope * c.xi[k] >= 0.0;
-            prop_assert!(blocked || slope.abs() < 1e-11, "{slope}");
+        let size = patch.tangents(c.xi)[0].norm();
+        let [a_1, a_2] = patch.tangents(c.xi);
+        for vertex in kind.vertices() {
+            let to = a_1 * (vertex[0] - c.xi[0]) + a_2 * (vertex[1] - c.xi[1]);
+            prop_assert!(r.dot(&to) <= 1e-11 * size * size.max(to.norm()), "{}", r.dot(&to));
+        }
+        if c.feature == PatchFeature::Interior {
+            for a in patch.tangents(c.xi) {
+                prop_assert!(r.dot(&a).abs() < 1e-11 * a.norm_squared());
+            }
         }
     }
 }
@@ -158,11 +174,11 @@ fn degenerate_patches_give_finite_answers() {
     let x = Vector3::new(0.3, 0.2, 0.5);
     // A triangle, a line, a point: distances in closed form.
     for (corners, expected) in [([o, e, f, f], 0.5), ([o, e, e, o], 0.29f64.sqrt()), ([o, o, o, o], x.norm())] {
-        let c = BilinearPatch::new(corners).closest_point(&x);
+        let c = Patch::new(corners).closest_point(&x);
         assert!((c.distance_squared.sqrt() - expected).abs() < 1e-12, "{corners:?} {c:?}");
         assert!(c.xi.iter().all(|v| v.is_finite()));
     }
-    let p = BilinearPatch::new([o, o, o, o]).project(&x, [0.0, 0.0]);
+    let p = Patch::new([o, o, o, o]).project(&x, [0.0, 0.0]);
     assert!(!p.converged && p.gap.is_finite() && p.normal == Vector3::zeros());
 }
 
@@ -170,7 +186,7 @@ fn degenerate_patches_give_finite_answers() {
 fn two_feet_on_a_saddle_are_both_seen() {
     // z = xy on the square: above the centre at height c > 1 the two feet are on the diagonal x = y at 2 x^2 = 2 (c - 1) ...
     let corners = [[-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, -1.0]].map(Vector3::from);
-    let patch = BilinearPatch::new(corners);
+    let patch = Patch::new(corners);
     let height = 1.5;
     let c = patch.closest_point(&Vector3::new(0.0, 0.0, height));
     // minimise 2 s^2 + (height - s^2)^2 over s: s^2 = height - 1.
@@ -183,6 +199,6 @@ fn two_feet_on_a_saddle_are_both_seen() {
 fn corner_angles_of_a_square() {
     let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]].map(Vector3::from);
     for k in 0..4 {
-        assert!((BilinearPatch::new(corners).corner_angle(k) - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert!((Patch::new(corners).corner_angle(k) - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
     }
 }

@@ -1,26 +1,47 @@
 //! Convex pieces of a facet's image in the plane, and the maps between image and convective coordinates.
 
 use robust::{Coord, orient2d};
-use stoss_reference_element::quad4;
+use stoss_reference_element::{FacetKind, MAX_NODES, Nodal, quad4};
 
 /// How convective coordinates belong to points of (a piece of) a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FacetMap {
-    /// The bilinear map of the whole facet.
+    /// The bilinear map of a whole quadrilateral.
     Bilinear,
-    /// The affine map of the triangle of these three corners; for facets whose image is not convex.
-    Affine([u8; 3]),
+    /// The affine map of the triangle of three corners: a whole triangle, or a piece of a facet whose image is not convex.
+    Affine {
+        /// The kind of the whole facet.
+        kind: FacetKind,
+        /// The corners.
+        corners: [u8; 3],
+    },
 }
 
 impl FacetMap {
-    /// Weights of the four nodes at `xi`; they add up to 1. The bilinear shape functions for [`FacetMap::Bilinear`].
-    pub fn weights(self, xi: [f64; 2]) -> [f64; 4] {
+    /// The map of a whole facet.
+    pub fn whole(kind: FacetKind) -> Self {
+        match kind {
+            FacetKind::Quad4 => Self::Bilinear,
+            FacetKind::Tri3 => Self::Affine { kind, corners: [0, 1, 2] },
+        }
+    }
+
+    /// The kind of the facet.
+    pub fn kind(self) -> FacetKind {
+        match self {
+            Self::Bilinear => FacetKind::Quad4,
+            Self::Affine { kind, .. } => kind,
+        }
+    }
+
+    /// Weights of the nodes at `xi`; they add up to 1. The shape functions for [`FacetMap::whole`].
+    pub fn weights(self, xi: [f64; 2]) -> [f64; MAX_NODES] {
         match self {
             Self::Bilinear => quad4::shape(xi),
-            Self::Affine(corners) => {
-                let gradient = affine_gradient(corners);
-                let c = quad4::VERTICES[corners[0] as usize];
-                let mut weights = [0.0; 4];
+            Self::Affine { kind, corners } => {
+                let gradient = affine_gradient(kind, corners);
+                let c = kind.vertices()[corners[0] as usize];
+                let mut weights = [0.0; MAX_NODES];
                 for (k, w) in weights.iter_mut().enumerate() {
                     let start = if k == corners[0] as usize { 1.0 } else { 0.0 };
                     *w = start + gradient[k][0] * (xi[0] - c[0]) + gradient[k][1] * (xi[1] - c[1]);
@@ -31,20 +52,20 @@ impl FacetMap {
     }
 
     /// Derivatives of the weights with respect to `xi`: row node, column direction.
-    pub fn weights_gradient(self, xi: [f64; 2]) -> [[f64; 2]; 4] {
+    pub fn weights_gradient(self, xi: [f64; 2]) -> [[f64; 2]; MAX_NODES] {
         match self {
             Self::Bilinear => quad4::shape_gradient(xi),
-            Self::Affine(corners) => affine_gradient(corners),
+            Self::Affine { kind, corners } => affine_gradient(kind, corners),
         }
     }
 }
 
-fn affine_gradient(corners: [u8; 3]) -> [[f64; 2]; 4] {
-    let [a, b, c] = corners.map(|k| quad4::VERTICES[k as usize]);
+fn affine_gradient(kind: FacetKind, corners: [u8; 3]) -> [[f64; 2]; MAX_NODES] {
+    let [a, b, c] = corners.map(|k| kind.vertices()[k as usize]);
     let (u, v) = (sub(b, a), sub(c, a));
     let det = cross(u, v);
     let (gb, gc) = ([v[1] / det, -v[0] / det], [-u[1] / det, u[0] / det]);
-    let mut gradient = [[0.0; 2]; 4];
+    let mut gradient = [[0.0; 2]; MAX_NODES];
     gradient[corners[0] as usize] = [-gb[0] - gc[0], -gb[1] - gc[1]];
     gradient[corners[1] as usize] = gb;
     gradient[corners[2] as usize] = gc;
@@ -64,77 +85,90 @@ pub(crate) fn orient(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
-/// A convex polygon of three or four corners of a facet, counter-clockwise in the plane.
+/// A convex polygon of corners of a facet, counter-clockwise in the plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
     pub count: usize,
     /// Corners of the facet.
-    pub corners: [u8; 4],
+    pub corners: [u8; MAX_NODES],
     /// Their images.
-    pub points: [[f64; 2]; 4],
+    pub points: [[f64; 2]; MAX_NODES],
     pub map: FacetMap,
 }
 
 impl Cell {
-    fn triangle(order: [u8; 3], images: &[[f64; 2]; 4]) -> Option<Self> {
+    fn triangle(order: [u8; 3], images: &Images) -> Option<Self> {
         let p = order.map(|k| images[k as usize]);
         (orient(p[0], p[1], p[2]) > 0.0).then_some(Self {
             count: 3,
             corners: [order[0], order[1], order[2], order[0]],
             points: [p[0], p[1], p[2], p[0]],
-            map: FacetMap::Affine(order),
+            map: FacetMap::Affine { kind: images.kind(), corners: order },
         })
     }
 
-    /// Facet edge `k` (corner `k` to `k + 1`) or diagonal (4: corners 0 and 2, 5: corners 1 and 3) that side `side`
-    /// of the cell is.
+    /// Which [`FacetKind::side`] of the facet side `side` of the cell is.
     pub fn edge(&self, side: usize) -> u8 {
         let (a, b) = (self.corners[side], self.corners[(side + 1) % self.count]);
-        match (a.min(b), a.max(b)) {
-            (0, 2) => 4,
-            (1, 3) => 5,
-            (0, 3) => 3,
-            (low, _) => low,
-        }
+        // cannot fail: every two corners of a facet have a side.
+        self.map.kind().side_between(a as usize, b as usize).map_or(0, |side| side as u8)
     }
 }
 
-/// The convex pieces that are seen counter-clockwise when the corners are walked in the order `order`.
+/// Images of a facet's corners in the plane.
+pub(crate) type Images = Nodal<[f64; 2]>;
+
+/// The way round in which the corners of a facet are walked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Walk {
+    /// In the order of their numbers.
+    Forward,
+    /// Against it: for a facet that looks the other way.
+    Backward,
+}
+
+/// The convex pieces that are seen counter-clockwise when the corners are walked in this way.
 ///
-/// One quadrilateral if the image is strictly convex. Otherwise the triangles of positive area that a diagonal
+/// The whole facet if the image is strictly convex. Otherwise, of a quadrilateral, the triangles of positive area that a diagonal
 /// leaves: of both diagonals the one whose triangles reach less to the negative side. For a reflex image that is the
 /// inner one; an image that crosses itself has one triangle of each sign, and the smaller the crossing, the less is
 /// lost.
-pub(crate) fn split(images: &[[f64; 2]; 4], order: [u8; 4]) -> ([Option<Cell>; 2], bool) {
+pub(crate) fn split(images: &Images, walk: Walk) -> ([Option<Cell>; 2], bool) {
+    let kind = images.kind();
+    let count = images.len();
+    let order = Nodal::from_fn(kind, |k| match walk {
+        Walk::Forward => k as u8,
+        Walk::Backward => ((count - k) % count) as u8,
+    });
     let p = order.map(|k| images[k as usize]);
-    let turn: [f64; 4] = std::array::from_fn(|k| orient(p[(k + 3) % 4], p[k], p[(k + 1) % 4]));
+    let turn = Nodal::from_fn(kind, |k| orient(p[kind.previous(k)], p[k], p[kind.next(k)]));
     if turn.iter().all(|&o| o > 0.0) {
-        return ([Some(Cell { count: 4, corners: order, points: p, map: FacetMap::Bilinear }), None], false);
+        let whole = Cell { count, corners: *order.padded(), points: *p.padded(), map: FacetMap::whole(kind) };
+        return ([Some(whole), None], false);
     }
-    let triangle = |a: usize, b: usize, c: usize| Cell::triangle([order[a], order[b], order[c]], images);
-    if turn[0].min(turn[2]) >= turn[1].min(turn[3]) {
-        ([triangle(1, 2, 3), triangle(3, 0, 1)], true)
-    } else {
-        ([triangle(0, 1, 2), triangle(2, 3, 0)], true)
-    }
+    // A diagonal cuts off the corners in the middle of its triangles, and their turns are the triangles' areas.
+    let reach = |pieces: &[[u8; 3]; 2]| turn[pieces[0][1] as usize].min(turn[pieces[1][1] as usize]);
+    let better = |best: &'static [[u8; 3]; 2], other| if reach(other) > reach(best) { other } else { best };
+    let Some(pieces) = kind.pieces().iter().reduce(better) else { return ([None, None], false) };
+    (pieces.map(|corners| Cell::triangle(corners.map(|k| order[k as usize]), images)), true)
 }
 
 /// `xi` of the point whose image is `p`, for the facet whose corners have the images `images` (either orientation).
 ///
 /// Bilinear: of the two solutions the one where the map keeps the orientation that it has at the centre. Beyond the
 /// line where the map folds there is none; then the closest `eta`.
-pub(crate) fn inverse(map: FacetMap, images: &[[f64; 2]; 4], p: [f64; 2]) -> [f64; 2] {
+pub(crate) fn inverse(map: FacetMap, images: &Images, p: [f64; 2]) -> [f64; 2] {
     match map {
-        FacetMap::Affine(corners) => {
+        FacetMap::Affine { kind, corners } => {
             let [a, b, c] = corners.map(|k| images[k as usize]);
             let (u, v, r) = (sub(b, a), sub(c, a), sub(p, a));
             let det = cross(u, v);
             // A triangle whose area is round-off.
             let (s, t) = if det == 0.0 { (0.0, 0.0) } else { (cross(r, v) / det, cross(u, r) / det) };
-            let [a, b, c] = corners.map(|k| quad4::VERTICES[k as usize]);
+            let [a, b, c] = corners.map(|k| kind.vertices()[k as usize]);
             std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]))
         }
-        FacetMap::Bilinear => inverse_bilinear(images, p),
+        FacetMap::Bilinear => inverse_bilinear(images.padded(), p),
     }
 }
 
@@ -184,7 +218,7 @@ mod tests {
         let mirrored = x.map(|p| [-p[0], p[1]]);
         for xi in [[-1.0, -1.0], [0.3, -0.7], [0.99, 1.0], [-1.1, 0.2]] {
             for x in [x, mirrored] {
-                let back = inverse(FacetMap::Bilinear, &x, image(&x, xi));
+                let back = inverse(FacetMap::Bilinear, &x.into(), image(&x, xi));
                 assert!((back[0] - xi[0]).abs() + (back[1] - xi[1]).abs() < 1e-13, "{xi:?} {back:?}");
             }
         }
@@ -192,24 +226,30 @@ mod tests {
 
     #[test]
     fn pieces_of_convex_reflex_crossed_and_reversed_images() {
-        let order = [0, 1, 2, 3];
-        let count = |x: &[[f64; 2]; 4]| split(x, order).0.iter().flatten().count();
+        let count = |x: &[[f64; 2]; 4]| split(&(*x).into(), Walk::Forward).0.iter().flatten().count();
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        assert!(!split(&square, order).1);
+        assert!(!split(&square.into(), Walk::Forward).1);
         assert_eq!(count(&[[0.0, 0.0], [0.4, 0.4], [1.0, 0.0], [0.5, 1.0]]), 2);
         assert_eq!(count(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), 1);
         assert_eq!(count(&[[0.0, 0.0], [5.0, 1.0], [1.0, 0.0], [5.0, 3.0]]), 1);
-        assert_eq!(split(&square, [0, 3, 2, 1]).0.iter().flatten().count(), 0);
+        assert_eq!(split(&square.into(), Walk::Backward).0.iter().flatten().count(), 0);
+        let triangle = Images::from([[0.0, 0.0], [1.0, 0.0], [0.3, 1.0]]);
+        let cells = |walk| split(&triangle, walk).0.iter().flatten().count();
+        assert_eq!([cells(Walk::Forward), cells(Walk::Backward)], [1, 0]);
     }
 
     #[test]
     fn affine_weights_are_barycentric() {
-        let map = FacetMap::Affine([1, 2, 3]);
+        let map = FacetMap::Affine { kind: FacetKind::Quad4, corners: [1, 2, 3] };
         for k in [1usize, 2, 3] {
             let w = map.weights(quad4::VERTICES[k]);
             for (j, value) in w.iter().enumerate() {
                 assert!((value - if j == k { 1.0 } else { 0.0 }).abs() < 1e-15);
             }
+        }
+        for xi in [[0.2, 0.3], [0.0, 1.0], [-0.1, 0.4]] {
+            let (whole, shape) = (FacetMap::whole(FacetKind::Tri3).weights(xi), FacetKind::Tri3.shape(xi));
+            assert!(whole.iter().zip(shape).all(|(w, n)| (w - n).abs() < 1e-15));
         }
     }
 }

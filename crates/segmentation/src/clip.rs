@@ -5,6 +5,7 @@
 //! are those of the polygons as they are.
 
 use crate::cell::{Cell, cross, orient, sub};
+use stoss_reference_element::MAX_NODES;
 
 /// Vertex of the intersection: indices are sides and corners of the cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,9 +17,9 @@ pub(crate) enum ClipVertex {
 
 struct Signs {
     /// Whether master corner `j` is on the inner side of slave side `i`.
-    master_in: [[bool; 4]; 4],
+    master_in: [[bool; MAX_NODES]; MAX_NODES],
     /// Whether slave corner `i` is on the inner side of master side `j`.
-    slave_in: [[bool; 4]; 4],
+    slave_in: [[bool; MAX_NODES]; MAX_NODES],
 }
 
 /// Whether `p + shift` is left of the line `a` to `b`.
@@ -35,7 +36,8 @@ fn is_left(a: [f64; 2], b: [f64; 2], p: [f64; 2], shift_sign: f64) -> bool {
 
 impl Signs {
     fn new(s: &Cell, m: &Cell) -> Self {
-        let mut signs = Self { master_in: [[false; 4]; 4], slave_in: [[false; 4]; 4] };
+        let none = [[false; MAX_NODES]; MAX_NODES];
+        let mut signs = Self { master_in: none, slave_in: none };
         for i in 0..s.count {
             for j in 0..m.count {
                 let (s_next, m_next) = (s.points[(i + 1) % s.count], m.points[(j + 1) % m.count]);

@@ -3,6 +3,7 @@
 use crate::overlap::common_area;
 use crate::{FacetSegmentation, GapRange, MasterFacet, Provenance, Segment, SegmentationError, segment_pair};
 use std::collections::BTreeMap;
+use stoss_reference_element::FacetNodes;
 
 /// A master edge inside the slave facet that two facets should share there, but only one has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,17 +16,17 @@ pub struct OpenEdge {
     pub ends: [[f64; 2]; 2],
 }
 
-/// What [`check_coverage`] found. Areas are parametric: the slave facet has 4.
+/// What [`check_coverage`] found. Areas are parametric: the slave facet has [`stoss_reference_element::FacetKind::area`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverageReport {
     /// Area of the segments.
     pub covered: f64,
-    /// `4 - covered`: overhang, and what is missing.
+    /// The facet's area less `covered`: overhang, and what is missing.
     pub uncovered: f64,
     /// Master facets that lie opposite within the range, but have no segment, with the area that they would cover; of hidden ones what no nearer segment covers
     /// in their place.
     pub missing: Vec<(u32, f64)>,
-    /// Area covered twice (measured in the image and scaled to 4).
+    /// Area covered twice (measured in the image and scaled).
     pub double: f64,
     /// Interior edges that do not fit.
     pub open_edges: Vec<OpenEdge>,
@@ -67,6 +68,7 @@ pub fn check_coverage(
     range: GapRange,
 ) -> Result<CoverageReport, SegmentationError> {
     let covered = found.parametric_area();
+    let whole = found.frame.kind().area();
     let has = |id: u32| found.segments.iter().any(|s| s.master_facet == id);
     let mut missing = Vec::new();
     let mut scratch = Vec::new();
@@ -80,7 +82,7 @@ pub fn check_coverage(
         let area: f64 = if found.hidden.iter().any(|h| h.id == facet.id) {
             let covered = |s: &Segment| found.segments.iter().map(|near| common_area(s, near)).sum::<f64>();
             let bare: f64 = scratch.iter().map(|s| s.image_area() - covered(s)).sum();
-            if bare > HIDDEN_BARE * found.frame.image_area() { 4.0 * bare / found.frame.image_area() } else { 0.0 }
+            if bare > HIDDEN_BARE * found.frame.image_area() { whole * bare / found.frame.image_area() } else { 0.0 }
         } else {
             scratch.iter().map(Segment::parametric_area).sum()
         };
@@ -97,19 +99,20 @@ pub fn check_coverage(
             }
         }
     }
-    double *= 4.0 / found.frame.image_area();
+    double *= whole / found.frame.image_area();
     let cut = found.segments.iter().flat_map(Segment::vertices).any(|v| v.provenance == Provenance::Cut);
     let open_edges = open_edges(found, surface);
-    Ok(CoverageReport { covered, uncovered: 4.0 - covered, missing, double, open_edges, cut })
+    Ok(CoverageReport { covered, uncovered: whole - covered, missing, double, open_edges, cut })
 }
 
 /// The master edges of a segment's sides: side `k` runs from vertex `k` to the next.
 fn side_edge(segment: &Segment, k: usize) -> Option<u8> {
     let v = segment.vertices();
+    let kind = segment.master_map.kind();
     let (a, b) = (v[k].provenance, v[(k + 1) % v.len()].provenance);
-    (0..4u8).find(|&edge| {
+    (0..kind.edge_count() as u8).find(|&edge| {
         let on = |p: Provenance| match p {
-            Provenance::Master(c) => c == edge || c == (edge + 1) % 4,
+            Provenance::Master(c) => kind.side(edge as usize).contains(&(c as usize)),
             Provenance::Intersection { master_edge, .. } => master_edge == edge,
             Provenance::Slave(_) | Provenance::Cut => false,
         };
@@ -123,14 +126,14 @@ struct Side {
 }
 
 fn open_edges(found: &FacetSegmentation, surface: &[MasterFacet]) -> Vec<OpenEdge> {
-    let nodes: BTreeMap<u32, [u32; 4]> = surface.iter().map(|f| (f.id, f.nodes)).collect();
+    let nodes: BTreeMap<u32, FacetNodes> = surface.iter().map(|f| (f.id, f.nodes)).collect();
     let mut sides: BTreeMap<[u32; 2], Vec<Side>> = BTreeMap::new();
     for segment in &found.segments {
         let Some(n) = nodes.get(&segment.master_facet) else { continue };
         let v = segment.vertices();
         for k in 0..v.len() {
             if let Some(edge) = side_edge(segment, k) {
-                let (a, b) = (n[edge as usize], n[(edge as usize + 1) % 4]);
+                let [a, b] = n.kind().side(edge as usize).map(|corner| n[corner]);
                 let ends = [v[k].slave, v[(k + 1) % v.len()].slave];
                 sides.entry([a.min(b), a.max(b)]).or_default().push(Side { facet: segment.master_facet, ends });
             }

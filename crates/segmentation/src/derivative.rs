@@ -1,4 +1,4 @@
-//! First derivatives of the vertices' coordinates with respect to the eight nodes.
+//! First derivatives of the vertices' coordinates with respect to the nodes of both facets.
 //!
 //! Every point satisfies `t_a . (x1(xi1) - x2(xi2)) = 0` with tangents `t_a` normal to `n0`. With `x2 - x1 = g n0`
 //! the variation is
@@ -11,10 +11,14 @@
 use crate::segment::{SMALLEST_AREA, weighted};
 use crate::{Foot, MAX_VERTICES, Provenance, Segment, SlaveFrame};
 use nalgebra::Vector3;
-use stoss_reference_element::quad4::VERTICES;
+use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
-/// Columns of a derivative: components of four slave nodes, then of four master nodes.
-pub const LOCAL: usize = 24;
+/// Columns of a derivative: components of the slave nodes, then from [`MASTER`] on of the master nodes. Columns of nodes that a facet does not
+/// have are zero.
+pub const LOCAL: usize = 2 * MASTER;
+
+/// The first column of the master.
+pub const MASTER: usize = 3 * MAX_NODES;
 
 /// Derivatives of the coordinates of one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,13 +45,9 @@ fn solve(m: [[f64; 2]; 2], r: [f64; 2]) -> [f64; 2] {
     [(r[0] * m[1][1] - r[1] * m[0][1]) / det, (m[0][0] * r[1] - m[1][0] * r[0]) / det]
 }
 
-fn edge_direction(edge: u8) -> [f64; 2] {
-    let (a, b) = match edge {
-        4 => (0, 2),
-        5 => (1, 3),
-        k => (k as usize, (k as usize + 1) % 4),
-    };
-    [VERTICES[b][0] - VERTICES[a][0], VERTICES[b][1] - VERTICES[a][1]]
+fn edge_direction(kind: FacetKind, edge: u8) -> [f64; 2] {
+    let [a, b] = kind.side(edge as usize).map(|corner| kind.vertices()[corner]);
+    [b[0] - a[0], b[1] - a[1]]
 }
 
 fn apply(m: [[f64; 2]; 2], u: [f64; 2]) -> [f64; 2] {
@@ -59,12 +59,12 @@ impl Segment {
     fn plane_tangents(
         &self,
         frame: &SlaveFrame,
-        master: &[Vector3<f64>; 4],
+        master: &Nodal<Vector3<f64>>,
         slave_xi: [f64; 2],
         master_xi: [f64; 2],
     ) -> [[[f64; 2]; 2]; 2] {
         let t = frame.tangents();
-        let of = |gradient: [[f64; 2]; 4], x: &[Vector3<f64>; 4]| -> [[f64; 2]; 2] {
+        let of = |gradient: [[f64; 2]; MAX_NODES], x: &Nodal<Vector3<f64>>| -> [[f64; 2]; 2] {
             let a: [Vector3<f64>; 2] = std::array::from_fn(|b| weighted(&gradient.map(|g| g[b]), x));
             std::array::from_fn(|i| std::array::from_fn(|b| t[i].dot(&a[b])))
         };
@@ -81,11 +81,11 @@ impl Segment {
         let t = frame.tangents();
         std::array::from_fn(|a| {
             let mut row = [0.0; LOCAL];
-            for i in 0..4 {
+            for i in 0..MAX_NODES {
                 let turned = dn[i].transpose() * t[a] * gap;
                 for c in 0..3 {
                     row[3 * i + c] = w1[i] * t[a][c] + turned[c];
-                    row[12 + 3 * i + c] = -w2[i] * t[a][c];
+                    row[MASTER + 3 * i + c] = -w2[i] * t[a][c];
                 }
             }
             row
@@ -98,7 +98,7 @@ impl Segment {
     pub fn vertex_derivatives(
         &self,
         frame: &SlaveFrame,
-        master: &[Vector3<f64>; 4],
+        master: &Nodal<Vector3<f64>>,
     ) -> [PointDerivative; MAX_VERTICES] {
         let mut out = [PointDerivative::ZERO; MAX_VERTICES];
         for (derivative, v) in out.iter_mut().zip(self.vertices()) {
@@ -110,7 +110,8 @@ impl Segment {
                     Provenance::Slave(_) | Provenance::Cut => ([0.0; 2], solve(t2, r)),
                     Provenance::Master(_) => (solve(t1, [-r[0], -r[1]]), [0.0; 2]),
                     Provenance::Intersection { slave_edge, master_edge } => {
-                        let (u1, u2) = (edge_direction(slave_edge), edge_direction(master_edge));
+                        let (u1, u2) =
+                            (edge_direction(frame.kind(), slave_edge), edge_direction(master.kind(), master_edge));
                         let (e1, e2) = (apply(t1, u1), apply(t2, u2));
                         let [s, m] = solve([[e1[0], -e2[0]], [e1[1], -e2[1]]], [-r[0], -r[1]]);
                         ([s * u1[0], s * u1[1]], [m * u2[0], m * u2[1]])
@@ -165,7 +166,7 @@ impl Segment {
     pub fn project_derivative(
         &self,
         frame: &SlaveFrame,
-        master: &[Vector3<f64>; 4],
+        master: &Nodal<Vector3<f64>>,
         slave: [f64; 2],
         foot: &Foot,
         slave_derivative: &[[f64; LOCAL]; 2],

@@ -2,7 +2,7 @@
 
 use crate::cell::{cross, inverse, sub};
 use crate::overlap::{common_area, sides};
-use crate::segment::{inside, weighted};
+use crate::segment::weighted;
 use crate::{FacetSegmentation, HiddenFacet, MasterFacet, Provenance, Segment, SlaveFrame, Vertex};
 
 /// Common area, in images of the slave, that is round-off.
@@ -50,8 +50,8 @@ fn difference(segment: &Segment, winner: &Segment, frame: &SlaveFrame, master: &
     let images = master.corners.map(|x| frame.image(&x));
     let resolve = |corner: &Corner| {
         corner.vertex.unwrap_or_else(|| {
-            let slave = inside(inverse(segment.slave_map, &frame.images, corner.image));
-            let xi = inside(inverse(segment.master_map, &images, corner.image));
+            let slave = frame.kind().clamp(inverse(segment.slave_map, &frame.images, corner.image));
+            let xi = master.corners.kind().clamp(inverse(segment.master_map, &images, corner.image));
             let x1 = weighted(&segment.slave_map.weights(slave), frame.corners());
             let x2 = weighted(&segment.master_map.weights(xi), &master.corners);
             let gap = (x2 - x1).dot(&frame.normal());

@@ -1,22 +1,25 @@
 //! The segmentation plane of a slave facet.
 
 use crate::SegmentationError;
-use crate::cell::{Cell, split};
+use crate::cell::{Cell, Images, Walk, split};
+use crate::segment::weighted;
 use nalgebra::{Matrix3, Vector3};
+use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
 /// Plane through the centre of a slave facet, normal to it there, and the images of its corners.
 ///
-/// `n0 = d1 x d2 / |d1 x d2|` with the diagonals `d1 = x3 - x1`, `d2 = x4 - x2`, which is the facet's normal at `xi =
-/// 0`; outward of the slave if the facet is numbered so. Coordinates in the plane are lengths along `d1` and along
+/// `n0 = d1 x d2 / |d1 x d2|` with the diagonals of [`FacetKind::diagonals`], which is the facet's normal at its
+/// centre; outward of the slave if the facet is numbered so. Coordinates in the plane are lengths along `d1` and along
 /// `n0 x d1`.
 #[derive(Clone, Debug)]
 pub struct SlaveFrame {
-    corners: [Vector3<f64>; 4],
+    corners: Nodal<Vector3<f64>>,
+    diagonals: [Vector3<f64>; 2],
     centre: Vector3<f64>,
     normal: Vector3<f64>,
     tangents: [Vector3<f64>; 2],
     diagonal_product: f64,
-    pub(crate) images: [[f64; 2]; 4],
+    pub(crate) images: Images,
     pub(crate) cells: [Option<Cell>; 2],
     is_split: bool,
 }
@@ -27,11 +30,12 @@ impl SlaveFrame {
     /// # Errors
     /// [`SegmentationError::NotFinite`], [`SegmentationError::DegenerateSlave`] if the diagonals are parallel to
     /// round-off.
-    pub fn new(corners: [Vector3<f64>; 4]) -> Result<Self, SegmentationError> {
+    pub fn new(corners: impl Into<Nodal<Vector3<f64>>>) -> Result<Self, SegmentationError> {
+        let corners = corners.into();
         if !corners.iter().all(|x| x.iter().all(|c| c.is_finite())) {
             return Err(SegmentationError::NotFinite { side: "slave" });
         }
-        let (d1, d2) = (corners[2] - corners[0], corners[3] - corners[1]);
+        let [d1, d2] = corners.kind().diagonals().map(|d| weighted(&d, &corners));
         let c = d1.cross(&d2);
         let area = c.norm();
         if area.is_nan() || area <= 1e-14 * d1.norm() * d2.norm() {
@@ -41,22 +45,28 @@ impl SlaveFrame {
         let t1 = d1.normalize();
         let mut frame = Self {
             corners,
-            centre: corners.iter().sum::<Vector3<f64>>() / 4.0,
+            diagonals: [d1, d2],
+            centre: corners.iter().sum::<Vector3<f64>>() / corners.len() as f64,
             normal,
             tangents: [t1, normal.cross(&t1)],
             diagonal_product: area,
-            images: [[0.0; 2]; 4],
+            images: corners.map(|_| [0.0; 2]),
             cells: [None; 2],
             is_split: false,
         };
         frame.images = corners.map(|x| frame.image(&x));
-        (frame.cells, frame.is_split) = split(&frame.images, [0, 1, 2, 3]);
+        (frame.cells, frame.is_split) = split(&frame.images, Walk::Forward);
         Ok(frame)
     }
 
     /// Corners of the slave facet.
-    pub fn corners(&self) -> &[Vector3<f64>; 4] {
+    pub fn corners(&self) -> &Nodal<Vector3<f64>> {
         &self.corners
+    }
+
+    /// The kind of the slave facet.
+    pub fn kind(&self) -> FacetKind {
+        self.corners.kind()
     }
 
     /// Unit normal `n0`, direction of projection.
@@ -86,12 +96,13 @@ impl SlaveFrame {
         [self.tangents[0].dot(&r), self.tangents[1].dot(&r)]
     }
 
-    /// `d n0 / d x_I` for the four slave nodes.
-    pub fn normal_derivatives(&self) -> [Matrix3<f64>; 4] {
-        let (d1, d2) = (self.corners[2] - self.corners[0], self.corners[3] - self.corners[1]);
+    /// `d n0 / d x_I` for the slave nodes.
+    pub fn normal_derivatives(&self) -> [Matrix3<f64>; MAX_NODES] {
+        let [d1, d2] = self.diagonals;
         let n = self.normal;
         let p = (Matrix3::identity() - n * n.transpose()) / self.diagonal_product;
         let (by_d1, by_d2) = (-p * d2.cross_matrix(), p * d1.cross_matrix());
-        [-by_d1, -by_d2, by_d1, by_d2]
+        let [c1, c2] = self.kind().diagonals();
+        std::array::from_fn(|k| by_d1 * c1[k] + by_d2 * c2[k])
     }
 }

@@ -1,13 +1,13 @@
 //! Segmentation of facet pairs: which part of a slave facet lies opposite which part of a master facet.
 //!
-//! Two bilinear facets in, convex polygons and triangles out, with the convective coordinates of every vertex on both
-//! facets, its origin ([`Provenance`]), and first derivatives with respect to all eight nodes (formulation §7.1). No
+//! Two facets in, quadrilaterals or triangles, convex polygons and triangles out, with the convective coordinates of every vertex on both
+//! facets, its origin ([`Provenance`]), and first derivatives with respect to all nodes (formulation §7.1). No
 //! contact, no integrals, no mesh.
 //!
 //! # API
 //! ```text
-//! SlaveFrame::new(slave: [Vector3; 4]) -> Result<SlaveFrame>         the segmentation plane of a slave facet
-//! segment_pair(&frame, id, &master: &[Vector3; 4], &mut Vec<Segment>)  one pair, appends 0 to 4 convex polygons
+//! SlaveFrame::new(slave: Nodal<Vector3>) -> Result<SlaveFrame>         the segmentation plane of a slave facet
+//! segment_pair(&frame, id, &master: &Nodal<Vector3>, &mut Vec<Segment>)  one pair, appends 0 to 4 convex polygons
 //! segment_facet(slave, &[MasterFacet], GapRange) -> FacetSegmentation  against a surface, hidden sheets removed
 //! check_coverage(&FacetSegmentation, &[MasterFacet], GapRange) -> CoverageReport
 //! Segment::vertices() -> &[Vertex]             coordinates on both facets, gap along the normal, provenance
@@ -16,7 +16,7 @@
 //! Segment::vertex_derivatives(&frame, &master) -> [PointDerivative; 8]
 //! Segment::project_derivative(&frame, &master, xi1, &foot, d xi1) -> d xi2
 //! ```
-//! Local columns of derivatives: `3 I + c` for component `c` of slave node `I`, `12 + 3 K + c` for master node `K`.
+//! Local columns of derivatives: `3 I + c` for component `c` of slave node `I`, `MASTER + 3 K + c` for master node `K`.
 //!
 //! # Virtual surface (choice)
 //! The plane normal to `n0`, the unit outward normal of the slave facet at its centre. Every node, of either side,
@@ -29,7 +29,7 @@
 //! Which vertices a polygon has is decided by exact predicates (crate `robust`) on the images; ties are broken as if
 //! the master were shifted by an infinitesimal vector, the same for all of its facets. Identical facets and shared
 //! edges and vertices are thus no special cases. Neighbouring facets compute a shared vertex to the same bits. A
-//! facet whose image is not convex is split into two triangles; parts that are seen from behind (outward normals not
+//! quadrilateral whose image is not convex is split into two triangles; parts that are seen from behind (outward normals not
 //! opposed) give nothing.
 
 mod cell;
@@ -45,7 +45,7 @@ mod surface;
 
 pub use cell::FacetMap;
 pub use coverage::{CoverageReport, OpenEdge, check_coverage};
-pub use derivative::{LOCAL, PointDerivative};
+pub use derivative::{LOCAL, MASTER, PointDerivative};
 pub use error::SegmentationError;
 pub use frame::SlaveFrame;
 pub use segment::{Foot, MAX_VERTICES, Provenance, Segment, Vertex, segment_pair};

@@ -1,18 +1,17 @@
 //! One pair of facets: polygons with coordinates and origin of every vertex.
 
-use crate::cell::{FacetMap, cross, inverse, split, sub};
+use crate::cell::{FacetMap, Images, Walk, cross, inverse, split, sub};
 use crate::clip::{ClipVertex, clip, crossing};
 use crate::{SegmentationError, SlaveFrame};
 use nalgebra::Vector3;
-use stoss_reference_element::quad4::VERTICES;
+use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
 /// Most vertices that a segment can have: two convex quadrilaterals meet in an octagon.
 pub const MAX_VERTICES: usize = 8;
 
 /// Where a vertex comes from.
 ///
-/// Edge `k < 4` of a facet runs from corner `k` to corner `(k + 1) % 4`; 4 and 5 are the diagonals 0-2 and 1-3 of a
-/// facet that had to be split.
+/// Edges of a facet and the diagonals along which one had to be split are numbered as in [`FacetKind::sides`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Provenance {
     /// A corner of the slave facet, projected on the master.
@@ -45,7 +44,7 @@ pub struct Vertex {
     pub image: [f64; 2],
 }
 
-/// Parametric area below which a polygon is round-off (the facet has 4).
+/// Parametric area below which a polygon is round-off (the facet has [`FacetKind::area`]).
 pub(crate) const SMALLEST_AREA: f64 = 5e-15;
 
 const NO_VERTEX: Vertex =
@@ -67,7 +66,7 @@ pub struct Segment {
 /// Foot of a slave point on the master, along the normal of the segmentation plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
-    /// Convective coordinates on the master; may leave `[-1, 1]` by a little inside a segment of distorted facets.
+    /// Convective coordinates on the master; may leave the facet by a little inside a segment of distorted facets.
     pub master: [f64; 2],
     /// `(x2 - x1) . n0`, a length.
     pub gap: f64,
@@ -112,7 +111,7 @@ impl Segment {
         cross(sub(b, a), sub(c, a))
     }
 
-    /// Area in the slave's coordinates; the whole facet has 4.
+    /// Area in the slave's coordinates; the whole facet has [`FacetKind::area`].
     pub fn parametric_area(&self) -> f64 {
         0.5 * self.triangles().map(|t| self.triangle_determinant(t)).sum::<f64>()
     }
@@ -150,7 +149,7 @@ impl Segment {
     }
 
     /// Projects the slave's point at `slave` on the master facet along `n0`.
-    pub fn project(&self, frame: &SlaveFrame, master: &[Vector3<f64>; 4], slave: [f64; 2]) -> Foot {
+    pub fn project(&self, frame: &SlaveFrame, master: &Nodal<Vector3<f64>>, slave: [f64; 2]) -> Foot {
         let x1 = weighted(&self.slave_map.weights(slave), frame.corners());
         let images = master.map(|x| frame.image(&x));
         let xi = inverse(self.master_map, &images, frame.image(&x1));
@@ -159,18 +158,15 @@ impl Segment {
     }
 }
 
-pub(crate) fn weighted(weights: &[f64; 4], x: &[Vector3<f64>; 4]) -> Vector3<f64> {
+/// `sum_I w_I x_I`; weights are zero beyond the nodes.
+pub(crate) fn weighted(weights: &[f64; MAX_NODES], x: &Nodal<Vector3<f64>>) -> Vector3<f64> {
+    let x = x.padded();
     x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2] + x[3] * weights[3]
 }
 
-fn between(corners: [u8; 2], fraction: f64) -> [f64; 2] {
-    let [a, b] = corners.map(|k| VERTICES[k as usize]);
+fn between(kind: FacetKind, corners: [u8; 2], fraction: f64) -> [f64; 2] {
+    let [a, b] = corners.map(|k| kind.vertices()[k as usize]);
     std::array::from_fn(|i| a[i] + fraction * (b[i] - a[i]))
-}
-
-/// Coordinates of a point that is known to lie in the closed facet: round-off may not take it out.
-pub(crate) fn inside(xi: [f64; 2]) -> [f64; 2] {
-    xi.map(|x| x.clamp(-1.0, 1.0))
 }
 
 /// Segments the slave facet of `frame` against one master facet (corners counter-clockwise seen from outside of the
@@ -183,7 +179,7 @@ pub(crate) fn inside(xi: [f64; 2]) -> [f64; 2] {
 pub fn segment_pair(
     frame: &SlaveFrame,
     master_facet: u32,
-    master: &[Vector3<f64>; 4],
+    master: &Nodal<Vector3<f64>>,
     out: &mut Vec<Segment>,
 ) -> Result<(), SegmentationError> {
     if !master.iter().all(|x| x.iter().all(|c| c.is_finite())) {
@@ -192,16 +188,16 @@ pub fn segment_pair(
     let images = master.map(|x| frame.image(&x));
     // Apart to one side: nothing to do, and the usual case.
     for i in 0..2 {
-        let range = |p: &[[f64; 2]; 4]| {
-            p.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x[i]), b.max(x[i])))
-        };
+        let range =
+            |p: &Images| p.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x[i]), b.max(x[i])));
         let ((s0, s1), (m0, m1)) = (range(&frame.images), range(&images));
         if s1 < m0 || m1 < s0 {
             return Ok(());
         }
     }
     // The master looks the other way: its corners run clockwise in the plane.
-    let (master_cells, _) = split(&images, [0, 3, 2, 1]);
+    let (master_cells, _) = split(&images, Walk::Backward);
+    let (slave_kind, master_kind) = (frame.kind(), master.kind());
     for s in frame.cells.iter().flatten() {
         for m in master_cells.iter().flatten() {
             let mut clipped = [ClipVertex::Slave(0); MAX_VERTICES];
@@ -220,19 +216,21 @@ pub fn segment_pair(
                 let (provenance, slave, master_xi) = match *source {
                     ClipVertex::Slave(i) => {
                         let k = s.corners[i];
-                        (Provenance::Slave(k), VERTICES[k as usize], inside(inverse(m.map, &images, s.points[i])))
+                        // A point that is known to lie in the closed facet: round-off may not take it out.
+                        let xi = master_kind.clamp(inverse(m.map, &images, s.points[i]));
+                        (Provenance::Slave(k), slave_kind.vertices()[k as usize], xi)
                     }
                     ClipVertex::Master(j) => {
                         let k = m.corners[j];
-                        let xi = inside(inverse(s.map, &frame.images, m.points[j]));
-                        (Provenance::Master(k), xi, VERTICES[k as usize])
+                        let xi = slave_kind.clamp(inverse(s.map, &frame.images, m.points[j]));
+                        (Provenance::Master(k), xi, master_kind.vertices()[k as usize])
                     }
                     ClipVertex::Crossing { slave: i, master: j } => {
                         let c = crossing(s, i, m, j);
                         (
                             Provenance::Intersection { slave_edge: s.edge(i), master_edge: m.edge(j) },
-                            between(c.slave_corners, c.slave_fraction),
-                            between(c.master_corners, c.master_fraction),
+                            between(slave_kind, c.slave_corners, c.slave_fraction),
+                            between(master_kind, c.master_corners, c.master_fraction),
                         )
                     }
                 };

@@ -3,6 +3,7 @@
 use crate::folded::unfold;
 use crate::{Segment, SegmentationError, SlaveFrame, segment_pair};
 use nalgebra::Vector3;
+use stoss_reference_element::{FacetNodes, Nodal};
 
 /// A facet of the master surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,9 +11,9 @@ pub struct MasterFacet {
     /// Number of the facet, returned in [`Segment::master_facet`].
     pub id: u32,
     /// Numbers of its nodes: facets with two of them in common are neighbours.
-    pub nodes: [u32; 4],
+    pub nodes: FacetNodes,
     /// Positions, counter-clockwise seen from outside of the master.
-    pub corners: [Vector3<f64>; 4],
+    pub corners: Nodal<Vector3<f64>>,
 }
 
 /// Gaps along the slave's normal within which a master counts, lengths. A segment counts if its range of gaps meets
@@ -41,7 +42,7 @@ impl GapRange {
 pub struct HiddenFacet {
     /// Number of the facet.
     pub id: u32,
-    /// Parametric area of its segments (the slave facet has 4).
+    /// Parametric area of its segments (see [`SlaveFrame::kind`] for that of the facet).
     pub parametric_area: f64,
 }
 
@@ -57,7 +58,7 @@ pub struct FacetSegmentation {
 }
 
 impl FacetSegmentation {
-    /// Sum of the segments' parametric areas (the facet has 4).
+    /// Sum of the segments' parametric areas.
     pub fn parametric_area(&self) -> f64 {
         self.segments.iter().map(Segment::parametric_area).sum()
     }
@@ -72,7 +73,7 @@ impl FacetSegmentation {
 /// # Errors
 /// Those of [`SlaveFrame::new`] and [`segment_pair`].
 pub fn segment_facet(
-    slave: [Vector3<f64>; 4],
+    slave: impl Into<Nodal<Vector3<f64>>>,
     candidates: &[MasterFacet],
     range: GapRange,
 ) -> Result<FacetSegmentation, SegmentationError> {

@@ -6,7 +6,6 @@
 use super::rows::ConstraintRow;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use stoss_contact::{ContactRule, ContactSurface};
-use stoss_reference_element::quad4;
 
 type Vector9 = SVector<f64, 9>;
 type Matrix9 = SMatrix<f64, 9, 9>;
@@ -54,15 +53,16 @@ impl NodeFrame {
             let corners = slave.patch(facet, q).corners;
             let locals = slave.local_facets()[facet as usize];
             let Some(corner) = locals.iter().position(|&n| n as usize == local) else { continue };
-            let gradient = quad4::shape_gradient(quad4::VERTICES[corner]);
+            let kind = corners.kind();
+            let gradient = kind.shape_gradient(kind.vertices()[corner]);
             let tangents: [Vector3<f64>; 2] =
-                std::array::from_fn(|a| (0..4).map(|j| corners[j] * gradient[j][a]).sum());
+                std::array::from_fn(|a| corners.iter().zip(gradient).map(|(x, g)| x * g[a]).sum());
             let metric = Matrix2::from_fn(|a, b| tangents[a].dot(&tangents[b]));
             // The surface was checked: tangents at its corners are independent.
             let inverse = metric.try_inverse().unwrap_or_else(Matrix2::zeros) / facets.len() as f64;
             for (a, direction) in directions.iter().enumerate() {
                 let c = inverse * Vector2::new(tangents[0].dot(direction), tangents[1].dot(direction));
-                for j in 0..4 {
+                for j in 0..nodes.len() {
                     let beta = c[0] * gradient[j][0] + c[1] * gradient[j][1];
                     match entries.iter_mut().find(|e| e.0 == nodes[j]) {
                         Some(entry) => entry.1[a] += beta,

@@ -39,7 +39,7 @@ use crate::{
 };
 use frame::NodeFrame;
 use rows::{ConstraintRow, constraint_rows};
-use stoss_contact::ContactSurface;
+use stoss_contact::{ContactSurface, FacetNodes};
 use stoss_segmentation::GapRange;
 
 /// Which components of the gap vector are constrained.
@@ -125,10 +125,10 @@ impl MeshTie {
     /// [`MortarError::Surface`], [`MortarError::Segmentation`], [`MortarError::Range`], [`MortarError::Coverage`],
     /// [`MortarError::Apart`] if nothing lies opposite, [`MortarError::AllFixed`] if no multiplier is left,
     /// [`MortarError::Fit`] if no motion of the slave nodes closes the interface.
-    pub fn new(
+    pub fn new<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
         name: &str,
-        slave: &[[u32; 4]],
-        master: &[[u32; 4]],
+        slave: &[S],
+        master: &[M],
         reference: &[f64],
         is_fixed: impl Fn(usize) -> bool,
         options: TieOptions,

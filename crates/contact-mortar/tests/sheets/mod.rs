@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use stoss_contact::{ContactMethod, ContactRule, LocalContribution, StepConfiguration};
 use stoss_contact_mortar::segmentation::Provenance;
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
+pub use stoss_testkit::meshes::{Mesh, meshes};
 
 pub const SLAVE: usize = 9;
 pub const NODES: usize = 25;
@@ -38,8 +39,9 @@ pub fn moved(d: &[f64]) -> Vec<f64> {
     base().iter().zip(d).map(|(x, d)| x + d).collect()
 }
 
-pub fn method(options: MortarOptions) -> MortarContact {
-    MortarContact::new("test", &sheet(2, 0, false), &sheet(3, SLAVE as u32, true), &base(), options).unwrap()
+pub fn method([slave, master]: [Mesh; 2], options: MortarOptions) -> MortarContact {
+    let (slave, master) = (slave.of(&sheet(2, 0, false)), master.of(&sheet(3, SLAVE as u32, true)));
+    MortarContact::new("test", &slave, &master, &base(), options).unwrap()
 }
 
 pub fn options(dual: bool) -> MortarOptions {

@@ -4,9 +4,9 @@
 //! `r`, `a_1`, `a_2` are linear in the positions at fixed coordinates, and bilinear in the coordinates. All derivatives are made of
 //! theirs by the product rule; only the normal needs the derivatives of a unit vector.
 
-use crate::kinematics::{LOCAL, Local, SHAPE_12, points};
+use crate::kinematics::{LOCAL, Local, points};
 use nalgebra::Vector3;
-use stoss_reference_element::quad4;
+use stoss_reference_element::{FacetKind, MAX_NODES};
 
 /// Positions, then coordinates.
 pub(crate) const UNKNOWNS: usize = LOCAL + 2;
@@ -26,7 +26,8 @@ pub(crate) struct Constraints {
     pub foot_gradient: [Gradient; 2],
     /// Gradient of `Phi_N`: `b_q`, `b_f`.
     pub gap_gradient: Gradient,
-    shape_gradient: [[f64; 2]; 4],
+    kind: FacetKind,
+    shape_gradient: [[f64; 2]; MAX_NODES],
     r: V,
     a: [V; 2],
     a_12: V,
@@ -46,10 +47,10 @@ struct Jets {
 
 impl Constraints {
     /// At positions and coordinates; `None` where the facet has no normal.
-    pub fn new(q: &Local, f: [f64; 2]) -> Option<Self> {
-        let (x, patch) = points(q);
+    pub fn new(q: &Local, kind: FacetKind, f: [f64; 2]) -> Option<Self> {
+        let (x, patch) = points(q, kind);
         let frame = patch.frame(f);
-        let (shape, shape_gradient) = (quad4::shape(f), quad4::shape_gradient(f));
+        let (shape, shape_gradient) = (kind.shape(f), kind.shape_gradient(f));
         let (r, a, a_12, n) = (x - frame.point, frame.tangents, frame.a_12, frame.normal);
         let area = a[0].cross(&a[1]).norm();
         if area.is_nan() || area <= 0.0 {
@@ -59,7 +60,7 @@ impl Constraints {
         let mut jets = Jets { r: zero, a: [zero; 2], w: zero };
         for i in 0..3 {
             jets.r[i][i] = 1.0;
-            for k in 0..4 {
+            for k in 0..MAX_NODES {
                 let u = 3 * (k + 1) + i;
                 jets.r[u][i] = -shape[k];
                 for al in 0..2 {
@@ -82,7 +83,20 @@ impl Constraints {
             gap_gradient[u] = jets.r[u].dot(&n) + r.dot(&turn);
         }
         let foot = a.map(|a| r.dot(&a));
-        Some(Self { foot, gap: r.dot(&n), foot_gradient, gap_gradient, shape_gradient, r, a, a_12, n, area, jets })
+        Some(Self {
+            kind,
+            foot,
+            gap: r.dot(&n),
+            foot_gradient,
+            gap_gradient,
+            shape_gradient,
+            r,
+            a,
+            a_12,
+            n,
+            area,
+            jets,
+        })
     }
 
     /// `A_f`, symmetric.
@@ -133,11 +147,12 @@ impl Constraints {
         // Second derivatives of r, a_1, a_2: one position and one coordinate, or both coordinates.
         let on_r = a[0] * lambda[0] + a[1] * lambda[1] - n * pressure;
         let on_a = [r * lambda[0] - a[1].cross(&s) * pressure, r * lambda[1] - s.cross(&a[0]) * pressure];
-        for k in 0..4 {
+        let mixed = self.kind.mixed_derivative();
+        for k in 0..MAX_NODES {
             for i in 0..3 {
                 for al in 0..2 {
                     out[3 * (k + 1) + i][LOCAL + al] +=
-                        SHAPE_12[k] * on_a[1 - al][i] - self.shape_gradient[k][al] * on_r[i];
+                        mixed[k] * on_a[1 - al][i] - self.shape_gradient[k][al] * on_r[i];
                 }
             }
         }

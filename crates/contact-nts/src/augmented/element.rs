@@ -2,10 +2,10 @@
 
 use super::constraints::{Constraints, UNKNOWNS};
 use super::{AugmentedOptions, Reduction};
-use crate::crossing::MAX_NODES;
-use crate::friction::{FrictionElement, FrictionState, inside};
-use crate::kinematics::{Gap, LOCAL};
-use stoss_reference_element::quad4;
+use crate::crossing::{MAX_NODES, component};
+use crate::friction::{FrictionElement, FrictionState};
+use crate::kinematics::{Gap, LOCAL, NODES};
+use stoss_reference_element::Nodal;
 
 /// Most unknowns: positions, pressure, two multipliers of the friction, two coordinates, two multipliers.
 pub(crate) const MOST: usize = 3 * MAX_NODES + 7;
@@ -51,7 +51,7 @@ impl Traction {
     pub const NONE: Self = Self { tau: [Sloped::ZERO; 2], mismatch: [Sloped::ZERO; 2], shift: None };
 
     /// `end`: kinematics at the coordinates of `n+1`, `facet`: local numbers of that facet.
-    pub fn new(element: &FrictionElement<'_>, end: &Gap, facet: &[usize; 4], want_tangent: bool) -> Self {
+    pub fn new(element: &FrictionElement<'_>, end: &Gap, facet: &Nodal<usize>, want_tangent: bool) -> Self {
         let state: FrictionState = element.state();
         let mut out = Self { shift: element.shift(&state), ..Self::NONE };
         for k in 0..2 {
@@ -64,18 +64,21 @@ impl Traction {
         let factor = if element.at_end { 1.0 } else { 0.5 };
         let at = element.at.0;
         let old = element.history.foot;
-        let (old_shape, old_gradient) = (quad4::shape(old), quad4::shape_gradient(inside(old)));
+        let start = element.start.kind();
+        let (old_shape, old_gradient) = (start.shape(old), start.shape_gradient(start.clamp(old)));
         let tangents = element.patch(facet).tangents(end.xi);
         let all = out.tau.iter_mut().zip(&slopes.tau).chain(out.mismatch.iter_mut().zip(&slopes.mismatch));
         for (out, slope) in all {
             // Two tangents, two old tangents, slip.
             let d = |block: usize, i: usize| slope.by_arguments.partial[3 * block + i];
             for i in 0..3 {
-                for k in 0..4 {
-                    let here = &mut out.by_q[3 * facet[k] + i];
+                for (k, &node) in facet.iter().enumerate() {
+                    let here = &mut out.by_q[3 * node + i];
                     *here += factor * (at.shape_gradient[k][0] * d(0, i) + at.shape_gradient[k][1] * d(1, i));
                     *here += factor * end.shape[k] * d(4, i);
-                    let there = &mut out.by_q[3 * element.start[k] + i];
+                }
+                for (k, &node) in element.start.iter().enumerate() {
+                    let there = &mut out.by_q[3 * node + i];
                     *there += factor * (old_gradient[k][0] * d(2, i) + old_gradient[k][1] * d(3, i));
                     *there -= factor * old_shape[k] * d(4, i);
                 }
@@ -94,6 +97,8 @@ impl Traction {
 pub(crate) struct Equations<'a> {
     /// At the configuration of the forces, and whether that is the end point.
     pub force: &'a Constraints,
+    /// Nodes of the element for the local nodes of the constraints.
+    pub nodes: [usize; NODES],
     pub at_end: bool,
     /// At `n+1`.
     pub end: &'a Constraints,
@@ -128,17 +133,17 @@ impl Equations<'_> {
 
     /// The full system at given multipliers; the tangent is overwritten if wanted.
     pub fn full(&self, lambda: [f64; 2], want_tangent: bool, out: &mut Dense) {
-        let Self { force, end, traction, pressure, weight, n, frictional, .. } = *self;
+        let Self { force, nodes, end, traction, pressure, weight, n, frictional, .. } = *self;
         let dim = self.dim();
         let first = self.coordinates();
         let pressure_of_f = if self.options.drop_gap_term { 0.0 } else { pressure };
         // Rows and columns are divided by these.
         let scale = |k: usize| if k >= first { self.length } else { 1.0 };
-        let slot = |u: usize| if u < LOCAL { u } else { first + (u - LOCAL) };
+        let slot = |u: usize| if u < LOCAL { component(&nodes, u) } else { first + (u - LOCAL) };
         out.residual[..dim].fill(0.0);
         for u in 0..UNKNOWNS {
             let (p, tau) = if u < LOCAL { (pressure, 0.0) } else { (pressure_of_f, traction.tau[u - LOCAL].value) };
-            out.residual[slot(u)] = weight
+            out.residual[slot(u)] += weight
                 * (tau + lambda[0] * force.foot_gradient[0][u] + lambda[1] * force.foot_gradient[1][u]
                     - p * force.gap_gradient[u])
                 / scale(slot(u));

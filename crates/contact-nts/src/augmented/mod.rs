@@ -20,8 +20,9 @@
 mod constraints;
 mod element;
 
+use crate::crossing::{local_of, spread};
 use crate::friction::{FrictionElement, PointHistory, Slip};
-use crate::kinematics::{Gap, LOCAL, Local, points};
+use crate::kinematics::{Gap, LOCAL, points};
 use crate::method::{NodeToSurface, position};
 use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
@@ -74,7 +75,7 @@ impl NodeToSurface {
     pub(crate) fn start_coordinates(&self, slot: usize, facet: u32) -> [f64; 2] {
         let patch = self.patch(facet, &self.q_n);
         let x = position(&self.q_n, self.node(slot));
-        let foot = Gap::project(&x, &patch, [0.0, 0.0]).map_or_else(|| patch.closest_point(&x).xi, |gap| gap.xi);
+        let foot = Gap::from_centre(&x, &patch).map_or_else(|| patch.closest_point(&x).xi, |gap| gap.xi);
         foot.map(|f| f.clamp(-FARTHEST, FARTHEST))
     }
 }
@@ -138,21 +139,21 @@ impl CoordinateAugmented {
             let x = if at_end { x_1 } else { (position(step.q_n, node) + x_1) * 0.5 };
             block.copy_from_slice(x.as_slice());
         }
-        let q_end = self.local(element, step.q_np1);
-        let end = Constraints::new(&q_end, f).ok_or_else(failed)?;
+        let kind = element.end.kind();
+        let q_end = element.local(step.q_np1);
+        let q_force = local_of(&element.end, |node| std::array::from_fn(|i| q[3 * node + i]));
+        let end = Constraints::new(&q_end, kind, f).ok_or_else(failed)?;
         let (force, f_force) = if at_end {
             (end.clone(), f)
         } else {
             let f_force = mean(self.inner.start_coordinates(slot, pairing.end), f);
-            let q_force: Local = std::array::from_fn(|k| q[k]);
-            (Constraints::new(&q_force, f_force).ok_or_else(failed)?, f_force)
+            (Constraints::new(&q_force, kind, f_force).ok_or_else(failed)?, f_force)
         };
         let mut traction = Traction::NONE;
         if let Some(surface) = &self.inner.friction {
-            let q_force: Local = std::array::from_fn(|k| q[k]);
-            let (x, patch) = points(&q_force);
+            let (x, patch) = points(&q_force, kind);
             let at = Gap::at(&x, &patch, f_force).ok_or_else(failed)?;
-            let (x, patch) = points(&q_end);
+            let (x, patch) = points(&q_end, kind);
             let at_np1 = Gap::at(&x, &patch, f).ok_or_else(failed)?;
             let history = PointHistory { multiplier, ..surface.points[slot] };
             let friction = FrictionElement {
@@ -172,15 +173,6 @@ impl CoordinateAugmented {
         Ok(Evaluated { force, end, traction })
     }
 
-    /// Positions of the slave node and the facet of `n+1`.
-    fn local(&self, element: &ElementNodes, q: &[f64]) -> Local {
-        let mut out = [0.0; LOCAL];
-        for (block, &node) in out.chunks_exact_mut(3).zip(&element.nodes) {
-            block.copy_from_slice(position(q, node).as_slice());
-        }
-        out
-    }
-
     fn equations<'a>(
         &self,
         slot: usize,
@@ -191,6 +183,7 @@ impl CoordinateAugmented {
     ) -> Equations<'a> {
         Equations {
             force: &of.force,
+            nodes: spread(&element.end),
             at_end,
             end: &of.end,
             traction: &of.traction,
@@ -407,8 +400,8 @@ impl ContactMethod for CoordinateAugmented {
             let element = self.element(slot, pairing);
             let (_, values) = self.split(self.values(slot, auxiliaries));
             let f = [values[0] / length, values[1] / length];
-            let end = Constraints::new(&self.local(&element, step.q_np1), f).ok_or_else(failed)?;
-            let du = self.local(&element, increment);
+            let end = Constraints::new(&element.local(step.q_np1), element.end.kind(), f).ok_or_else(failed)?;
+            let du = element.local(increment);
             // (5.3): df = -A_f^-1 (Phi_A + A_q dq).
             let rhs = [0, 1].map(|al| {
                 let change: f64 = end.foot_gradient[al][..LOCAL].iter().zip(&du).map(|(a, d)| a * d).sum();

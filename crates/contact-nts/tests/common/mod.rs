@@ -2,7 +2,7 @@
 //! `cargo xtask verify friction`.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use stoss_contact::{Auxiliary, ContactMethod, ContactRule, Enforcement, SearchOptions, StepConfiguration};
+use stoss_contact::{Auxiliary, ContactMethod, ContactRule, Enforcement, FacetNodes, SearchOptions, StepConfiguration};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
 pub const ACTIVE: [bool; 4] = [true, false, false, false];
@@ -26,23 +26,48 @@ pub fn positions(heights: &[f64], at: [f64; 3]) -> Vec<f64> {
     q
 }
 
+/// Makes the facets of the slave (0) or the master (1) from quadrilaterals.
+pub type Divide<'a> = &'a dyn Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes>;
+
+/// Leaves the quadrilaterals as they are.
+pub fn whole(_side: usize, quads: &[[u32; 4]]) -> Vec<FacetNodes> {
+    quads.iter().map(|&quad| quad.into()).collect()
+}
+
+/// The quadrilaterals of the master.
+pub fn row(facets: u32) -> Vec<[u32; 4]> {
+    (0..facets).map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).collect()
+}
+
 pub fn method(facets: u32, constraint: ConstraintForm, search: SearchOptions) -> NodeToSurface {
-    with_options(facets, NodeToSurfaceOptions { constraint, search, ..NodeToSurfaceOptions::default() })
+    method_on(&whole, facets, constraint, search)
+}
+
+pub fn method_on(divide: Divide<'_>, facets: u32, constraint: ConstraintForm, search: SearchOptions) -> NodeToSurface {
+    with_options(divide, facets, NodeToSurfaceOptions { constraint, search, ..NodeToSurfaceOptions::default() })
 }
 
 pub fn enforced(facets: u32, enforcement: Enforcement) -> NodeToSurface {
-    with_options(facets, NodeToSurfaceOptions { enforcement, ..NodeToSurfaceOptions::default() })
+    enforced_on(&whole, facets, enforcement)
 }
 
-fn with_options(facets: u32, options: NodeToSurfaceOptions) -> NodeToSurface {
-    let master: Vec<[u32; 4]> = (0..facets).map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).collect();
+pub fn enforced_on(divide: Divide<'_>, facets: u32, enforcement: Enforcement) -> NodeToSurface {
+    with_options(divide, facets, NodeToSurfaceOptions { enforcement, ..NodeToSurfaceOptions::default() })
+}
+
+fn with_options(divide: Divide<'_>, facets: u32, options: NodeToSurfaceOptions) -> NodeToSurface {
     let reference = positions(&vec![0.0; facets as usize + 1], [0.3, 0.2, 0.5]);
     let k = 2 * (facets + 1);
-    NodeToSurface::new("test", &[[k, k + 1, k + 2, k + 3]], &master, &reference, options).unwrap()
+    let (slave, master) = (divide(0, &[[k, k + 1, k + 2, k + 3]]), divide(1, &row(facets)));
+    NodeToSurface::new("test", &slave, &master, &reference, options).unwrap()
 }
 
 pub fn standard(facets: u32) -> NodeToSurface {
-    method(facets, ConstraintForm::Standard, SearchOptions::default())
+    standard_on(&whole, facets)
+}
+
+pub fn standard_on(divide: Divide<'_>, facets: u32) -> NodeToSurface {
+    method_on(divide, facets, ConstraintForm::Standard, SearchOptions::default())
 }
 
 /// Puts the first node in contact at `on` and begins the next step there.

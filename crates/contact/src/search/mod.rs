@@ -33,7 +33,7 @@ use stoss_geometry::{Aabb, BoundingVolumeTree};
 /// Where on the master surface the closest point lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Feature {
-    /// In the interior of a facet, at convective coordinates in `(-1, 1)`.
+    /// In the interior of a facet, at convective coordinates inside of it.
     Face {
         /// Index of the facet.
         facet: u32,
@@ -44,7 +44,7 @@ pub enum Feature {
     Edge {
         /// The facet that has the edge and its neighbour; `None` on a rim.
         facets: (u32, Option<u32>),
-        /// Coordinates on the first facet, one of them `-1` or `1`.
+        /// Coordinates on the first facet.
         xi: [f64; 2],
     },
     /// In a node of the surface.
@@ -75,7 +75,7 @@ impl Feature {
 pub struct Pairing {
     /// Index of the master facet.
     pub facet: u32,
-    /// Foot of the normal on the *extended* patch of the facet: outside `[-1, 1]` if the closest point is on an edge or vertex.
+    /// Foot of the normal on the *extended* patch of the facet: outside the facet if the closest point is on an edge or vertex.
     pub xi: [f64; 2],
     /// Gap to the extended patch, `(x - x(xi)) . n`.
     pub gap: f64,
@@ -118,10 +118,10 @@ impl MasterPoint {
 /// Tolerances of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchOptions {
-    /// How far beyond a rim contact is kept, in convective coordinates (formulation §4.1: 1e-3 .. 5e-2). Zero would lose a node that sits
+    /// How far beyond a rim contact is kept, in halves of an edge as `FacetKind::excess` counts (formulation §4.1: 1e-3 .. 5e-2). Zero would lose a node that sits
     /// on the rim to round-off.
     pub overhang: f64,
-    /// How far beyond an edge [`SearchView::pair`] keeps the facet that a node had, in convective coordinates. Without it a node on an edge
+    /// How far beyond an edge [`SearchView::pair`] keeps the facet that a node had, in halves of an edge. Without it a node on an edge
     /// changes its facet with every iterate. The gap to the kept facet may differ from the true gap by a tenth of this times the
     /// length scale.
     pub hysteresis: f64,

@@ -3,7 +3,7 @@
 use super::{Feature, MasterPoint, Pairing, SearchView};
 use nalgebra::Vector3;
 use stoss_geometry::{ClosestPoint, PatchFeature};
-use stoss_reference_element::quad4;
+use stoss_reference_element::FacetNodes;
 
 /// Closest point of one facet.
 #[derive(Clone, Copy, Debug)]
@@ -71,8 +71,8 @@ impl SearchView<'_> {
             rim: true,
         };
         let accepted = surface.neighbour(foot.facet, edge).and_then(|neighbour| {
-            let from = surface.facets()[foot.facet as usize][edge];
-            let xi = across_edge(foot.closest.xi, edge, &surface.facets()[neighbour as usize], from)?;
+            let facets = [foot.facet, neighbour].map(|f| &surface.facets()[f as usize]);
+            let xi = across_edge(foot.closest.xi, edge, facets[0], facets[1])?;
             let normal = self.patch(neighbour).normal(xi);
             self.opposes(&normal, slave_normal).then_some((neighbour, xi, normal))
         });
@@ -102,14 +102,15 @@ impl SearchView<'_> {
             let patch = self.patch(facet);
             let corners = &surface.local_facets()[facet as usize];
             let Some(corner) = corners.iter().position(|&n| n as usize == local_node) else { continue };
-            let xi = quad4::VERTICES[corner];
+            let xi = patch.kind().vertices()[corner];
             let normal = patch.normal(xi);
             if facet != foot.facet && !self.opposes(&normal, slave_normal) {
                 around.rim = true;
                 continue;
             }
             around.add(facet, xi, normal, patch.corner_angle(corner), direction);
-            around.rim |= [corner, (corner + 3) % 4].iter().any(|&edge| surface.neighbour(facet, edge).is_none());
+            around.rim |=
+                [corner, corners.kind().previous(corner)].iter().any(|&edge| surface.neighbour(facet, edge).is_none());
         }
         around
     }
@@ -162,18 +163,18 @@ impl SearchView<'_> {
         slave_normal: Option<&Vector3<f64>>,
     ) -> Option<f64> {
         let surface = &self.search.surface;
-        let outwards = |edge: usize, at: [f64; 2]| [-at[1], at[0], at[1], -at[0]][edge];
+        let kind = surface.facets()[facet as usize].kind();
         let ends_at = |edge: usize| match surface.neighbour(facet, edge) {
             None => true,
             Some(neighbour) => {
-                let from = surface.facets()[facet as usize][edge];
-                let there = across_edge(start, edge, &surface.facets()[neighbour as usize], from);
+                let facets = [facet, neighbour].map(|f| &surface.facets()[f as usize]);
+                let there = across_edge(start, edge, facets[0], facets[1]);
                 there.is_none_or(|xi| !self.opposes(&self.patch(neighbour).normal(xi), slave_normal))
             }
         };
-        (0..4)
-            .filter(|&edge| outwards(edge, start) == 1.0 && ends_at(edge))
-            .map(|edge| outwards(edge, xi) - 1.0)
+        (0..kind.edge_count())
+            .filter(|&edge| kind.edge_excess(edge, start) == 0.0 && ends_at(edge))
+            .map(|edge| kind.edge_excess(edge, xi))
             .reduce(f64::max)
     }
 }
@@ -189,16 +190,10 @@ impl Surroundings {
     }
 }
 
-/// Coordinates on a neighbour of a point on edge `edge`, which starts in node `from` and runs the other way round there.
-fn across_edge(xi: [f64; 2], edge: usize, neighbour: &[u32; 4], from: u32) -> Option<[f64; 2]> {
-    // The edge's own coordinate in [-1, 1], from its first to its second node.
-    let along = [xi[0], xi[1], -xi[0], -xi[1]][edge];
-    let end = neighbour.iter().position(|&n| n == from)?;
-    let other = (end + 3) % 4;
-    Some(match other {
-        0 => [-along, -1.0],
-        1 => [1.0, -along],
-        2 => [along, 1.0],
-        _ => [-1.0, along],
-    })
+/// Coordinates on a neighbour of a point on edge `edge` of `facet`, which runs the other way round there.
+fn across_edge(xi: [f64; 2], edge: usize, facet: &FacetNodes, neighbour: &FacetNodes) -> Option<[f64; 2]> {
+    let along = facet.kind().along_edge(edge, xi);
+    let end = neighbour.iter().position(|&n| n == facet[edge])?;
+    let kind = neighbour.kind();
+    Some(kind.on_edge(kind.previous(end), -along))
 }

@@ -71,7 +71,7 @@ impl<'a> SearchView<'a> {
         let patch = self.patch(hint);
         let start = patch.closest_point(x);
         let kept = patch.project(x, start.xi);
-        let outside = kept.xi[0].abs().max(kept.xi[1].abs()) - 1.0;
+        let outside = patch.kind().excess(kept.xi);
         if kept.converged && outside <= options.hysteresis && self.opposes(&kept.normal, slave_normal) {
             let pairing = Pairing { facet: hint, xi: kept.xi, gap: kept.gap, normal: kept.normal };
             if (global.gap - kept.gap).abs() <= slack {
@@ -159,7 +159,7 @@ impl<'a> SearchView<'a> {
         point
     }
 
-    pub(super) fn patch(&self, facet: u32) -> stoss_geometry::BilinearPatch {
+    pub(super) fn patch(&self, facet: u32) -> stoss_geometry::Patch {
         self.search.surface.patch(facet, self.q)
     }
 

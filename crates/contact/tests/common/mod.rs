@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use std::collections::HashMap;
-use stoss_contact::{ContactSurface, MasterSearch, SearchOptions};
+use stoss_contact::{ContactSurface, FacetNodes, MasterSearch, SearchOptions};
 
 pub type Facets = Vec<[u32; 4]>;
 
@@ -83,12 +83,12 @@ pub fn unlimited() -> SearchOptions {
     SearchOptions { depth_limit: f64::INFINITY, ..SearchOptions::default() }
 }
 
-pub fn search(facets: &[[u32; 4]], q: &[f64], options: SearchOptions) -> MasterSearch {
+pub fn search<F: Copy + Into<FacetNodes>>(facets: &[F], q: &[f64], options: SearchOptions) -> MasterSearch {
     let surface = ContactSurface::new("master", facets, q).expect("a valid surface");
     MasterSearch::new(surface, q, options).expect("valid options")
 }
 
-/// Distance to a patch by dense sampling and a shrinking pattern search.
+/// Distance to a patch by dense sampling and a shrinking pattern search. A triangle has its last corner twice.
 pub fn sampled_distance(corners: [Vector3<f64>; 4], x: &Vector3<f64>) -> f64 {
     let f = |s: f64, t: f64| {
         let p = (corners[0] * (1.0 - s) + corners[1] * s) * (1.0 - t) + (corners[3] * (1.0 - s) + corners[2] * s) * t;

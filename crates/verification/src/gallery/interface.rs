@@ -156,12 +156,12 @@ pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
             triangles.extend(segment.triangles().map(|triangle| triangle.iter().map(|&v| place(v)).collect()));
         }
     }
-    let outline = |x: [Vector3; 4]| x.map(project).to_vec();
+    let outline = |x: &[Vector3]| x.iter().map(|x| project(*x)).collect::<Vec<_>>();
     let drawn = found.iter().filter(|facet| from_above || !facet.segments.is_empty());
-    let slaves: Vec<_> = drawn.map(|facet| outline(*facet.frame.corners())).collect();
+    let slaves: Vec<_> = drawn.map(|facet| outline(facet.frame.corners())).collect();
     let opposed: BTreeSet<u32> = opposite.iter().flat_map(|facet| &facet.segments).map(|s| s.master_facet).collect();
     let seen = (0..master.facets().len() as u32).filter(|f| from_above || opposed.contains(f));
-    let masters = near(seen.map(|f| outline(master.patch(f, q).corners)).collect(), &slaves);
+    let masters = near(seen.map(|f| outline(&master.patch(f, q).corners)).collect(), &slaves);
     let series = [
         outlines(&format!("{} triangles", triangles.len()), &triangles),
         outlines("master facets", &masters),

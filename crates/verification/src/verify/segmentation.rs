@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use stoss_contact::ContactSurface;
+use stoss_contact::{ContactSurface, FacetNodes};
 use stoss_reference_cases::facets::{Quad, RandomQuad, SQUARE, common_area, flat, reversed};
 use stoss_segmentation::{
     GapRange, LOCAL, MasterFacet, Segment, SlaveFrame, check_coverage, segment_facet, segment_pair,
@@ -68,7 +68,7 @@ fn quad(random: &mut Random, warp: f64, lattice: bool) -> Quad {
 
 fn segments(frame: &SlaveFrame, master: &Quad) -> Outcome<Vec<Segment>> {
     let mut out = Vec::new();
-    segment_pair(frame, 0, master, &mut out)?;
+    segment_pair(frame, 0, &(*master).into(), &mut out)?;
     Ok(out)
 }
 
@@ -181,7 +181,7 @@ fn surface(n: u32, r: f64, up: bool, mut place: impl FnMut(f64, f64) -> Vector3)
     let facets = (0..n * n).map(|id| {
         let k = id / n * (n + 1) + id % n;
         let ids = if up { [k, k + 1, k + n + 2, k + n + 1] } else { [k, k + n + 1, k + n + 2, k + 1] };
-        MasterFacet { id, nodes: ids, corners: ids.map(|k| nodes[k as usize]) }
+        MasterFacet { id, nodes: ids.into(), corners: ids.map(|k| nodes[k as usize]).into() }
     });
     facets.collect()
 }
@@ -247,7 +247,7 @@ fn derivative_error(slave: &Quad, master: &Quad) -> Outcome<(f64, usize)> {
     let frame = SlaveFrame::new(*slave)?;
     let (mut worst, mut compared) = (0.0_f64, 0);
     for segment in &segments(&frame, master)? {
-        let exact = segment.vertex_derivatives(&frame, master);
+        let exact = segment.vertex_derivatives(&frame, &(*master).into());
         for k in 0..LOCAL {
             let moved = |d: f64| -> Outcome<Option<Vec<[f64; 4]>>> {
                 let (mut s, mut m) = (*slave, *master);
@@ -293,7 +293,7 @@ fn picture(title: &str, slave: &[MasterFacet], master: &[MasterFacet]) -> Outcom
     let count = |f: &[MasterFacet]| f.iter().flat_map(|f| f.nodes).max().map_or(0, |n| n + 1);
     let first = count(slave);
     let mut q = vec![0.0; 3 * (first + count(master)) as usize];
-    let mut place = |list: &[MasterFacet], first: u32| -> Vec<[u32; 4]> {
+    let mut place = |list: &[MasterFacet], first: u32| -> Vec<FacetNodes> {
         for (node, x) in list.iter().flat_map(|f| f.nodes.into_iter().zip(f.corners)) {
             let k = 3 * (first + node) as usize;
             q[k..k + 3].copy_from_slice(&[x.x, x.y, x.z]);
