@@ -5,34 +5,42 @@ mod common;
 use common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_contact::{ContactError, ContactSurface, MasterSearch, SearchOptions};
+use stoss_contact::{ContactError, ContactSurface, FacetKind, FacetNodes, MasterSearch, SearchOptions};
+use stoss_testkit::meshes::{Mesh, mesh};
 
-fn surface(facets: &[[u32; 4]], q: &[f64]) -> ContactSurface {
+fn surface<F: Copy + Into<FacetNodes>>(facets: &[F], q: &[f64]) -> ContactSurface {
     ContactSurface::new("slave", facets, q).expect("a valid surface")
 }
 
 #[test]
 fn adjacency_of_a_closed_surface() {
-    let (facets, q) = voxels(&block(3, 2, 2));
-    let s = surface(&facets, &q);
-    assert_eq!(s.boundary_edge_count(), 0);
-    assert!(s.irregular_edges().is_empty());
-    // Euler: V - E + F = 2 with E = 2 F.
-    assert_eq!(s.nodes().len(), s.facets().len() + 2);
-    for (f, corners) in facets.iter().enumerate() {
-        for k in 0..4 {
-            let g = s.neighbour(f as u32, k).expect("closed");
-            let back = (0..4).find(|&l| s.neighbour(g, l) == Some(f as u32)).expect("mutual");
-            let other = facets[g as usize];
-            assert_eq!((other[back], other[(back + 1) % 4]), (corners[(k + 1) % 4], corners[k]));
+    let (quads, q) = voxels(&block(3, 2, 2));
+    for mesh in Mesh::ALL {
+        let facets = mesh.of(&quads);
+        let s = surface(&facets, &q);
+        assert_eq!(s.boundary_edge_count(), 0);
+        assert!(s.irregular_edges().is_empty());
+        // Euler: V - E + F = 2, and every edge belongs to two facets.
+        let edges = facets.iter().map(|f| f.len()).sum::<usize>() / 2;
+        assert_eq!(s.nodes().len() + s.facets().len(), edges + 2);
+        for (f, corners) in facets.iter().enumerate() {
+            let ends = |facet: &FacetNodes, edge: usize| [facet[edge], facet[(edge + 1) % facet.len()]];
+            assert_eq!(s.neighbours(f as u32).count(), corners.len());
+            for k in 0..corners.len() {
+                let g = s.neighbour(f as u32, k).expect("closed");
+                let other = facets[g as usize];
+                let [a, b] = ends(corners, k);
+                let back = (0..other.len()).find(|&l| ends(&other, l) == [b, a]).expect("the edge from the other side");
+                assert_eq!(s.neighbour(g, back), Some(f as u32));
+            }
         }
+        for (i, node) in s.nodes().iter().enumerate() {
+            assert_eq!(s.local_node(*node), Some(i));
+            let around: Vec<u32> = (0..facets.len() as u32).filter(|&f| facets[f as usize].contains(node)).collect();
+            assert_eq!(s.facets_around(i), around);
+        }
+        assert_eq!(s.local_node(9999), None);
     }
-    for (i, node) in s.nodes().iter().enumerate() {
-        assert_eq!(s.local_node(*node), Some(i));
-        let around: Vec<u32> = (0..facets.len() as u32).filter(|&f| facets[f as usize].contains(node)).collect();
-        assert_eq!(s.facets_around(i), around);
-    }
-    assert_eq!(s.local_node(9999), None);
 }
 
 #[test]
@@ -44,8 +52,10 @@ fn areas_of_plane_facets_are_exact() {
         p[1] *= 3.0;
         p[2] *= 2.0;
     });
-    let s = surface(&facets, &q);
-    assert!((s.area() - 360.0).abs() < 1e-11);
+    for mesh in Mesh::ALL {
+        let s = surface(&mesh.of(&facets), &q);
+        assert!((s.area() - 360.0).abs() < 1e-11);
+    }
     // One node of a flat interior: a quarter of each of four facets of 3 by 3.
     let (facets, q) = sheet(2, 2, |u, v| [3.0 * u, 3.0 * v, 1.0]);
     let s = surface(&facets, &q);
@@ -53,6 +63,14 @@ fn areas_of_plane_facets_are_exact() {
     assert!(s.nodal_areas().iter().zip(&areas).all(|(a, b)| (a - b).abs() < 1e-14));
     assert!((s.length_scale() - 3.0).abs() < 1e-14);
     assert_eq!(s.boundary_edge_count(), 8);
+    // A triangle gives each of its corners a third of its area, 1.5.
+    let triangles = [[0, 1, 3], [1, 4, 3]].map(FacetNodes::from);
+    let mixed: Vec<FacetNodes> = triangles.into_iter().chain(facets[1..].iter().map(|&f| f.into())).collect();
+    assert_eq!(mixed[0].kind(), FacetKind::Tri3);
+    let s = surface(&mixed, &q);
+    let areas = [1.5, 5.25, 2.25, 5.25, 8.25, 4.5, 2.25, 4.5, 2.25];
+    assert!(s.nodal_areas().iter().zip(&areas).all(|(a, b)| (a - b).abs() < 1e-14), "{:?}", s.nodal_areas());
+    assert_eq!((s.nodal_areas_at(&q), s.boundary_edge_count()), (s.nodal_areas().to_vec(), 8));
 }
 
 proptest! {
@@ -80,9 +98,9 @@ proptest! {
 
     /// Weights of the node normals are angles: a cube's corner has the diagonal whatever the subdivision of its faces.
     #[test]
-    fn node_normals_do_not_depend_on_the_subdivision(n in 1i32..4) {
+    fn node_normals_do_not_depend_on_the_subdivision(mesh in mesh(), n in 1i32..4) {
         let (facets, q) = voxels(&block(n, n, n));
-        let s = surface(&facets, &q);
+        let s = surface(&mesh.of(&facets), &q);
         for (i, &node) in s.nodes().iter().enumerate() {
             let p = Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
             let outwards = p.map(|c| if c == 0.0 { -1.0 } else if c == f64::from(n) { 1.0 } else { 0.0 });
