@@ -66,15 +66,17 @@ mod tests {
     use crate::slip::tangents;
     use nalgebra::{Matrix3, Rotation3};
     use proptest::prelude::*;
+    use stoss_reference_element::Nodal;
+    use stoss_testkit::meshes::{Mesh, mesh};
 
-    /// Two by two facets, none of them a parallelogram, in the plane `z = 0`.
-    fn patch() -> (ContactSurface, Vec<f64>) {
+    /// Two by two quadrilaterals, none of them a parallelogram, in the plane `z = 0`, divided or not.
+    fn patch(mesh: Mesh) -> (ContactSurface, Vec<f64>) {
         let rows = [[0.0, 0.1, -0.1], [1.0, 1.2, 0.8], [2.3, 1.9, 2.0]];
         let q = (0..9)
             .flat_map(|k| [rows[k / 3][k % 3] + 0.2, (k % 3) as f64 + 0.1 * (k / 3) as f64, 0.0])
             .collect::<Vec<f64>>();
         let facets = [[0, 3, 4, 1], [3, 6, 7, 4], [1, 4, 5, 2], [4, 7, 8, 5]];
-        (ContactSurface::new("slave", &facets, &q).unwrap(), q)
+        (ContactSurface::new("slave", &mesh.of(&facets), &q).unwrap(), q)
     }
 
     /// The frame of the node in the middle where positions are `q`.
@@ -97,9 +99,9 @@ mod tests {
     proptest! {
         #[test]
         fn frames_turn_with_the_rotation_of_the_polar_decomposition(
-            u in prop::array::uniform3(-0.4f64..0.4), axis in prop::array::uniform3(-1.5f64..1.5),
+            mesh in mesh(), u in prop::array::uniform3(-0.4f64..0.4), axis in prop::array::uniform3(-1.5f64..1.5),
         ) {
-            let (surface, q) = patch();
+            let (surface, q) = patch(mesh);
             let frames = MaterialFrames::new(&surface, &q);
             // Symmetric in the plane, then any rotation.
             let stretch = Matrix3::new(1.0 + u[0], u[1], 0.0, u[1], 1.0 + u[2], 0.0, 0.0, 0.0, 1.0);
@@ -113,7 +115,8 @@ mod tests {
                 prop_assert!((turn * a - b).amax() < 1e-13, "{:?} {:?}", turn * a, b);
             }
             // Which way round its facets are numbered is nothing to the material.
-            let turned: Vec<[u32; 4]> = surface.facets().iter().map(|f| [f[1], f[2], f[3], f[0]]).collect();
+            let turned: Vec<_> =
+                surface.facets().iter().map(|f| Nodal::from_fn(f.kind(), |k| f[(k + 1) % f.len()])).collect();
             let other = ContactSurface::new("slave", &turned, &q).unwrap();
             let frames = MaterialFrames::new(&other, &q);
             let (before, after) = (frame(&frames, &other, &q), frame(&frames, &other, &moved));

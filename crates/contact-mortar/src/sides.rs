@@ -105,17 +105,28 @@ pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>], sheets: u
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stoss_testkit::meshes::Mesh;
 
     #[test]
     fn a_corner_of_a_box_has_three_rows() {
         let corner = |k: usize| [(k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2 & 1) as f64];
         let q: Vec<f64> = (0..8).flat_map(corner).collect();
         let facets = [[4, 5, 7, 6], [0, 2, 3, 1], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
-        let surface = ContactSurface::new("slave", &facets, &q).unwrap();
-        let rows = rows(&surface, &unit_normals(&surface, &q), 1);
-        assert_eq!(rows.len(), 24);
-        assert!(rows.iter().all(|row| row.shared && (row.area - 0.25).abs() < 1e-15));
-        assert_eq!(sheets(&surface, &unit_normals(&surface, &q)).1, 6);
+        for mesh in Mesh::ALL {
+            let surface = ContactSurface::new("slave", &mesh.of(&facets), &q).unwrap();
+            let rows = rows(&surface, &unit_normals(&surface, &q), 1);
+            assert_eq!(rows.len(), 24);
+            // A corner of a divided face has one triangle, or both.
+            let areas: &[f64] = match mesh {
+                Mesh::Quads => &[0.25],
+                Mesh::Triangles => &[1.0 / 6.0, 1.0 / 3.0],
+                Mesh::Mixed => &[0.25, 1.0 / 6.0, 1.0 / 3.0],
+            };
+            let area = |a: f64| areas.iter().any(|b| (a - b).abs() < 1e-15);
+            assert!(rows.iter().all(|row| row.shared && area(row.area)), "{mesh:?}");
+            assert!((rows.iter().map(|row| row.area).sum::<f64>() - 6.0).abs() < 1e-14);
+            assert_eq!(sheets(&surface, &unit_normals(&surface, &q)).1, 6);
+        }
         let top = ContactSurface::new("slave", &facets[..1], &q).unwrap();
         assert!(super::rows(&top, &unit_normals(&top, &q), 1).iter().all(|row| !row.shared));
     }

@@ -239,6 +239,7 @@ impl SurfaceSegmentation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stoss_testkit::meshes::Mesh;
 
     /// A box of 3 x 2 x 0.5; without its lower face only the sides face each other.
     #[test]
@@ -247,10 +248,12 @@ mod tests {
         let q: Vec<f64> = (0..8).flat_map(corner).collect();
         let top = [4, 5, 7, 6];
         let sides = [[0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
-        let of = |facets: &[[u32; 4]]| thickness(&ContactSurface::new("slave", facets, &q).unwrap(), &q);
         let all: Vec<[u32; 4]> = [[0, 2, 3, 1], top].into_iter().chain(sides).collect();
-        assert!((of(&all) - 0.5).abs() < 1e-15);
-        assert!((of(&all[1..]) - 2.0).abs() < 1e-15);
-        assert_eq!(of(&[top]), f64::INFINITY);
+        for mesh in Mesh::ALL {
+            let of = |quads: &[[u32; 4]]| thickness(&ContactSurface::new("slave", &mesh.of(quads), &q).unwrap(), &q);
+            assert!((of(&all) - 0.5).abs() < 1e-15);
+            assert!((of(&all[1..]) - 2.0).abs() < 1e-15);
+            assert_eq!(of(&[top]), f64::INFINITY);
+        }
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_contact::{ContactMethod, ContactRule, StepConfiguration};
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
+use stoss_testkit::meshes::{Mesh, meshes};
 
 /// Faces of a cube whose corner `k` is at the bits of `k`, numbered outward; the first one is the lower.
 const CUBE: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
@@ -20,12 +21,13 @@ fn positions(at: [f64; 3]) -> Vec<f64> {
     q
 }
 
-fn method(walls: bool, dual: bool, q: &[f64]) -> MortarContact {
+fn method(meshes: [Mesh; 2], walls: bool, dual: bool, q: &[f64]) -> MortarContact {
     let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
     let options = MortarOptions { space, ..MortarOptions::default() };
     let master = [[8, 9, 10, 11], [9, 12, 13, 10]];
     let master = if walls { &master[..] } else { &master[..1] };
-    let mut method = MortarContact::new("test", &CUBE, master, &positions([1.0; 3]), options).unwrap();
+    let mut method =
+        MortarContact::new("test", &meshes[0].of(&CUBE), &meshes[1].of(master), &positions([1.0; 3]), options).unwrap();
     method.set_rule(ContactRule::EndPoint, 0.1);
     method.begin_step(q, 0.5).unwrap();
     method
@@ -51,9 +53,9 @@ fn force(method: &mut MortarContact, q: &[f64], pressure: f64, directions: &[[f6
 proptest! {
     /// The lower face stands on the plate wholly, the sides count for nothing.
     #[test]
-    fn a_whole_block_stands_on_its_lower_face_alone(gap in -0.2f64..0.2, dual in any::<bool>()) {
+    fn a_whole_block_stands_on_its_lower_face_alone(meshes in meshes(), gap in -0.2f64..0.2, dual in any::<bool>()) {
         let q = positions([1.2, 1.3, gap]);
-        let method = method(false, dual, &q);
+        let method = method(meshes, false, dual, &q);
         let mut gaps = [0.0; ROWS];
         method.complementarity_gaps(&q, &[true; ROWS], &mut gaps).unwrap();
         let lower: Vec<f64> = gaps.into_iter().filter(|g| g.is_finite()).collect();
@@ -62,9 +64,9 @@ proptest! {
 
     /// A block in a corner: under one pressure floor and wall each take the pressure times its area, the edge between them included.
     #[test]
-    fn floor_and_wall_take_a_uniform_pressure_each_for_itself(along in 0.1f64..2.9, pressure in 0.1f64..9.0, dual in any::<bool>()) {
+    fn floor_and_wall_take_a_uniform_pressure_each_for_itself(meshes in meshes(), along in 0.1f64..2.9, pressure in 0.1f64..9.0, dual in any::<bool>()) {
         let q = positions([3.0, along, 0.0]);
-        let mut method = method(true, dual, &q);
+        let mut method = method(meshes, true, dual, &q);
         let on = |method: &mut MortarContact, directions: &[[f64; 3]]| force(method, &q, pressure, directions);
         let (floor, wall) = (on(&mut method, &[[0.0, 0.0, 1.0]]), on(&mut method, &[[-1.0, 0.0, 0.0]]));
         prop_assert!((floor - Vector3::new(0.0, 0.0, pressure)).amax() < 1e-12 * pressure, "{floor}");
@@ -73,9 +75,9 @@ proptest! {
 
     /// A wall beside the block has no part in what it stands on.
     #[test]
-    fn a_wall_is_no_part_of_the_floor(gap in -0.05f64..0.05, clearance in 0.1f64..2.0, dual in any::<bool>()) {
+    fn a_wall_is_no_part_of_the_floor(meshes in meshes(), gap in -0.05f64..0.05, clearance in 0.1f64..2.0, dual in any::<bool>()) {
         let q = positions([3.0 - clearance, 1.4, gap]);
-        let reports = method(true, dual, &q).report(&q).unwrap();
+        let reports = method(meshes, true, dual, &q).report(&q).unwrap();
         for report in reports.iter().filter(|r| r.gap.is_some()) {
             let expected = if report.normal[2] > 0.5 { gap } else { clearance };
             prop_assert!(report.gap.is_some_and(|g| (g - expected).abs() < 1e-9), "{report:?}");
@@ -84,7 +86,7 @@ proptest! {
 
     /// However a side leans, its force on the plate is along the plate's normal: moving integrals see to it.
     #[test]
-    fn the_force_of_an_edge_has_the_direction_of_the_plate(angle in 0.02f64..0.7, turn in 0.0f64..1.5, dual in any::<bool>()) {
+    fn the_force_of_an_edge_has_the_direction_of_the_plate(meshes in meshes(), angle in 0.02f64..0.7, turn in 0.0f64..1.5, dual in any::<bool>()) {
         let lean = Rotation3::from_euler_angles(0.0, 0.0, turn) * Rotation3::from_euler_angles(angle, 0.0, 0.0);
         let mut q = positions([1.5, 1.5, 0.0]);
         for x in q[..3 * SLAVE].chunks_exact_mut(3) {
@@ -95,7 +97,7 @@ proptest! {
         for x in q[3 * SLAVE..3 * SLAVE + 12].chunks_exact_mut(3) {
             (0..2).for_each(|i| x[i] = 40.0 * (x[i] - 2.0));
         }
-        let mut method = method(false, dual, &q).with_factors(Factors { nearness: 0.0, deepest: f64::INFINITY, ..Factors { facing: true, ..Factors::NONE } });
+        let mut method = method(meshes, false, dual, &q).with_factors(Factors { nearness: 0.0, deepest: f64::INFINITY, ..Factors { facing: true, ..Factors::NONE } });
         method.begin_step(&q, 0.5).unwrap();
         let directions: Vec<[f64; 3]> = method.report(&q).unwrap().iter().map(|r| r.normal).collect();
         let force = force(&mut method, &q, 1.0, &directions);
