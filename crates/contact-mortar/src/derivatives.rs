@@ -40,13 +40,22 @@ pub fn pair_derivatives(
         factors.apply_with_derivatives(&facing, &mut p, &mut d);
         let (g1, g2) = (frame.kind().shape_gradient(p.slave), master.kind().shape_gradient(p.master));
         let (s, m) = (&d.coordinates.slave, &d.coordinates.master);
-        let along = |g: [f64; 2], x: &[[f64; LOCAL]; 2]| -> [f64; LOCAL] {
-            std::array::from_fn(|k| g[0] * x[0][k] + g[1] * x[1][k])
-        };
-        let (dn1, dn2) = (g1.map(|g| along(g, s)), g2.map(|g| along(g, m)));
-        for i in 0..frame.kind().node_count() {
+        // Filled in place: arrays that are returned are copied.
+        let mut dn = [[[0.0; LOCAL]; MAX_NODES]; 2];
+        for (dn, (g, x)) in dn.iter_mut().zip([(&g1, s), (&g2, m)]) {
+            for (row, g) in dn.iter_mut().zip(g) {
+                for k in 0..LOCAL {
+                    row[k] = g[0] * x[0][k] + g[1] * x[1][k];
+                }
+            }
+        }
+        let [dn1, dn2] = &dn;
+        for i in 0..MAX_NODES {
             let n = p.slave_shape[i];
-            let dwn: [f64; LOCAL] = std::array::from_fn(|k| d.weight[k] * n + p.weight * dn1[i][k]);
+            let mut dwn = [0.0; LOCAL];
+            for k in 0..LOCAL {
+                dwn[k] = d.weight[k] * n + p.weight * dn1[i][k];
+            }
             out.shape[i].iter_mut().zip(&dwn).for_each(|(o, d)| *o += d);
             let wn = p.weight * n;
             for j in 0..MAX_NODES {

@@ -60,12 +60,13 @@ fn point_at(
     segment: &Segment,
     frame: &SlaveFrame,
     master: &Nodal<Vector3<f64>>,
+    images: &Nodal<[f64; 2]>,
     corners: [[f64; 2]; 3],
     eta: &[f64; 3],
     parametric_weight: f64,
 ) -> (QuadraturePoint, Foot) {
     let slave = linear(eta, corners);
-    let foot = segment.project(frame, master, slave);
+    let foot = segment.project_on(frame, master, images, slave);
     let [a1, a2] = tangents(slave, frame.corners());
     let point = QuadraturePoint {
         slave,
@@ -91,10 +92,11 @@ pub fn for_each_point(
     mut visit: impl FnMut(&QuadraturePoint),
 ) {
     let centroid = segment.centroid();
+    let images = master.map(|x| frame.image(&x));
     for edge in segment.fan() {
         let (corners, det) = triangle_of(segment, centroid, edge);
         for &(eta, w) in rule.points() {
-            visit(&point_at(segment, frame, master, corners, &triangle::shape(eta), w * det).0);
+            visit(&point_at(segment, frame, master, &images, corners, &triangle::shape(eta), w * det).0);
         }
     }
 }
@@ -110,9 +112,11 @@ pub fn for_each_point_with_derivatives(
     let vertex = segment.vertex_derivatives(frame, master);
     let centroid = segment.centroid();
     let of_centroid = segment.centroid_derivative(&vertex);
+    let images = master.map(|x| frame.image(&x));
     let corners = frame.corners();
     let normal = frame.normal();
     let a12 = combine(frame.kind().mixed_derivative(), corners);
+    let mut variation = PointVariation { coordinates: PointDerivative::ZERO, weight: [0.0; LOCAL], gap: [0.0; LOCAL] };
     for edge in segment.fan() {
         let (ends, det) = triangle_of(segment, centroid, edge);
         let [p, q, r] = ends;
@@ -126,11 +130,14 @@ pub fn for_each_point_with_derivatives(
         for &(eta, w) in rule.points() {
             let eta = triangle::shape(eta);
             let parametric_weight = w * det;
-            let (point, foot) = point_at(segment, frame, master, ends, &eta, parametric_weight);
-            let slave: [[f64; LOCAL]; 2] = std::array::from_fn(|i| {
-                std::array::from_fn(|k| eta[0] * dp[i][k] + eta[1] * dq[i][k] + eta[2] * dr[i][k])
-            });
-            let master_xi = segment.project_derivative(frame, master, point.slave, &foot, &slave);
+            let (point, foot) = point_at(segment, frame, master, &images, ends, &eta, parametric_weight);
+            let slave = &mut variation.coordinates.slave;
+            for i in 0..2 {
+                for k in 0..LOCAL {
+                    slave[i][k] = eta[0] * dp[i][k] + eta[1] * dq[i][k] + eta[2] * dr[i][k];
+                }
+            }
+            let master_xi = segment.project_derivative(frame, master, point.slave, &foot, slave);
             // d|c| = c/|c| . (da1 x a2 + a1 x da2), da1 = N_I,1 dx_I + a12 dxi2, da2 = N_I,2 dx_I + a12 dxi1.
             let [a1, a2] = tangents(point.slave, corners);
             let c = a1.cross(&a2);
@@ -147,11 +154,6 @@ pub fn for_each_point_with_derivatives(
             let [m1, m2] = slope(segment.master_map.weights_gradient(point.master), master);
             let (on_slave, on_master) =
                 (segment.slave_map.weights(point.slave), segment.master_map.weights(point.master));
-            let mut variation = PointVariation {
-                coordinates: PointDerivative { slave, master: master_xi },
-                weight: [0.0; LOCAL],
-                gap: [0.0; LOCAL],
-            };
             for k in 0..LOCAL {
                 let mut d = by_xi1 * slave[0][k] + by_xi2 * slave[1][k];
                 let mut g = m1 * master_xi[0][k] + m2 * master_xi[1][k] - s1 * slave[0][k] - s2 * slave[1][k];
@@ -164,6 +166,7 @@ pub fn for_each_point_with_derivatives(
                 variation.weight[k] = w * det_variation[k] * density + parametric_weight * d;
                 variation.gap[k] = g;
             }
+            variation.coordinates.master = master_xi;
             visit(&point, &variation);
         }
     }

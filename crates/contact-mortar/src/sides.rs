@@ -128,6 +128,6 @@ mod tests {
             assert_eq!(sheets(&surface, &unit_normals(&surface, &q)).1, 6);
         }
         let top = ContactSurface::new("slave", &facets[..1], &q).unwrap();
-        assert!(super::rows(&top, &unit_normals(&top, &q), 1).iter().all(|row| !row.shared));
+        assert!(rows(&top, &unit_normals(&top, &q), 1).iter().all(|row| !row.shared));
     }
 }

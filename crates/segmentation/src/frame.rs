@@ -14,7 +14,7 @@ use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 #[derive(Clone, Debug)]
 pub struct SlaveFrame {
     corners: Nodal<Vector3<f64>>,
-    diagonals: [Vector3<f64>; 2],
+    normal_derivatives: [Matrix3<f64>; MAX_NODES],
     centre: Vector3<f64>,
     normal: Vector3<f64>,
     tangents: [Vector3<f64>; 2],
@@ -45,7 +45,7 @@ impl SlaveFrame {
         let t1 = d1.normalize();
         let mut frame = Self {
             corners,
-            diagonals: [d1, d2],
+            normal_derivatives: normal_derivatives(corners.kind(), [d1, d2], normal, area),
             centre: corners.iter().sum::<Vector3<f64>>() / corners.len() as f64,
             normal,
             tangents: [t1, normal.cross(&t1)],
@@ -97,12 +97,20 @@ impl SlaveFrame {
     }
 
     /// `d n0 / d x_I` for the slave nodes.
-    pub fn normal_derivatives(&self) -> [Matrix3<f64>; MAX_NODES] {
-        let [d1, d2] = self.diagonals;
-        let n = self.normal;
-        let p = (Matrix3::identity() - n * n.transpose()) / self.diagonal_product;
-        let (by_d1, by_d2) = (-p * d2.cross_matrix(), p * d1.cross_matrix());
-        let [c1, c2] = self.kind().diagonals();
-        std::array::from_fn(|k| by_d1 * c1[k] + by_d2 * c2[k])
+    pub fn normal_derivatives(&self) -> &[Matrix3<f64>; MAX_NODES] {
+        &self.normal_derivatives
     }
+}
+
+/// Of a unit normal `n = d1 x d2 / |d1 x d2|` by the nodes.
+fn normal_derivatives(
+    kind: FacetKind,
+    [d1, d2]: [Vector3<f64>; 2],
+    n: Vector3<f64>,
+    length: f64,
+) -> [Matrix3<f64>; MAX_NODES] {
+    let p = (Matrix3::identity() - n * n.transpose()) / length;
+    let (by_d1, by_d2) = (-p * d2.cross_matrix(), p * d1.cross_matrix());
+    let [c1, c2] = kind.diagonals();
+    std::array::from_fn(|k| by_d1 * c1[k] + by_d2 * c2[k])
 }

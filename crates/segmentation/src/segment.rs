@@ -150,9 +150,19 @@ impl Segment {
 
     /// Projects the slave's point at `slave` on the master facet along `n0`.
     pub fn project(&self, frame: &SlaveFrame, master: &Nodal<Vector3<f64>>, slave: [f64; 2]) -> Foot {
+        self.project_on(frame, master, &master.map(|x| frame.image(&x)), slave)
+    }
+
+    /// [`Segment::project`] with the images of the master's corners, for many points of one segment.
+    pub fn project_on(
+        &self,
+        frame: &SlaveFrame,
+        master: &Nodal<Vector3<f64>>,
+        images: &Nodal<[f64; 2]>,
+        slave: [f64; 2],
+    ) -> Foot {
         let x1 = weighted(&self.slave_map.weights(slave), frame.corners());
-        let images = master.map(|x| frame.image(&x));
-        let xi = inverse(self.master_map, &images, frame.image(&x1));
+        let xi = inverse(self.master_map, images, frame.image(&x1));
         let x2 = weighted(&self.master_map.weights(xi), master);
         Foot { master: xi, gap: (x2 - x1).dot(&frame.normal()) }
     }
