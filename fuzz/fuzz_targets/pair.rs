@@ -15,7 +15,7 @@ fuzz_target!(|data: &[u8]| {
     let (slave, master) = (numbers.quad(), numbers.quad());
     let Ok(frame) = SlaveFrame::new(slave) else { return };
     let mut segments = Vec::new();
-    segment_pair(&frame, 0, &master, &mut segments).expect("all coordinates are finite");
+    segment_pair(&frame, 0, &master.into(), &mut segments).expect("all coordinates are finite");
     let area: f64 = segments.iter().map(|s| s.image_area()).sum();
     // Of images with next to no area, or edge, or a corner that is nearly flat, the coordinates' round-off is left.
     let normal = frame.normal();

@@ -19,7 +19,7 @@ fuzz_target!(|data: &[u8]| {
     let facet = |f: usize| {
         let k = f % 3 + 4 * (f / 3);
         let ids = [k, k + 4, k + 5, k + 1];
-        MasterFacet { id: f as u32, nodes: ids.map(|k| k as u32), corners: ids.map(|k| nodes[k]) }
+        MasterFacet { id: f as u32, nodes: ids.map(|k| k as u32).into(), corners: ids.map(|k| nodes[k]).into() }
     };
     let sheet: Vec<MasterFacet> = (0..9).map(facet).collect();
     if SlaveFrame::new(slave).is_err() {
