@@ -128,7 +128,7 @@ pub(crate) fn region(x: &Nodal<Vector3<f64>>, normal: Vector3<f64>, bounds: &Aab
 pub(crate) fn thickness(surface: &ContactSurface, q: &[f64]) -> f64 {
     let facets: Vec<Nodal<Vector3<f64>>> = (0..surface.facets().len() as u32).map(|f| corners(surface, f, q)).collect();
     let normals: Vec<Vector3<f64>> = facets.iter().map(area_vector).collect();
-    let boxes: Vec<Aabb> = facets.iter().map(|x| Aabb::from_points(x)).collect();
+    let boxes: Vec<Aabb> = facets.iter().map(|x| Aabb::from_points(&x[..])).collect();
     let tree = BoundingVolumeTree::build(&boxes);
     let bounds = tree.bounds();
     let extent = (bounds.max - bounds.min).norm();
