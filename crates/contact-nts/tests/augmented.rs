@@ -6,9 +6,9 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact::{Auxiliary, ContactError, ContactMethod, ContactRule, FacetNodes, StepConfiguration};
+use stoss_contact::{Auxiliary, ContactError, ContactMethod, ContactRule, StepConfiguration};
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
-use stoss_testkit::meshes::{Mesh, meshes};
+use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 const RULES: [ContactRule; 2] = [ContactRule::EndPoint, ContactRule::Midpoint];
@@ -16,11 +16,6 @@ const FACETS: u32 = 6;
 const NODES: usize = 2 * (FACETS as usize + 1) + 4;
 const PRESSURE: f64 = 3.0;
 const STEP: f64 = 0.1;
-
-/// Surfaces of these meshes.
-fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
-    move |side, quads| meshes[side].of(quads)
-}
 
 /// A step of warped, moving facets with a gap; the node is in contact before and after it.
 #[derive(Clone, Debug)]

@@ -6,11 +6,11 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, FacetNodes};
+use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork, Enforcement};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_reference_element::FacetKind;
-use stoss_testkit::meshes::{Mesh, meshes};
+use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
@@ -20,11 +20,6 @@ const SLAVE: usize = 2 * (FACETS as usize + 1);
 const PENALTY: f64 = 40.0;
 const PRESSURE: f64 = 3.0;
 const STEP: f64 = 0.1;
-
-/// Surfaces of these meshes.
-fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
-    move |side, quads| meshes[side].of(quads)
-}
 
 const QUADS: [Mesh; 2] = Mesh::PAIRS[0];
 

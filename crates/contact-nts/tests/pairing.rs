@@ -3,15 +3,10 @@
 mod common;
 use common::*;
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, FacetNodes, SearchOptions};
+use stoss_contact::{ContactMethod, ContactRule, SearchOptions};
 use stoss_contact_nts::ConstraintForm;
-use stoss_testkit::meshes::{Mesh, meshes};
+use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
-
-/// Surfaces of these meshes.
-fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
-    move |side, quads| meshes[side].of(quads)
-}
 
 /// Work of the contact forces in the step.
 fn work(residual: &[f64], q_n: &[f64], q_1: &[f64]) -> f64 {

@@ -9,7 +9,7 @@ use stoss_contact::{ContactMethod, ContactRule, FacetNodes, SearchOptions};
 use stoss_contact_nts::kinematics::Gap;
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_geometry::Patch;
-use stoss_testkit::meshes::{Mesh, meshes};
+use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 const RULES: [ContactRule; 5] = [
@@ -23,11 +23,6 @@ const FACETS: u32 = 6;
 /// The slave node, after the master's.
 const SLAVE: u32 = 2 * (FACETS + 1);
 const PRESSURE: f64 = 3.0;
-
-/// Surfaces of these meshes.
-fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
-    move |side, quads| meshes[side].of(quads)
-}
 
 /// A step with its pairing made.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! The list of cells.
 
-use crate::{hex8, quad4};
+use crate::{FacetKind, hex8};
 
 /// A kind of cell that Stoss computes with.
 ///
@@ -27,10 +27,10 @@ impl CellKind {
         self.facets().len()
     }
 
-    /// Number of nodes of each facet.
-    pub const fn facet_node_count(self) -> usize {
+    /// The kind of all facets.
+    pub const fn facet_kind(self) -> FacetKind {
         match self {
-            CellKind::Hex8 => quad4::NODE_COUNT,
+            CellKind::Hex8 => FacetKind::Quad4,
         }
     }
 

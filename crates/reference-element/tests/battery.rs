@@ -168,7 +168,7 @@ fn facets_are_outward_and_close_the_cell() {
         assert_eq!(kind.facets().len(), kind.facet_count());
         let mut edges = std::collections::BTreeMap::new();
         for facet in kind.facets() {
-            assert_eq!(facet.len(), kind.facet_node_count());
+            assert_eq!(facet.len(), kind.facet_kind().node_count());
             let x = facet.map(|n| vertices[n]);
             let dn = quad4::shape_gradient([0.3, -0.2]);
             let tangent = |k: usize| -> [f64; 3] { std::array::from_fn(|d| (0..4).map(|i| dn[i][k] * x[i][d]).sum()) };

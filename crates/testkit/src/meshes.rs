@@ -42,6 +42,11 @@ impl Mesh {
     }
 }
 
+/// Makes the facets of one side of a pair from quadrilaterals.
+pub fn divide(meshes: [Mesh; 2]) -> impl Fn(usize, &[[u32; 4]]) -> Vec<FacetNodes> {
+    move |side, quads| meshes[side].of(quads)
+}
+
 /// Any mesh.
 pub fn mesh() -> impl Strategy<Value = Mesh> {
     prop::sample::select(&Mesh::ALL[..])
