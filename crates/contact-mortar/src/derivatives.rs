@@ -40,16 +40,14 @@ pub fn pair_derivatives(
         factors.apply_with_derivatives(&facing, &mut p, &mut d);
         let (g1, g2) = (frame.kind().shape_gradient(p.slave), master.kind().shape_gradient(p.master));
         let (s, m) = (&d.coordinates.slave, &d.coordinates.master);
-        // Filled in place: arrays that are returned are copied.
-        let mut dn = [[[0.0; LOCAL]; MAX_NODES]; 2];
-        for (dn, (g, x)) in dn.iter_mut().zip([(&g1, s), (&g2, m)]) {
-            for (row, g) in dn.iter_mut().zip(g) {
-                for k in 0..LOCAL {
-                    row[k] = g[0] * x[0][k] + g[1] * x[1][k];
-                }
+        // Filled in place: arrays that closures return are copied.
+        let (mut dn1, mut dn2) = ([[0.0; LOCAL]; MAX_NODES], [[0.0; LOCAL]; MAX_NODES]);
+        for i in 0..MAX_NODES {
+            for k in 0..LOCAL {
+                dn1[i][k] = g1[i][0] * s[0][k] + g1[i][1] * s[1][k];
+                dn2[i][k] = g2[i][0] * m[0][k] + g2[i][1] * m[1][k];
             }
         }
-        let [dn1, dn2] = &dn;
         for i in 0..MAX_NODES {
             let n = p.slave_shape[i];
             let mut dwn = [0.0; LOCAL];

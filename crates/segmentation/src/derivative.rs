@@ -79,17 +79,18 @@ impl Segment {
         let (w1, w2) = (self.slave_map.weights(slave_xi), self.master_map.weights(master_xi));
         let dn = frame.normal_derivatives();
         let t = frame.tangents();
-        std::array::from_fn(|a| {
-            let mut row = [0.0; LOCAL];
+        // Filled in place: arrays that closures return are copied.
+        let mut rows = [[0.0; LOCAL]; 2];
+        for (row, t) in rows.iter_mut().zip(&t) {
             for i in 0..MAX_NODES {
-                let turned = dn[i].transpose() * t[a] * gap;
+                let turned = dn[i].transpose() * t * gap;
                 for c in 0..3 {
-                    row[3 * i + c] = w1[i] * t[a][c] + turned[c];
-                    row[MASTER + 3 * i + c] = -w2[i] * t[a][c];
+                    row[3 * i + c] = w1[i] * t[c] + turned[c];
+                    row[MASTER + 3 * i + c] = -w2[i] * t[c];
                 }
             }
-            row
-        })
+        }
+        rows
     }
 
     /// Derivatives of the coordinates of every vertex; entries beyond the number of vertices are zero.
