@@ -299,6 +299,7 @@ impl MortarContact {
                 dissipated: support * (step.dissipated + yielding) + uncovered,
                 friction_stored: stored,
                 friction_work: support * step.work,
+                ..ContactWork::default()
             };
         }
         total

@@ -603,7 +603,30 @@ impl ContactMethod for MortarContact {
             let closed = self.end.slots.iter().zip(pressures).zip(active).filter(|(_, active)| **active);
             work.stored += closed.map(|((slot, p), _)| 0.5 * slot.support * p * p / stiffness).sum::<f64>();
         }
+        work.closing = self.has_middle().then(|| {
+            let carrying = (0..self.slot_count()).filter(|&k| active[k] && self.step.carried[k]);
+            let gaps = |k: usize| Some(self.step.gap[k].unwrap_or(0.0) - self.end.slots[k].gap(q_np1)?);
+            carrying.filter_map(|k| Some(pressures[k] * gaps(k)?)).sum()
+        });
         Ok(work)
+    }
+
+    fn constraint_gradients(
+        &self,
+        q_np1: &[f64],
+        active: &[bool],
+        visit: &mut dyn FnMut(usize, &[u32], &[f64]),
+    ) -> Result<(), ContactError> {
+        let carrying: Vec<bool> = active.iter().zip(&self.step.carried).map(|(a, c)| *a && *c).collect();
+        let StepState { candidates, without, .. } = &self.step;
+        let needs = self.surfaces.needs(Need::Nothing, &carrying);
+        let end = self.surfaces.integrate(candidates, q_np1, &needs, without, &self.end.slots, false)?;
+        for (k, slot) in end.slots.iter().enumerate().filter(|(k, slot)| carrying[*k] && slot.support > 0.0) {
+            let evaluation = slot.evaluate(q_np1, slot.nodes.len(), Want::Gradient);
+            let evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;
+            visit(k, &slot.nodes, &evaluation.gradient);
+        }
+        Ok(())
     }
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {

@@ -307,6 +307,7 @@ impl NodeToSurface {
                 dissipated: weight * (state.step.dissipated + yielding + dropped),
                 friction_stored: weight * stored,
                 friction_work: weight * state.step.work,
+                ..ContactWork::default()
             };
         }
         Ok(total)

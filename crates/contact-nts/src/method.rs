@@ -431,7 +431,7 @@ impl ContactMethod for NodeToSurface {
     fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
         let mut total = self.friction_work(q_np1, pressures, active)?;
         total.stored += self.normal_stored(q_np1, active)?;
-        Ok(total)
+        Ok(ContactWork { closing: None, ..total })
     }
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {

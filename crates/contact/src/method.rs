@@ -162,7 +162,7 @@ pub struct Coverage {
 }
 
 /// Energy of the contact in a step, as far as it is not that of the bodies.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactWork {
     /// Energy stored at the end of the step (normal and tangential springs).
     pub stored: f64,
@@ -173,6 +173,15 @@ pub struct ContactWork {
     /// Work of the slip against the friction in the step, what friction takes out of the bodies. It is measured with force and slip: what it differs from
     /// the change of `friction_stored` and `dissipated` is what the iteration left.
     pub friction_work: f64,
+    /// What closing gaps cost in the step by the constraints themselves, `sum p (Phi(q_n) - Phi(q_np1))` over the closed slots: what the normal forces take from
+    /// the bodies if they do the work of the gaps. `None` if the method does not tell.
+    pub closing: Option<f64>,
+}
+
+impl Default for ContactWork {
+    fn default() -> Self {
+        Self { stored: 0.0, dissipated: 0.0, friction_stored: 0.0, friction_work: 0.0, closing: Some(0.0) }
+    }
 }
 
 impl std::ops::AddAssign for ContactWork {
@@ -181,6 +190,7 @@ impl std::ops::AddAssign for ContactWork {
         self.dissipated += other.dissipated;
         self.friction_stored += other.friction_stored;
         self.friction_work += other.friction_work;
+        self.closing = self.closing.zip(other.closing).map(|(a, b)| a + b);
     }
 }
 
@@ -304,6 +314,16 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     /// Energy stored and dissipated by the step from `q_n` that ends at `q_np1`.
     fn work(&self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<ContactWork, ContactError> {
         Ok(ContactWork::default())
+    }
+    /// Visits the gradient of the constraint function of every closed slot that carries at `q_np1`: the slot, its nodes and three entries a node. Times the
+    /// pressures it has neither resultant nor moment about `q_np1`. Visits nothing by default: then `closing_loss` cannot be restored.
+    fn constraint_gradients(
+        &self,
+        _q_np1: &[f64],
+        _active: &[bool],
+        _visit: &mut dyn FnMut(usize, &[u32], &[f64]),
+    ) -> Result<(), ContactError> {
+        Ok(())
     }
     /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
     fn verify(&self) -> Result<Coverage, ContactError> {

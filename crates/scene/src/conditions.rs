@@ -46,6 +46,16 @@ named! {
 }
 
 named! {
+    /// What becomes of the energy that gaps cost when they close in a step of mortar contact.
+    Closing {
+        /// It is lost, as in the impact of two parts that move on together.
+        Keep = "keep",
+        /// It goes back into the velocities at the end of the step, by an impulse of the contact forces that leaves both momenta as they are.
+        Restore = "restore",
+    }
+}
+
+named! {
     /// Which integrals the weighted gaps of mortar contact have.
     Integrals {
         /// Those of the present positions: the weighted gap is a function of the positions alone.
@@ -175,15 +185,21 @@ pub struct PlaneRegion {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Unique name for reports; `slave/master` if left out.
+    /// Unique name for reports; `slave/master`, or the two of `between`, if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Contact method.
     pub method: ContactMethod,
     /// Slave surface, `body.set`.
-    pub slave: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slave: Option<String>,
     /// Master surface, `body.set`, of another body.
-    pub master: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub master: Option<String>,
+    /// Instead of `slave` and `master`: two surfaces of different bodies. The slave is the one that is not prescribed as a whole, else the finer one, else the
+    /// softer one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub between: Option<[String; 2]>,
     /// What an active constraint asks for. For `nts` and `cat`; `standard` if left out. Mortar contact has one constraint: the
     /// weighted gap of a closed node is zero at the end of a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -211,6 +227,9 @@ pub struct Contact {
     /// Integrals of `mortar`; `moving` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrals: Option<Integrals>,
+    /// Energy that closing gaps cost, in `mortar` with schemes that take contact forces at the middle of the step; `keep` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closing: Option<Closing>,
     /// Of `mortar`, where a surface has sharp edges: how much more points that are near count than points that are far, in one over the length of a slave facet.
     /// With 0 gaps are plain means, and edges sink
     /// in by a quarter of a facet, with 12 by half of that. If left out 12 in statics and 0 in dynamics, where steps may fail with more if edges of both surfaces lie on
@@ -223,9 +242,22 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The given name, or `slave/master`.
+    /// Slave and master, or the two surfaces of `between` as they are given.
+    pub fn surfaces(&self) -> [&str; 2] {
+        match &self.between {
+            Some([a, b]) => [a, b],
+            None => [&self.slave, &self.master].map(|set| set.as_deref().unwrap_or_default()),
+        }
+    }
+
+    /// Key of each of them.
+    pub fn surface_keys(&self) -> [&'static str; 2] {
+        if self.between.is_some() { ["between[0]", "between[1]"] } else { ["slave", "master"] }
+    }
+
+    /// The given name, or both surfaces.
     pub fn label(&self) -> String {
-        self.name.clone().unwrap_or_else(|| format!("{}/{}", self.slave, self.master))
+        self.name.clone().unwrap_or_else(|| self.surfaces().join("/"))
     }
 }
 

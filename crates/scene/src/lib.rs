@@ -31,8 +31,8 @@ mod watch;
 
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Load, LoadKind, PlaneRegion,
-    Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
+    BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Load, LoadKind,
+    PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,

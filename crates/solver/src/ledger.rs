@@ -29,11 +29,16 @@ pub struct Balance {
     /// Work that the normal forces of contact have taken out of the bodies since the start and do not store, measured with forces and displacements: the
     /// loss of closing gaps, negative where contact gave energy. In dynamics; zero in statics.
     pub closing_loss: f64,
+    /// The part of `closing_loss` that no gap cost which closed, since the start: what the forces did otherwise than the gaps tell. Zero where a method does not tell
+    /// ([`stoss_contact::ContactWork::closing`]).
+    pub contact_remainder: f64,
+    /// What of `closing_loss` went back into velocities, since the start.
+    pub restored: f64,
 }
 
 impl Balance {
     /// What an energy-conserving scheme keeps: kinetic + strain + potential + contact + dissipation - external work. A scheme that conserves
-    /// energy keeps it but for `closing_loss`.
+    /// energy keeps it but for `closing_loss - restored`.
     pub fn total(&self) -> f64 {
         self.kinetic + self.strain + self.potential + self.contact + self.dissipation - self.external_work
     }

@@ -64,6 +64,9 @@ pub struct ContactPair {
     pub method: Box<dyn ContactMethod>,
     /// `c` of formulation §1.6: active if `p - c gap > 0`; about Young's modulus over the edge length.
     pub complementarity: f64,
+    /// Whether the energy that closing gaps cost in a step goes back into the velocities at its end (docs/theory/mortar.md). For methods that tell it and under
+    /// schemes whose contact forces do the work of the gaps.
+    pub restores: bool,
 }
 
 /// Bodies, prescribed motion, loads and contact. Global nodes are numbered body after body.

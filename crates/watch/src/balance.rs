@@ -34,7 +34,7 @@ pub struct BalanceState {
     pub energy: f64,
     /// Energy with potentials, stored and dissipated by contact, minus the work done from outside.
     pub total: f64,
-    /// Work that the normal forces of contact took from the bodies since the start.
+    /// Work that the normal forces of contact took from the bodies since the start and did not give back.
     pub closing_loss: f64,
 }
 

@@ -6,7 +6,7 @@ use super::node::{Node, is_name, known};
 use super::table::Table;
 use crate::conditions::Table as Rows;
 use crate::{
-    BoxRegion, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Kind, Load, LoadKind,
+    BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Kind, Load, LoadKind,
     Multipliers, PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, split_set,
 };
 use toml::de::DeValue;
@@ -84,8 +84,15 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let name = table.optional("name", Node::name);
     let method =
         table.required("method", "method = \"nts\"", |n| n.choice(ContactMethod::NAMES, ContactMethod::from_name));
-    let slave = table.required("slave", "slave = \"ball.outer\"", |n| set_reference(n, world));
-    let master = table.required("master", "master = \"plate.top\"", |n| set_reference(n, world));
+    let between = table.optional("between", |n| n.array(|n| set_reference(n, world)));
+    // Where `between` is there, right or wrong, the other two are not to be.
+    let named = |key: &'static str, example: &'static str| match between {
+        Some(None) => table.required(key, example, |n| set_reference(n, world)).map(Some),
+        _ => table
+            .optional(key, |n| n.fail("is chosen by itself where `between` is given", "remove one of the two keys")),
+    };
+    let slave = named("slave", "slave = \"ball.outer\"");
+    let master = named("master", "master = \"plate.top\"");
     let constraint = table.optional("constraint", |n| {
         if n.text()? == "one-sided" {
             return n.fail("is no constraint any more: mortar contact keeps the true gap, which needs none", "remove it");
@@ -168,6 +175,10 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         mortar_only(n)?;
         n.choice(Integrals::NAMES, Integrals::from_name)
     });
+    let closing = table.optional("closing", |n| {
+        mortar_only(n)?;
+        n.choice(Closing::NAMES, Closing::from_name)
+    });
     let nearness = table.optional("nearness", |n| {
         mortar_only(n)?;
         n.not_negative()
@@ -182,13 +193,15 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         n.fail("is no option any more: the weighted gap follows the facets, and slivers carry no pressure", "remove it")
     });
     table.finish();
-    let (slave, master) = (slave?, master?);
-    if let (Some((s, _)), Some((m, _))) = (split_set(&slave), split_set(&master))
-        && s == m
+    let (slave, master, between) = (slave?, master?, between?);
+    let sets = between.as_ref().map(|[a, b]| (a, b)).or(slave.as_ref().zip(master.as_ref()));
+    if let Some((a, b)) = sets
+        && let (Some((a, _)), Some((b, _))) = (split_set(a), split_set(b))
+        && a == b
     {
         return table.fail(
-            "master",
-            format!("slave and master belong to the same body `{s}`"),
+            if between.is_some() { "between" } else { "master" },
+            format!("slave and master belong to the same body `{a}`"),
             "choose the surface of another body; contact of a body with itself is not available",
         );
     }
@@ -201,6 +214,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         method: method?,
         slave,
         master,
+        between,
         constraint,
         enforcement,
         reduction: reduction?,
@@ -209,6 +223,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         multipliers: multipliers?,
         quadrature: quadrature?,
         integrals: integrals?,
+        closing: closing?,
         nearness: nearness?,
         friction: friction?,
     })

@@ -10,7 +10,7 @@ use crate::{
 };
 use stoss_contact::{ContactWork, Coverage, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
-use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
+use stoss_integrators::{ForceRule, SecondOrderSystem, State, Step, StepConfiguration, StepRule, finish};
 use stoss_linalg::vector;
 
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
@@ -41,6 +41,8 @@ struct Completed {
     strain: f64,
     contact: Option<ContactSummary>,
     work: ContactWork,
+    /// Energy that velocities got back.
+    restored: f64,
     /// For each body.
     inside_out: Vec<Option<InsideOut>>,
     /// Linear solutions of the attempt.
@@ -201,9 +203,10 @@ impl Simulation {
             coverage.left_out += of_pair.left_out;
         }
         let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
-        let work = self.contact_work(&attempt.iterate)?;
-        let next = self.next_state(&attempt.iterate, dt, rule)?;
-        Ok(Completed { attempt, next, rule, strain, contact, work, inside_out, solves })
+        let (work, loss) = self.contact_work(&attempt.iterate)?;
+        let mut next = self.next_state(&attempt.iterate, dt, rule)?;
+        let restored = self.give_back(&attempt.iterate, loss, dt, &mut next.v)?;
+        Ok(Completed { attempt, next, rule, strain, contact, work, restored, inside_out, solves })
     }
 
     fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
@@ -275,9 +278,47 @@ impl Simulation {
         Ok(next)
     }
 
+    /// Puts the energy `loss` into the velocities at the end of a step: `v + beta M^-1 p` with the impulse `p = dt sum p_I grad Phi_I(q_np1)` of the pairs that
+    /// restore what closing cost. `p` has neither resultant nor moment about `q_np1`, so both momenta stay. Returns the energy that they got.
+    fn give_back(&mut self, iterate: &Iterate, loss: f64, dt: f64, v: &mut [f64]) -> Result<f64, StepError> {
+        if loss <= 0.0 {
+            return Ok(0.0);
+        }
+        let mut impulse = vec![0.0; v.len()];
+        for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restores) {
+            let pressures = &iterate.pressures[c];
+            let mut add = |slot: usize, nodes: &[u32], gradient: &[f64]| {
+                for (&node, g) in nodes.iter().zip(gradient.chunks_exact(3)) {
+                    let at = 3 * node as usize;
+                    impulse[at..at + 3].iter_mut().zip(g).for_each(|(p, g)| *p += dt * pressures[slot] * g);
+                }
+            };
+            self.timings.measure(Phase::Contact, || {
+                pair.method.constraint_gradients(&iterate.q, &iterate.active[c], &mut add)
+            })?;
+        }
+        let mut change = vec![0.0; v.len()];
+        let Self { model, system, .. } = self;
+        let Iterate { pressures, auxiliaries, active, .. } = iterate;
+        let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
+        fe.solve_mass(&impulse, &mut change)?;
+        let mut momentum = vec![0.0; v.len()];
+        fe.add_mass_product(1.0, &change, &mut momentum);
+        // 1/2 a beta^2 + b beta = loss
+        let (a, b) = (vector::dot(&momentum, &change), vector::dot(&momentum, v));
+        let root = (b * b + 2.0 * a * loss).sqrt();
+        let beta = if b > 0.0 { 2.0 * loss / (b + root) } else { (root - b) / a };
+        if !beta.is_finite() {
+            return Ok(0.0);
+        }
+        vector::axpy(beta, &change, v);
+        Ok(loss)
+    }
+
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed);
-        let Completed { attempt, next, rule, strain, contact, work: contact_work, inside_out, solves } = completed;
+        let Completed { attempt, next, rule, strain, contact, work: contact_work, restored, inside_out, solves } =
+            completed;
         let Attempt { iterate, newton, .. } = attempt;
         let dt = self.clock.dt();
         let (time_n, time) = (self.state.time, next.time);
@@ -351,6 +392,9 @@ impl Simulation {
             friction_work: self.balance.friction_work + contact_work.friction_work,
             friction_stored: contact_work.friction_stored,
             closing_loss: self.balance.closing_loss - normal_work,
+            contact_remainder: self.balance.contact_remainder
+                + if quasi_static { 0.0 } else { contact_work.closing.map_or(0.0, |closing| -normal_work - closing) },
+            restored: self.balance.restored + restored,
             ..balance
         };
         self.step += 1;
@@ -375,14 +419,16 @@ impl Simulation {
         }
     }
 
-    /// Energy that the contacts store and dissipate in the step.
-    fn contact_work(&mut self, iterate: &Iterate) -> Result<ContactWork, StepError> {
-        let mut total = ContactWork::default();
+    /// Energy that the contacts store and dissipate in the step, and what of the cost of closing gaps is to be restored.
+    fn contact_work(&mut self, iterate: &Iterate) -> Result<(ContactWork, f64), StepError> {
+        let (mut total, mut loss) = (ContactWork::default(), 0.0);
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
-            total += self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
+            let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
+            total += work;
+            loss += work.closing.filter(|_| pair.restores).map_or(0.0, |closing| closing.max(0.0));
         }
-        Ok(total)
+        Ok((total, loss))
     }
 
     /// Adds `factor` times the dead loads that vary in time.

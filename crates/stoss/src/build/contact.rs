@@ -25,9 +25,17 @@ pub(super) fn contacts(
     let held = held_nodes(scene, placed, model);
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
-        let slave = resolve(scene, placed, &format!("{key}.slave"), &item.slave, problems, facets);
-        let master = resolve(scene, placed, &format!("{key}.master"), &item.master, problems, facets);
-        let (Some((slave_body, slave)), Some((master_body, master))) = (slave, master) else { continue };
+        let ([first, second], keys) = (item.surfaces(), item.surface_keys());
+        let first = resolve(scene, placed, &format!("{key}.{}", keys[0]), first, problems, facets);
+        let second = resolve(scene, placed, &format!("{key}.{}", keys[1]), second, problems, facets);
+        let (Some(first), Some(second)) = (first, second) else { continue };
+        let (mut sides, mut chosen) = ([first, second], None);
+        if item.between.is_some() {
+            let (slave, reason) = choose_slave(model, &sides);
+            chosen = Some(format!("{} ({reason})", item.surfaces()[slave]));
+            sides.rotate_left(slave);
+        }
+        let [(slave_body, slave), (master_body, master)] = sides;
         let surfaces = [slave, master];
         if let Some((_, other)) = seen.iter().find(|(other, _)| *other == surfaces) {
             let message = format!("is the same contact as `{}`: its constraints would be there twice", other.label());
@@ -60,7 +68,7 @@ pub(super) fn contacts(
             continue;
         }
         let (bodies, facets) = ([slave_body, master_body], [&slave[..], &master[..]]);
-        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, held: &held, tied: &ties.tied };
+        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, chosen, held: &held, tied: &ties.tied };
         plans.extend(match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),
@@ -100,6 +108,8 @@ pub(super) struct PairInput<'a> {
     /// Slave and master.
     pub bodies: [usize; 2],
     pub facets: [&'a [[u32; 4]]; 2],
+    /// The slave and why, where the scene leaves it open.
+    pub chosen: Option<String>,
     /// Nodes whose motion may be determined without the friction of this contact.
     pub held: &'a BTreeSet<u32>,
     /// Slave nodes of ties.
@@ -123,6 +133,7 @@ impl PairInput<'_> {
         let item = self.item;
         ContactPlan {
             name: item.label(),
+            slave: self.chosen.clone(),
             method: item.method.name().to_owned(),
             constraint: constraint.name().to_owned(),
             enforcement: match item.enforcement {
@@ -196,6 +207,39 @@ impl PairInput<'_> {
     }
 }
 
+/// Sizes of facets that differ by less than this part are the same.
+const SAME_SIZE: f64 = 0.05;
+
+/// Which of two surfaces (body and facets) becomes the slave, and why: one whose motion is not prescribed, the finer one by the mean area of its facets, the softer
+/// one by Young's modulus.
+fn choose_slave(model: &Model, sides: &[(usize, Vec<[u32; 4]>); 2]) -> (usize, &'static str) {
+    let prescribed = [0, 1].map(|k| is_prescribed(model, &sides[k].1));
+    let size = sides.each_ref().map(|(_, facets)| {
+        let areas = facets.iter().map(|facet| area_vector(facet, &model.reference));
+        areas.map(|a| 0.5 * a.iter().map(|a| a * a).sum::<f64>().sqrt()).sum::<f64>() / facets.len() as f64
+    });
+    let young = sides.each_ref().map(|(b, _)| model.bodies[*b].solid.law().small_strain_moduli().young_modulus());
+    if prescribed[0] != prescribed[1] {
+        return (usize::from(prescribed[0]), "the other one is prescribed");
+    }
+    if (size[0] - size[1]).abs() > SAME_SIZE * size[0].max(size[1]) {
+        return (usize::from(size[1] < size[0]), "finer");
+    }
+    match young[0].total_cmp(&young[1]) {
+        std::cmp::Ordering::Less => (0, "softer"),
+        std::cmp::Ordering::Greater => (1, "softer"),
+        std::cmp::Ordering::Equal => (0, "both are alike"),
+    }
+}
+
+/// Twice the area vector of a facet.
+fn area_vector(facet: &[u32; 4], reference: &[f64]) -> [f64; 3] {
+    let x = facet.map(|node| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) });
+    let diagonal = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
+    let (a, b) = (diagonal(0, 2), diagonal(1, 3));
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 /// Cosine beyond a right angle from which on two facets see each other better than edge-on: 15 degrees.
 const EDGE_ON: f64 = 0.25;
 
@@ -203,10 +247,7 @@ const EDGE_ON: f64 = 0.25;
 fn face_each_other([slave, master]: [&[[u32; 4]]; 2], reference: &[f64]) -> bool {
     let normals = |facets: &[[u32; 4]]| -> Vec<[f64; 3]> {
         let normal = |facet: &[u32; 4]| {
-            let x = facet.map(|node| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) });
-            let diagonal = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
-            let (a, b) = (diagonal(0, 2), diagonal(1, 3));
-            let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let n = area_vector(facet, reference);
             let length = n.iter().map(|n| n * n).sum::<f64>().sqrt();
             n.map(|n| if length > 0.0 { n / length } else { 0.0 })
         };
@@ -235,8 +276,8 @@ fn overlap(label: &str, [(slave, slave_mesh), (master, master_mesh)]: [(&String,
 fn held_nodes(scene: &Scene, placed: &[Placed], model: &Model) -> BTreeSet<u32> {
     // Sets that are not there are reported where contacts and ties are made.
     let mut ignored = Problems { scene, list: Vec::new() };
-    let surfaces = scene.contacts.iter().map(|item| [&item.slave, &item.master]);
-    let surfaces = surfaces.chain(scene.ties.iter().map(|item| [&item.slave, &item.master]));
+    let surfaces = scene.contacts.iter().map(crate::scene::Contact::surfaces);
+    let surfaces = surfaces.chain(scene.ties.iter().map(|item| [&item.slave[..], &item.master[..]]));
     let mut held: BTreeSet<u32> = model.prescriptions.iter().flat_map(|p| p.nodes.iter().copied()).collect();
     let mut seen = BTreeSet::new();
     for surface in surfaces {

@@ -2,7 +2,9 @@
 
 use super::contact::PairInput;
 use super::{ContactPlan, Problems};
-use crate::scene::{Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip};
+use crate::scene::{
+    Closing, Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip,
+};
 use crate::solver::{ContactPair, Model, contact_rule};
 use std::collections::BTreeMap;
 use stoss_contact::ContactMethod;
@@ -68,6 +70,18 @@ pub(super) fn contact(
         );
         return None;
     }
+    let restores = item.closing == Some(Closing::Restore);
+    if restores && (constant.is_none() || !matches!(gradient, GradientRule::Midpoint | GradientRule::DiscreteGradient))
+    {
+        let message = "is for schemes whose contact forces do the work of the gaps: `energy-momentum`, and `midpoint`";
+        problems.add(format!("{}.closing", pair.key), "restore", message, "remove it, or use `energy-momentum`");
+        return None;
+    }
+    if restores && options.integrals == Integrals::Frozen {
+        let message = "needs gaps of the positions: frozen ones differ from one step to the next";
+        problems.add(format!("{}.closing", pair.key), "restore", message, "remove it or `integrals`");
+        return None;
+    }
     // True if an entry cannot be had, which is said.
     let refuse = |entry: &str, value: &str, remedy: &str, problems: &mut Problems<'_>| {
         if let Some(scheme) = constant {
@@ -124,7 +138,12 @@ pub(super) fn contact(
                 };
             }
             let plan = pair.plan(&method, Constraint::Standard, plan);
-            model.contacts.push(ContactPair { name: item.label(), method: Box::new(method), complementarity });
+            model.contacts.push(ContactPair {
+                name: item.label(),
+                method: Box::new(method),
+                complementarity,
+                restores,
+            });
             Some(plan)
         }
         Err(error) => {

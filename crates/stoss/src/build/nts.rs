@@ -63,7 +63,7 @@ pub(super) fn contact(
         _ => Box::new(method),
     };
     let plan = pair.plan(&*method, constraint, plan);
-    model.contacts.push(ContactPair { name: item.label(), method, complementarity });
+    model.contacts.push(ContactPair { name: item.label(), method, complementarity, restores: false });
     Some(plan)
 }
 

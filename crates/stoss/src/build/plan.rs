@@ -12,6 +12,9 @@ use std::fmt;
 pub struct ContactPlan {
     /// Name of the contact.
     pub name: String,
+    /// The slave surface and why, where the scene leaves it open (`between`).
+    #[cfg_attr(feature = "output", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub slave: Option<String>,
     /// Contact method, as in the scene.
     pub method: String,
     /// What an active constraint asks for, as in the scene.
@@ -48,13 +51,14 @@ pub struct FrictionPlan {
 
 impl fmt::Display for ContactPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, method, constraint, enforcement, slots, unknowns_per_slot, friction } = self;
+        let Self { name, slave, method, constraint, enforcement, slots, unknowns_per_slot, friction } = self;
         write!(f, "{name}: {method}, {constraint} constraint by {enforcement}, {slots} slave points with ")?;
         write!(f, "{unknowns_per_slot} {} each", if *unknowns_per_slot == 1 { "unknown" } else { "unknowns" })?;
         match friction {
-            Some(friction) => write!(f, "; friction {friction}"),
-            None => write!(f, "; no friction"),
+            Some(friction) => write!(f, "; friction {friction}")?,
+            None => write!(f, "; no friction")?,
         }
+        slave.as_ref().map_or(Ok(()), |slave| write!(f, "; slave {slave}"))
     }
 }
 

@@ -149,7 +149,12 @@ fn made(
             ));
         }
         ties.surfaces.push([slave.into_iter().collect(), master.into_iter().collect()]);
-        ties.pairs.push(ContactPair { name: item.label(), method: Box::new(tie), complementarity: 1.0 });
+        ties.pairs.push(ContactPair {
+            name: item.label(),
+            method: Box::new(tie),
+            complementarity: 1.0,
+            restores: false,
+        });
     }
     (ties, is_stale)
 }

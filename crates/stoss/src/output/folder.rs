@@ -17,8 +17,8 @@ use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, StepRecord};
 use stoss_watch::Promises;
 
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
-/// Column that follows where there is contact.
-const CLOSING: &str = "closing_loss";
+/// Columns that follow where there is contact.
+const CLOSING: &str = "closing_loss,contact_remainder,restored";
 /// Columns that follow where there is friction.
 const FRICTION: &str = "friction_work,friction_stored";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
@@ -251,7 +251,7 @@ impl ResultFolder {
             .numbers(&b.angular_momentum)
             .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()]);
         if self.contact.is_some() {
-            self.balance.number(b.closing_loss);
+            self.balance.numbers(&[b.closing_loss, b.contact_remainder, b.restored]);
         }
         if self.settings.has_friction() {
             self.balance.numbers(&[b.friction_work, b.friction_stored]);

@@ -260,7 +260,7 @@ fn balance_state(balance: &Balance) -> BalanceState {
         angular: balance.angular_momentum,
         energy: balance.kinetic + balance.strain,
         total: balance.total(),
-        closing_loss: balance.closing_loss,
+        closing_loss: balance.closing_loss - balance.restored,
     }
 }
 
@@ -275,7 +275,14 @@ fn judge(model: &WatchModel, contacts: Vec<[usize; 2]>, settings: &WatchTable) -
 /// The pairs of bodies between which the scene names a contact.
 pub(crate) fn contact_bodies(scene: &Scene) -> Vec<[usize; 2]> {
     let body = |set: &str| split_set(set).and_then(|(body, _)| scene.body_index(body));
-    scene.contacts.iter().filter_map(|contact| Some([body(&contact.slave)?, body(&contact.master)?])).collect()
+    scene
+        .contacts
+        .iter()
+        .filter_map(|contact| {
+            let [a, b] = contact.surfaces();
+            Some([body(a)?, body(b)?])
+        })
+        .collect()
 }
 
 /// Bodies, elements and ties; contacts are none of its business.
@@ -367,7 +374,7 @@ fn stored_balance(folder: &Path) -> Result<Vec<(u64, f64, BalanceState)>, Output
                 energy: value("kinetic")? + value("strain")?,
                 total: value("total")?,
                 // A scene without contact has no such column.
-                closing_loss: value("closing_loss").unwrap_or(0.0),
+                closing_loss: value("closing_loss").unwrap_or(0.0) - value("restored").unwrap_or(0.0),
             };
             Some((value("step")? as u64, value("time")?, state))
         };
