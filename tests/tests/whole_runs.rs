@@ -62,6 +62,8 @@ fn scenes() -> impl Strategy<Value = Scene> {
         "method = \"mortar\"",
         "method = \"mortar\"\nintegrals = \"frozen\"",
         "method = \"mortar\"\nmultipliers = \"dual\"",
+        "method = \"mortar\"\nclosing = \"restore\"",
+        "method = \"mortar\"\nclosing = \"restore\"\nfriction = { law = \"coulomb\", mu = 0.4 }",
         "method = \"mortar\"\nfriction = { law = \"coulomb\", mu = 0.4 }",
     ]);
     (
@@ -107,6 +109,14 @@ proptest! {
             let change = (now.total() + now.closing_loss - now.restored - first.total()).abs() / energy;
             prop_assert!(change < 1e-11, "step {}: energy {change:e}", record.step);
             prop_assert!(now.dissipation >= 0.0);
+            // Closing gaps cost what the constraints say; what is restored is all of it.
+            prop_assert!(now.contact_remainder.abs() < 1e-11 * energy, "step {}: {:e}", record.step, now.contact_remainder);
+            if scene.contact.contains("restore") {
+                let kept = (now.closing_loss - now.restored).abs() / energy;
+                prop_assert!(kept < 1e-11, "step {}: not restored {kept:e}", record.step);
+            } else {
+                prop_assert!(now.restored == 0.0);
+            }
         }
         prop_assert!(touched, "the blocks never met");
     }

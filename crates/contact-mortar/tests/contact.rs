@@ -121,6 +121,32 @@ proptest! {
         }
     }
 
+    /// The gradients that closing losses are restored along: those of the rows, without resultant or moment about the end of the step.
+    #[test]
+    fn constraint_gradients_are_those_of_the_rows(
+        meshes in meshes(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual in any::<bool>(), kind in 0usize..3,
+    ) {
+        let q_n = lifted(&d, lift);
+        let q = plus(&q_n, 1.0, &e);
+        let mut method = method(meshes, options(dual)).with_factors(factors(kind));
+        method.set_rule(ContactRule::EnergyMomentum, 0.1);
+        method.begin_step(&q_n, 0.5).unwrap();
+        let mut force = vec![0.0; q.len()];
+        method.constraint_gradients(&q, &[true; SLAVE], &mut |slot, nodes, gradient| {
+            for (&node, g) in nodes.iter().zip(gradient.chunks_exact(3)) {
+                (0..3).for_each(|i| force[3 * node as usize + i] -= p[slot] * g[i]);
+            }
+        }).unwrap();
+        method.set_rule(ContactRule::EndPoint, 0.1);
+        let expected = residual(&mut method, ContactRule::EndPoint, &q_n, &q, &p);
+        let size = expected.iter().map(|x| x.abs()).sum::<f64>().max(1.0);
+        for (f, r) in force.iter().zip(&expected) {
+            prop_assert!((f - r).abs() < 1e-12 * size, "{f:e} {r:e}");
+        }
+        let (force, moment) = resultants(&force, &q);
+        prop_assert!(force.amax() < 1e-11 * size && moment.amax() < 1e-11 * size, "{force} {moment}");
+    }
+
     /// A corner of a facet that has passed the diagonal beside it: its image is split into triangles with maps of their own, and the depth factor fades there.
     #[test]
     fn forces_on_split_facets_have_no_moment(d in warp(), lift in -0.35f64..-0.2, corner in 0.55f64..0.7) {
