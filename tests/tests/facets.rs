@@ -3,7 +3,7 @@
 mod support;
 
 use std::sync::Arc;
-use stoss::contact::{ContactMethod, ContactRule, SearchOptions};
+use stoss::contact::{Constraint, ContactRule, SearchOptions};
 use stoss::contact_mortar::tie::{MeshTie, TieOptions};
 use stoss::contact_mortar::{Force, MortarContact, MortarOptions, MultiplierSpace};
 use stoss::contact_nts::{NodeToSurface, NodeToSurfaceOptions};
@@ -16,7 +16,8 @@ use stoss::mesh::Mesh as Solid;
 use stoss::mesh::generate::Block;
 use stoss::newton::NewtonOptions;
 use stoss::solver::{
-    Body, ContactPair, InsideOutRule, Model, Prescription, Settings, Simulation, StepControl, StepRecord, Table,
+    Body, ContactPair, Coupling, InsideOutRule, Model, Prescription, Settings, Simulation, StepControl, StepRecord,
+    Table,
 };
 use stoss_reference_cases::patch::unevenness;
 use stoss_testkit::meshes::Mesh;
@@ -79,9 +80,9 @@ impl Blocks {
         [of(0), of(1), of(2)]
     }
 
-    fn simulation(mut self, method: Box<dyn ContactMethod>, step: f64, end: f64) -> Simulation {
+    fn simulation(mut self, method: Coupling, step: f64, end: f64) -> Simulation {
         let complementarity = YOUNG / method.length_scale();
-        self.model.contacts.push(ContactPair { name: "contact".into(), method, complementarity });
+        self.model.contacts.push(ContactPair { name: "contact".into(), method, complementarity, restores: false });
         let is_dynamic = self.model.bodies[0].density.is_some();
         let settings = Settings {
             control: StepControl { step, end, max_cuts: 0, grow_after: 1 },
@@ -135,7 +136,7 @@ fn patches_on_all_facets_are_uniform() {
             let method = mortar(&blocks.surfaces(upper_is_slave), meshes, &q, options);
             let mut method = method.with_crosspoints(|n| blocks.prescribed(n));
             method.set_rule(ContactRule::EndPoint, 0.5);
-            let (simulation, _) = run(blocks.simulation(Box::new(method), 0.5, 1.0));
+            let (simulation, _) = run(blocks.simulation(Coupling::contact(method), 0.5, 1.0));
             let uneven = uneven(&simulation);
             println!("{meshes:?} {space:?}: uneven by {uneven:.1e}");
             assert!(uneven < 1e-10, "{meshes:?} {space:?}: {uneven:e}");
@@ -157,7 +158,7 @@ fn ties_of_all_facets_keep_the_ledger() {
             MeshTie::new("tie", &meshes[0].of(&slave), &meshes[1].of(&master), &q, |_| false, options).unwrap();
         assert!((tie.tied_share() - 1.0).abs() < 1e-12);
         tie.set_rule(ContactRule::EnergyMomentum, 5e-3);
-        let (_, records) = run(blocks.simulation(Box::new(tie), 5e-3, 0.2));
+        let (_, records) = run(blocks.simulation(Coupling::bilateral(tie), 5e-3, 0.2));
         check_ledger(&format!("tie {meshes:?} {space:?}"), &records);
     }
 }
@@ -192,7 +193,7 @@ fn mortar_impacts_of_all_facets_keep_the_ledger() {
         let options = MortarOptions { space, keeps_penetration: true, ..MortarOptions::default() };
         let mut method = mortar(&blocks.surfaces(k < 3), meshes, &blocks.model.reference, options);
         method.set_rule(ContactRule::EnergyMomentum, 2e-3);
-        let (_, records) = run(blocks.simulation(Box::new(method), 2e-3, 0.1));
+        let (_, records) = run(blocks.simulation(Coupling::contact(method), 2e-3, 0.1));
         check_ledger(&format!("mortar {meshes:?} {space:?}"), &records);
     }
 }
@@ -207,7 +208,7 @@ fn node_to_surface_impacts_of_all_facets_keep_the_ledger() {
         let mut method =
             NodeToSurface::new("contact", &meshes[0].of(&slave), &meshes[1].of(&master), q, options).unwrap();
         method.set_rule(ContactRule::EnergyMomentum, 2e-3);
-        let (_, records) = run(blocks.simulation(Box::new(method), 2e-3, 0.1));
+        let (_, records) = run(blocks.simulation(Coupling::contact(method), 2e-3, 0.1));
         check_ledger(&format!("nts {meshes:?}"), &records);
     }
 }

@@ -24,7 +24,7 @@
 //! sums still agree.
 //!
 //! # Tying
-//! [`tie::MeshTie`] joins two surfaces for good: a `ContactMethod` of `stoss-contact` with permanent constraints.
+//! [`tie::MeshTie`] joins two surfaces for good: a `Constraint` of `stoss-contact`, without an active set.
 //!
 //! # What it is not
 //! No global system. Integrals in reference or current coordinates: whatever `q` holds.

@@ -12,8 +12,8 @@ use crate::weights::Integration;
 use crate::{MortarError, MultiplierSpace, TriangleRule};
 use nalgebra::Vector3;
 use stoss_contact::{
-    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, FacetNodes,
-    LocalContribution, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
+    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, FacetNodes,
+    History, LocalContribution, Report, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
 use stoss_segmentation::{FacetSegmentation, GapRange};
 
@@ -362,21 +362,74 @@ impl MortarContact {
     }
 }
 
-impl ContactMethod for MortarContact {
+impl Report for MortarContact {
     fn name(&self) -> &str {
         &self.name
     }
 
+    fn length_scale(&self) -> f64 {
+        self.length()
+    }
+
+    fn verify(&self) -> Result<Coverage, ContactError> {
+        if self.is_frozen() {
+            return Ok(Coverage::default());
+        }
+        self.check_passage()?;
+        let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else {
+            return Ok(Coverage::default());
+        };
+        match coverage.faults.first() {
+            None => Ok(Coverage { defect: coverage.worst, left_out: 0.0 }),
+            Some(first) => Err(ContactError::Coverage {
+                faults: coverage.faults.len(),
+                facet: first.slave_facet,
+                uncovered: first.uncovered_opposite,
+                double: first.double,
+                open_edges: first.open_edges,
+            }),
+        }
+    }
+
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        let fresh;
+        let slots = if self.end.at == q && !self.is_frozen() {
+            &self.end.slots
+        } else {
+            let (candidates, _) = self.search(q, 0.0)?;
+            let needs = self.surfaces.needs(Need::Value, &[]);
+            fresh = self.surfaces.integrate(&candidates, q, &needs, &self.surfaces.handing_over(None), &[], false)?;
+            &fresh.slots
+        };
+        let nodes = self.surfaces.slave.nodes();
+        let rows = self.surfaces.rows.iter().zip(slots).enumerate();
+        let report = rows.map(|(k, (row, slot))| {
+            let there = slot.support > 1e-8 * row.area;
+            let gap = if there { slot.gap(q).map(|gap| gap / slot.support) } else { None };
+            let kept = self.step.reference.get(k).copied().unwrap_or(0.0);
+            let of_law = gap.filter(|gap| self.options.overclosure.is_some() && *gap < 0.0);
+            SlotReport {
+                node: nodes[row.local],
+                weight: row.area,
+                per_current_area: 1.0,
+                gap,
+                normal: if gap.is_some() { slot.normal(q).into() } else { [0.0; 3] },
+                feature: if gap.is_some() { "face" } else { "none" },
+                reference_gap: of_law.unwrap_or(if there { kept / slot.support } else { 0.0 }),
+                friction: self.last_friction(k),
+            }
+        });
+        Ok(report.collect())
+    }
+}
+
+impl Constraint for MortarContact {
     fn slot_count(&self) -> usize {
         self.surfaces.rows.len()
     }
 
     fn slot_weight(&self, slot: usize) -> f64 {
         self.surfaces.rows[slot].area
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.length()
     }
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
@@ -550,6 +603,45 @@ impl ContactMethod for MortarContact {
         }
         Ok(())
     }
+}
+
+impl History for MortarContact {
+    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+        let mut work = self.friction_work(q_np1, pressures, active);
+        if let Some(stiffness) = self.options.overclosure {
+            let closed = self.end.slots.iter().zip(pressures).zip(active).filter(|(_, active)| **active);
+            work.stored += closed.map(|((slot, p), _)| 0.5 * slot.support * p * p / stiffness).sum::<f64>();
+        }
+        work.closing = self.has_middle().then(|| {
+            let carrying = (0..self.slot_count()).filter(|&k| active[k] && self.step.carried[k]);
+            let gaps = |k: usize| Some(self.step.gap[k].unwrap_or(0.0) - self.end.slots[k].gap(q_np1)?);
+            carrying.filter_map(|k| Some(pressures[k] * gaps(k)?)).sum()
+        });
+        Ok(work)
+    }
+
+    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        self.commit_friction(q_np1, pressures, active);
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.save_friction()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+        if bytes.len() != self.friction_history() {
+            let reason = format!("{} bytes for {} slots", bytes.len(), self.slot_count());
+            return Err(ContactError::History { reason });
+        }
+        self.load_friction(bytes);
+        Ok(())
+    }
+}
+
+impl ContactMethod for MortarContact {
+    fn has_friction(&self) -> bool {
+        self.friction.is_some()
+    }
 
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
         let rows = self.surfaces.rows.iter().zip(&self.end.slots).enumerate();
@@ -597,20 +689,6 @@ impl ContactMethod for MortarContact {
         self.augment_friction(q_np1, pressures, active)
     }
 
-    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
-        let mut work = self.friction_work(q_np1, pressures, active);
-        if let Some(stiffness) = self.options.overclosure {
-            let closed = self.end.slots.iter().zip(pressures).zip(active).filter(|(_, active)| **active);
-            work.stored += closed.map(|((slot, p), _)| 0.5 * slot.support * p * p / stiffness).sum::<f64>();
-        }
-        work.closing = self.has_middle().then(|| {
-            let carrying = (0..self.slot_count()).filter(|&k| active[k] && self.step.carried[k]);
-            let gaps = |k: usize| Some(self.step.gap[k].unwrap_or(0.0) - self.end.slots[k].gap(q_np1)?);
-            carrying.filter_map(|k| Some(pressures[k] * gaps(k)?)).sum()
-        });
-        Ok(work)
-    }
-
     fn constraint_gradients(
         &self,
         q_np1: &[f64],
@@ -627,73 +705,5 @@ impl ContactMethod for MortarContact {
             visit(k, &slot.nodes, &evaluation.gradient);
         }
         Ok(())
-    }
-
-    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
-        self.commit_friction(q_np1, pressures, active);
-    }
-
-    fn save_history(&self) -> Vec<u8> {
-        self.save_friction()
-    }
-
-    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        if bytes.len() != self.friction_history() {
-            let reason = format!("{} bytes for {} slots", bytes.len(), self.slot_count());
-            return Err(ContactError::History { reason });
-        }
-        self.load_friction(bytes);
-        Ok(())
-    }
-
-    fn verify(&self) -> Result<Coverage, ContactError> {
-        if self.is_frozen() {
-            return Ok(Coverage::default());
-        }
-        self.check_passage()?;
-        let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else {
-            return Ok(Coverage::default());
-        };
-        match coverage.faults.first() {
-            None => Ok(Coverage { defect: coverage.worst, left_out: 0.0 }),
-            Some(first) => Err(ContactError::Coverage {
-                faults: coverage.faults.len(),
-                facet: first.slave_facet,
-                uncovered: first.uncovered_opposite,
-                double: first.double,
-                open_edges: first.open_edges,
-            }),
-        }
-    }
-
-    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        let fresh;
-        let slots = if self.end.at == q && !self.is_frozen() {
-            &self.end.slots
-        } else {
-            let (candidates, _) = self.search(q, 0.0)?;
-            let needs = self.surfaces.needs(Need::Value, &[]);
-            fresh = self.surfaces.integrate(&candidates, q, &needs, &self.surfaces.handing_over(None), &[], false)?;
-            &fresh.slots
-        };
-        let nodes = self.surfaces.slave.nodes();
-        let rows = self.surfaces.rows.iter().zip(slots).enumerate();
-        let report = rows.map(|(k, (row, slot))| {
-            let there = slot.support > 1e-8 * row.area;
-            let gap = if there { slot.gap(q).map(|gap| gap / slot.support) } else { None };
-            let kept = self.step.reference.get(k).copied().unwrap_or(0.0);
-            let of_law = gap.filter(|gap| self.options.overclosure.is_some() && *gap < 0.0);
-            SlotReport {
-                node: nodes[row.local],
-                weight: row.area,
-                per_current_area: 1.0,
-                gap,
-                normal: if gap.is_some() { slot.normal(q).into() } else { [0.0; 3] },
-                feature: if gap.is_some() { "face" } else { "none" },
-                reference_gap: of_law.unwrap_or(if there { kept / slot.support } else { 0.0 }),
-                friction: self.last_friction(k),
-            }
-        });
-        Ok(report.collect())
     }
 }

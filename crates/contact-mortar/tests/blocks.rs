@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, StepConfiguration};
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
 use stoss_testkit::meshes::{Mesh, meshes};
 

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use sheets::{
     Mesh, NODES, SLAVE, assemble, base, meshes, method, moved, options, pressures, resultants, tangent_errors, warp,
 };
-use stoss_contact::{ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, StepConfiguration};
 use stoss_contact_mortar::{Factors, Force, Integrals, MortarContact, MortarOptions};
 
 const RULES: [ContactRule; 5] = [

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use sheets::{Mesh, NODES, SLAVE, assemble, meshes, method, moved, options, pressures, resultants, warp};
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{ContactError, ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, ContactRule, History, StepConfiguration};
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{
     Force, Integrals, MortarContact, MortarMatrices, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule,

@@ -10,9 +10,9 @@ use crate::normal::Normal;
 use crate::slot::{ElementNodes, Pairing, Slot};
 use nalgebra::Vector3;
 use stoss_contact::{
-    Auxiliary, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement, FacetNodes,
-    LocalContribution, MasterPoint, MasterSearch, SearchOptions, SlotReport, StepConfiguration, clear_inactive,
-    multipliers_of,
+    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement,
+    FacetNodes, History, LocalContribution, MasterPoint, MasterSearch, Report, SearchOptions, SlotReport,
+    StepConfiguration, clear_inactive, multipliers_of,
 };
 use stoss_geometry::Patch;
 
@@ -161,21 +161,43 @@ impl NodeToSurface {
     }
 }
 
-impl ContactMethod for NodeToSurface {
+impl Report for NodeToSurface {
     fn name(&self) -> &str {
         &self.name
     }
 
+    fn length_scale(&self) -> f64 {
+        self.slave.length_scale()
+    }
+
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        let view = self.search.at(q);
+        let current = self.slave.nodal_areas_at(q);
+        Ok((0..self.slots.len())
+            .map(|slot| {
+                let point = self.closest(&view, slot, q);
+                SlotReport {
+                    node: self.node(slot),
+                    weight: self.slot_weight(slot),
+                    per_current_area: self.slot_weight(slot) / current[slot],
+                    gap: point.pairing.map(|_| point.gap),
+                    normal: point.normal.into(),
+                    feature: point.feature.name(),
+                    reference_gap: self.slots[slot].kept,
+                    friction: self.last_friction(slot),
+                }
+            })
+            .collect())
+    }
+}
+
+impl Constraint for NodeToSurface {
     fn slot_count(&self) -> usize {
         self.slots.len()
     }
 
     fn slot_weight(&self, slot: usize) -> f64 {
         self.slave.nodal_areas()[slot]
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.slave.length_scale()
     }
 
     /// At the end point, without friction: the Hessian of the gap, and one gradient for force and constraint. The row of a spring has the other sign.
@@ -263,15 +285,6 @@ impl ContactMethod for NodeToSurface {
                     visit(element.list(), &[slot as u32]);
                 }
                 None => visit(&[self.node(slot)], &[slot as u32]),
-            }
-        }
-    }
-
-    fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
-        for slot in (0..self.slots.len()).filter(|&s| !active[s]) {
-            if let Some(facet) = self.slots[slot].origin {
-                let element = ElementNodes::new(self.node(slot), self.search.surface(), Pairing::single(facet));
-                visit(element.list(), &[slot as u32]);
             }
         }
     }
@@ -369,89 +382,13 @@ impl ContactMethod for NodeToSurface {
         }
         Ok(())
     }
+}
 
-    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
-        let view = self.search.at(q_np1);
-        let mut in_front = Vec::new();
-        for slot in 0..self.slots.len() {
-            let pairing = self.slots[slot].pairing.filter(|_| active[slot]);
-            out[slot] = match pairing {
-                Some(Pairing { end, .. }) => {
-                    let gap = self.gap(slot, end, q_np1)?;
-                    let slid_off = gap.outside() > self.search.options().overhang
-                        && self.pair(&view, slot, q_np1, end).pairing.is_none();
-                    if slid_off { f64::INFINITY } else { self.normal_complementarity(slot, gap.gap) }
-                }
-                None => {
-                    let point = self.closest(&view, slot, q_np1);
-                    let behind = point.gap < 0.0 && point.pairing.is_some_and(|p| self.came_from_behind(slot, p.facet));
-                    let allowance = self.allowance(slot);
-                    match behind {
-                        true => f64::INFINITY,
-                        false if allowance < 0.0 => self.gap_to_keep(slot, &point, q_np1) - allowance,
-                        false => point.gap,
-                    }
-                }
-            };
-            if !active[slot] && out[slot] >= 0.0 && self.pieces(slot, q_np1).is_some() {
-                in_front.push(slot);
-            }
-        }
-        for (slot, _, gap) in self.jumps(q_np1, &in_front)? {
-            out[slot] = gap;
-        }
-        Ok(())
-    }
-
-    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        let mut changes = 0;
-        for (slot, facet) in self.wanted(q_np1, active)? {
-            // A node that closes (again) always gets its facet.
-            let first = self.slots[slot].pairing.is_none();
-            if self.slots[slot].admits(facet) || first {
-                self.set_end(slot, facet, q_np1)?;
-                self.place_foot(slot);
-                changes += 1;
-            }
-        }
-        changes += self.relax(q_np1, active)? + self.rechoose_midpoint_facets(q_np1, active)?;
-        for (slot, &active) in self.slots.iter_mut().zip(active) {
-            if !active {
-                // A released node that closes again is paired anew.
-                slot.pairing = None;
-            }
-        }
-        Ok(changes)
-    }
-
-    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        Ok(self.augment_normal(q_np1, pressures, active)? + self.augment_friction(q_np1, pressures, active)?)
-    }
-
+impl History for NodeToSurface {
     fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
         let mut total = self.friction_work(q_np1, pressures, active)?;
         total.stored += self.normal_stored(q_np1, active)?;
         Ok(ContactWork { closing: None, ..total })
-    }
-
-    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        let view = self.search.at(q);
-        let current = self.slave.nodal_areas_at(q);
-        Ok((0..self.slots.len())
-            .map(|slot| {
-                let point = self.closest(&view, slot, q);
-                SlotReport {
-                    node: self.node(slot),
-                    weight: self.slot_weight(slot),
-                    per_current_area: self.slot_weight(slot) / current[slot],
-                    gap: point.pairing.map(|_| point.gap),
-                    normal: point.normal.into(),
-                    feature: point.feature.name(),
-                    reference_gap: self.slots[slot].kept,
-                    friction: self.last_friction(slot),
-                }
-            })
-            .collect())
     }
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
@@ -519,5 +456,78 @@ impl ContactMethod for NodeToSurface {
         self.normal.load(normal);
         self.load_friction(friction);
         Ok(())
+    }
+}
+
+impl ContactMethod for NodeToSurface {
+    fn has_friction(&self) -> bool {
+        self.friction.is_some()
+    }
+
+    fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for slot in (0..self.slots.len()).filter(|&s| !active[s]) {
+            if let Some(facet) = self.slots[slot].origin {
+                let element = ElementNodes::new(self.node(slot), self.search.surface(), Pairing::single(facet));
+                visit(element.list(), &[slot as u32]);
+            }
+        }
+    }
+
+    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
+        let view = self.search.at(q_np1);
+        let mut in_front = Vec::new();
+        for slot in 0..self.slots.len() {
+            let pairing = self.slots[slot].pairing.filter(|_| active[slot]);
+            out[slot] = match pairing {
+                Some(Pairing { end, .. }) => {
+                    let gap = self.gap(slot, end, q_np1)?;
+                    let slid_off = gap.outside() > self.search.options().overhang
+                        && self.pair(&view, slot, q_np1, end).pairing.is_none();
+                    if slid_off { f64::INFINITY } else { self.normal_complementarity(slot, gap.gap) }
+                }
+                None => {
+                    let point = self.closest(&view, slot, q_np1);
+                    let behind = point.gap < 0.0 && point.pairing.is_some_and(|p| self.came_from_behind(slot, p.facet));
+                    let allowance = self.allowance(slot);
+                    match behind {
+                        true => f64::INFINITY,
+                        false if allowance < 0.0 => self.gap_to_keep(slot, &point, q_np1) - allowance,
+                        false => point.gap,
+                    }
+                }
+            };
+            if !active[slot] && out[slot] >= 0.0 && self.pieces(slot, q_np1).is_some() {
+                in_front.push(slot);
+            }
+        }
+        for (slot, _, gap) in self.jumps(q_np1, &in_front)? {
+            out[slot] = gap;
+        }
+        Ok(())
+    }
+
+    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        let mut changes = 0;
+        for (slot, facet) in self.wanted(q_np1, active)? {
+            // A node that closes (again) always gets its facet.
+            let first = self.slots[slot].pairing.is_none();
+            if self.slots[slot].admits(facet) || first {
+                self.set_end(slot, facet, q_np1)?;
+                self.place_foot(slot);
+                changes += 1;
+            }
+        }
+        changes += self.relax(q_np1, active)? + self.rechoose_midpoint_facets(q_np1, active)?;
+        for (slot, &active) in self.slots.iter_mut().zip(active) {
+            if !active {
+                // A released node that closes again is paired anew.
+                slot.pairing = None;
+            }
+        }
+        Ok(changes)
+    }
+
+    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        Ok(self.augment_normal(q_np1, pressures, active)? + self.augment_friction(q_np1, pressures, active)?)
     }
 }

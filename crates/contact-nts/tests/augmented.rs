@@ -6,7 +6,9 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact::{Auxiliary, ContactError, ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact::{
+    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, History, Report, StepConfiguration,
+};
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};

@@ -4,7 +4,9 @@ mod common;
 use common::*;
 use proptest::prelude::*;
 use stoss_contact::friction::MAX_AUGMENTATIONS;
-use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, SearchOptions};
+use stoss_contact::{
+    Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, SearchOptions,
+};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
 const FACETS: u32 = 4;

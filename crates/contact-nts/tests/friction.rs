@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{ContactError, ContactMethod, ContactRule, ContactWork, Enforcement};
+use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_reference_element::FacetKind;

@@ -1,7 +1,7 @@
 //! The whole method on a small surface: tangents of what it assembles, crossing, jumps, rims, history.
 
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, ContactMethod, ContactRule, History, StepConfiguration};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 

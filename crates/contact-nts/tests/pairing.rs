@@ -3,7 +3,7 @@
 mod common;
 use common::*;
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, SearchOptions};
+use stoss_contact::{Constraint, ContactMethod, ContactRule, History, SearchOptions};
 use stoss_contact_nts::ConstraintForm;
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};

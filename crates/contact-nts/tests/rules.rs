@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, FacetNodes, SearchOptions};
+use stoss_contact::{Constraint, ContactMethod, ContactRule, FacetNodes, SearchOptions};
 use stoss_contact_nts::kinematics::Gap;
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_geometry::Patch;

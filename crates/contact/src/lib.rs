@@ -13,6 +13,7 @@ mod enforcement;
 mod error;
 pub mod friction;
 mod method;
+mod potential;
 pub mod search;
 pub mod surface;
 
@@ -20,9 +21,10 @@ pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use method::{
-    Auxiliary, ContactMethod, ContactRule, ContactWork, Coverage, LocalContribution, SlotFriction, SlotReport,
-    StepConfiguration, clear_inactive, multipliers_of,
+    Auxiliary, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, LocalContribution, Report,
+    SlotFriction, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
+pub use potential::{Potential, WithoutSlots};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use stoss_reference_element::{FacetKind, FacetNodes};
 pub use surface::{ContactSurface, IrregularEdge};

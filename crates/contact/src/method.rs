@@ -194,31 +194,37 @@ impl std::ops::AddAssign for ContactWork {
     }
 }
 
-/// A contact discretisation between one slave and one master surface.
-///
-/// # Protocol
-/// `begin_step(q_n)` once for every attempted step (it may be repeated with another step size); then any number of
-/// `renew`, `assemble`, `complementarity_gaps`, `repair`, `augment`; `q_n` never changes in between. There is no undo: `begin_step` forgets
-/// what an attempt left. `commit` makes the end of an accepted step the history of the next; `save_history` and `load_history` carry it over.
-/// `set_rule` and `set_velocity` come before `begin_step`, `work` before `commit`.
-///
-/// A *slot* is a potential constraint with one pressure; their number is constant for a run. Slots not active contribute nothing.
-pub trait ContactMethod: Send + Sync + std::fmt::Debug {
+/// What a contact, a tie or a potential says of itself, for output and judgement.
+pub trait Report: Send + Sync + std::fmt::Debug {
     /// Name for reports and error messages.
     fn name(&self) -> &str;
-    /// Number of slots.
-    fn slot_count(&self) -> usize;
-    /// Weight (reference area) of a slot.
-    fn slot_weight(&self, slot: usize) -> f64;
-    /// True for equality constraints (mesh tying): all slots are active from the first step to the last, whatever the sign of their multipliers,
-    /// and `complementarity_gaps`, `repair` and `augment` are never asked. A node may have several slots.
-    fn is_permanent(&self) -> bool {
-        false
-    }
+    /// Length of a facet of the slave, the unit of its gaps.
+    fn length_scale(&self) -> f64;
     /// Whether the forces leave angular momentum as it is, under schemes that conserve it: their moments about any point add up to zero.
     fn conserves_angular_momentum(&self) -> bool {
         true
     }
+    /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
+    fn verify(&self) -> Result<Coverage, ContactError> {
+        Ok(Coverage::default())
+    }
+    /// Gap, normal and feature of every slot at a configuration, for output and probes.
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;
+}
+
+/// Equations with one multiplier each, and the forces of these. A constraint that is nothing else is bilateral: its slots are active from the first step to the
+/// last, whatever the sign of their multipliers (mesh ties, joints).
+///
+/// # Protocol
+/// `set_rule`, `set_velocity` and then `begin_step(q_n)` once for every attempted step (it may be repeated with another step size); then any number of
+/// `renew` and `assemble`; `q_n` never changes in between. There is no undo: `begin_step` forgets what an attempt left.
+///
+/// A *slot* is a constraint with one multiplier; their number is constant for a run, and a node may have several. Slots that are not active contribute nothing.
+pub trait Constraint: Report {
+    /// Number of slots.
+    fn slot_count(&self) -> usize;
+    /// Weight (reference area) of a slot.
+    fn slot_weight(&self, slot: usize) -> f64;
     /// Whether the tangent is symmetric under a rule (constraint rows are then the gradients of the forces). If bodies, loads and contacts
     /// all are, the matrix is factorised as a symmetric one, which takes two thirds of the time. A wrong promise costs time, not the
     /// answer: the residual is measured with the whole matrix, and the solver falls back. No by default.
@@ -231,7 +237,9 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     fn set_velocity(&mut self, _v_n: &[f64]) {}
     /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the
     /// master in the step (candidates farther away need no pairing).
-    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
+    fn begin_step(&mut self, _q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
+        Ok(())
+    }
     /// Renews what follows the iterate by itself, for instance integrals over moving overlaps; called before every `assemble` with its
     /// `q_np1`, pressures and auxiliaries. What `augment`, `work` and `commit` need of the last ones the method keeps. Returns whether the stencils
     /// of active slots changed. `want_tangent` tells whether derivatives will be needed.
@@ -247,9 +255,6 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     }
     /// Nodes and slots of every active contribution, in the order in which `assemble` visits them.
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32]));
-    /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin_step`. A hint: the
-    /// matrix gets room for them, so that no symbolic work is needed when they close. None by default.
-    fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
     /// Residual and (if asked) tangent of every active slot, visited in slot order. `pressures` has one entry a slot.
     fn assemble(
         &self,
@@ -300,6 +305,37 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     ) -> Result<(), ContactError> {
         Ok(())
     }
+}
+
+/// What a method carries from one accepted step to the next, and what its step stored and dissipated. `work` comes before `commit`, which comes once when a step
+/// was accepted.
+pub trait History {
+    /// Energy stored and dissipated by the step from `q_n` that ends at `q_np1`.
+    fn work(&self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<ContactWork, ContactError> {
+        Ok(ContactWork::default())
+    }
+    /// Called once when a step was accepted.
+    fn commit(&mut self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) {}
+    /// Opaque history for checkpoints; empty if there is none.
+    fn save_history(&self) -> Vec<u8> {
+        Vec::new()
+    }
+    /// Restores what `save_history` wrote.
+    fn load_history(&mut self, _bytes: &[u8]) -> Result<(), ContactError> {
+        Ok(())
+    }
+}
+
+/// A contact discretisation between one slave and one master surface: constraints that open and close. The active set of the solver asks `complementarity_gaps`,
+/// `repair` and `augment` between the iterations of a step.
+pub trait ContactMethod: Constraint + History {
+    /// Whether its slots have friction.
+    fn has_friction(&self) -> bool {
+        false
+    }
+    /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin_step`. A hint: the
+    /// matrix gets room for them, so that no symbolic work is needed when they close. None by default.
+    fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
     /// `gamma` of formulation §9 for every slot at `q_np1`: for an active slot the value of its constraint function, for an inactive one the
     /// true gap (`f64::INFINITY` if out of reach). `out` has one entry a slot.
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError>;
@@ -311,10 +347,6 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
     fn augment(&mut self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<usize, ContactError> {
         Ok(0)
     }
-    /// Energy stored and dissipated by the step from `q_n` that ends at `q_np1`.
-    fn work(&self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<ContactWork, ContactError> {
-        Ok(ContactWork::default())
-    }
     /// Visits the gradient of the constraint function of every closed slot that carries at `q_np1`: the slot, its nodes and three entries a node. Times the
     /// pressures it has neither resultant nor moment about `q_np1`. Visits nothing by default: then `closing_loss` cannot be restored.
     fn constraint_gradients(
@@ -323,24 +355,6 @@ pub trait ContactMethod: Send + Sync + std::fmt::Debug {
         _active: &[bool],
         _visit: &mut dyn FnMut(usize, &[u32], &[f64]),
     ) -> Result<(), ContactError> {
-        Ok(())
-    }
-    /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
-    fn verify(&self) -> Result<Coverage, ContactError> {
-        Ok(Coverage::default())
-    }
-    /// Gap, normal and feature of every slot at a configuration, for output and probes.
-    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;
-    /// Characteristic `c = E/h`-like factor is the solver's; this is the length scale `h` of the slave surface.
-    fn length_scale(&self) -> f64;
-    /// Called once when a step was accepted.
-    fn commit(&mut self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) {}
-    /// Opaque history for checkpoints; empty if there is none.
-    fn save_history(&self) -> Vec<u8> {
-        Vec::new()
-    }
-    /// Restores what `save_history` wrote.
-    fn load_history(&mut self, _bytes: &[u8]) -> Result<(), ContactError> {
         Ok(())
     }
 }

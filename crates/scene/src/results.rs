@@ -77,6 +77,12 @@ named! {
         ContactPressure = "contact_pressure",
         /// Gap of slave nodes.
         Gap = "gap",
+        /// Of slave nodes: 0 open, 1 sticks, 2 slides (also without friction); where a node has several constraints, the largest.
+        ContactStatus = "contact_status",
+        /// Size of the friction per current area; scenes with friction.
+        FrictionTraction = "friction_traction",
+        /// Length of the slip in the last step, of the slave against the master; scenes with friction.
+        Slip = "slip",
     }
 }
 

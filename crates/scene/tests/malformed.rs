@@ -185,7 +185,12 @@ const CASES: &[Case] = &[
     dynamic("slave = \"ball.outer\"", "slave = \"outer\"", "slave = \"outer\"", "contact[0].slave"),
     dynamic("slave = \"ball.outer\"\n", "", "[[contact]]", "contact[0].slave"),
     dynamic("slave = \"ball.outer\"", "between = [\"ball.outer\", \"plate.top\"]", "master", "contact[0].master"),
-    dynamic("slave = \"ball.outer\"", "between = [\"ball.outer\"]", "[\"ball.outer\"]", "contact[0].between"),
+    dynamic(
+        "slave = \"ball.outer\"\nmaster = \"plate.top\"",
+        "between = [\"ball.outer\"]",
+        "[\"ball.outer\"]",
+        "contact[0].between",
+    ),
     dynamic("constraint = \"modified\"", "closing = \"restore\"", "closing", "contact[0].closing"),
     dynamic("constraint = \"modified\"", "constraint = \"one-sided\"", "one-sided", "contact[0].constraint"),
     dynamic("constraint = \"modified\"", "constraint = \"soft\"", "soft", "contact[0].constraint"),

@@ -351,7 +351,9 @@ impl System {
         let mut all = Contributions::default();
         all.append(&present);
         for (c, pair) in model.contacts.iter().enumerate() {
-            pair.method.candidates(&active[c], &mut |nodes, slots| all.push(c, nodes, slots));
+            if let Some(method) = pair.method.as_contact() {
+                method.candidates(&active[c], &mut |nodes, slots| all.push(c, nodes, slots));
+            }
         }
         if all != self.contributions || self.solid_to_global.is_empty() {
             self.set_pattern(all)?;

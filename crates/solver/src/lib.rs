@@ -33,7 +33,7 @@ pub use control::{Clock, StepControl};
 pub use error::{SimulationError, StepError, Unknown};
 pub use ledger::Balance;
 pub use loads::{Load, LoadKind};
-pub use model::{Body, ContactPair, Model, Prescription};
+pub use model::{Body, ContactPair, Coupling, Model, Prescription};
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, StepRecord};
 pub use rotation::AxisRotation;
 pub use simulation::{InsideOutRule, Plan, Settings, Simulation};

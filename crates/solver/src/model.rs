@@ -2,7 +2,7 @@
 
 use crate::{AxisRotation, Load, SimulationError, Table};
 use std::ops::Range;
-use stoss_contact::ContactMethod;
+use stoss_contact::{Constraint, ContactError, ContactMethod, ContactWork, Potential, WithoutSlots};
 use stoss_fe_solid::{MassKind, SolidBody};
 
 /// A deformable body.
@@ -55,13 +55,100 @@ impl Prescription {
     }
 }
 
-/// A contact method with the factor of its complementarity function.
+/// What acts between surfaces.
+#[derive(Debug)]
+pub enum Coupling {
+    /// Constraints that open and close.
+    Contact(Box<dyn ContactMethod>),
+    /// Constraints that always hold: mesh ties, joints.
+    Bilateral(Box<dyn Constraint>),
+    /// Forces with an energy.
+    Potential(WithoutSlots),
+}
+
+impl Coupling {
+    /// A contact method.
+    pub fn contact(method: impl ContactMethod + 'static) -> Self {
+        Self::Contact(Box::new(method))
+    }
+
+    /// Constraints that always hold.
+    pub fn bilateral(constraint: impl Constraint + 'static) -> Self {
+        Self::Bilateral(Box::new(constraint))
+    }
+
+    /// Forces with an energy.
+    pub fn potential(potential: impl Potential + 'static) -> Self {
+        Self::Potential(WithoutSlots(Box::new(potential)))
+    }
+
+    /// The method, if its constraints open and close.
+    pub fn as_contact(&self) -> Option<&dyn ContactMethod> {
+        if let Self::Contact(method) = self { Some(&**method) } else { None }
+    }
+
+    /// As [`Self::as_contact`].
+    pub fn as_contact_mut(&mut self) -> Option<&mut (dyn ContactMethod + 'static)> {
+        if let Self::Contact(method) = self { Some(&mut **method) } else { None }
+    }
+
+    /// True for constraints that always hold: all their slots are active.
+    pub fn is_bilateral(&self) -> bool {
+        matches!(self, Self::Bilateral(_))
+    }
+
+    /// Energy of a potential at `q`; zero for constraints.
+    pub(crate) fn potential_energy(&self, q: &[f64]) -> Result<f64, ContactError> {
+        if let Self::Potential(of) = self { of.0.energy(q) } else { Ok(0.0) }
+    }
+
+    /// Energy stored and dissipated by the step that ends at `q_np1`.
+    pub(crate) fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+        match self {
+            Self::Contact(method) => method.work(q_np1, pressures, active),
+            Self::Bilateral(_) => Ok(ContactWork::default()),
+            Self::Potential(of) => Ok(ContactWork { stored: of.0.energy(q_np1)?, ..ContactWork::default() }),
+        }
+    }
+
+    /// The step that ends at `q_np1` was accepted.
+    pub(crate) fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        match self {
+            Self::Contact(method) => method.commit(q_np1, pressures, active),
+            Self::Bilateral(_) => {}
+            Self::Potential(of) => of.0.commit(q_np1),
+        }
+    }
+}
+
+impl std::ops::Deref for Coupling {
+    type Target = dyn Constraint;
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Contact(method) => &**method,
+            Self::Bilateral(constraint) => &**constraint,
+            Self::Potential(of) => of,
+        }
+    }
+}
+
+impl std::ops::DerefMut for Coupling {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        match self {
+            Self::Contact(method) => &mut **method,
+            Self::Bilateral(constraint) => &mut **constraint,
+            Self::Potential(of) => of,
+        }
+    }
+}
+
+/// A contact, a tie or a potential, with the factor of its complementarity function.
 #[derive(Debug)]
 pub struct ContactPair {
     /// Name for reports, unique.
     pub name: String,
     /// The method.
-    pub method: Box<dyn ContactMethod>,
+    pub method: Coupling,
     /// `c` of formulation §1.6: active if `p - c gap > 0`; about Young's modulus over the edge length.
     pub complementarity: f64,
     /// Whether the energy that closing gaps cost in a step goes back into the velocities at its end (docs/theory/mortar.md). For methods that tell it and under
@@ -94,7 +181,7 @@ impl Model {
 
     /// True if constraints can open and close (mesh ties alone are no contact).
     pub fn has_unilateral_contact(&self) -> bool {
-        self.contacts.iter().any(|pair| !pair.method.is_permanent())
+        self.contacts.iter().any(|pair| !pair.method.is_bilateral())
     }
 
     /// Components that are prescribed: (component index `3*node + i`, prescription, column), each once. Several prescriptions of a

@@ -149,7 +149,7 @@ impl Simulation {
         let contact_components = if model.contacts.is_empty() { 0 } else { components };
         let mut simulation = Self {
             pressures: model.contacts.iter().map(|p| vec![0.0; slots(p)]).collect(),
-            active: model.contacts.iter().map(|p| vec![p.method.is_permanent(); slots(p)]).collect(),
+            active: model.contacts.iter().map(|p| vec![p.method.is_bilateral(); slots(p)]).collect(),
             reactions: vec![0.0; if prescribed.is_empty() { 0 } else { components }],
             contact_force: vec![0.0; contact_components],
             prescribed,
@@ -179,6 +179,9 @@ impl Simulation {
         }
         let strain = simulation.strain_energy(&simulation.state.q)?;
         simulation.balance = simulation.measure_balance(strain, 0.0);
+        for pair in &simulation.model.contacts {
+            simulation.balance.contact += pair.method.potential_energy(&simulation.state.q).map_err(StepError::from)?;
+        }
         Ok(simulation)
     }
 
@@ -187,10 +190,7 @@ impl Simulation {
         let q = &self.state.q;
         let equation = &self.system.numbering.equation;
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
-            let method = &mut pair.method;
-            if method.is_permanent() {
-                continue;
-            }
+            let Some(method) = pair.method.as_contact_mut() else { continue };
             let near = TOUCHING * method.length_scale();
             method.begin_step(q, near)?;
             let mut gaps = vec![0.0; active.len()];
@@ -451,7 +451,12 @@ impl Simulation {
             history: self.state.history.clone(),
             pressures: self.pressures.clone(),
             active: self.active.clone(),
-            histories: self.model.contacts.iter().map(|p| p.method.save_history()).collect(),
+            histories: self
+                .model
+                .contacts
+                .iter()
+                .map(|p| p.method.as_contact().map_or_else(Vec::new, |method| method.save_history()))
+                .collect(),
             reactions: self.reactions.clone(),
             contact_force: self.contact_force.clone(),
             balance: self.balance,
@@ -483,7 +488,9 @@ impl Simulation {
             )));
         }
         for (pair, bytes) in self.model.contacts.iter_mut().zip(&checkpoint.histories) {
-            pair.method.load_history(bytes).map_err(StepError::from)?;
+            if let Some(method) = pair.method.as_contact_mut() {
+                method.load_history(bytes).map_err(StepError::from)?;
+            }
         }
         self.clock = clock;
         self.step = checkpoint.step;

@@ -88,10 +88,7 @@ impl ActiveSets {
     fn look(&mut self, model: &mut Model, iterate: &mut Iterate) -> Result<Look, StepError> {
         let mut look = Look::default();
         for c in 0..model.contacts.len() {
-            let method = &mut model.contacts[c].method;
-            if method.is_permanent() {
-                continue;
-            }
+            let Some(method) = model.contacts[c].method.as_contact_mut() else { continue };
             let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
             method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
             let outcome = self.controls[c].propose(active, pressures, &self.gaps[c], &self.factors[c]);
@@ -124,9 +121,10 @@ impl ActiveSets {
     /// Applies the bare rule at an iterate, without memory; returns how many slots changed.
     fn follow(&mut self, model: &Model, iterate: &mut Iterate) -> Result<usize, StepError> {
         let mut changes = 0;
-        for (c, pair) in model.contacts.iter().enumerate().filter(|(_, pair)| !pair.method.is_permanent()) {
+        for (c, pair) in model.contacts.iter().enumerate() {
+            let Some(method) = pair.method.as_contact() else { continue };
             let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
-            pair.method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
+            method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
             changes += self.controls[c].follow(active, pressures, &self.gaps[c], &self.factors[c]);
             for (p, active) in pressures.iter_mut().zip(active.iter()) {
                 if !active {
@@ -152,8 +150,9 @@ impl ActiveSets {
 /// Updates multipliers that are no unknowns, at an accurate solution; returns how many have not settled.
 fn augment(model: &mut Model, iterate: &Iterate) -> Result<usize, StepError> {
     let mut unsettled = 0;
-    for (c, pair) in model.contacts.iter_mut().enumerate().filter(|(_, pair)| !pair.method.is_permanent()) {
-        unsettled += pair.method.augment(&iterate.q, &iterate.pressures[c], &iterate.active[c])?;
+    for (c, pair) in model.contacts.iter_mut().enumerate() {
+        let Some(method) = pair.method.as_contact_mut() else { continue };
+        unsettled += method.augment(&iterate.q, &iterate.pressures[c], &iterate.active[c])?;
     }
     Ok(unsettled)
 }

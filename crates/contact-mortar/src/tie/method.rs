@@ -3,7 +3,7 @@
 use super::frame::{Stage, response};
 use super::{MeshTie, TiedNode};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactMethod, ContactRule, LocalContribution, SlotReport, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, ContactRule, LocalContribution, Report, SlotReport, StepConfiguration};
 
 impl TiedNode {
     pub(super) fn traction(&self, q: &[f64], multipliers: &[f64]) -> [f64; 3] {
@@ -78,11 +78,40 @@ impl MeshTie {
     }
 }
 
-impl ContactMethod for MeshTie {
+impl Report for MeshTie {
     fn name(&self) -> &str {
         &self.name
     }
 
+    /// Constraints along spatial axes do not turn with the bodies.
+    fn conserves_angular_momentum(&self) -> bool {
+        self.nodes.iter().all(|node| node.frame.is_some())
+    }
+
+    fn report(&self, _: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        let report = |&(node, component): &(u32, u8)| {
+            let row = &self.nodes[node as usize].row;
+            let normal = Vector3::ith(usize::from(component), 1.0).into();
+            SlotReport {
+                node: row.node,
+                weight: row.weight,
+                per_current_area: 1.0,
+                gap: None,
+                normal,
+                feature: "tied",
+                reference_gap: 0.0,
+                friction: None,
+            }
+        };
+        Ok(self.slots.iter().map(report).collect())
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.length_scale
+    }
+}
+
+impl Constraint for MeshTie {
     fn slot_count(&self) -> usize {
         self.slots.len()
     }
@@ -91,22 +120,9 @@ impl ContactMethod for MeshTie {
         self.nodes[self.slots[slot].0 as usize].row.weight
     }
 
-    fn is_permanent(&self) -> bool {
-        true
-    }
-
-    /// Constraints along spatial axes do not turn with the bodies.
-    fn conserves_angular_momentum(&self) -> bool {
-        self.nodes.iter().all(|node| node.frame.is_some())
-    }
-
     /// With spatial axes constraints are linear, whatever the rule.
     fn is_symmetric(&self, rule: ContactRule) -> bool {
         rule == ContactRule::EndPoint || self.nodes.iter().all(|node| node.frame.is_none())
-    }
-
-    fn begin_step(&mut self, _: &[f64], _: f64) -> Result<(), ContactError> {
-        Ok(())
     }
 
     fn stencils(&self, _: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
@@ -167,36 +183,5 @@ impl ContactMethod for MeshTie {
             visit(&local);
         }
         Ok(())
-    }
-
-    fn complementarity_gaps(&self, _: &[f64], _: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
-        out.fill(0.0);
-        Ok(())
-    }
-
-    fn repair(&mut self, _: &[f64], _: &[bool]) -> Result<usize, ContactError> {
-        Ok(0)
-    }
-
-    fn report(&self, _: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        let report = |&(node, component): &(u32, u8)| {
-            let row = &self.nodes[node as usize].row;
-            let normal = Vector3::ith(usize::from(component), 1.0).into();
-            SlotReport {
-                node: row.node,
-                weight: row.weight,
-                per_current_area: 1.0,
-                gap: None,
-                normal,
-                feature: "tied",
-                reference_gap: 0.0,
-                friction: None,
-            }
-        };
-        Ok(self.slots.iter().map(report).collect())
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.length_scale
     }
 }

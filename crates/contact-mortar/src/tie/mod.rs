@@ -6,7 +6,7 @@
 //! `g_A = sum_J D_AJ q_J - sum_K M_AK q_K` (a volume)
 //!
 //! and a vector of multipliers, the traction that the master exerts on the slave. They are slots that are always
-//! active ([`stoss_contact::ContactMethod::is_permanent`]), up to three a node.
+//! active ([`stoss_contact::Constraint`]), up to three a node.
 //!
 //! # Forms
 //! * [`TieForm::Constant`] (thesis (4.97)): `g_A = c_A` in Cartesian components. The gradient is constant: under

@@ -3,7 +3,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{ContactMethod, ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{Constraint, ContactRule, LocalContribution, StepConfiguration};
 use stoss_contact_mortar::segmentation::Provenance;
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
 pub use stoss_testkit::meshes::{Mesh, meshes};

@@ -28,7 +28,8 @@ use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{
-    Auxiliary, ContactError, ContactMethod, ContactRule, ContactWork, LocalContribution, SlotReport, StepConfiguration,
+    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History, LocalContribution, Report,
+    SlotReport, StepConfiguration,
 };
 
 /// Coordinates at `n` on the extension of the facet of `n+1` are cut off here: any value conserves momenta, but far out the extension is
@@ -211,18 +212,27 @@ impl CoordinateAugmented {
     }
 }
 
-impl ContactMethod for CoordinateAugmented {
+impl Report for CoordinateAugmented {
     fn name(&self) -> &str {
         self.inner.name()
     }
+
+    fn length_scale(&self) -> f64 {
+        self.inner.length_scale()
+    }
+
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        self.inner.report(q)
+    }
+}
+
+impl Constraint for CoordinateAugmented {
     fn slot_count(&self) -> usize {
         self.inner.slot_count()
     }
+
     fn slot_weight(&self, slot: usize) -> f64 {
         self.inner.slot_weight(slot)
-    }
-    fn length_scale(&self) -> f64 {
-        self.inner.length_scale()
     }
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
@@ -412,29 +422,40 @@ impl ContactMethod for CoordinateAugmented {
         }
         Ok(())
     }
+}
+
+impl History for CoordinateAugmented {
+    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+        self.inner.work(q_np1, pressures, active)
+    }
+
+    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        self.inner.commit(q_np1, pressures, active);
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.inner.save_history()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+        self.inner.load_history(bytes)
+    }
+}
+
+impl ContactMethod for CoordinateAugmented {
+    fn has_friction(&self) -> bool {
+        self.inner.has_friction()
+    }
 
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
         self.inner.complementarity_gaps(q_np1, active, out)
     }
+
     fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
         self.inner.repair(q_np1, active)
     }
+
     fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
         self.inner.augment(q_np1, pressures, active)
-    }
-    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
-        self.inner.work(q_np1, pressures, active)
-    }
-    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        self.inner.report(q)
-    }
-    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
-        self.inner.commit(q_np1, pressures, active);
-    }
-    fn save_history(&self) -> Vec<u8> {
-        self.inner.save_history()
-    }
-    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        self.inner.load_history(bytes)
     }
 }

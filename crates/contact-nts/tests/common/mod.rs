@@ -2,7 +2,10 @@
 //! `cargo xtask verify friction`.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use stoss_contact::{Auxiliary, ContactMethod, ContactRule, Enforcement, FacetNodes, SearchOptions, StepConfiguration};
+use stoss_contact::{
+    Auxiliary, Constraint, ContactMethod, ContactRule, Enforcement, FacetNodes, History, SearchOptions,
+    StepConfiguration,
+};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
 pub const ACTIVE: [bool; 4] = [true, false, false, false];

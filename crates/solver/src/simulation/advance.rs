@@ -124,9 +124,10 @@ impl Simulation {
         let (model, state) = (&mut self.model, &self.state);
         self.timings.measure(Phase::Search, || -> Result<(), StepError> {
             for pair in &mut model.contacts {
-                pair.method.set_rule(contact_rule(rule.constraint.rule), dt);
-                pair.method.set_velocity(&state.v);
-                pair.method.begin_step(&state.q, reach + 0.5 * pair.method.length_scale())?;
+                let constraint = &mut *pair.method;
+                constraint.set_rule(contact_rule(rule.constraint.rule), dt);
+                constraint.set_velocity(&state.v);
+                constraint.begin_step(&state.q, reach + 0.5 * constraint.length_scale())?;
             }
             Ok(())
         })
@@ -286,6 +287,7 @@ impl Simulation {
         }
         let mut impulse = vec![0.0; v.len()];
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restores) {
+            let Some(method) = pair.method.as_contact() else { continue };
             let pressures = &iterate.pressures[c];
             let mut add = |slot: usize, nodes: &[u32], gradient: &[f64]| {
                 for (&node, g) in nodes.iter().zip(gradient.chunks_exact(3)) {
@@ -293,9 +295,8 @@ impl Simulation {
                     impulse[at..at + 3].iter_mut().zip(g).for_each(|(p, g)| *p += dt * pressures[slot] * g);
                 }
             };
-            self.timings.measure(Phase::Contact, || {
-                pair.method.constraint_gradients(&iterate.q, &iterate.active[c], &mut add)
-            })?;
+            self.timings
+                .measure(Phase::Contact, || method.constraint_gradients(&iterate.q, &iterate.active[c], &mut add))?;
         }
         let mut change = vec![0.0; v.len()];
         let Self { model, system, .. } = self;
@@ -455,7 +456,7 @@ impl Simulation {
             let reports = self.timings.measure(Phase::Search, || pair.method.report(&iterate.q))?;
             for (slot, report) in reports.iter().enumerate() {
                 is_slave[report.node as usize] = true;
-                if pair.method.is_permanent() {
+                if pair.method.is_bilateral() {
                     continue;
                 }
                 let (now, then) = (iterate.active[c][slot], self.active[c][slot]);
@@ -490,7 +491,7 @@ impl Simulation {
             }
             // Contact, not what ties hold.
             for i in 0..3 {
-                summary.force_on_slave[i] += if pair.method.is_permanent() { 0.0 } else { force[i] };
+                summary.force_on_slave[i] += if pair.method.is_bilateral() { 0.0 } else { force[i] };
             }
             summary.force_of_pair.push(force);
         }

@@ -126,7 +126,7 @@ impl PairInput<'_> {
     /// What the contact will be computed with.
     pub fn plan(
         &self,
-        method: &dyn stoss_contact::ContactMethod,
+        method: &dyn stoss_contact::Constraint,
         constraint: Constraint,
         friction: Option<FrictionPlan>,
     ) -> ContactPlan {

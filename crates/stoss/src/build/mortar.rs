@@ -5,9 +5,9 @@ use super::{ContactPlan, Problems};
 use crate::scene::{
     Closing, Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip,
 };
-use crate::solver::{ContactPair, Model, contact_rule};
+use crate::solver::{ContactPair, Coupling, Model, contact_rule};
 use std::collections::BTreeMap;
-use stoss_contact::ContactMethod;
+use stoss_contact::{Constraint as _, Report as _};
 use stoss_contact_mortar::{
     Force, Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule,
 };
@@ -140,7 +140,7 @@ pub(super) fn contact(
             let plan = pair.plan(&method, Constraint::Standard, plan);
             model.contacts.push(ContactPair {
                 name: item.label(),
-                method: Box::new(method),
+                method: Coupling::contact(method),
                 complementarity,
                 restores,
             });

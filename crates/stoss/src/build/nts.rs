@@ -3,8 +3,8 @@
 use super::contact::PairInput;
 use super::{ContactPlan, Problems};
 use crate::scene::{Constraint, Enforcement as Enforced};
-use crate::solver::{ContactPair, Model};
-use stoss_contact::{ContactMethod, Enforcement};
+use crate::solver::{ContactPair, Coupling, Model};
+use stoss_contact::{Enforcement, Report as _};
 use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
 
 /// Adds the contact to the model; reports what is wrong.
@@ -49,7 +49,7 @@ pub(super) fn contact(
             }
         };
     }
-    let method: Box<dyn ContactMethod> = match item.method {
+    let method = match item.method {
         crate::scene::ContactMethod::Cat => {
             if let Some(scheme) = super::friction::scheme_elsewhere(pair.scene) {
                 let message = format!("is not available with the scheme `{scheme}`");
@@ -58,9 +58,9 @@ pub(super) fn contact(
                 problems.add(key, "cat", message, format!("use `nts`, or one of the schemes {schemes}"));
                 return None;
             }
-            Box::new(CoordinateAugmented::new(method, augmentation(item)))
+            Coupling::contact(CoordinateAugmented::new(method, augmentation(item)))
         }
-        _ => Box::new(method),
+        _ => Coupling::contact(method),
     };
     let plan = pair.plan(&*method, constraint, plan);
     model.contacts.push(ContactPair { name: item.label(), method, complementarity, restores: false });

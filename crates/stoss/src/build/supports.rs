@@ -38,7 +38,7 @@ pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<S
         let touches = scene
             .contacts
             .iter()
-            .any(|contact| contact.surfaces().into_iter().filter_map(|set| body(set)).any(|b| members.contains(&b)));
+            .any(|contact| contact.surfaces().into_iter().filter_map(body).any(|b| members.contains(&b)));
         let left = 6 - held_motions(&model.reference, &prescribed);
         let names: Vec<String> = members.iter().map(|&b| format!("`{}`", scene.bodies[b].name)).collect();
         let names = names.join(" with ");

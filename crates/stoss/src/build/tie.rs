@@ -4,7 +4,7 @@
 use super::condition::{facets, resolve};
 use super::{Placed, Problems};
 use crate::scene::Scene;
-use crate::solver::{ContactPair, Model};
+use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::BTreeSet;
 
 /// A tie of a larger share of its slave surface leaves nothing free but round-off, and slivers of curved rims.
@@ -151,7 +151,7 @@ fn made(
         ties.surfaces.push([slave.into_iter().collect(), master.into_iter().collect()]);
         ties.pairs.push(ContactPair {
             name: item.label(),
-            method: Box::new(tie),
+            method: Coupling::bilateral(tie),
             complementarity: 1.0,
             restores: false,
         });

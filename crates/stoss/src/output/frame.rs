@@ -1,4 +1,4 @@
-//! Frames: reference positions, displacement, velocity, stress, contact pressure and gap.
+//! Frames: reference positions, displacement, velocity, stress, and what contact has at the slave nodes.
 
 use super::OutputError;
 use crate::scene::Field as SceneField;
@@ -9,6 +9,66 @@ use stoss_solver::{Simulation, StepError};
 /// Which fields a frame has; all of them if the scene names none.
 pub(crate) fn wanted(fields: Option<&[SceneField]>, field: SceneField) -> bool {
     fields.is_none_or(|list| list.contains(&field))
+}
+
+const CONTACT_FIELDS: [SceneField; 5] = [
+    SceneField::ContactPressure,
+    SceneField::Gap,
+    SceneField::ContactStatus,
+    SceneField::FrictionTraction,
+    SceneField::Slip,
+];
+
+/// What contact has at the nodes, zero away from slave nodes; empty in scenes without contact, the last two without friction.
+#[derive(Default)]
+struct ContactFields {
+    pressure: Vec<f64>,
+    /// Not a number at nodes without a partner.
+    gap: Vec<f64>,
+    status: Vec<f64>,
+    friction: Vec<f64>,
+    slip: Vec<f64>,
+}
+
+impl ContactFields {
+    fn of(simulation: &Simulation) -> Result<Self, OutputError> {
+        let model = simulation.model();
+        let nodes = model.node_count();
+        if !model.has_unilateral_contact() {
+            return Ok(Self::default());
+        }
+        let zeros = || vec![0.0; nodes];
+        let mut fields =
+            Self { pressure: zeros(), gap: vec![f64::NAN; nodes], status: zeros(), friction: zeros(), slip: zeros() };
+        let mut has_friction = false;
+        for (c, pair) in model.contacts.iter().enumerate() {
+            let Some(method) = pair.method.as_contact() else { continue };
+            has_friction |= method.has_friction();
+            for (slot, report) in simulation.contact_report(c)?.iter().enumerate() {
+                let node = report.node as usize;
+                fields.pressure[node] += simulation.pressures()[c][slot] * report.per_current_area;
+                if let Some(g) = report.gap {
+                    // The first comparison is with no number.
+                    fields.gap[node] = fields.gap[node].min(g);
+                }
+                if !simulation.active()[c][slot] {
+                    continue;
+                }
+                let size = |v: [f64; 2]| v[0].hypot(v[1]);
+                let sticks = report.friction.is_some_and(|friction| friction.sticks);
+                fields.status[node] = fields.status[node].max(if sticks { 1.0 } else { 2.0 });
+                if let Some(friction) = report.friction {
+                    fields.friction[node] += size(friction.traction) * report.per_current_area;
+                    fields.slip[node] = fields.slip[node].max(size(friction.slip));
+                }
+            }
+        }
+        if !has_friction {
+            fields.friction.clear();
+            fields.slip.clear();
+        }
+        Ok(fields)
+    }
 }
 
 /// Writes one frame (atomically).
@@ -32,28 +92,18 @@ pub(crate) fn write(path: &Path, simulation: &Simulation, fields: Option<&[Scene
             stress.extend(nodal.into_iter().flatten());
         }
     }
-    let (mut pressure, mut gap) = (Vec::new(), Vec::new());
-    if model.has_unilateral_contact() && (want(SceneField::ContactPressure) || want(SceneField::Gap)) {
-        pressure = vec![0.0; points.len()];
-        // Nodes without a partner have no gap.
-        gap = vec![f64::NAN; points.len()];
-        for c in (0..model.contacts.len()).filter(|&c| !model.contacts[c].method.is_permanent()) {
-            for (slot, report) in simulation.contact_report(c)?.iter().enumerate() {
-                let node = report.node as usize;
-                pressure[node] += simulation.pressures()[c][slot] * report.per_current_area;
-                if let Some(g) = report.gap {
-                    gap[node] = if gap[node].is_nan() { g } else { gap[node].min(g) };
-                }
-            }
-        }
-    }
-    let candidates: [(SceneField, &str, usize, &[f64]); 6] = [
+    let contact =
+        if CONTACT_FIELDS.into_iter().any(want) { ContactFields::of(simulation)? } else { ContactFields::default() };
+    let candidates: [(SceneField, &str, usize, &[f64]); 9] = [
         (SceneField::Displacement, "displacement", 3, &displacement),
         (SceneField::Velocity, "velocity", 3, &state.v),
         (SceneField::CauchyStress, "cauchy_stress", 6, &stress),
         (SceneField::VonMises, "von_mises", 1, &von_mises),
-        (SceneField::ContactPressure, "contact_pressure", 1, &pressure),
-        (SceneField::Gap, "gap", 1, &gap),
+        (SceneField::ContactPressure, "contact_pressure", 1, &contact.pressure),
+        (SceneField::Gap, "gap", 1, &contact.gap),
+        (SceneField::ContactStatus, "contact_status", 1, &contact.status),
+        (SceneField::FrictionTraction, "friction_traction", 1, &contact.friction),
+        (SceneField::Slip, "slip", 1, &contact.slip),
     ];
     let point_data = candidates
         .into_iter()

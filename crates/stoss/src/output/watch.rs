@@ -172,7 +172,7 @@ impl RunWatch {
         if record.step == 0 {
             return Ok(());
         }
-        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.method.is_permanent());
+        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.method.is_bilateral());
         for ((c, pair), described) in pairs.zip(&self.described) {
             let (pressures, active) = (&simulation.pressures()[c], &simulation.active()[c]);
             let points: Vec<ContactPoint> = (simulation.contact_report(c)?.iter().enumerate())
@@ -299,7 +299,7 @@ fn model(model: &Model) -> WatchModel {
 fn ties(model: &Model) -> Vec<TiedPair> {
     let body_of = |node: u32| model.bodies.iter().position(|body| body.nodes.contains(&node)).unwrap_or_default();
     let mut ties: Vec<TiedPair> = Vec::new();
-    for pair in model.contacts.iter().filter(|pair| pair.method.is_permanent()) {
+    for pair in model.contacts.iter().filter(|pair| pair.method.is_bilateral()) {
         // A constraint may hand out its nodes one by one.
         let mut nodes_of_slot: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
         pair.method.stencils(&vec![true; pair.method.slot_count()], &mut |nodes, slots| {

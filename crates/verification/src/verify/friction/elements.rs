@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use common::{ACTIVE, OPEN, assembled, assembled_with, path, resultants, second_step, standard};
 use stoss_contact::friction::{Coulomb, Friction as Rough, MidpointFriction, Stick};
-use stoss_contact::{Auxiliary, ContactMethod, ContactRule, ContactWork, StepConfiguration};
+use stoss_contact::{Auxiliary, Constraint, ContactMethod, ContactRule, ContactWork, History, StepConfiguration};
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_tensor::{Tensor2, Vector3};
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact::{ContactMethod, ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{Constraint, ContactRule, LocalContribution, StepConfiguration};
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace, SlipMeasure};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::Rotation3;

@@ -1,0 +1,95 @@
+//! Contact by potentials: forces with an energy and no multiplier.
+
+use crate::{Constraint, ContactError, ContactRule, LocalContribution, Report, SlotReport, StepConfiguration};
+
+/// Forces that have an energy `V(q)` and no multiplier: penalties, barriers.
+///
+/// # Protocol
+/// `begin_step(q_n)` once for every attempted step (it may be repeated), then any number of `assemble`; `commit` once when the step was accepted.
+///
+/// The balance of energy stays exact under [`ContactRule::EnergyMomentum`] if the force of a step does the work `V(q_n) - V(q_np1)`; both momenta stay if it has
+/// neither resultant nor moment about `(q_n + q_np1)/2`.
+pub trait Potential: Send + Sync + std::fmt::Debug {
+    /// Name for reports and error messages.
+    fn name(&self) -> &str;
+    /// Length over which the forces change, of a facet for instance.
+    fn length_scale(&self) -> f64;
+    /// Whether the forces leave angular momentum as it is.
+    fn conserves_angular_momentum(&self) -> bool {
+        true
+    }
+    /// Whether the tangent is symmetric under a rule, as [`Constraint::is_symmetric`].
+    fn is_symmetric(&self, _rule: ContactRule) -> bool {
+        false
+    }
+    /// Search at `q_n` (`3 * nodes`); `reach` is the largest distance that two surfaces are expected to approach each other in the step.
+    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
+    /// Nodes of every contribution, in the order of `assemble`; constant in a step.
+    fn stencils(&self, visit: &mut dyn FnMut(&[u32]));
+    /// Residual (minus the force) and, if asked, tangent of every contribution; none has slots.
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError>;
+    /// Energy at `q`.
+    fn energy(&self, q: &[f64]) -> Result<f64, ContactError>;
+    /// The step to `q_np1` was accepted.
+    fn commit(&mut self, _q_np1: &[f64]) {}
+}
+
+/// A potential as a constraint without slots.
+#[derive(Debug)]
+pub struct WithoutSlots(pub Box<dyn Potential>);
+
+impl Report for WithoutSlots {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.0.length_scale()
+    }
+
+    fn conserves_angular_momentum(&self) -> bool {
+        self.0.conserves_angular_momentum()
+    }
+
+    fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        Ok(Vec::new())
+    }
+}
+
+impl Constraint for WithoutSlots {
+    fn slot_count(&self) -> usize {
+        0
+    }
+
+    fn slot_weight(&self, _slot: usize) -> f64 {
+        0.0
+    }
+
+    fn is_symmetric(&self, rule: ContactRule) -> bool {
+        self.0.is_symmetric(rule)
+    }
+
+    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
+        self.0.begin_step(q_n, reach)
+    }
+
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        self.0.stencils(&mut |nodes| visit(nodes, &[]));
+    }
+
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        _multipliers: &[f64],
+        _active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        self.0.assemble(step, want_tangent, visit)
+    }
+}
