@@ -380,3 +380,32 @@ fn a_surface_between_elements_is_explained() {
     assert!(found[0].contains("contact[0].slave") && found[0].contains("boundary, lid;"), "{}", found[0]);
     assert!(found[0].contains("between two elements has no outside"), "{}", found[0]);
 }
+
+/// Two blocks on a fixed plate, drawn sideways by the same body force: one slides, the other sticks.
+#[test]
+fn frames_have_status_friction_and_slip_of_contact() {
+    let scene = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/incline.toml")).unwrap();
+    let (text, _) = scene.split_once("[expect]").unwrap();
+    let folder = folder_with(&text.replace("end = 10.0", "end = 2.0").replace("every = 100", "every = 200"));
+    run(folder.path(), "out", &[]);
+    let frame = stoss::mesh_io::read_vtu(folder.path().join("out/frames/frame_000200.vtu")).unwrap();
+    let field = |name: &str| &frame.point_data.iter().find(|field| field.name == name).unwrap().values;
+    let [status, pressure, friction, slip] =
+        ["contact_status", "contact_pressure", "friction_traction", "slip"].map(field);
+    let (mut slide, mut stick) = (0, 0);
+    for (node, &status) in status.iter().enumerate() {
+        let ratio = friction[node] / pressure[node];
+        match status {
+            2.0 => {
+                slide += 1;
+                assert!((ratio - 0.3).abs() < 1e-9 && slip[node] > 1e-5, "{ratio} {}", slip[node]);
+            }
+            1.0 => {
+                stick += 1;
+                assert!(ratio < 0.3061 && slip[node] < 1e-9, "{ratio} {}", slip[node]);
+            }
+            other => assert!(other == 0.0 && pressure[node] == 0.0 && friction[node] == 0.0),
+        }
+    }
+    assert_eq!((slide, stick), (9, 9));
+}
