@@ -20,9 +20,10 @@
 
 use crate::crossing::{Crossing, MAX_NODES};
 use crate::invariants;
-use crate::kinematics::{Gap, LOCAL, Local, LocalMatrix, points};
+use crate::kinematics::{Gap, LOCAL, Local, points};
 use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
+use crate::work::Work;
 use stoss_contact::{ContactError, ContactRule, StepConfiguration};
 
 fn local(q: &[f64], nodes: &[u32]) -> Local {
@@ -115,44 +116,5 @@ impl NodeToSurface {
         }
         .evaluate(&mut work.gradient[..n], &mut work.tangent);
         Ok(())
-    }
-}
-
-/// Gap gradient and tangent of one slot; the tangent is empty if not asked for.
-pub(crate) struct Work {
-    pub gradient: [f64; 3 * MAX_NODES],
-    pub tangent: Vec<f64>,
-}
-
-impl Work {
-    pub fn new() -> Self {
-        Self { gradient: [0.0; 3 * MAX_NODES], tangent: Vec::new() }
-    }
-
-    fn reset(&mut self, n: usize, want_tangent: bool) {
-        self.gradient[..n].fill(0.0);
-        self.tangent.clear();
-        if want_tangent {
-            self.tangent.resize(n * n, 0.0);
-        }
-    }
-
-    /// Adds `factor * gradient` at the slave node and a facet's nodes.
-    fn add_gradient(&mut self, gradient: &Local, facet: &[usize; 4], factor: f64) {
-        for (node, part) in std::iter::once(&0).chain(facet).zip(gradient.chunks_exact(3)) {
-            for i in 0..3 {
-                self.gradient[3 * node + i] += factor * part[i];
-            }
-        }
-    }
-
-    /// A gradient, and `factor` times a tangent, at the slave node and the end facet's nodes.
-    fn set(&mut self, gradient: &Local, tangent: Option<&LocalMatrix>, n: usize, factor: f64) {
-        self.gradient[..LOCAL].copy_from_slice(gradient);
-        for (i, row) in tangent.into_iter().flatten().enumerate() {
-            for (j, k) in row.iter().enumerate() {
-                self.tangent[i * n + j] = factor * k;
-            }
-        }
     }
 }
