@@ -1,9 +1,10 @@
-//! `cargo xtask layers`: every crate's normal dependencies against `layers.toml`.
+//! `cargo xtask layers`: every crate's normal dependencies against `layers.toml`, and no circles inside a crate.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use toml::Table;
 
+use crate::circles;
 use crate::manifest::{self, Member};
 use crate::workspace::{Outcome, Workspace};
 
@@ -39,6 +40,7 @@ pub fn command(workspace: &Workspace) -> Outcome<bool> {
         let source = sources(workspace, &member.folder)?;
         let unused = member.dependencies.iter().filter(|dependency| !is_named(&source, dependency));
         findings.errors.extend(unused.map(|name| format!("{} depends on {name}, but never names it", member.folder)));
+        findings.errors.extend(circles::check(workspace, member)?);
     }
     for note in &findings.notes {
         println!("layers: note: {note}");

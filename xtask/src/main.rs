@@ -3,7 +3,9 @@
 //! `schema`, `gallery` and the suites of `verify` that measure scenes run the program `stoss` and read the files that it
 //! leaves; the suites that measure a crate (`tangents`, `materials`) call it. Which crates those are is in `layers.toml`.
 
+mod circles;
 mod layers;
+mod modules;
 mod reuse;
 mod schema;
 mod tidy;
@@ -24,7 +26,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Compares every crate's normal dependencies with layers.toml.
+    /// Compares every crate's normal dependencies with layers.toml and finds circles between modules.
     Layers,
     /// Builds each reusable crate alone and compares its dependency list with docs/reuse/.
     Reuse {

@@ -1,55 +1,17 @@
 //! Friction as a part of the contact method: rules, history, augmentation, energies.
 
 use crate::frames::MaterialFrames;
+use crate::friction::{PointHistory, SLIVER, SurfaceFriction};
 use crate::method::MortarContact;
 use crate::sides::Row;
 use crate::slip::SlipMeasure;
 use crate::slot::{Slot, at};
 use crate::tangential::{FrictionState, NodeFriction, Scratch};
-use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, PointIteration, Stick, stick_compliances};
+use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration};
-
-/// A node of which less than this part is covered at the start of a step of the end point.
-const SLIVER: f64 = 0.05;
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
-
-/// Friction of a whole surface.
-#[derive(Clone, Debug)]
-pub(crate) struct SurfaceFriction {
-    friction: Friction,
-    measure: SlipMeasure,
-    frames: MaterialFrames,
-    step_size: f64,
-    /// Rounds of augmentation in this step.
-    rounds: u32,
-    points: Vec<PointHistory>,
-    /// Of the stick of each node, in multiples of one over the stiffness.
-    compliance: Vec<f64>,
-    /// Nodes of which less than [`SLIVER`] is covered at the start of a step of the end point. Exact stick is replaced by a spring that forgets there: the
-    /// slip of a sliver at the rim of the master is the motion of the rim, and a multiplier would need a traction out of all proportion to hold it.
-    slivers: Vec<bool>,
-}
-
-/// History of one slot. Tractions have the components that they had at the start: the frame follows the slave's material.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct PointHistory {
-    /// Traction at the end of the last accepted step.
-    committed: [f64; 2],
-    /// Path slid in this contact.
-    slid: f64,
-    /// Covered area that the committed traction belongs to.
-    support: f64,
-    /// Traction (or augmented multiplier) that the step starts with.
-    start: [f64; 2],
-    /// What the multipliers of [`Stick::Multiplier`] add to it.
-    multiplier: [f64; 2],
-    /// Of this step.
-    iteration: PointIteration,
-    /// What the last accepted step came to.
-    last: Option<SlotFriction>,
-}
 
 fn norm(v: [f64; 2]) -> f64 {
     v[0].hypot(v[1])

@@ -44,6 +44,7 @@ mod discrete;
 mod error;
 mod factors;
 mod frames;
+mod friction;
 mod frictional;
 mod integrals;
 mod law;

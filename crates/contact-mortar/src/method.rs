@@ -2,7 +2,7 @@
 
 use crate::candidates::{Candidates, SearchRange};
 use crate::factors::Factors;
-use crate::frictional::SurfaceFriction;
+use crate::friction::SurfaceFriction;
 use crate::sides::{has_sharp_edges, rows, sheets, unit_normals};
 use crate::slot::{Slot, Want};
 use crate::state::{Integrated, Need, StepState, Surfaces, segmentation_error};

@@ -18,13 +18,13 @@
 //! angular momentum of the trapezoidal rule sees: zero in a rigid motion, of second order in the motion on one facet,
 //! the kink times the motion over an edge.
 
-use crate::crossing::{Crossing, MAX_NODES, component, local_of, spread};
+use crate::crossing::{Crossing, MAX_NODES, local_of};
 use crate::invariants;
-use crate::kinematics::{Gap, Local, LocalMatrix, points};
+use crate::kinematics::{Gap, Local, points};
 use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
+use crate::work::Work;
 use stoss_contact::{ContactError, ContactRule, StepConfiguration};
-use stoss_reference_element::Nodal;
 
 impl NodeToSurface {
     /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.
@@ -104,45 +104,5 @@ impl NodeToSurface {
         }
         .evaluate(&mut work.gradient[..n], &mut work.tangent);
         Ok(())
-    }
-}
-
-/// Gap gradient and tangent of one slot; the tangent is empty if not asked for.
-pub(crate) struct Work {
-    pub gradient: [f64; 3 * MAX_NODES],
-    pub tangent: Vec<f64>,
-}
-
-impl Work {
-    pub fn new() -> Self {
-        Self { gradient: [0.0; 3 * MAX_NODES], tangent: Vec::new() }
-    }
-
-    fn reset(&mut self, n: usize, want_tangent: bool) {
-        self.gradient[..n].fill(0.0);
-        self.tangent.clear();
-        if want_tangent {
-            self.tangent.resize(n * n, 0.0);
-        }
-    }
-
-    /// Adds `factor * gradient` at the slave node and a facet's nodes.
-    fn add_gradient(&mut self, gradient: &Local, facet: &Nodal<usize>, factor: f64) {
-        for (node, part) in spread(facet).iter().zip(gradient.chunks_exact(3)) {
-            for i in 0..3 {
-                self.gradient[3 * node + i] += factor * part[i];
-            }
-        }
-    }
-
-    /// Adds a gradient, and `factor` times a tangent, at the slave node and a facet's nodes.
-    fn set(&mut self, gradient: &Local, tangent: Option<&LocalMatrix>, facet: &Nodal<usize>, n: usize, factor: f64) {
-        self.add_gradient(gradient, facet, 1.0);
-        let nodes = spread(facet);
-        for (i, row) in tangent.into_iter().flatten().enumerate() {
-            for (j, k) in row.iter().enumerate() {
-                self.tangent[component(&nodes, i) * n + component(&nodes, j)] += factor * k;
-            }
-        }
     }
 }

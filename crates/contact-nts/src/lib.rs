@@ -13,6 +13,7 @@
 pub mod augmented;
 pub mod crossing;
 mod dual;
+mod enforced;
 mod friction;
 mod frictional;
 mod gradient;
@@ -20,8 +21,11 @@ pub mod invariants;
 pub mod kinematics;
 mod method;
 mod normal;
+mod options;
 mod pairing;
 mod slot;
+mod work;
 
 pub use augmented::{AugmentedOptions, CoordinateAugmented, Reduction};
-pub use method::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+pub use method::NodeToSurface;
+pub use options::{ConstraintForm, NodeToSurfaceOptions};

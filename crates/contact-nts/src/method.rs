@@ -1,41 +1,21 @@
 //! Node-to-surface contact as a contact method.
 //!
-//! Pairings are made in `pairing`, gap gradients in `gradient`, friction in `friction` and `frictional`.
+//! Pairings are made in `pairing`, gap gradients in `gradient`, enforcement in `normal` and `enforced`, friction in `friction` and `frictional`.
 
 use crate::crossing::{component, spread};
 use crate::friction::SurfaceFriction;
-use crate::gradient::Work;
 use crate::kinematics::Gap;
 use crate::normal::Normal;
+use crate::options::{ConstraintForm, NodeToSurfaceOptions};
 use crate::slot::{ElementNodes, Pairing, Slot};
+use crate::work::Work;
 use nalgebra::Vector3;
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement,
-    FacetNodes, History, LocalContribution, MasterPoint, MasterSearch, Report, SearchOptions, SlotReport,
-    StepConfiguration, clear_inactive, multipliers_of,
+    FacetNodes, History, LocalContribution, MasterPoint, MasterSearch, Report, SlotReport, StepConfiguration,
+    clear_inactive, multipliers_of,
 };
 use stoss_geometry::Patch;
-
-/// What is kept zero while a node is closed (formulation §9.3).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ConstraintForm {
-    /// `g_np1 = 0`: energy changes in the step in which a node closes.
-    #[default]
-    Standard,
-    /// `g_np1 = g_n`: energy is exact, nodes float at the gap that they had and bounce.
-    Modified,
-}
-
-/// Options of the method.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NodeToSurfaceOptions {
-    /// Constraint while closed.
-    pub constraint: ConstraintForm,
-    /// How it is enforced; a penalty needs the standard form.
-    pub enforcement: Enforcement,
-    /// Tolerances of the search.
-    pub search: SearchOptions,
-}
 
 /// Slave nodes against master facets, with or without friction, one pressure (traction on the node's reference area) a slave node.
 #[derive(Clone, Debug)]

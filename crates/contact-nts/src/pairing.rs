@@ -1,9 +1,10 @@
 //! Which facets a node is paired with, decided in [`stoss_contact::ContactMethod::repair`] and then fixed for the iterations.
 
-use crate::gradient::Work;
 use crate::kinematics::Gap;
-use crate::method::{ConstraintForm, NodeToSurface, position};
+use crate::method::{NodeToSurface, position};
+use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, Pairing};
+use crate::work::Work;
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration};
 use stoss_geometry::Patch;

@@ -47,7 +47,7 @@ impl SparseMatrix {
 
     /// The largest absolute value in each row.
     pub fn row_max(&self, rows: &mut [f64]) {
-        row_max(&self.pattern, &self.values, rows);
+        self.pattern.row_max(&self.values, rows);
     }
 
     /// The infinity norm: the largest sum of absolute values of a row.
@@ -84,13 +84,5 @@ pub(crate) fn multiply(pattern: &SparsityPattern, values: &[f64], x: &[f64], y: 
         for (&i, &v) in pattern.row_indices()[range.clone()].iter().zip(&values[range]) {
             y[i] += v * xj;
         }
-    }
-}
-
-/// The largest absolute value in each row.
-pub(crate) fn row_max(pattern: &SparsityPattern, values: &[f64], rows: &mut [f64]) {
-    rows.fill(0.0);
-    for (&i, v) in pattern.row_indices().iter().zip(values) {
-        rows[i] = rows[i].max(v.abs());
     }
 }

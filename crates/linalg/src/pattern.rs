@@ -137,11 +137,19 @@ impl SparsityPattern {
         self.column(col).binary_search(&row).ok().map(|k| start + k)
     }
 
+    /// The largest absolute value in each row, for values in the order of the pattern.
+    pub(crate) fn row_max(&self, values: &[f64], rows: &mut [f64]) {
+        rows.fill(0.0);
+        for (&i, v) in self.row_indices.iter().zip(values) {
+            rows[i] = rows[i].max(v.abs());
+        }
+    }
+
     /// `max |a_ij - a_ji| / min(m_i, m_j)` for values in the order of the pattern, `m_i` the largest entry of row `i` in size: about round-off
     /// if the values are meant to be symmetric. For tests.
     pub fn asymmetry(&self, values: &[f64]) -> f64 {
         let mut rows = vec![0.0; self.n];
-        crate::matrix::row_max(self, values, &mut rows);
+        self.row_max(values, &mut rows);
         let mut largest = 0.0f64;
         for j in 0..self.n {
             for k in self.column_range(j) {

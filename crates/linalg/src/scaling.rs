@@ -39,7 +39,7 @@ impl Equilibration {
             }
             return Ok(());
         }
-        crate::matrix::row_max(pattern, values, &mut self.rows);
+        pattern.row_max(values, &mut self.rows);
         if let Some(row) = self.rows.iter().position(|&m| m == 0.0) {
             return Err(row);
         }
@@ -82,7 +82,7 @@ impl Equilibration {
         self.rows.clear();
         self.rows.resize(n, 0.0);
         // Values that are not symmetric after all may have a row of zeros without the column, or the other way round.
-        crate::matrix::row_max(pattern, values, &mut self.rows);
+        pattern.row_max(values, &mut self.rows);
         if let Some(row) = self.rows.iter().position(|&m| m == 0.0) {
             return Err(row);
         }

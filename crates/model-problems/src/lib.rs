@@ -17,13 +17,15 @@
 //! midpoint Jacobian is their exact discrete gradient.
 
 mod dense;
+mod error;
 mod problem;
 mod problems;
 mod simulate;
 
+pub use error::ModelError;
 pub use problem::{ConstraintForm, ModelProblem};
 pub use problems::{
     AugmentedSpringPendulum, BouncingBar, MassPoint, Pendulum, ReducedPendulum, SpringPair, SpringPendulum,
     StringPendulum,
 };
-pub use simulate::{Effort, ModelError, Sample, simulate};
+pub use simulate::{Effort, Sample, simulate};

@@ -1,20 +1,9 @@
 //! One slave facet against a master surface.
 
 use crate::folded::unfold;
-use crate::{Segment, SegmentationError, SlaveFrame, segment_pair};
+use crate::{FacetSegmentation, MasterFacet, Segment, SegmentationError, SlaveFrame, segment_pair};
 use nalgebra::Vector3;
-use stoss_reference_element::{FacetNodes, Nodal};
-
-/// A facet of the master surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MasterFacet {
-    /// Number of the facet, returned in [`Segment::master_facet`].
-    pub id: u32,
-    /// Numbers of its nodes: facets with two of them in common are neighbours.
-    pub nodes: FacetNodes,
-    /// Positions, counter-clockwise seen from outside of the master.
-    pub corners: Nodal<Vector3<f64>>,
-}
+use stoss_reference_element::Nodal;
 
 /// Gaps along the slave's normal within which a master counts, lengths. A segment counts if its range of gaps meets
 /// this one.
@@ -34,33 +23,6 @@ impl GapRange {
         let gaps = segment.vertices().iter().map(|v| v.gap);
         let (low, high) = gaps.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), g| (a.min(g), b.max(g)));
         low <= self.max && high >= self.min
-    }
-}
-
-/// A master facet that lies opposite, but behind another sheet of the master.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HiddenFacet {
-    /// Number of the facet.
-    pub id: u32,
-    /// Parametric area of its segments (see [`SlaveFrame::kind`] for that of the facet).
-    pub parametric_area: f64,
-}
-
-/// All segments of one slave facet.
-#[derive(Clone, Debug)]
-pub struct FacetSegmentation {
-    /// The segmentation plane.
-    pub frame: SlaveFrame,
-    /// Segments in the order of the candidates.
-    pub segments: Vec<Segment>,
-    /// Facets left out because a nearer sheet covers the same part of the slave.
-    pub hidden: Vec<HiddenFacet>,
-}
-
-impl FacetSegmentation {
-    /// Sum of the segments' parametric areas.
-    pub fn parametric_area(&self) -> f64 {
-        self.segments.iter().map(Segment::parametric_area).sum()
     }
 }
 

@@ -39,6 +39,8 @@ pub use stoss_watch as watch;
 #[cfg(feature = "scene")]
 pub mod build;
 #[cfg(feature = "output")]
+mod error;
+#[cfg(feature = "output")]
 pub mod output;
 #[cfg(any(feature = "output", all(feature = "scene", feature = "mesh-files")))]
 mod regular;

@@ -2,13 +2,14 @@
 
 use crate::build::{Built, OwnLaws, build_with};
 use crate::output::{
-    FolderSettings, Outcome, OutputError, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies,
-    judge_start, promises,
+    FolderSettings, Outcome, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies, judge_start,
+    promises,
 };
-use crate::scene::{Scene, SceneErrors};
+use crate::scene::Scene;
 use std::path::{Path, PathBuf};
-use stoss_solver::{SimulationError, StepRecord};
+use stoss_solver::StepRecord;
 
+pub use crate::error::RunError;
 pub use crate::output::{Summary, judge_folder};
 
 /// How to run.
@@ -25,57 +26,6 @@ pub struct RunOptions {
     /// Writes so many linear systems, the first ones that are factorised, into the folder `systems` of the results
     /// ([`stoss_linalg::matrix_market`]). Zero: none.
     pub systems: u32,
-}
-
-/// Why a run was not done or not finished.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum RunError {
-    /// The scene is wrong.
-    #[error("{0}")]
-    Scene(SceneErrors),
-    /// The scene's file cannot be read.
-    #[error("cannot read the scene {path}: {source}", path = .path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The scene's file is no text.
-    #[error("{path}:{line}: the file is not UTF-8 text here: save the scene in the encoding UTF-8", path = .path.display())]
-    Encoding {
-        /// The file.
-        path: PathBuf,
-        /// The first line that cannot be read, from 1.
-        line: usize,
-    },
-    /// An option does not fit the scene.
-    #[error("{0}")]
-    Option(String),
-    /// The checkpoint does not fit.
-    #[error("cannot resume from {path}: {reason}", path = .path.display())]
-    Resume {
-        /// The checkpoint.
-        path: PathBuf,
-        /// Why not.
-        reason: String,
-    },
-    /// Results cannot be written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// The simulation stopped early.
-    #[error("{source}\nlast good state: step {last_step} at t = {last_time}; all results up to there are in {out}", out = .out.display())]
-    Simulation {
-        /// What happened.
-        source: Box<SimulationError>,
-        /// Last completed step.
-        last_step: u64,
-        /// Its time.
-        last_time: f64,
-        /// Folder of the results.
-        out: PathBuf,
-    },
 }
 
 /// What happens during a run.

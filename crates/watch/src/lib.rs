@@ -15,6 +15,7 @@
 
 mod balance;
 mod contact;
+mod finding;
 mod observe;
 mod pairs;
 mod solids;
@@ -24,9 +25,10 @@ mod verdict;
 
 pub use balance::{BalanceState, BalanceWatch, Promises};
 pub use contact::{ContactPoint, ContactState, PointFriction};
+pub use finding::{Finding, FindingKind, Level};
 pub use observe::{Observation, Penetration, Tunnelling, Watch};
 pub use solids::SolidObservation;
-pub use verdict::{Finding, FindingKind, Judge, Level, Limits, Verdict};
+pub use verdict::{Judge, Limits, Verdict};
 
 use std::ops::Range;
 

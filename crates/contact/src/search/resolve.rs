@@ -1,22 +1,10 @@
 //! From the closest facet to the signed gap: faces, edges, vertices and rims.
 
+use super::view::Foot;
 use super::{Feature, MasterPoint, Pairing, SearchView};
 use nalgebra::Vector3;
-use stoss_geometry::{ClosestPoint, PatchFeature};
+use stoss_geometry::PatchFeature;
 use stoss_reference_element::FacetNodes;
-
-/// Closest point of one facet.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
-    pub facet: u32,
-    pub closest: ClosestPoint,
-}
-
-impl Foot {
-    pub fn new(facet: u32, closest: ClosestPoint) -> Self {
-        Self { facet, closest }
-    }
-}
 
 /// What surrounds the closest point on an edge or vertex.
 struct Surroundings {

@@ -1,10 +1,9 @@
 //! Queries of the search at given positions.
 
-use super::resolve::Foot;
 use super::{Feature, MasterPoint, MasterSearch, Pairing};
 use crate::surface::position;
 use nalgebra::Vector3;
-use stoss_geometry::PatchFeature;
+use stoss_geometry::{ClosestPoint, PatchFeature};
 
 /// Longest walk from facet to facet; a longer slide is left to the tree.
 const MAX_WALK: usize = 256;
@@ -12,6 +11,19 @@ const MAX_WALK: usize = 256;
 /// Cosine below which two places of the surface are sheets that face away from each other: 120 degrees leave every edge of a
 /// body with a dihedral angle above 60 degrees to the plain closest point.
 const OPPOSITE_COSINE: f64 = -0.5;
+
+/// Closest point of one facet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot {
+    pub facet: u32,
+    pub closest: ClosestPoint,
+}
+
+impl Foot {
+    pub fn new(facet: u32, closest: ClosestPoint) -> Self {
+        Self { facet, closest }
+    }
+}
 
 /// Whether `own`, where the node came from, is penetrated and `global` is the far side of the same thin body.
 fn other_sheet(own: &MasterPoint, global: &MasterPoint) -> bool {

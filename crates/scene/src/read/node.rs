@@ -9,8 +9,6 @@ use std::cell::RefCell;
 use std::ops::{Range, RangeInclusive};
 use toml::de::DeValue;
 
-use super::table::Table;
-
 /// The text and the problems found so far.
 pub(super) struct Report<'a> {
     pub(super) source: &'a Source,
@@ -48,7 +46,8 @@ impl<'a> Node<'a> {
         None
     }
 
-    fn wrong_type<T>(&self, expected: &str, example: &str) -> Option<T> {
+    /// Reports that this value is something else; always `None`.
+    pub(super) fn wrong_type<T>(&self, expected: &str, example: &str) -> Option<T> {
         let found = self.value.type_str();
         self.fail(format!("must be {expected}, found {}", with_article(found)), format!("write for instance {example}"))
     }
@@ -217,18 +216,6 @@ impl<'a> Node<'a> {
             return self.fail("must not be the zero vector", "give a direction, for instance [0, 0, 1]");
         }
         Some(vector)
-    }
-
-    pub(super) fn table(&self) -> Option<Table<'a>> {
-        self.table_like("{ key = value }")
-    }
-
-    /// A table; `example` is shown if it is something else.
-    pub(super) fn table_like(&self, example: &str) -> Option<Table<'a>> {
-        match self.value {
-            DeValue::Table(map) => Some(Table::new(self.clone(), map)),
-            _ => self.wrong_type("a table", example),
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::node::{Node, known};
 use crate::source::join;
 use std::cell::{Cell, RefCell};
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 pub(super) struct Table<'a> {
     pub(super) node: Node<'a>,
@@ -11,6 +11,20 @@ pub(super) struct Table<'a> {
     known: RefCell<Vec<&'static str>>,
     /// True if the remaining keys were read, whatever they are called.
     exhausted: Cell<bool>,
+}
+
+impl<'a> Node<'a> {
+    pub(super) fn table(&self) -> Option<Table<'a>> {
+        self.table_like("{ key = value }")
+    }
+
+    /// A table; `example` is shown if it is something else.
+    pub(super) fn table_like(&self, example: &str) -> Option<Table<'a>> {
+        match self.value {
+            DeValue::Table(map) => Some(Table::new(self.clone(), map)),
+            _ => self.wrong_type("a table", example),
+        }
+    }
 }
 
 impl<'a> Table<'a> {

@@ -201,28 +201,3 @@ fn load_kind(
         }
     }
 }
-
-/// Tells that the contact's method needs a cargo feature.
-#[allow(dead_code, reason = "with all features every method is built in")]
-pub(super) fn not_built_in(key: String, item: &crate::scene::Contact, problems: &mut Problems<'_>) {
-    let name = item.method.name();
-    let feature = if item.method == crate::scene::ContactMethod::Cat { "nts" } else { name };
-    let message = format!("this build of Stoss has no contact method `{name}`");
-    problems.add(format!("{key}.method"), name, message, format!("build it with the cargo feature `{feature}`"));
-}
-
-#[cfg(not(any(feature = "nts", feature = "mortar")))]
-pub(super) fn contacts(
-    scene: &Scene,
-    _: &[Placed],
-    _: &super::OwnLaws,
-    _: &super::tie::Ties,
-    _: &mut Model,
-    problems: &mut Problems<'_>,
-    _: &mut Vec<String>,
-) -> Vec<super::ContactPlan> {
-    for (c, item) in scene.contacts.iter().enumerate() {
-        not_built_in(format!("contact[{c}]"), item, problems);
-    }
-    Vec::new()
-}

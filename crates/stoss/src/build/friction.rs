@@ -1,6 +1,6 @@
 //! Friction of a contact: the laws of the catalogue and a program's own, and which schemes have it.
 
-use super::contact::PairInput;
+use super::pair::PairInput;
 use super::{FrictionPlan, OwnLaws, ParameterError, Problems};
 use crate::scene::{self, Scene};
 use std::sync::Arc;

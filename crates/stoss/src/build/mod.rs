@@ -8,21 +8,24 @@ mod contact;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod friction;
 mod law;
+mod missing;
 #[cfg(feature = "mortar")]
 mod mortar;
 #[cfg(feature = "nts")]
 mod nts;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod overlap;
+#[cfg(any(feature = "nts", feature = "mortar"))]
+mod pair;
 mod plan;
 mod probe;
 mod supports;
 mod tie;
 
-#[cfg(not(any(feature = "nts", feature = "mortar")))]
-use condition::contacts;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 use contact::contacts;
+#[cfg(not(any(feature = "nts", feature = "mortar")))]
+use missing::contacts;
 
 pub use law::{FrictionLawResult, LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use plan::{ContactPlan, FrictionPlan};

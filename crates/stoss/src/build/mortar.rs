@@ -1,6 +1,6 @@
 //! Mortar contact of a scene.
 
-use super::contact::PairInput;
+use super::pair::PairInput;
 use super::{ContactPlan, Problems};
 use crate::scene::{
     Closing, Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip,

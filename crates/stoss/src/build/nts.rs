@@ -1,6 +1,6 @@
 //! Node-to-surface contact of a scene.
 
-use super::contact::PairInput;
+use super::pair::PairInput;
 use super::{ContactPlan, Problems};
 use crate::scene::{Constraint, Enforcement as Enforced};
 use crate::solver::{ContactPair, Coupling, Model};

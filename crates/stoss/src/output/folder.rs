@@ -8,6 +8,7 @@ use super::table::CsvTable;
 use super::watch::{self, RunWatch};
 use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frame};
 use crate::build::{ContactPlan, Probe};
+use crate::error::RunError;
 use crate::scene::{Field, OnFault, Watch as WatchTable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -130,15 +131,11 @@ impl ResultFolder {
     ///
     /// # Errors
     /// [`OutputError`]; the checkpoint's own error if it is missing, damaged or of another scene.
-    pub fn resume(
-        path: &Path,
-        settings: FolderSettings,
-        simulation: &mut Simulation,
-    ) -> Result<Self, crate::run::RunError> {
+    pub fn resume(path: &Path, settings: FolderSettings, simulation: &mut Simulation) -> Result<Self, RunError> {
         let file = path.join("checkpoint");
         if !file.is_file() {
             let reason = "there is no checkpoint in this folder: name the folder of an earlier run with --out, or run without --resume";
-            return Err(crate::run::RunError::Resume { path: file, reason: reason.into() });
+            return Err(RunError::Resume { path: file, reason: reason.into() });
         }
         let lock = FolderLock::take(path)?;
         let checkpoint = Checkpoint::read(&file).map_err(OutputError::from)?;
@@ -148,11 +145,11 @@ impl ResultFolder {
             let reason = format!(
                 "the scene has changed since it was written ({changes}); undo the changes, or run without --resume"
             );
-            return Err(crate::run::RunError::Resume { path: file, reason });
+            return Err(RunError::Resume { path: file, reason });
         }
         let attachments = simulation
             .restore(checkpoint, &settings.identity.hash())
-            .map_err(|e| crate::run::RunError::Resume { path: file.clone(), reason: e.to_string() })?;
+            .map_err(|e| RunError::Resume { path: file.clone(), reason: e.to_string() })?;
         let damaged = |reason: String| OutputError::Damaged { path: file.clone(), reason };
         let bytes = attachments.get("folder").ok_or_else(|| damaged("it was not written by this program".into()))?;
         let memo: Memo = serde_json::from_slice(bytes).map_err(|e| damaged(e.to_string()))?;

@@ -60,6 +60,13 @@ pub enum Oracle {
     Fails,
 }
 
+impl Oracle {
+    /// True if the run has to end with an error and did, or has not to and did not.
+    pub fn allows_the_end_of(&self, evidence: &Evidence) -> bool {
+        !matches!(self, Self::Fails) || evidence.error.is_some()
+    }
+}
+
 /// One word for what became of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Word {

@@ -3,8 +3,8 @@
 use super::super::super::Run;
 use super::super::super::balance::Balance;
 use super::super::super::launch::Launched;
-use super::case::{Case, Oracle};
 use super::geometry::Configuration;
+use super::scene::Scene;
 use crate::vtu::{self, Grid};
 use crate::workspace::read;
 
@@ -34,8 +34,8 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Reads everything; the error is what must not be.
-    pub fn read(case: &Case, launched: Launched) -> Result<Self, String> {
+    /// Reads everything that the run of a scene, with contact or without, has to leave; the error is what must not be.
+    pub fn read(scene: &Scene, has_contact: bool, launched: Launched) -> Result<Self, String> {
         let Launched { run, hung, log } = launched;
         if hung {
             return Err("does not end".into());
@@ -50,10 +50,10 @@ impl Evidence {
         let words = |error: Box<dyn std::error::Error>| error.to_string();
         let text = |file: &str| read(&run.folder.join(file)).map_err(words);
         let mut tables = vec!["balance.csv", "newton.csv"];
-        if case.touch.is_some() {
+        if has_contact {
             tables.push("contact.csv");
         }
-        if case.scene.text().contains("[[probe]]") {
+        if scene.text().contains("[[probe]]") {
             tables.push("probes.csv");
         }
         for file in tables {
@@ -81,7 +81,7 @@ impl Evidence {
             .iter()
             .map(|file| vtu::load(file).map_err(words))
             .collect::<Result<_, String>>()?;
-        if case.scene.text().contains("every = 1\n") && grids.len() != balance.step.len() {
+        if scene.text().contains("every = 1\n") && grids.len() != balance.step.len() {
             return Err(format!("{} frames of {} states", grids.len(), balance.step.len()));
         }
         for field in ["displacement", "velocity", "von_mises"] {
@@ -94,11 +94,6 @@ impl Evidence {
         let last = grids.last().ok_or("no frames")?;
         let displacement = last.point_data["displacement"].values.clone();
         Ok(Self { run, balance, least_step, least_dissipation, frames, displacement, error })
-    }
-
-    /// True if the run has to end with an error and did, or has not to and did not.
-    pub fn ends_as_it_must(&self, oracle: &Oracle) -> bool {
-        !matches!(oracle, Oracle::Fails) || self.error.is_some()
     }
 
     /// Last entry of a column of the probes.

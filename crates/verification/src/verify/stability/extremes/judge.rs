@@ -62,7 +62,7 @@ pub type Bases = BTreeMap<String, Vec<f64>>;
 
 /// Judges a run.
 pub fn judge(case: &Case, launched: Launched, bases: &mut Bases) -> Verdict {
-    match Evidence::read(case, launched) {
+    match Evidence::read(&case.scene, case.touch.is_some(), launched) {
         Ok(evidence) => weigh(case, &evidence, bases).unwrap_or_else(Verdict::wrong),
         Err(reason) => Verdict::wrong(reason),
     }
@@ -75,7 +75,7 @@ fn weigh(case: &Case, evidence: &Evidence, bases: &mut Bases) -> Result<Verdict,
     if !Bound::AtLeast(-ROUND_OFF).holds(evidence.least_dissipation) {
         return Err(format!("friction gives energy back: {}", number(evidence.least_dissipation)));
     }
-    if !evidence.ends_as_it_must(&case.oracle) {
+    if !case.oracle.allows_the_end_of(&evidence) {
         return Err("there is no solution, and yet the run ended well".into());
     }
     if let Some(error) = &evidence.error {

@@ -1,0 +1,53 @@
+//! Why a run of a model problem stops.
+
+/// Why a run stopped. What the observer saw before stays valid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// The scheme cannot do this problem.
+    #[error("scheme `{scheme}` cannot carry constraints, and `{problem}` has some")]
+    Constraints {
+        /// The scheme.
+        scheme: String,
+        /// The problem.
+        problem: String,
+    },
+    /// Step size or number of steps make no sense.
+    #[error("the step size must be positive and finite, found {dt}")]
+    StepSize {
+        /// What was given.
+        dt: f64,
+    },
+    /// `M x = b` has no solution.
+    #[error("the mass matrix is singular")]
+    SingularMass,
+    /// The tangent is singular.
+    #[error("the tangent is singular")]
+    SingularTangent,
+    /// Newton did not converge.
+    #[error("step {step} from time {time}: Newton: {reason}")]
+    Newton {
+        /// Number of the step, from 1.
+        step: u64,
+        /// Its start.
+        time: f64,
+        /// The stop reason.
+        reason: String,
+    },
+    /// The active set did not settle.
+    #[error("step {step} from time {time}: the active set does not settle")]
+    ActiveSet {
+        /// Number of the step.
+        step: u64,
+        /// Its start.
+        time: f64,
+    },
+    /// Coordinates or energy grew beyond all bounds.
+    #[error("step {step} at time {time}: the solution has left all bounds")]
+    Escaped {
+        /// Number of the step.
+        step: u64,
+        /// Its end.
+        time: f64,
+    },
+}
