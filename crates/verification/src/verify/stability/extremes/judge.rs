@@ -75,7 +75,7 @@ fn weigh(case: &Case, evidence: &Evidence, bases: &mut Bases) -> Result<Verdict,
     if !Bound::AtLeast(-ROUND_OFF).holds(evidence.least_dissipation) {
         return Err(format!("friction gives energy back: {}", number(evidence.least_dissipation)));
     }
-    if !case.oracle.allows_the_end_of(&evidence) {
+    if !case.oracle.allows_the_end_of(evidence) {
         return Err("there is no solution, and yet the run ended well".into());
     }
     if let Some(error) = &evidence.error {
