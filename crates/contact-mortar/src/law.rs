@@ -1,7 +1,8 @@
 //! Force and row of a slot: the law of the normal part.
 
 use crate::discrete::RelativeMotion;
-use crate::method::{CARRIED, Force, MortarContact, mean};
+use crate::method::{CARRIED, MortarContact, mean};
+use crate::options::Force;
 use crate::slot::{Evaluation, Slot, Want, at};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactRule, LocalContribution, StepConfiguration};

@@ -4,7 +4,7 @@ use crate::MortarError;
 use crate::candidates::Candidates;
 use crate::sides::Row;
 use crate::slot::Slot;
-use crate::weights::{FacetWeights, Integration};
+use crate::weights::{FacetWeights, Integration, Without};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactSurface};
 use stoss_reference_element::MAX_NODES;
@@ -26,9 +26,6 @@ pub(crate) struct Surfaces {
     pub without: Vec<bool>,
     pub integration: Integration,
 }
-
-/// Corners of a facet that hand their functions over; places where there is no corner do so.
-pub(crate) type Without = [bool; MAX_NODES];
 
 /// What is constant in a step.
 #[derive(Clone, Debug, Default)]

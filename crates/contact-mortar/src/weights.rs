@@ -5,7 +5,6 @@ use crate::derivatives::{PairDerivatives, pair_derivatives};
 use crate::factors::Factors;
 use crate::integrals::{FacetIntegrals, facet_integrals};
 use crate::multiplier::{MultiplierBasis, MultiplierSpace, NodeMatrix, NodeVector, matrix};
-use crate::state::Without;
 use nalgebra::Vector3;
 use stoss_reference_element::{MAX_NODES, Nodal};
 use stoss_segmentation::{FacetSegmentation, MASTER};
@@ -44,6 +43,9 @@ pub(crate) struct Integration {
     pub rule: TriangleRule,
     pub factors: Factors,
 }
+
+/// Corners of a facet that hand their functions over; places where there is no corner do so.
+pub(crate) type Without = [bool; MAX_NODES];
 
 /// Functions of corners without a multiplier of their own are handed to the other corners in equal parts: the sum of all
 /// functions stays one, so that constant pressures are still exact at crosspoints.

@@ -8,7 +8,8 @@
 //! in which the tangents' own variation has dropped out. What is fixed (a corner, an edge) follows from the vertex's
 //! origin.
 
-use crate::segment::{SMALLEST_AREA, weighted};
+use crate::frame::weighted;
+use crate::segment::SMALLEST_AREA;
 use crate::{Foot, MAX_VERTICES, Provenance, Segment, SlaveFrame};
 use nalgebra::Vector3;
 use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};

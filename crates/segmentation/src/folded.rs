@@ -1,8 +1,8 @@
 //! A master that covers a part of the slave more than once, folded or in several sheets: each point of the slave belongs to the nearer facet.
 
 use crate::cell::{cross, inverse, sub};
+use crate::frame::weighted;
 use crate::overlap::{common_area, sides};
-use crate::segment::weighted;
 use crate::{FacetSegmentation, HiddenFacet, MasterFacet, Provenance, Segment, SlaveFrame, Vertex};
 
 /// Common area, in images of the slave, that is round-off.

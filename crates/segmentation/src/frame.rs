@@ -2,7 +2,6 @@
 
 use crate::SegmentationError;
 use crate::cell::{Cell, Images, Walk, split};
-use crate::segment::weighted;
 use nalgebra::{Matrix3, Vector3};
 use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
@@ -113,4 +112,10 @@ fn normal_derivatives(
     let (by_d1, by_d2) = (-p * d2.cross_matrix(), p * d1.cross_matrix());
     let [c1, c2] = kind.diagonals();
     std::array::from_fn(|k| by_d1 * c1[k] + by_d2 * c2[k])
+}
+
+/// `sum_I w_I x_I`; weights are zero beyond the nodes.
+pub(crate) fn weighted(weights: &[f64; MAX_NODES], x: &Nodal<Vector3<f64>>) -> Vector3<f64> {
+    let x = x.padded();
+    x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2] + x[3] * weights[3]
 }

@@ -2,9 +2,10 @@
 
 use crate::cell::{FacetMap, Images, Walk, cross, inverse, split, sub};
 use crate::clip::{ClipVertex, clip, crossing};
+use crate::frame::weighted;
 use crate::{SegmentationError, SlaveFrame};
 use nalgebra::Vector3;
-use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
+use stoss_reference_element::{FacetKind, Nodal};
 
 /// Most vertices that a segment can have: two convex quadrilaterals meet in an octagon.
 pub const MAX_VERTICES: usize = 8;
@@ -166,12 +167,6 @@ impl Segment {
         let x2 = weighted(&self.master_map.weights(xi), master);
         Foot { master: xi, gap: (x2 - x1).dot(&frame.normal()) }
     }
-}
-
-/// `sum_I w_I x_I`; weights are zero beyond the nodes.
-pub(crate) fn weighted(weights: &[f64; MAX_NODES], x: &Nodal<Vector3<f64>>) -> Vector3<f64> {
-    let x = x.padded();
-    x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2] + x[3] * weights[3]
 }
 
 fn between(kind: FacetKind, corners: [u8; 2], fraction: f64) -> [f64; 2] {
