@@ -338,7 +338,7 @@ impl Report for MortarContact {
             return Ok(Coverage::default());
         };
         match coverage.faults.first() {
-            None => Ok(Coverage { defect: coverage.worst, left_out: 0.0 }),
+            None => Ok(Coverage { defect: coverage.worst }),
             Some(first) => Err(ContactError::Coverage {
                 faults: coverage.faults.len(),
                 facet: first.slave_facet,

@@ -157,8 +157,6 @@ pub struct Coverage {
     /// By how much the invariant is missed, round-off: of mortar contact the largest part of a slave facet that lies opposite the master and has no
     /// segment, or has two.
     pub defect: f64,
-    /// Area of the slave that has the master within the depth of the search and does not count as contact.
-    pub left_out: f64,
 }
 
 /// Energy of the contact in a step, as far as it is not that of the bodies.

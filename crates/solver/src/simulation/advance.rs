@@ -199,9 +199,7 @@ impl Simulation {
         }
         let mut coverage = Coverage::default();
         for pair in &self.model.contacts {
-            let of_pair = pair.method.verify()?;
-            coverage.defect = coverage.defect.max(of_pair.defect);
-            coverage.left_out += of_pair.left_out;
+            coverage.defect = coverage.defect.max(pair.method.verify()?.defect);
         }
         let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
         let (work, loss) = self.contact_work(&attempt.iterate)?;

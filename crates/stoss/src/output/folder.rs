@@ -24,7 +24,7 @@ const CLOSING: &str = "closing_loss,contact_remainder,restored";
 const FRICTION: &str = "friction_work,friction_stored";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
-contact_force_x,contact_force_y,contact_force_z,coverage_defect,area_left_out";
+contact_force_x,contact_force_y,contact_force_z,coverage_defect";
 
 /// Table of the probes, whose columns the scene names.
 const PROBES: &str = "probes.csv";
@@ -279,7 +279,7 @@ impl ResultFolder {
             table
                 .numbers(&[c.min_gap, c.max_pressure])
                 .numbers(&c.force_on_slave)
-                .numbers(&[c.coverage.defect, c.coverage.left_out])
+                .number(c.coverage.defect)
                 .end_row()?;
         }
         self.memo.drifts.follow(b);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::balance::Balance;
-use super::check::{Bound, Check, number};
+use super::check::{Bound, Check};
 use super::newton::{self, Step};
 use crate::program::Ending;
 use crate::table::Table;
@@ -90,13 +90,9 @@ impl Run {
         let contact = self.table("contact.csv")?;
         let defects = contact.column("coverage_defect")?;
         let worst = defects.iter().copied().reduce(|a, b| if a > b || a.is_nan() { a } else { b }).unwrap_or(0.0);
-        let left_out = contact.column("area_left_out")?.iter().copied().fold(0.0, f64::max);
-        let note = match left_out {
-            0.0 => format!("worst of {} steps", defects.len()),
-            area => format!("worst of {} steps; area left out beyond edges at most {}", defects.len(), number(area)),
-        };
         let quantity = "part of a slave facet without segment or with two";
-        Ok(Check::new(&self.name, quantity, worst, Bound::AtMost(COVERAGE)).noted(note))
+        Ok(Check::new(&self.name, quantity, worst, Bound::AtMost(COVERAGE))
+            .noted(format!("worst of {} steps", defects.len())))
     }
 
     /// A number of `summary.json`.
@@ -158,8 +154,8 @@ mod tests {
         let file = folder.join("contact.csv");
         let ending = Ending { code: Some(0), seconds: 0.0 };
         let run = Run { name: "coverage".into(), folder: folder.clone(), ending, until: None };
-        for (rows, holds) in [("1,1e-15,0\n2,0,0\n", true), ("1,1e-9,0\n2,0,0\n", false), ("1,NaN,0\n2,0,0\n", false)] {
-            crate::workspace::write(&file, &format!("step,coverage_defect,area_left_out\n{rows}")).unwrap();
+        for (rows, holds) in [("1,1e-15\n2,0\n", true), ("1,1e-9\n2,0\n", false), ("1,NaN\n2,0\n", false)] {
+            crate::workspace::write(&file, &format!("step,coverage_defect\n{rows}")).unwrap();
             assert_eq!(run.coverage().unwrap().holds(), holds, "{rows}");
         }
         std::fs::remove_dir_all(&folder).unwrap();
