@@ -37,7 +37,7 @@ pub struct StepConfiguration<'a> {
 }
 
 /// A further unknown of a slot, beside its pressure. Each active slot of a method has the same list of them, see
-/// [`ContactMethod::auxiliaries`]. What is measured in coordinates and multipliers is the method's; scaled to the units below
+/// [`Constraint::auxiliaries`]. What is measured in coordinates and multipliers is the method's; scaled to the units below
 /// the rows can be judged together with the others, and the matrix keeps its balance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Auxiliary {
@@ -46,7 +46,7 @@ pub enum Auxiliary {
     /// A global unknown, a length or a traction. Its row is a weight (area) times a length, and counts as a constraint.
     Constraint,
     /// Eliminated in the linear equations of each iteration, but a part of the iterate: the contribution has neither row nor column of it, and
-    /// [`ContactMethod::recover`] gives its increment.
+    /// [`Constraint::recover`] gives its increment.
     Condensed,
 }
 
