@@ -39,3 +39,38 @@ fn surfaces_that_do_not_face_each_other_are_told() {
         }
     }
 }
+
+/// `between` leaves the choice of the slave open: not the prescribed surface, else the finer one, else the softer one, else the first.
+#[test]
+fn the_slave_of_between_is_chosen() {
+    let text = |divisions: [usize; 2], young: [f64; 2], held: &str| {
+        let body = |k: usize| {
+            format!(
+                "[[body]]\nname = \"{}\"\nmesh = {{ generator = \"block\", min = [0, 0, {}], max = [1, 1, {}], divisions = [{n}, {n}, 1] }}\n\
+                 material = {{ law = \"neo-hooke\", young = {:?}, poisson = 0.3 }}\ndensity = 1.0\n",
+                ["a", "b"][k],
+                [1.1, 0.0][k],
+                [2.1, 1.0][k],
+                young[k],
+                n = divisions[k],
+            )
+        };
+        format!(
+            "[scene]\ntitle = \"choice\"\nkind = \"dynamic\"\n[time]\nend = 0.1\nstep = 0.1\nintegrator = {{ scheme = \"energy-momentum\" }}\n{}{}\
+             [[contact]]\nmethod = \"mortar\"\nbetween = [\"a.bottom\", \"b.top\"]\n{held}",
+            body(0),
+            body(1)
+        )
+    };
+    let held = "[[prescribe]]\nset = \"b.all\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
+    for (text, expected) in [
+        (text([2, 4], [1e3, 1e3], held), "a.bottom (the other one is prescribed)"),
+        (text([2, 4], [1e3, 1e5], ""), "b.top (finer)"),
+        (text([2, 2], [1e5, 1e3], ""), "b.top (softer)"),
+        (text([2, 2], [1e3, 1e3], ""), "a.bottom (both are alike)"),
+    ] {
+        let scene = stoss::scene::parse(&text, "choice.toml").unwrap();
+        let built = stoss::build::build(&scene, std::path::Path::new(".")).unwrap();
+        assert_eq!(built.contacts[0].slave.as_deref(), Some(expected));
+    }
+}
