@@ -174,11 +174,13 @@ pub struct ContactWork {
     /// What closing gaps cost in the step by the constraints themselves, `sum p (Phi(q_n) - Phi(q_np1))` over the closed slots: what the normal forces take from
     /// the bodies if they do the work of the gaps. `None` if the method does not tell.
     pub closing: Option<f64>,
+    /// Work done in the step by constraints that depend on time: drives.
+    pub driven: f64,
 }
 
 impl Default for ContactWork {
     fn default() -> Self {
-        Self { stored: 0.0, dissipated: 0.0, friction_stored: 0.0, friction_work: 0.0, closing: Some(0.0) }
+        Self { stored: 0.0, dissipated: 0.0, friction_stored: 0.0, friction_work: 0.0, closing: Some(0.0), driven: 0.0 }
     }
 }
 
@@ -188,6 +190,7 @@ impl std::ops::AddAssign for ContactWork {
         self.dissipated += other.dissipated;
         self.friction_stored += other.friction_stored;
         self.friction_work += other.friction_work;
+        self.driven += other.driven;
         self.closing = self.closing.zip(other.closing).map(|(a, b)| a + b);
     }
 }
@@ -231,6 +234,8 @@ pub trait Constraint: Report {
     }
     /// Rule and size of the step that begins, for methods with history.
     fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
+    /// Beginning and end of the step, for constraints that depend on time; comes with `set_rule`.
+    fn set_times(&mut self, _time_n: f64, _time_np1: f64) {}
     /// Velocities at `q_n` (`3 * nodes`), for methods that look ahead; comes before `begin_step` and holds for that one only.
     fn set_velocity(&mut self, _v_n: &[f64]) {}
     /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the
@@ -323,6 +328,11 @@ pub trait History {
         Ok(())
     }
 }
+
+/// Constraints that always hold, with whatever they carry from step to step.
+pub trait Bilateral: Constraint + History {}
+
+impl<T: Constraint + History> Bilateral for T {}
 
 /// A contact discretisation between one slave and one master surface: constraints that open and close. The active set of the solver asks `complementarity_gaps`,
 /// `repair` and `augment` between the iterations of a step.

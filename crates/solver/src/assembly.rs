@@ -1,12 +1,14 @@
 //! Storage of the global system: equations, patterns, scatter maps, mass, vectors. What is computed with it is in
 //! [`crate::system`] and [`crate::problem`].
 
+use crate::embedding::Transform;
 use crate::mass_solve::MassSolver;
+use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
 use crate::{LoadKind, Model, PhaseTime, StepError};
 use std::sync::Arc;
 use stoss_contact::Auxiliary;
-use stoss_fe_solid::{MassMatrix, TangentTarget, Workspace};
+use stoss_fe_solid::{TangentTarget, Workspace};
 use stoss_integrators::{Buffers, EndPoint};
 use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
 
@@ -14,12 +16,14 @@ use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern}
 #[derive(Debug)]
 pub(crate) struct System {
     pub numbering: Numbering,
-    pub masses: Vec<MassMatrix>,
-    /// Pattern of the solids alone, its scatter map (bodies' elements in order, then follower facets).
+    pub masses: Masses,
+    /// Pattern of the solids alone, its scatter map (bodies' elements in order, then follower facets, then parts).
     solid_pattern: Arc<SparsityPattern>,
     pub solid_map: ScatterMap,
     /// First stencil of each body in `solid_map`; last entry: first follower facet.
     pub first_stencil: Vec<usize>,
+    /// First stencil of the parts' forces.
+    pub first_part_stencil: usize,
     pub mass_values: Vec<f64>,
     pub solid_values: Vec<f64>,
     /// Pattern with the constraints that are or may become active, where each entry of the solids' pattern goes, and the scatter map of the
@@ -44,6 +48,9 @@ pub(crate) struct System {
     pub mass_solver: Option<MassSolver>,
     pub workspaces: Vec<Workspace>,
     stencils: StencilList,
+    /// Label of the group of each vector that a part owns, from the first of them on.
+    groups: Vec<u32>,
+    first_grouped: u32,
     pub has_followers: bool,
     pub has_dead_loads: bool,
     /// Residual and its terms, `3 * nodes` each.
@@ -64,6 +71,9 @@ pub(crate) struct System {
     pub shift: Vec<f64>,
     /// Scratch for weighted local tangents.
     pub weighted: Vec<f64>,
+    /// Scratch for local tangents of embedded nodes.
+    pub transform: Transform,
+    pub expanded: Vec<u32>,
     // Vectors of equations.
     pub rhs: Vec<f64>,
     pub increment: Vec<f64>,
@@ -113,12 +123,20 @@ impl Contributions {
     fn active(model: &Model, active: &[Vec<bool>]) -> Self {
         let mut list = Self::default();
         for (c, pair) in model.contacts.iter().enumerate() {
-            pair.method.stencils(&active[c], &mut |nodes, slots| list.push(c, nodes, slots));
+            pair.method.stencils(&active[c], &mut |nodes, slots| list.push(model, c, nodes, slots));
         }
         list
     }
 
-    fn push(&mut self, pair: usize, nodes: &[u32], slots: &[u32]) {
+    /// With carriers in place of embedded nodes.
+    fn push(&mut self, model: &Model, pair: usize, nodes: &[u32], slots: &[u32]) {
+        let mut expanded = Vec::new();
+        let nodes = if model.embedding.touches(nodes) {
+            model.embedding.expand(nodes, &mut expanded);
+            &expanded
+        } else {
+            nodes
+        };
         self.heads.push([pair as u32, nodes.len() as u32, slots.len() as u32]);
         self.entries.extend_from_slice(nodes);
         self.entries.extend_from_slice(slots);
@@ -184,9 +202,20 @@ impl Iterate {
         self.q[component] = q_n[component] + increment;
     }
 
+    /// Lets the embedded nodes follow the others.
+    pub fn follow(&mut self, embedding: &crate::Embedding) {
+        embedding.follow(&mut self.q);
+        embedding.follow(&mut self.increment);
+    }
+
     pub fn end_point(&self) -> EndPoint<'_> {
         EndPoint { q: &self.q, increment: &self.increment }
     }
+}
+
+/// Label of a node for the linear solver: itself, or the cluster of a vector of a part.
+fn label(groups: &[u32], first: u32, node: u32) -> u32 {
+    node.checked_sub(first).and_then(|k| groups.get(k as usize)).copied().unwrap_or(node)
 }
 
 /// Zero for every auxiliary of every slot of every contact pair.
@@ -206,6 +235,10 @@ impl System {
             for &node in body.solid.connectivity().iter().flatten() {
                 blocked[3 * node as usize..3 * node as usize + 3].fill(false);
             }
+        }
+        for part in &model.parts {
+            let own = part.own_vectors();
+            blocked[3 * own.start as usize..3 * own.end as usize].fill(false);
         }
         for prescription in &model.prescriptions {
             for &node in &prescription.nodes {
@@ -234,11 +267,29 @@ impl System {
             }
         }
         let has_dead_loads = model.loads.iter().any(|load| !matches!(load.kind, LoadKind::FollowerPressure { .. }));
+        let first_part_stencil = solids.starts.len();
+        for part in &model.parts {
+            part.stencils(&mut |vectors| solids.push(|out| numbering.node_equations(vectors, out)));
+        }
+        let part_masses: Vec<PartMass> =
+            if dynamic { model.parts.iter().map(|part| PartMass::new(&**part)).collect() } else { Vec::new() };
+        for &(i, j, _) in part_masses.iter().flat_map(|mass| &mass.entries) {
+            solids.push(|out| numbering.node_equations(&[i, j][..if i == j { 1 } else { 2 }], out));
+        }
+        let first_grouped = model.parts.iter().map(|part| part.own_vectors().start).min().unwrap_or(u32::MAX);
+        let last_grouped = model.parts.iter().map(|part| part.own_vectors().end).max().unwrap_or(0);
+        let mut groups: Vec<u32> = (first_grouped.min(last_grouped)..last_grouped).collect();
+        for part in &model.parts {
+            for vector in part.own_vectors() {
+                groups[(vector - first_grouped) as usize] = part.cluster(vector);
+            }
+        }
         let n = numbering.free.len();
-        let solid_pattern = Arc::new(SparsityPattern::from_stencils(n, solids.iter())?.with_groups(numbering.nodes())?);
+        let labels = numbering.groups(|node| label(&groups, first_grouped, node));
+        let solid_pattern = Arc::new(SparsityPattern::from_stencils(n, solids.iter())?.with_groups(labels)?);
         let solid_map = ScatterMap::new(&solid_pattern, solids.iter())?;
         let nnz = solid_pattern.nnz();
-        let mut masses = Vec::new();
+        let mut masses = Masses { bodies: Vec::new(), parts: part_masses };
         let mut mass_values = Vec::new();
         let (mut mass_length, mut stiffness_force) = (0.0, 0.0);
         if dynamic {
@@ -259,9 +310,25 @@ impl System {
                     },
                 );
                 mass_length += mass.total() / (body.nodes.len().max(1) as f64) * h;
-                masses.push(mass);
+                masses.bodies.push(mass);
             }
         }
+        for (part, mass) in model.parts.iter().zip(&masses.parts) {
+            let total: f64 = mass.entries.iter().map(|&(i, j, m)| if i == j { m } else { 2.0 * m }).sum();
+            mass_length += total / part.own_vectors().len().max(1) as f64 * part.length_scale();
+            for &(i, j, m) in &mass.entries {
+                for d in 0..3 {
+                    let [a, b] = [i, j].map(|v| numbering.equation[3 * v as usize + d]);
+                    for (row, column) in if i == j { [(a, b), (NONE, NONE)] } else { [(a, b), (b, a)] } {
+                        // Entries of prescribed components have no place.
+                        if let Some(at) = solid_pattern.position(row, column) {
+                            mass_values[at] += m;
+                        }
+                    }
+                }
+            }
+        }
+        stiffness_force += model.parts.iter().map(|part| part.force_scale()).sum::<f64>();
         let slot_equation: Vec<Vec<u32>> =
             model.contacts.iter().map(|pair| vec![NONE; pair.method.slot_count()]).collect();
         let zeros = || vec![0.0; components];
@@ -283,6 +350,11 @@ impl System {
             contact_time: PhaseTime::default(),
             shift: Vec::new(),
             weighted: Vec::new(),
+            transform: Transform::default(),
+            expanded: Vec::new(),
+            groups,
+            first_grouped,
+            first_part_stencil,
             mass_solver: None,
             rhs: vec![0.0; n],
             increment: vec![0.0; n],
@@ -352,7 +424,7 @@ impl System {
         all.append(&present);
         for (c, pair) in model.contacts.iter().enumerate() {
             if let Some(method) = pair.method.as_contact() {
-                method.candidates(&active[c], &mut |nodes, slots| all.push(c, nodes, slots));
+                method.candidates(&active[c], &mut |nodes, slots| all.push(model, c, nodes, slots));
             }
         }
         if all != self.contributions || self.solid_to_global.is_empty() {
@@ -391,7 +463,8 @@ impl System {
         let n = next as usize;
         // A pressure and its auxiliaries belong to the node of the slot, the first one of the contribution that names the slot first. Others may depend on
         // it, and name it later.
-        let mut groups = self.numbering.nodes();
+        let label = |node| label(&self.groups, self.first_grouped, node);
+        let mut groups = self.numbering.groups(label);
         groups.resize(n, NONE);
         for own in [true, false] {
             for (pair, nodes, slots) in contributions.iter() {
@@ -399,7 +472,7 @@ impl System {
                     let first = self.slot_equation[pair][slot as usize] as usize;
                     for group in &mut groups[first..first + self.slot_width[pair] as usize] {
                         if *group == NONE {
-                            *group = nodes.first().copied().unwrap_or(NONE);
+                            *group = nodes.first().map_or(NONE, |&node| label(node));
                         }
                     }
                 }

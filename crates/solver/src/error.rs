@@ -12,6 +12,9 @@ pub enum StepError {
     /// A solid could not be evaluated (an inverted element, for instance).
     #[error(transparent)]
     Solid(#[from] SolidError),
+    /// A part could not be evaluated (a string of no length, for instance).
+    #[error(transparent)]
+    Part(#[from] stoss_part::PartError),
     /// Contact geometry failed.
     #[error(transparent)]
     Contact(#[from] ContactError),

@@ -4,7 +4,7 @@
 //! round-off, without a factorisation to compute and to keep.
 
 use crate::StepError;
-use stoss_fe_solid::MassMatrix;
+use crate::masses::Masses;
 
 /// Products after which the solution is given up; thirty are usual.
 const MAX_PRODUCTS: usize = 500;
@@ -25,23 +25,21 @@ fn sum_of_products(free: &[u32], a: &[f64], b: &[f64]) -> f64 {
 
 impl MassSolver {
     /// For the given free components of vectors with `components` entries.
-    pub fn new(masses: &[MassMatrix], free: &[u32], components: usize) -> Self {
+    pub fn new(masses: &Masses, free: &[u32], components: usize) -> Self {
         let ones = vec![1.0; components];
         let mut row_sums = vec![0.0; components];
-        for mass in masses {
-            mass.multiply_add(1.0, &ones, &mut row_sums);
-        }
+        masses.multiply_add(1.0, &ones, &mut row_sums);
+        // What has no mass has no equation here.
+        let free = free.iter().copied().filter(|&c| row_sums[c as usize] != 0.0).collect();
         let zeros = || vec![0.0; components];
-        Self { free: free.to_vec(), row_sums, residual: zeros(), direction: zeros(), product: zeros() }
+        Self { free, row_sums, residual: zeros(), direction: zeros(), product: zeros() }
     }
 
     /// Solves for the free components; the others keep the value that they come with.
-    pub fn solve(&mut self, masses: &[MassMatrix], rhs: &[f64], x: &mut [f64]) -> Result<(), StepError> {
+    pub fn solve(&mut self, masses: &Masses, rhs: &[f64], x: &mut [f64]) -> Result<(), StepError> {
         let Self { free, row_sums, residual, direction, product } = self;
         residual.copy_from_slice(rhs);
-        for mass in masses {
-            mass.multiply_add(-1.0, x, residual);
-        }
+        masses.multiply_add(-1.0, x, residual);
         // The size of what is summed up, which is what round-off is relative to.
         let scale: f64 =
             free.iter().map(|&c| (row_sums[c as usize] * x[c as usize]).abs() + rhs[c as usize].abs()).sum();
@@ -65,9 +63,7 @@ impl MassSolver {
                 direction[c] = residual[c] / row_sums[c] + ratio * direction[c];
             }
             product.fill(0.0);
-            for mass in masses {
-                mass.multiply_add(1.0, direction, product);
-            }
+            masses.multiply_add(1.0, direction, product);
             let length = energy / sum_of_products(free, direction, product);
             if !length.is_finite() {
                 break;

@@ -1,9 +1,12 @@
 //! What is to be simulated.
 
-use crate::{AxisRotation, Load, SimulationError, Table};
+use crate::{AxisRotation, Embedding, Load, SimulationError, Table};
 use std::ops::Range;
-use stoss_contact::{Constraint, ContactError, ContactMethod, ContactWork, Potential, WithoutSlots};
+use stoss_contact::{
+    Bilateral, Constraint, ContactError, ContactMethod, ContactWork, History, Potential, WithoutSlots,
+};
 use stoss_fe_solid::{MassKind, SolidBody};
+use stoss_part::Part;
 
 /// A deformable body.
 #[derive(Debug)]
@@ -23,6 +26,8 @@ pub struct Body {
 pub struct Prescription {
     /// Global node numbers.
     pub nodes: Vec<u32>,
+    /// Those of the nodes that are directions: they turn, and are not moved otherwise. With any all three components are prescribed.
+    pub directions: Vec<u32>,
     /// Components (0, 1, 2), one a column of the table; with a rotation all three in this order.
     pub components: Vec<u8>,
     /// Displacement from the reference position, a length each; with a rotation the translation that follows it.
@@ -41,17 +46,30 @@ impl Prescription {
 
     /// Position (a length) of component `column` of a node with this reference position: `X + u(t)`, with a rotation
     /// `c + R(t) (X - c) + u(t)`, without linearisation.
-    pub(crate) fn position(&self, reference: [f64; 3], time: f64, column: usize) -> f64 {
+    pub(crate) fn position(&self, node: u32, reference: [f64; 3], time: f64, column: usize) -> f64 {
         let component = usize::from(self.components[column]);
-        let turn = self.rotation.as_ref().map_or(0.0, |rotation| rotation.displacement(reference, time)[component]);
-        reference[component] + (turn + self.displacement.value(time, column))
+        let turn = |rotation: &AxisRotation| self.seen(rotation, node).displacement(reference, time)[component];
+        let turn = self.rotation.as_ref().map_or(0.0, turn);
+        let moved = if self.directions.contains(&node) { 0.0 } else { self.displacement.value(time, column) };
+        reference[component] + (turn + moved)
+    }
+
+    /// The rotation as it acts on a node: a direction is turned about the origin.
+    fn seen<'a>(&self, rotation: &'a AxisRotation, node: u32) -> std::borrow::Cow<'a, AxisRotation> {
+        if self.directions.contains(&node) {
+            std::borrow::Cow::Owned(rotation.about_origin())
+        } else {
+            std::borrow::Cow::Borrowed(rotation)
+        }
     }
 
     /// Velocity (a length per time) of the same component just after a time: `u'(t)`, with a rotation `+ n x R(t) (X - c) angle'(t)`.
-    pub(crate) fn velocity(&self, reference: [f64; 3], time: f64, column: usize) -> f64 {
+    pub(crate) fn velocity(&self, node: u32, reference: [f64; 3], time: f64, column: usize) -> f64 {
         let component = usize::from(self.components[column]);
-        let turn = self.rotation.as_ref().map_or(0.0, |rotation| rotation.velocity(reference, time)[component]);
-        turn + self.displacement.slope(time, column)
+        let turn = |rotation: &AxisRotation| self.seen(rotation, node).velocity(reference, time)[component];
+        let turn = self.rotation.as_ref().map_or(0.0, turn);
+        let moved = if self.directions.contains(&node) { 0.0 } else { self.displacement.slope(time, column) };
+        turn + moved
     }
 }
 
@@ -61,7 +79,7 @@ pub enum Coupling {
     /// Constraints that open and close.
     Contact(Box<dyn ContactMethod>),
     /// Constraints that always hold: mesh ties, joints.
-    Bilateral(Box<dyn Constraint>),
+    Bilateral(Box<dyn Bilateral>),
     /// Forces with an energy.
     Potential(WithoutSlots),
 }
@@ -73,7 +91,7 @@ impl Coupling {
     }
 
     /// Constraints that always hold.
-    pub fn bilateral(constraint: impl Constraint + 'static) -> Self {
+    pub fn bilateral(constraint: impl Bilateral + 'static) -> Self {
         Self::Bilateral(Box::new(constraint))
     }
 
@@ -92,6 +110,24 @@ impl Coupling {
         if let Self::Contact(method) = self { Some(&mut **method) } else { None }
     }
 
+    /// What it carries from step to step; nothing for a potential.
+    pub(crate) fn history(&self) -> Option<&dyn History> {
+        match self {
+            Self::Contact(method) => Some(&**method),
+            Self::Bilateral(constraint) => Some(&**constraint),
+            Self::Potential(_) => None,
+        }
+    }
+
+    /// As [`Self::history`].
+    pub(crate) fn history_mut(&mut self) -> Option<&mut dyn History> {
+        match self {
+            Self::Contact(method) => Some(&mut **method),
+            Self::Bilateral(constraint) => Some(&mut **constraint),
+            Self::Potential(_) => None,
+        }
+    }
+
     /// True for constraints that always hold: all their slots are active.
     pub fn is_bilateral(&self) -> bool {
         matches!(self, Self::Bilateral(_))
@@ -106,7 +142,7 @@ impl Coupling {
     pub(crate) fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
         match self {
             Self::Contact(method) => method.work(q_np1, pressures, active),
-            Self::Bilateral(_) => Ok(ContactWork::default()),
+            Self::Bilateral(constraint) => constraint.work(q_np1, pressures, active),
             Self::Potential(of) => Ok(ContactWork { stored: of.0.energy(q_np1)?, ..ContactWork::default() }),
         }
     }
@@ -115,7 +151,7 @@ impl Coupling {
     pub(crate) fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         match self {
             Self::Contact(method) => method.commit(q_np1, pressures, active),
-            Self::Bilateral(_) => {}
+            Self::Bilateral(constraint) => constraint.commit(q_np1, pressures, active),
             Self::Potential(of) => of.0.commit(q_np1),
         }
     }
@@ -165,6 +201,10 @@ pub struct Model {
     pub velocity: Vec<f64>,
     /// The bodies.
     pub bodies: Vec<Body>,
+    /// What is no solid: rigid bodies, beams, strings, springs. Its vectors are nodes of the model like those of the bodies.
+    pub parts: Vec<Box<dyn Part>>,
+    /// Nodes that are carried by others.
+    pub embedding: Embedding,
     /// Prescribed motion.
     pub prescriptions: Vec<Prescription>,
     /// Loads.

@@ -25,9 +25,9 @@ impl Numbering {
         Self { equation, free }
     }
 
-    /// Node of each equation: the groups that the linear solver keeps together.
-    pub fn nodes(&self) -> Vec<u32> {
-        self.free.iter().map(|&component| component / 3).collect()
+    /// Label of the node of each equation: the groups that the linear solver keeps together.
+    pub fn groups(&self, label: impl Fn(u32) -> u32) -> Vec<u32> {
+        self.free.iter().map(|&component| label(component / 3)).collect()
     }
 
     /// Appends the equations of the three components of each node.

@@ -49,6 +49,10 @@ impl StepProblem<'_> {
         let s = &mut **system;
         s.buffers = buffers;
         result?;
+        model.embedding.pull_back(&mut s.buffers.residual);
+        if !s.shift.is_empty() {
+            model.embedding.pull_back(&mut s.shift);
+        }
         let rule = &step.rule;
         let mut scale = (rule.force.weight * s.force_scale)
             .max(SMALLEST_RESOLVED_MOTION * s.stiffness_force)
@@ -112,7 +116,8 @@ impl StepProblem<'_> {
         let q_n = &self.step.state_n.q;
         let from: Vec<f64> = prescribed.iter().map(|&(component, _)| self.iterate.q[component]).collect();
         let largest = prescribed.iter().zip(&from).map(|((_, to), from)| (to - from).abs()).fold(0.0, f64::max);
-        let length = self.model.bodies.iter().map(|b| b.solid.characteristic_length()).fold(f64::INFINITY, f64::min);
+        let bodies = self.model.bodies.iter().map(|b| b.solid.characteristic_length());
+        let length = bodies.chain(self.model.parts.iter().map(|p| p.length_scale())).fold(f64::INFINITY, f64::min);
         if largest == 0.0 || !length.is_finite() {
             return Ok(());
         }
@@ -121,6 +126,7 @@ impl StepProblem<'_> {
             for (&(component, to), from) in prescribed.iter().zip(&from) {
                 self.iterate.place(component, from + fraction * (to - from), q_n);
             }
+            self.iterate.follow(&self.model.embedding);
             self.measured(false)?;
             Ok(self.system.rhs.clone())
         };
@@ -128,6 +134,7 @@ impl StepProblem<'_> {
         for (&(component, _), from) in prescribed.iter().zip(&from) {
             self.iterate.place(component, *from, q_n);
         }
+        self.iterate.follow(&self.model.embedding);
         self.measured(true)?;
         for ((rhs, ahead), behind) in self.system.rhs.iter_mut().zip(ahead).zip(behind) {
             *rhs += (ahead - behind) / (2.0 * fraction);
@@ -137,6 +144,7 @@ impl StepProblem<'_> {
         for &(component, to) in prescribed {
             self.iterate.place(component, to, q_n);
         }
+        self.iterate.follow(&self.model.embedding);
         Ok(())
     }
 }
@@ -152,6 +160,7 @@ impl StepProblem<'_> {
         for (&component, du) in numbering.free.iter().zip(increment.iter()) {
             full_increment[component as usize] = *du;
         }
+        model.embedding.follow(full_increment);
         let configuration = contact_step(step, &iterate.q);
         self.timings.measure(Phase::Contact, || {
             for (c, pair) in model.contacts.iter().enumerate() {
@@ -181,6 +190,7 @@ impl StepProblem<'_> {
         let contact = contact_rule(rule.constraint.rule);
         rule.force.rule != ForceRule::DiscreteGradient
             && !self.system.has_followers
+            && self.model.parts.iter().all(|part| part.is_symmetric())
             && (self.model.contacts.is_empty()
                 || rule.constraint.weight == 1.0
                     && self.model.contacts.iter().all(|pair| pair.method.is_symmetric(contact)))
@@ -255,6 +265,7 @@ impl NewtonProblem for StepProblem<'_> {
             let component = component as usize;
             self.iterate.displace(component, s.base_increment[component] + factor * du, q_n);
         }
+        self.iterate.follow(&self.model.embedding);
         for ((pressures, base), equations) in
             self.iterate.pressures.iter_mut().zip(&s.base_pressures).zip(&s.slot_equation)
         {
@@ -300,7 +311,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn is_recoverable(&self, error: &StepError) -> bool {
-        matches!(error, StepError::Solid(_) | StepError::Contact(_))
+        matches!(error, StepError::Solid(_) | StepError::Part(_) | StepError::Contact(_))
     }
 
     fn iterate_norm(&self) -> f64 {

@@ -24,6 +24,11 @@ impl AxisRotation {
         Some(Self { axis: scaled.map(|a| a / length), about, degrees })
     }
 
+    /// The same rotation about the origin.
+    pub(crate) fn about_origin(&self) -> Self {
+        Self { about: [0.0; 3], ..self.clone() }
+    }
+
     /// `(R - 1) (X - c) = sin n x d + (1 - cos) n x (n x d)` with `d = X - c`. `1 - cos` is taken as `2 sin^2` of half the angle, so that
     /// small angles lose no digits.
     pub(crate) fn displacement(&self, reference: [f64; 3], time: f64) -> [f64; 3] {

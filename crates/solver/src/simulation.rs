@@ -144,6 +144,7 @@ impl Simulation {
         let mut state = State::at_rest(model.reference.clone());
         if dynamic {
             state.v.copy_from_slice(&model.velocity);
+            model.embedding.follow(&mut state.v);
         }
         let slots = |pair: &crate::ContactPair| pair.method.slot_count();
         let contact_components = if model.contacts.is_empty() { 0 } else { components };
@@ -189,6 +190,12 @@ impl Simulation {
     fn close_touching(&mut self) -> Result<(), StepError> {
         let q = &self.state.q;
         let equation = &self.system.numbering.equation;
+        let embedding = &self.model.embedding;
+        let moves = |node: u32| (0..3).any(|i| equation[3 * node as usize + i] != NONE);
+        let moves = |node: u32| match embedding.carriers(node) {
+            Some(carriers) => carriers.iter().any(|&(carrier, _)| moves(carrier)),
+            None => moves(node),
+        };
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
             let Some(method) = pair.method.as_contact_mut() else { continue };
             let near = TOUCHING * method.length_scale();
@@ -202,7 +209,7 @@ impl Simulation {
             // A constraint between nodes that cannot move determines nothing.
             let mut free = vec![false; active.len()];
             method.stencils(active, &mut |nodes, slots| {
-                let moves = nodes.iter().any(|&n| (0..3).any(|i| equation[3 * n as usize + i] != NONE));
+                let moves = nodes.iter().any(|&node| moves(node));
                 slots.iter().for_each(|&slot| free[slot as usize] = moves);
             });
             active.iter_mut().zip(free).for_each(|(active, free)| *active &= free);
@@ -214,8 +221,10 @@ impl Simulation {
     fn set_prescribed_velocities(&self, time: f64, v: &mut [f64]) {
         for &(component, p, column) in &self.prescribed {
             let prescription = &self.model.prescriptions[p as usize];
-            v[component as usize] = prescription.velocity(self.reference_of(component), time, column as usize);
+            v[component as usize] =
+                prescription.velocity(component / 3, self.reference_of(component), time, column as usize);
         }
+        self.model.embedding.follow(v);
     }
 
     /// Acceleration and forces at the start, for schemes that carry them.
@@ -247,12 +256,14 @@ impl Simulation {
             let (component, value) = self.prescribed_position(k, time);
             self.state.q[component] = value;
         }
+        self.model.embedding.follow(&mut self.state.q);
     }
 
     fn prescribed_position(&self, k: usize, time: f64) -> (usize, f64) {
         let (component, p, column) = self.prescribed[k];
         let prescription = &self.model.prescriptions[p as usize];
-        (component as usize, prescription.position(self.reference_of(component), time, column as usize))
+        let reference = self.reference_of(component);
+        (component as usize, prescription.position(component / 3, reference, time, column as usize))
     }
 
     /// Reference position of the node that a component belongs to.
@@ -388,15 +399,10 @@ impl Simulation {
 
     fn measure_balance(&self, strain: f64, external_work: f64) -> Balance {
         let mut balance = Balance { strain, external_work, ..Balance::default() };
-        for mass in &self.system.masses {
-            balance.kinetic += mass.kinetic_energy(&self.state.v);
-            let l = mass.linear_momentum(&self.state.v);
-            let j = mass.angular_momentum(&self.state.q, &self.state.v);
-            for i in 0..3 {
-                balance.linear_momentum[i] += l[i];
-                balance.angular_momentum[i] += j[i];
-            }
-        }
+        let masses = &self.system.masses;
+        balance.kinetic = masses.kinetic_energy(&self.state.v);
+        balance.linear_momentum = masses.linear_momentum(&self.state.v);
+        balance.angular_momentum = masses.angular_momentum(&self.state.q, &self.state.v);
         for load in self.model.loads.iter().filter(|load| load.is_conservative()) {
             if let LoadKind::Dead { patterns } = &load.kind {
                 for (column, pattern) in patterns.iter().enumerate() {
@@ -413,8 +419,7 @@ impl Simulation {
 
     /// Mass of all bodies; zero in quasi-static runs, which have none.
     pub fn total_mass(&self) -> f64 {
-        let along_x: Vec<f64> = (0..self.state.q.len()).map(|c| if c % 3 == 0 { 1.0 } else { 0.0 }).collect();
-        self.system.masses.iter().map(|mass| mass.linear_momentum(&along_x)[0]).sum()
+        self.system.masses.total(self.state.q.len())
     }
 
     /// Momenta, kinetic and strain energy of one body at the last completed step (loads and contact belong to the model).
@@ -422,7 +427,20 @@ impl Simulation {
         // The state was accepted, so its strain energy exists; NaN would show a contradiction.
         let strain = self.model.bodies[body].solid.strain_energy(&self.state.q).unwrap_or(f64::NAN);
         let mut balance = Balance { strain, ..Balance::default() };
-        if let Some(mass) = self.system.masses.get(body) {
+        if let Some(mass) = self.system.masses.bodies.get(body) {
+            balance.kinetic = mass.kinetic_energy(&self.state.v);
+            balance.linear_momentum = mass.linear_momentum(&self.state.v);
+            balance.angular_momentum = mass.angular_momentum(&self.state.q, &self.state.v);
+        }
+        balance
+    }
+
+    /// Momenta, kinetic and strain energy of one part at the last completed step.
+    pub fn part_balance(&self, part: usize) -> Balance {
+        // As in `body_balance`.
+        let strain = self.model.parts[part].energy(&self.state.q).unwrap_or(f64::NAN);
+        let mut balance = Balance { strain, ..Balance::default() };
+        if let Some(mass) = self.system.masses.parts.get(part) {
             balance.kinetic = mass.kinetic_energy(&self.state.v);
             balance.linear_momentum = mass.linear_momentum(&self.state.v);
             balance.angular_momentum = mass.angular_momentum(&self.state.q, &self.state.v);
@@ -434,6 +452,9 @@ impl Simulation {
         let mut energy = 0.0;
         for body in &self.model.bodies {
             energy += body.solid.strain_energy(q)?;
+        }
+        for part in &self.model.parts {
+            energy += part.energy(q)?;
         }
         Ok(energy)
     }
@@ -455,7 +476,7 @@ impl Simulation {
                 .model
                 .contacts
                 .iter()
-                .map(|p| p.method.as_contact().map_or_else(Vec::new, |method| method.save_history()))
+                .map(|p| p.method.history().map_or_else(Vec::new, |history| history.save_history()))
                 .collect(),
             reactions: self.reactions.clone(),
             contact_force: self.contact_force.clone(),
@@ -488,8 +509,8 @@ impl Simulation {
             )));
         }
         for (pair, bytes) in self.model.contacts.iter_mut().zip(&checkpoint.histories) {
-            if let Some(method) = pair.method.as_contact_mut() {
-                method.load_history(bytes).map_err(StepError::from)?;
+            if let Some(history) = pair.method.history_mut() {
+                history.load_history(bytes).map_err(StepError::from)?;
             }
         }
         self.clock = clock;

@@ -7,6 +7,7 @@ use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
 use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
+use stoss_part::PartStep;
 
 /// The stress rule of a scheme's force rule.
 pub(crate) fn stress_rule(rule: ForceRule) -> StressRule {
@@ -91,9 +92,7 @@ impl SecondOrderSystem for FeSystem<'_> {
     }
 
     fn add_mass_product(&self, factor: f64, x: &[f64], out: &mut [f64]) {
-        for mass in &self.system.masses {
-            mass.multiply_add(factor, x, out);
-        }
+        self.system.masses.multiply_add(factor, x, out);
     }
 
     fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) -> Result<(), StepError> {
@@ -130,6 +129,10 @@ impl SecondOrderSystem for FeSystem<'_> {
             });
             body.solid.assemble(solid_step, 1.0, out, target, &mut s.workspaces[b])?;
         }
+        if !self.model.parts.is_empty() {
+            self.add_part_forces(step, rule, tangent, out)?;
+        }
+        let s = &mut *self.system;
         s.force_scale = vector::norm2(out);
         if s.has_dead_loads {
             s.force_scale = s.force_scale.max(vector::norm2(&s.dead));
@@ -141,6 +144,7 @@ impl SecondOrderSystem for FeSystem<'_> {
             vector::axpy(-1.0, &s.follower, out);
             s.force_scale = s.force_scale.max(vector::norm2(&s.follower));
         }
+        self.model.embedding.pull_back(out);
         Ok(())
     }
 
@@ -175,6 +179,37 @@ impl SecondOrderSystem for FeSystem<'_> {
 }
 
 impl FeSystem<'_> {
+    /// Forces of springs, beams, strings.
+    fn add_part_forces(
+        &mut self,
+        step: StepConfiguration<'_>,
+        rule: ForceRule,
+        tangent: Option<f64>,
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        let s = &mut *self.system;
+        let mut stencil = s.first_part_stencil;
+        // A step of no length is the start of a run, where nothing has a rate.
+        let has_rates = !s.mass_values.is_empty() && step.dt > 0.0;
+        let step = PartStep { q_n: step.q_n, q_np1: step.q_np1, rule, dt: step.dt, has_rates };
+        let System { solid_map, solid_values, weighted, .. } = s;
+        for part in &self.model.parts {
+            part.assemble(step, tangent.is_some(), &mut |local| {
+                for (&vector, r) in local.vectors.iter().zip(local.residual.chunks_exact(3)) {
+                    let first = 3 * vector as usize;
+                    out[first..first + 3].iter_mut().zip(r).for_each(|(o, r)| *o += r);
+                }
+                if let Some(factor) = tangent {
+                    weighted.clear();
+                    weighted.extend(local.tangent.iter().map(|t| factor * t));
+                    solid_map.add(stencil, weighted, solid_values);
+                }
+                stencil += 1;
+            })?;
+        }
+        Ok(())
+    }
+
     /// The part of [`SecondOrderSystem::add_constraint_force`] that the contact methods have.
     fn add_contact_elements(
         &mut self,
@@ -191,7 +226,17 @@ impl FeSystem<'_> {
             let method = &pair.method;
             let length = method.length_scale();
             let System {
-                rhs, values, slot_equation, contact_map, weighted, shift, gap_measure, auxiliary_square, ..
+                rhs,
+                values,
+                slot_equation,
+                contact_map,
+                weighted,
+                shift,
+                gap_measure,
+                auxiliary_square,
+                transform,
+                expanded,
+                ..
             } = s;
             let equations = &slot_equation[c];
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
@@ -231,13 +276,22 @@ impl FeSystem<'_> {
                     }
                 }
                 if tangent {
+                    let (tangent, coordinates) = if model.embedding.touches(&local.nodes) {
+                        let rest = local.dim() - coordinates;
+                        model.embedding.expand(&local.nodes, expanded);
+                        model.embedding.transform(&local.nodes, expanded, rest, &local.tangent, transform);
+                        (&transform.matrix, 3 * expanded.len())
+                    } else {
+                        (&local.tangent, coordinates)
+                    };
                     if weight == 1.0 {
-                        contact_map.add(k, &local.tangent, values);
+                        contact_map.add(k, tangent, values);
                     } else {
                         // Forces are weighted, constraint rows are not.
+                        let dim = coordinates + local.dim() - 3 * local.nodes.len();
                         weighted.clear();
-                        weighted.extend_from_slice(&local.tangent);
-                        for entry in &mut weighted[..coordinates * local.dim()] {
+                        weighted.extend_from_slice(tangent);
+                        for entry in &mut weighted[..coordinates * dim] {
                             *entry *= weight;
                         }
                         contact_map.add(k, weighted, values);

@@ -111,6 +111,8 @@ impl Report for MeshTie {
     }
 }
 
+impl stoss_contact::History for MeshTie {}
+
 impl Constraint for MeshTie {
     fn slot_count(&self) -> usize {
         self.slots.len()

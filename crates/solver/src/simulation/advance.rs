@@ -12,6 +12,7 @@ use stoss_contact::{ContactWork, Coverage, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, SecondOrderSystem, State, Step, StepConfiguration, StepRule, finish};
 use stoss_linalg::vector;
+use stoss_part::PartStep;
 
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
 /// fraction of their motion.
@@ -51,7 +52,7 @@ struct Completed {
 
 impl Simulation {
     fn kinetic(&self, v: &[f64]) -> f64 {
-        self.system.masses.iter().map(|m| m.kinetic_energy(v)).sum()
+        self.system.masses.kinetic_energy(v)
     }
 
     /// Does one step: tries the present step size and halves it as often as the settings allow.
@@ -104,7 +105,7 @@ impl Simulation {
     /// surfaces slide from one facet to the next; a shorter step costs more than another start.
     fn may_start_elsewhere(&self, start: Start, cause: &StepError) -> bool {
         match cause {
-            StepError::Solid(_) => true,
+            StepError::Solid(_) | StepError::Part(_) => true,
             StepError::Singular { .. } => start == Start::Linear,
             StepError::NotConverged { .. } | StepError::Cycling { .. } | StepError::ActiveSet { .. } => {
                 self.scheme.is_none() && start == Start::Extrapolation
@@ -121,11 +122,13 @@ impl Simulation {
         // The farthest that two surfaces can approach each other in the step if nothing accelerates them much.
         let speed = self.state.v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
         let reach = 2.0 * speed * dt;
+        let end = self.clock.next_time();
         let (model, state) = (&mut self.model, &self.state);
         self.timings.measure(Phase::Search, || -> Result<(), StepError> {
             for pair in &mut model.contacts {
                 let constraint = &mut *pair.method;
                 constraint.set_rule(contact_rule(rule.constraint.rule), dt);
+                constraint.set_times(state.time, end);
                 constraint.set_velocity(&state.v);
                 constraint.begin_step(&state.q, reach + 0.5 * constraint.length_scale())?;
             }
@@ -183,6 +186,7 @@ impl Simulation {
                 start.place(component, position, q_n);
             }
         }
+        start.follow(&self.model.embedding);
         let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, predict, newton: self.newton };
         let mut solves = 0;
         let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, &mut solves);
@@ -272,6 +276,7 @@ impl Simulation {
         }
         self.system.buffers = buffers;
         result?;
+        self.model.embedding.follow(&mut next.v);
         // The clock's ticks, not the sum of steps.
         next.time = end;
         Ok(next)
@@ -296,6 +301,7 @@ impl Simulation {
             self.timings
                 .measure(Phase::Contact, || method.constraint_gradients(&iterate.q, &iterate.active[c], &mut add))?;
         }
+        self.model.embedding.pull_back(&mut impulse);
         let mut change = vec![0.0; v.len()];
         let Self { model, system, .. } = self;
         let Iterate { pressures, auxiliaries, active, .. } = iterate;
@@ -311,6 +317,7 @@ impl Simulation {
             return Ok(0.0);
         }
         vector::axpy(beta, &change, v);
+        self.model.embedding.follow(v);
         Ok(loss)
     }
 
@@ -360,6 +367,14 @@ impl Simulation {
             let moved = next.q.iter().zip(&self.state.q).map(|(q1, q0)| q1 - q0);
             moved.zip(&self.system.buffers.constraint).map(|(dq, f)| f * dq).sum()
         });
+        let step = PartStep {
+            q_n: &self.state.q,
+            q_np1: &next.q,
+            rule: rule.force.rule,
+            dt: self.clock.dt(),
+            has_rates: !quasi_static,
+        };
+        let damped: f64 = self.model.parts.iter().map(|part| part.dissipated(step)).sum();
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
             pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
         }
@@ -377,18 +392,18 @@ impl Simulation {
         }
         self.pressures = iterate.pressures;
         self.active = iterate.active;
-        let balance = self.measure_balance(strain, self.balance.external_work + work);
+        let balance = self.measure_balance(strain, self.balance.external_work + work + contact_work.driven);
         let before = self.balance;
         let stored_by_normal = |stored: f64, by_friction: f64| stored - by_friction;
         let normal_work = work_of_contact.map_or(0.0, |work| {
             let stored = stored_by_normal(contact_work.stored, contact_work.friction_stored)
                 - stored_by_normal(before.contact, before.friction_stored);
-            work + contact_work.friction_work + stored
+            work + contact_work.friction_work + stored - contact_work.driven
         });
         self.balance = Balance {
             contact: contact_work.stored,
-            dissipation: self.balance.dissipation + contact_work.dissipated,
-            friction_work: self.balance.friction_work + contact_work.friction_work,
+            dissipation: self.balance.dissipation + contact_work.dissipated + damped,
+            friction_work: self.balance.friction_work + contact_work.friction_work + damped,
             friction_stored: contact_work.friction_stored,
             closing_loss: self.balance.closing_loss - normal_work,
             contact_remainder: self.balance.contact_remainder

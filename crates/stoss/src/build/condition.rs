@@ -92,7 +92,7 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
             None => None,
         };
         let (Some((_, nodes)), Some(displacement)) = (found, displacement) else { continue };
-        let prescription = Prescription { nodes, components, displacement, rotation };
+        let prescription = Prescription { nodes, directions: Vec::new(), components, displacement, rotation };
         let Prescription { nodes, components, .. } = &prescription;
         let clash = nodes.iter().find_map(|&n| {
             components.iter().find_map(|&c| {

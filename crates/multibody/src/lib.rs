@@ -1,0 +1,28 @@
+//! Rigid bodies without rotation parameters, beams, strings, springs and joints, for one energy-momentum scheme together with solids and contact.
+//!
+//! The unknowns are vectors in space only: positions and directors (thesis chapter 2; docs/theory/multibody.md). A [`RigidBody`] has four of them, the
+//! node of a beam four, the node of a string one. Masses are constant, strains and joints are at most quadratic functions of the vectors
+//! ([`Quadratics`]), and every force is made of their gradients: linear and angular momentum are exact in every scheme that takes gradients at the midpoint, energy
+//! in the energy-momentum scheme.
+//!
+//! What acts at a point acts at an [`Embedded`] point, whatever carries it.
+//!
+//! # What it is not
+//! No global system, no time stepping, no contact search, no files.
+//!
+//! # How to add a joint
+//! docs/how-to-add/joint.md.
+
+mod constraint;
+mod embedded;
+mod kernel;
+mod quadratic;
+mod response;
+mod rigid;
+
+pub use constraint::{ConstraintSet, Equation};
+pub use embedded::Embedded;
+pub use kernel::{GradientAt, Kernel};
+pub use quadratic::{Evaluation, FormId, Quadratics, QuadraticsBuilder};
+pub use response::{Identity, QuadraticEnergy, Response};
+pub use rigid::{RigidBody, RigidError, RigidMass};

@@ -1,0 +1,134 @@
+//! The TRAIT of a part of a mechanical system that is no solid: rigid bodies, beams, strings, springs, dampers.
+//!
+//! All unknowns of a system are vectors in space, three components each, numbered together: the position of a node, the centre of a rigid
+//! body, a director. A part may bring vectors of its own, gives them a constant mass, and has forces that depend on its own and other vectors.
+//!
+//! # What it is not
+//! No part ([`stoss-multibody`](https://docs.rs/stoss-multibody) has some), no constraint, no global system.
+//!
+//! # How to add a part
+//! Implement [`Part`]. Forces that come from an energy `V(q)` must do the work `V(q_n) - V(q_np1)` under [`ForceRule::DiscreteGradient`], and must have neither
+//! resultant nor moment about `(q_n + q_np1)/2`; then the energy-momentum scheme keeps what it promises.
+
+use std::ops::Range;
+
+pub use stoss_integrators::ForceRule;
+
+/// Why a part cannot be evaluated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{part}: {reason}")]
+pub struct PartError {
+    /// Name of the part.
+    pub part: String,
+    /// What is wrong, with the element and the value.
+    pub reason: String,
+}
+
+/// Positions that the evaluation of a step may read, `3 * vectors` entries each.
+#[derive(Clone, Copy, Debug)]
+pub struct PartStep<'a> {
+    /// Converged positions at `n`.
+    pub q_n: &'a [f64],
+    /// Iterate of the positions at `n+1`.
+    pub q_np1: &'a [f64],
+    /// Where forces are taken.
+    pub rule: ForceRule,
+    /// Step size.
+    pub dt: f64,
+    /// False in statics, where nothing has a rate and dampers do not act.
+    pub has_rates: bool,
+}
+
+/// One dense contribution: `residual` is the internal force `dV/dq` (it is resisted by the rest of the system), `tangent` row-major
+/// `d residual / d q_np1`; three rows for each of `vectors`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LocalForce {
+    /// Global numbers of the vectors, each at most once.
+    pub vectors: Vec<u32>,
+    /// `3 * vectors` entries.
+    pub residual: Vec<f64>,
+    /// Row-major; empty or stale if it was not asked for.
+    pub tangent: Vec<f64>,
+}
+
+impl LocalForce {
+    /// Number of rows.
+    pub fn dim(&self) -> usize {
+        3 * self.vectors.len()
+    }
+
+    /// Sizes and clears the arrays for the present `vectors`.
+    pub fn reset(&mut self, want_tangent: bool) {
+        let n = self.dim();
+        self.residual.clear();
+        self.residual.resize(n, 0.0);
+        if want_tangent {
+            self.tangent.clear();
+            self.tangent.resize(n * n, 0.0);
+        }
+    }
+}
+
+/// A part of a system with constant mass. Everything is constant but for the positions that are handed in.
+pub trait Part: Send + Sync + std::fmt::Debug {
+    /// Name for reports and messages.
+    fn name(&self) -> &str;
+
+    /// Vectors that belong to this part and to nothing else; empty for springs and dampers.
+    fn own_vectors(&self) -> Range<u32>;
+
+    /// Whether one of the own vectors is a direction: a translation of the system leaves it as it is, so that its momentum is none of linear momentum.
+    fn is_direction(&self, _vector: u32) -> bool {
+        false
+    }
+
+    /// First of the own vectors that belong closest to this one, for the linear solver: those of a rigid body, of a cross-section.
+    fn cluster(&self, vector: u32) -> u32 {
+        vector
+    }
+
+    /// Entries `M_ij` of the mass (a mass each; it acts alike on the three components) with `i <= j`.
+    fn mass(&self, _visit: &mut dyn FnMut(u32, u32, f64)) {}
+
+    /// Vectors of every contribution, in the order of [`Part::assemble`].
+    fn stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
+
+    /// Forces and, if asked, tangents.
+    ///
+    /// # Errors
+    /// [`PartError`] if the configuration has no energy, for instance a string of no length.
+    fn assemble(
+        &self,
+        _step: PartStep<'_>,
+        _want_tangent: bool,
+        _visit: &mut dyn FnMut(&LocalForce),
+    ) -> Result<(), PartError> {
+        Ok(())
+    }
+
+    /// Energy at a configuration.
+    ///
+    /// # Errors
+    /// As [`Part::assemble`].
+    fn energy(&self, _q: &[f64]) -> Result<f64, PartError> {
+        Ok(0.0)
+    }
+
+    /// What dampers of this part took out of the system in a step that was accepted; never negative.
+    fn dissipated(&self, _step: PartStep<'_>) -> f64 {
+        0.0
+    }
+
+    /// A length of the part, the unit of its deformations.
+    fn length_scale(&self) -> f64;
+
+    /// Size of the forces that a motion of a length would need, a force; zero without stiffness.
+    fn force_scale(&self) -> f64 {
+        0.0
+    }
+
+    /// Whether the tangent is symmetric unless forces are taken as discrete gradients.
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+}

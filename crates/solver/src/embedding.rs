@@ -1,0 +1,213 @@
+//! Embedded nodes: nodes without equations that are carried by others.
+
+use std::collections::BTreeMap;
+
+/// Nodes whose positions are `x_a = sum_j w_aj q_j` with constant weights and other nodes as carriers: the surface of a rigid body, for instance.
+///
+/// Whoever acts on nodes acts on these like on any others. Their positions and velocities follow the carriers; forces on them go to the carriers with the same
+/// weights, and tangents with them, so that work and moments are the same.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Embedding {
+    /// Embedded node to its place in `starts`.
+    index: BTreeMap<u32, u32>,
+    nodes: Vec<u32>,
+    starts: Vec<u32>,
+    terms: Vec<(u32, f64)>,
+}
+
+impl Embedding {
+    /// Adds a node with its carriers, which are no embedded nodes themselves, each once.
+    pub fn add(&mut self, node: u32, carriers: &[(u32, f64)]) {
+        if self.starts.is_empty() {
+            self.starts.push(0);
+        }
+        self.index.insert(node, self.nodes.len() as u32);
+        self.nodes.push(node);
+        self.terms.extend_from_slice(carriers);
+        self.starts.push(self.terms.len() as u32);
+    }
+
+    /// True if there is none.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The embedded nodes.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Carriers and weights of a node, if it is embedded.
+    pub fn carriers(&self, node: u32) -> Option<&[(u32, f64)]> {
+        self.index.get(&node).map(|&k| self.carriers_of(k as usize))
+    }
+
+    fn carriers_of(&self, k: usize) -> &[(u32, f64)] {
+        &self.terms[self.starts[k] as usize..self.starts[k + 1] as usize]
+    }
+
+    /// Gives the embedded nodes of a vector of the model (positions, increments, velocities) what they have from their carriers.
+    pub(crate) fn follow(&self, x: &mut [f64]) {
+        for (k, &node) in self.nodes.iter().enumerate() {
+            let mut sum = [0.0; 3];
+            for &(carrier, weight) in self.carriers_of(k) {
+                let first = 3 * carrier as usize;
+                for (s, x) in sum.iter_mut().zip(&x[first..first + 3]) {
+                    *s += weight * x;
+                }
+            }
+            x[3 * node as usize..3 * node as usize + 3].copy_from_slice(&sum);
+        }
+    }
+
+    /// Moves forces on embedded nodes to their carriers.
+    pub(crate) fn pull_back(&self, force: &mut [f64]) {
+        for (k, &node) in self.nodes.iter().enumerate() {
+            let at = 3 * node as usize;
+            let f = [force[at], force[at + 1], force[at + 2]];
+            if f == [0.0; 3] {
+                continue;
+            }
+            force[at..at + 3].fill(0.0);
+            for &(carrier, weight) in self.carriers_of(k) {
+                let first = 3 * carrier as usize;
+                force[first..first + 3].iter_mut().zip(f).for_each(|(c, f)| *c += weight * f);
+            }
+        }
+    }
+
+    /// The nodes that have the equations of a list of nodes: carriers in place of the embedded ones, each once.
+    pub(crate) fn expand(&self, nodes: &[u32], out: &mut Vec<u32>) {
+        out.clear();
+        let mut add = |node: u32| {
+            if !out.contains(&node) {
+                out.push(node);
+            }
+        };
+        for &node in nodes {
+            match self.carriers(node) {
+                Some(carriers) => carriers.iter().for_each(|&(carrier, _)| add(carrier)),
+                None => add(node),
+            }
+        }
+    }
+
+    /// True if one of the nodes is embedded.
+    pub(crate) fn touches(&self, nodes: &[u32]) -> bool {
+        !self.is_empty() && nodes.iter().any(|node| self.index.contains_key(node))
+    }
+
+    /// A local matrix over the components of `nodes` and `rest` further unknowns as one over those of `expanded` ([`Self::expand`]) and the same
+    /// further ones: `T^T K T`, row-major.
+    pub(crate) fn transform(&self, nodes: &[u32], expanded: &[u32], rest: usize, k: &[f64], work: &mut Transform) {
+        work.terms.clear();
+        work.starts.clear();
+        work.starts.push(0);
+        let place = |carrier: u32| expanded.iter().position(|&n| n == carrier).unwrap_or(0);
+        for &node in nodes {
+            match self.carriers(node) {
+                Some(carriers) => work.terms.extend(carriers.iter().map(|&(c, w)| (place(c), w))),
+                None => work.terms.push((place(node), 1.0)),
+            }
+            work.starts.push(work.terms.len());
+        }
+        let (old, new) = (3 * nodes.len() + rest, 3 * expanded.len() + rest);
+        work.half.clear();
+        work.half.resize(old * new, 0.0);
+        // Columns first, then rows.
+        for (row, out) in k.chunks_exact(old).zip(work.half.chunks_exact_mut(new)) {
+            for (a, range) in work.starts.windows(2).enumerate() {
+                for &(place, weight) in &work.terms[range[0]..range[1]] {
+                    for i in 0..3 {
+                        out[3 * place + i] += weight * row[3 * a + i];
+                    }
+                }
+            }
+            out[3 * expanded.len()..].copy_from_slice(&row[3 * nodes.len()..]);
+        }
+        work.matrix.clear();
+        work.matrix.resize(new * new, 0.0);
+        for (a, range) in work.starts.windows(2).enumerate() {
+            for &(place, weight) in &work.terms[range[0]..range[1]] {
+                for i in 0..3 {
+                    let from = &work.half[(3 * a + i) * new..(3 * a + i + 1) * new];
+                    let to = &mut work.matrix[(3 * place + i) * new..(3 * place + i + 1) * new];
+                    to.iter_mut().zip(from).for_each(|(t, f)| *t += weight * f);
+                }
+            }
+        }
+        let (from, to) = (3 * nodes.len() * new, 3 * expanded.len() * new);
+        work.matrix[to..].copy_from_slice(&work.half[from..]);
+    }
+}
+
+/// Work space and result of [`Embedding::transform`].
+#[derive(Debug, Default)]
+pub(crate) struct Transform {
+    starts: Vec<usize>,
+    terms: Vec<(usize, f64)>,
+    half: Vec<f64>,
+    /// Row-major.
+    pub matrix: Vec<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Force and tangent of `1/2 |x_a - x_b|^2 p` on embedded nodes are those of the same function of the carriers: differences of the energy say so.
+    #[test]
+    fn forces_and_tangents_reach_the_carriers() {
+        let mut embedding = Embedding::default();
+        embedding.add(3, &[(0, 1.0), (1, 0.5), (2, -0.25)]);
+        let mut q: Vec<f64> = (0..12).map(|i| 0.3 * f64::from(i).sin() + 0.1).collect();
+        embedding.follow(&mut q);
+        let energy = |q: &[f64]| {
+            let mut q = q.to_vec();
+            embedding.follow(&mut q);
+            (0..3).map(|i| 0.5 * (q[9 + i] - q[3 + i]).powi(2)).sum::<f64>()
+        };
+        let mut force = vec![0.0; 12];
+        for i in 0..3 {
+            force[9 + i] = q[9 + i] - q[3 + i];
+            force[3 + i] = -force[9 + i];
+        }
+        embedding.pull_back(&mut force);
+        let h = 1e-4;
+        let mut at = |c: usize, d: usize| {
+            let mut shifted = |a: f64, b: f64| {
+                q[c] += a;
+                q[d] += b;
+                let e = energy(&q);
+                q[c] -= a;
+                q[d] -= b;
+                e
+            };
+            let gradient = (shifted(h, 0.0) - shifted(-h, 0.0)) / (2.0 * h);
+            let second = (shifted(h, h) - shifted(h, -h) - shifted(-h, h) + shifted(-h, -h)) / (4.0 * h * h);
+            (gradient, second)
+        };
+        let nodes = [3, 1];
+        let mut expanded = Vec::new();
+        embedding.expand(&nodes, &mut expanded);
+        assert_eq!(expanded, [0, 1, 2]);
+        let mut k = vec![0.0; 49];
+        for i in 0..3 {
+            k[7 * i + i] = 1.0;
+            k[7 * (3 + i) + 3 + i] = 1.0;
+            k[7 * i + 3 + i] = -1.0;
+            k[7 * (3 + i) + i] = -1.0;
+        }
+        k[48] = 7.0;
+        k[6] = 2.0;
+        let mut work = Transform::default();
+        embedding.transform(&nodes, &expanded, 1, &k, &mut work);
+        for c in 0..9 {
+            assert!((at(c, c).0 - force[c]).abs() < 1e-9);
+            for d in (0..9).filter(|&d| d != c) {
+                assert!((at(c, d).1 - work.matrix[10 * c + d]).abs() < 1e-6, "{c} {d}");
+            }
+        }
+        assert_eq!((work.matrix[99], work.matrix[9], work.matrix[39]), (7.0, 2.0, 1.0));
+    }
+}

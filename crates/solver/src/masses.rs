@@ -1,0 +1,131 @@
+//! The mass of all bodies and parts: products, momenta, energy. Constant, and no global matrix.
+
+use stoss_fe_solid::MassMatrix;
+use stoss_part::Part;
+
+/// Mass of a part: scalar entries between vectors, acting alike on the three components.
+#[derive(Debug)]
+pub(crate) struct PartMass {
+    /// Vectors `i <= j` and the entry.
+    pub entries: Vec<(u32, u32, f64)>,
+    /// First own vector, and of each whether it is a direction.
+    first: u32,
+    directions: Vec<bool>,
+}
+
+impl PartMass {
+    pub fn new(part: &dyn Part) -> Self {
+        let mut entries = Vec::new();
+        part.mass(&mut |i, j, m| entries.push((i, j, m)));
+        let own = part.own_vectors();
+        Self { entries, first: own.start, directions: own.map(|v| part.is_direction(v)).collect() }
+    }
+
+    /// `entry(i, j, m)` of the whole symmetric matrix.
+    fn for_each(&self, mut entry: impl FnMut(usize, usize, f64)) {
+        for &(i, j, m) in &self.entries {
+            entry(i as usize, j as usize, m);
+            if i != j {
+                entry(j as usize, i as usize, m);
+            }
+        }
+    }
+
+    fn is_direction(&self, vector: usize) -> bool {
+        vector.checked_sub(self.first as usize).and_then(|k| self.directions.get(k)).copied().unwrap_or(false)
+    }
+
+    fn multiply_add(&self, factor: f64, x: &[f64], out: &mut [f64]) {
+        self.for_each(|i, j, m| {
+            for d in 0..3 {
+                out[3 * i + d] += factor * m * x[3 * j + d];
+            }
+        });
+    }
+
+    pub fn kinetic_energy(&self, v: &[f64]) -> f64 {
+        let mut twice = 0.0;
+        self.for_each(|i, j, m| twice += m * (0..3).map(|d| v[3 * i + d] * v[3 * j + d]).sum::<f64>());
+        0.5 * twice
+    }
+
+    /// Momentum of the translations: rows of positions only.
+    pub fn linear_momentum(&self, v: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        self.for_each(|i, j, m| {
+            if !self.is_direction(i) {
+                sum.iter_mut().zip(&v[3 * j..3 * j + 3]).for_each(|(s, v)| *s += m * v);
+            }
+        });
+        sum
+    }
+
+    /// `sum M_ij q_i x v_j`, about the origin, directions included.
+    pub fn angular_momentum(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        self.for_each(|i, j, m| {
+            let (q, v) = (&q[3 * i..3 * i + 3], &v[3 * j..3 * j + 3]);
+            sum[0] += m * (q[1] * v[2] - q[2] * v[1]);
+            sum[1] += m * (q[2] * v[0] - q[0] * v[2]);
+            sum[2] += m * (q[0] * v[1] - q[1] * v[0]);
+        });
+        sum
+    }
+}
+
+/// All masses of a model; both lists are empty in statics.
+#[derive(Debug, Default)]
+pub(crate) struct Masses {
+    /// One a body.
+    pub bodies: Vec<MassMatrix>,
+    /// One a part.
+    pub parts: Vec<PartMass>,
+}
+
+impl Masses {
+    /// `out += factor M x`.
+    pub fn multiply_add(&self, factor: f64, x: &[f64], out: &mut [f64]) {
+        self.bodies.iter().for_each(|mass| mass.multiply_add(factor, x, out));
+        self.parts.iter().for_each(|mass| mass.multiply_add(factor, x, out));
+    }
+
+    /// `1/2 v . M v`.
+    pub fn kinetic_energy(&self, v: &[f64]) -> f64 {
+        let bodies: f64 = self.bodies.iter().map(|mass| mass.kinetic_energy(v)).sum();
+        // Without parts the bits are those of the bodies.
+        self.parts.iter().fold(bodies, |sum, mass| sum + mass.kinetic_energy(v))
+    }
+
+    /// Linear momentum.
+    pub fn linear_momentum(&self, v: &[f64]) -> [f64; 3] {
+        let parts = self.parts.iter().map(|mass| mass.linear_momentum(v));
+        sum(self.bodies.iter().map(|mass| mass.linear_momentum(v)).chain(parts))
+    }
+
+    /// Angular momentum about the origin.
+    pub fn angular_momentum(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
+        let parts = self.parts.iter().map(|mass| mass.angular_momentum(q, v));
+        sum(self.bodies.iter().map(|mass| mass.angular_momentum(q, v)).chain(parts))
+    }
+
+    /// Sum of all masses.
+    pub fn total(&self, components: usize) -> f64 {
+        let along_x: Vec<f64> = (0..components).map(|c| if c % 3 == 0 { 1.0 } else { 0.0 }).collect();
+        // A direction gets a velocity here, too; its rows do not count, and its coupling with a position would be a moment, not a mass.
+        let bodies: f64 = self.bodies.iter().map(|mass| mass.linear_momentum(&along_x)[0]).sum();
+        let part = |mass: &PartMass| {
+            let mut total = 0.0;
+            mass.for_each(|i, j, m| {
+                if !mass.is_direction(i) && !mass.is_direction(j) {
+                    total += m;
+                }
+            });
+            total
+        };
+        self.parts.iter().fold(bodies, |sum, mass| sum + part(mass))
+    }
+}
+
+fn sum(vectors: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
+    vectors.fold([0.0; 3], |sum, v| std::array::from_fn(|i| sum[i] + v[i]))
+}
