@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `nts` | node-to-surface contact ([`contact_nts`]) |
 //! | `mortar` | mortar contact and mesh ties ([`contact_mortar`]) |
+//! | `multibody` | rigid bodies, beams, strings, springs and joints ([`multibody`]) |
 //! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
 //! | `mesh-files` | Gmsh and Abaqus readers |
 //! | `output` | folders of results, the [`watch`] on every run, and [`run`], which the program `stoss` is a thin layer over |
@@ -27,7 +28,10 @@ pub use stoss_materials as materials;
 pub use stoss_mesh as mesh;
 #[cfg(any(feature = "mesh-files", feature = "output"))]
 pub use stoss_mesh_io as mesh_io;
+#[cfg(feature = "multibody")]
+pub use stoss_multibody as multibody;
 pub use stoss_newton as newton;
+pub use stoss_part as part;
 pub use stoss_reference_element as reference_element;
 #[cfg(feature = "scene")]
 pub use stoss_scene as scene;
