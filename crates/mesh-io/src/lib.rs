@@ -1,10 +1,11 @@
-//! Readers of Gmsh and Abaqus meshes, writers of VTU frames and PVD collections.
+//! Readers of Gmsh and Abaqus meshes and of STL surfaces, writers of VTU frames and PVD collections.
 //!
 //! * [`read_mesh`]: a mesh file of any format of the registry [`FORMATS`], checked and ready to compute with;
+//! * [`read_surface`]: the surface of a rigid body from an STL file, text or binary;
 //! * [`VtuFrame`], [`write_vtu`], [`read_vtu`]: one frame of results for ParaView;
 //! * [`PvdWriter`]: the collection of frames over time.
 //!
-//! Every error names the file, the line, the value and what to do about it. No content of a file makes a reader panic. Files
+//! Every error names the file, the line (of a binary file the byte), the value and what to do about it. No content of a file makes a reader panic. Files
 //! are written under a temporary name in the same folder and then renamed, so that a reader never sees half of one.
 //!
 //! # What it is not
@@ -25,6 +26,7 @@ mod gmsh;
 mod lines;
 mod pvd;
 mod registry;
+mod stl;
 mod vtu;
 mod vtu_read;
 mod xml;
@@ -32,5 +34,6 @@ mod xml;
 pub use error::MeshIoError;
 pub use pvd::{PvdEntry, PvdWriter};
 pub use registry::{FORMATS, Format, read_mesh, read_mesh_from_str};
+pub use stl::{SurfaceFile, read_surface, read_surface_counted, read_surface_from_bytes};
 pub use vtu::{Field, VtuFrame, write_vtu, write_vtu_to};
 pub use vtu_read::{OwnedField, VtuData, read_vtu, read_vtu_from_str};
