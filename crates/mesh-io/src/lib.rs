@@ -5,17 +5,18 @@
 //! * [`VtuFrame`], [`write_vtu`], [`read_vtu`]: one frame of results for ParaView;
 //! * [`PvdWriter`]: the collection of frames over time.
 //!
-//! Every error names the file, the line (of a binary file the byte), the value and what to do about it. No content of a file makes a reader panic. Files
-//! are written under a temporary name in the same folder and then renamed, so that a reader never sees half of one.
+//! Every error names the file, the line (of a binary file the byte), the value and what to do about it. No content of a
+//! file makes a reader panic. Files are written under a temporary name in the same folder and then renamed, so that a
+//! reader never sees half of one.
 //!
 //! # What it is not
 //! Nothing here knows what a result means, and no physics of a file (materials, steps, boundary conditions) is read.
 //!
 //! # How to add a format
-//! Write `src/<format>.rs` (or a folder) with `fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError>`. Go through the file
-//! with `lines::Lines`, which counts lines and makes errors; put what is found into `build::Builder`, which takes arbitrary
-//! numbers, drops unused nodes, matches facets and checks the mesh. Then add a row to [`FORMATS`], files to `tests/data`,
-//! and a line to the mutation test in `tests/fuzz.rs`. Nothing else changes.
+//! Write `src/<format>.rs` (or a folder) with `fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError>`. Go
+//! through the file with `lines::Lines`, which counts lines and makes errors; put what is found into `build::Builder`,
+//! which takes arbitrary numbers, drops unused nodes, matches facets and checks the mesh. Then add a row to
+//! [`FORMATS`], files to `tests/data`, and a line to the mutation test in `tests/fuzz.rs`. Nothing else changes.
 
 mod abaqus;
 mod atomic;

@@ -12,12 +12,15 @@
 //! endsolid NAME
 //! ```
 //!
-//! with key words in any case, one a line. A binary file is little-endian: a header of 80 bytes without meaning, the number of facets (`u32`),
-//! and 50 bytes a facet: normal and three vertices (twelve `f32`) and two bytes without meaning.
+//! with key words in any case, one a line. A binary file is little-endian: a header of 80 bytes without meaning, the
+//! number of facets (`u32`), and 50 bytes a facet: normal and three vertices (twelve `f32`) and two bytes without
+//! meaning.
 //!
-//! The two are told apart by the length, which the number of facets of a binary file fixes; a binary header may begin with `solid`.
+//! The two are told apart by the length, which the number of facets of a binary file fixes; a binary header may begin
+//! with `solid`.
 //!
-//! Normals are not used: the order of the vertices says where outside is. A file has no units either; the caller may scale the nodes.
+//! Normals are not used: the order of the vertices says where outside is. A file has no units either; the caller may
+//! scale the nodes.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -43,13 +46,13 @@ pub struct SurfaceFile {
     pub dropped: usize,
 }
 
-/// Reads the surface of an STL file, text or binary. Vertices with the same coordinates become one node; facets without area are
-/// dropped; each `solid NAME` of a text becomes a facet set, and solids of one name one set. The surface is checked ([`SurfaceMesh::check`]), but it need
-/// not be closed.
+/// Reads the surface of an STL file, text or binary. Vertices with the same coordinates become one node; facets without
+/// area are dropped; each `solid NAME` of a text becomes a facet set, and solids of one name one set. The surface is
+/// checked ([`SurfaceMesh::check`]), but it need not be closed.
 ///
 /// # Errors
-/// [`MeshIoError::Io`], [`MeshIoError::Syntax`] with the line of a text, [`MeshIoError::Binary`] with the place in a binary file,
-/// [`MeshIoError::UnknownFormat`], [`MeshIoError::Mesh`] if no facet is left.
+/// [`MeshIoError::Io`], [`MeshIoError::Syntax`] with the line of a text, [`MeshIoError::Binary`] with the place in a
+/// binary file, [`MeshIoError::UnknownFormat`], [`MeshIoError::Mesh`] if no facet is left.
 pub fn read_surface(path: impl AsRef<Path>) -> Result<SurfaceMesh, MeshIoError> {
     let path = path.as_ref();
     let bytes = std::fs::read(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
@@ -93,7 +96,8 @@ fn claimed(bytes: &[u8]) -> Option<u32> {
     bytes.get(COUNT..)?.first_chunk().map(|b| u32::from_le_bytes(*b))
 }
 
-/// True if the length is the one that the number of facets demands. In a text the four bytes are characters, and the length would be gigabytes.
+/// True if the length is the one that the number of facets demands. In a text the four bytes are characters, and the
+/// length would be gigabytes.
 fn is_binary(bytes: &[u8]) -> bool {
     claimed(bytes).is_some_and(|count| bytes.len() as u64 == FACETS as u64 + u64::from(count) * FACET as u64)
 }
@@ -110,7 +114,8 @@ fn wrong_length(path: &Path, bytes: &[u8]) -> MeshIoError {
     let value = format!("{count} facets");
     let length = FACETS as u64 + u64::from(count) * FACET as u64;
     let remedy = format!(
-        "a binary STL file with so many has {length} bytes, and this file {}: it is cut off, or damaged, or no STL file; write it again",
+        "a binary STL file with so many has {length} bytes, and this file {}: it is cut off, or damaged, or no STL \
+         file; write it again",
         bytes.len()
     );
     MeshIoError::Binary { path: path.to_owned(), offset: COUNT as u64, value, remedy }

@@ -1,5 +1,5 @@
-//! Hexahedral meshes: nodes, connectivity, named sets, boundary facets, generators, quality; surfaces and mass properties of rigid
-//! bodies.
+//! Hexahedral meshes: nodes, connectivity, named sets, boundary facets, generators, quality; surfaces and mass
+//! properties of rigid bodies.
 //!
 //! * [`Mesh`], [`Facet`]: the data, sets by name, boundary facets, rigid placement;
 //! * [`Region`]: sets from a box or a plane;

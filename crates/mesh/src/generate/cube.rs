@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
 
-/// Lattice points and outward quadrilaterals of the surface of a box of `n` cells along each axis. The quadrilaterals go face by face:
-/// x-, x+, y-, y+, z-, z+.
+/// Lattice points and outward quadrilaterals of the surface of a box of `n` cells along each axis. The quadrilaterals
+/// go face by face: x-, x+, y-, y+, z-, z+.
 pub(crate) fn cube_surface(n: [usize; 3]) -> (Vec<[usize; 3]>, Vec<[u32; 4]>) {
     let mut numbers: HashMap<[usize; 3], u32> = HashMap::new();
     let mut points = Vec::new();
@@ -34,7 +34,8 @@ pub(crate) fn cube_surface(n: [usize; 3]) -> (Vec<[usize; 3]>, Vec<[u32; 4]>) {
     (points, quads)
 }
 
-/// Unit directions and outward quadrilaterals of the cubed sphere with `n x n` quadrilaterals a face, divided evenly in angle.
+/// Unit directions and outward quadrilaterals of the cubed sphere with `n x n` quadrilaterals a face, divided evenly in
+/// angle.
 pub(crate) fn cubed_sphere(n: usize) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
     // tan(pi/4 (2 i / n - 1)), exactly antisymmetric and exactly 1 at the ends, so that faces meet
     let tangent = |i: usize| -> f64 {

@@ -5,13 +5,13 @@ use stoss_reference_element::Nodal;
 use super::SurfaceMesh;
 use crate::{MeshError, SetKind};
 
-/// Areas over the square of a facet's size, and edges over its size, that are no more than this are zero: some thousand times
-/// round-off, and far below what coordinates of single precision can resolve.
+/// Areas over the square of a facet's size, and edges over its size, that are no more than this are zero: some thousand
+/// times round-off, and far below what coordinates of single precision can resolve.
 const ZERO: f64 = 1e-12;
 
 impl SurfaceMesh {
-    /// Checks that the surface can be computed with: there are facets, their nodes exist, all coordinates are finite, no facet is degenerate
-    /// ([`SurfaceMesh::is_degenerate`]), sets in range. An open surface is no error.
+    /// Checks that the surface can be computed with: there are facets, their nodes exist, all coordinates are finite,
+    /// no facet is degenerate ([`SurfaceMesh::is_degenerate`]), sets in range. An open surface is no error.
     ///
     /// # Errors
     /// The first problem found, in this order.
@@ -29,8 +29,9 @@ impl SurfaceMesh {
         self.facet_sets.iter().try_for_each(|(name, set)| self.check_set(name, set))
     }
 
-    /// True if the facet uses a node twice, has no area, an edge of length zero, or a fold: `(a1 x a2) . n <= 0` at a point of the
-    /// facet's rule, with the normal `n` of its mean plane. Lengths below 1e-12 of the facet's size count as zero.
+    /// True if the facet uses a node twice, has no area, an edge of length zero, or a fold: `(a1 x a2) . n <= 0` at a
+    /// point of the facet's rule, with the normal `n` of its mean plane. Lengths below 1e-12 of the facet's size count
+    /// as zero.
     ///
     /// # Panics
     /// If the facet or one of its nodes does not exist; this is a programming error.
@@ -39,8 +40,9 @@ impl SurfaceMesh {
         (1..nodes.len()).any(|i| nodes[..i].contains(&nodes[i])) || degenerate(&self.facet_coordinates(facet))
     }
 
-    /// Drops degenerate facets, renumbers the sets, drops sets that become empty and nodes that no facet uses any more. Returns the
-    /// number of facets dropped. Where a facet had three different nodes on a line, the surface is open afterwards.
+    /// Drops degenerate facets, renumbers the sets, drops sets that become empty and nodes that no facet uses any more.
+    /// Returns the number of facets dropped. Where a facet had three different nodes on a line, the surface is open
+    /// afterwards.
     ///
     /// # Panics
     /// If a node of a facet does not exist; this is a programming error.

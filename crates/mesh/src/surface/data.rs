@@ -9,8 +9,9 @@ use crate::{ALL, BOUNDARY, Facet, Mesh, MeshError, Rotation};
 
 /// A surface of triangles and quadrilaterals, in any mixture, with named sets of facets.
 ///
-/// The nodes of a facet are numbered so that `a1 x a2`, the cross product of its tangents, points outward. Sets are sorted and hold nothing twice. The names
-/// [`ALL`] and [`BOUNDARY`] always exist and mean all facets; a set of this name in the map goes before them.
+/// The nodes of a facet are numbered so that `a1 x a2`, the cross product of its tangents, points outward. Sets are
+/// sorted and hold nothing twice. The names [`ALL`] and [`BOUNDARY`] always exist and mean all facets; a set of this
+/// name in the map goes before them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SurfaceMesh {
     /// Coordinates of the nodes (lengths).
@@ -32,8 +33,9 @@ impl SurfaceMesh {
         Ok(surface)
     }
 
-    /// The boundary of a hexahedral mesh: its boundary facets in the order of [`Mesh::boundary_facets`], the nodes that they use in
-    /// their old order, and the facet sets. Of a set the facets between two elements are left out; a set without any other is dropped.
+    /// The boundary of a hexahedral mesh: its boundary facets in the order of [`Mesh::boundary_facets`], the nodes that
+    /// they use in their old order, and the facet sets. Of a set the facets between two elements are left out; a set
+    /// without any other is dropped.
     ///
     /// # Errors
     /// [`MeshError::NoElements`], [`MeshError::NodeOutOfRange`].
@@ -107,7 +109,8 @@ impl SurfaceMesh {
         place(&mut self.nodes, rotation, translation)
     }
 
-    /// The surface with outside and inside exchanged: the nodes of each facet in the opposite order, from the same first one.
+    /// The surface with outside and inside exchanged: the nodes of each facet in the opposite order, from the same
+    /// first one.
     pub fn turned_over(mut self) -> SurfaceMesh {
         for facet in &mut self.facets {
             let nodes = *facet;

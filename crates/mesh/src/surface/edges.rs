@@ -3,7 +3,8 @@
 use super::SurfaceMesh;
 
 impl SurfaceMesh {
-    /// The edges that do not belong to exactly two facets which pass them in opposite directions, by their nodes, smaller number first; sorted.
+    /// The edges that do not belong to exactly two facets which pass them in opposite directions, by their nodes,
+    /// smaller number first; sorted.
     pub fn open_edges(&self) -> Vec<[u32; 2]> {
         // An edge as (smaller node, larger node, passed from the smaller to the larger).
         let mut passed: Vec<([u32; 2], bool)> = Vec::with_capacity(4 * self.facets.len());

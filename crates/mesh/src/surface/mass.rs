@@ -12,8 +12,8 @@ use crate::generate::validate;
 use crate::quality::{det, jacobian};
 use crate::{Mesh, MeshError};
 
-/// Largest part of the trace by which a tensor of inertia may violate symmetry or positivity of its Euler tensor: that of numbers typed in
-/// with six digits.
+/// Largest part of the trace by which a tensor of inertia may violate symmetry or positivity of its Euler tensor: that
+/// of numbers typed in with six digits.
 const INERTIA_TOLERANCE: f64 = 1e-6;
 
 /// Three points are exact to degree 5.
@@ -38,23 +38,26 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Of the inside of a closed surface. Each facet of a quadrilateral that is not plane is taken as four triangles with the mean of its nodes as the common
-    /// corner: the volume is that below the bilinear facet, and nothing depends on where the numbering of a facet starts. Exact for this polyhedron.
+    /// Of the inside of a closed surface. A quadrilateral is taken as four triangles with the mean of its nodes as
+    /// their common corner: the volume is that below the bilinear facet, and nothing depends on where the numbering of
+    /// a facet starts. Exact for this polyhedron.
     ///
-    /// By the divergence theorem the polyhedron is the sum of the tetrahedra `(o, a, b, c)` over the triangles, with signed volumes `V = det[a b c] / 6` relative to
-    /// any origin `o`, here the mean of the nodes, and
-    /// `int x dV = V (a + b + c) / 4`, `int x x^T dV = V / 20 ((a + b + c) (a + b + c)^T + a a^T + b b^T + c c^T)`.
+    /// By the divergence theorem the polyhedron is the sum of the tetrahedra `(o, a, b, c)` over the triangles, with
+    /// signed volumes `V = det[a b c] / 6` relative to any origin `o`, here the mean of the nodes. With `s = a + b + c`
+    ///
+    /// `int x dV = V s / 4`, `int x x^T dV = V / 20 (s s^T + a a^T + b b^T + c c^T)`.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] (density), [`MeshError::NoFacets`], [`MeshError::FacetNodeOutOfRange`], [`MeshError::OpenSurface`], [`MeshError::Volume`] (a surface
-    /// that is turned inside out, coordinates that are not finite).
+    /// [`MeshError::Parameter`] (density), [`MeshError::NoFacets`], [`MeshError::FacetNodeOutOfRange`],
+    /// [`MeshError::OpenSurface`], [`MeshError::Volume`] (a surface that is turned inside out, coordinates that are not
+    /// finite).
     pub fn of_surface(surface: &SurfaceMesh, density: f64) -> Result<MassProperties, MeshError> {
         validate::positive("density", density)?;
         surface.moments()?.properties(density)
     }
 
-    /// Of a mesh of hexahedra. `det J x x^T` has degree 4 in each natural coordinate, so that the rule of 3 x 3 x 3 points is exact for every
-    /// trilinear hexahedron.
+    /// Of a mesh of hexahedra. `det J x x^T` has degree 4 in each natural coordinate, so that the rule of 3 x 3 x 3
+    /// points is exact for every trilinear hexahedron.
     ///
     /// # Errors
     /// [`MeshError::Parameter`] (density), [`MeshError::NoElements`], [`MeshError::NodeOutOfRange`], [`MeshError::Volume`].
@@ -100,7 +103,8 @@ impl MassProperties {
         closed_form(size.iter().product(), 0.0, size.map(|a| a * a / 12.0), density)
     }
 
-    /// Of a cylinder about the z-axis with its centre at the origin: `V = pi r^2 l`, `E = m diag(r^2 / 4, r^2 / 4, l^2 / 12)`.
+    /// Of a cylinder about the z-axis with its centre at the origin: `V = pi r^2 l`,
+    /// `E = m diag(r^2 / 4, r^2 / 4, l^2 / 12)`.
     ///
     /// # Errors
     /// [`MeshError::Parameter`], [`MeshError::Volume`].
@@ -111,11 +115,12 @@ impl MassProperties {
         closed_form(PI * r * r * l, 0.0, [r * r / 4.0, r * r / 4.0, l * l / 12.0], density)
     }
 
-    /// Of a cone in the place of [`super::Cone`], from its tip (radius `t`, 0 if it is sharp) at `z = 0` to its base (radius `R`) at `z = h`. With the radius
-    /// `t + (R - t) z / h` at `z`, and `A = R^2 + R t + t^2`:
+    /// Of a cone in the place of [`super::Cone`], from its tip (radius `t`, 0 if it is sharp) at `z = 0` to its base
+    /// (radius `R`) at `z = h`. With the radius `t + (R - t) z / h` at `z`, and `A = R^2 + R t + t^2`:
     ///
-    /// `V = pi h A / 3`, `c_z = h (3 R^2 + 2 R t + t^2) / (4 A)`, `E_xx = E_yy = rho pi h (R^4 + R^3 t + R^2 t^2 + R t^3 + t^4) / 20`,
-    /// `E_zz = 3 m h^2 (R^4 + 4 R^3 t + 10 R^2 t^2 + 4 R t^3 + t^4) / (80 A^2)`.
+    /// * `V = pi h A / 3`, `c_z = h (3 R^2 + 2 R t + t^2) / (4 A)`,
+    /// * `E_xx = E_yy = rho pi h (R^4 + R^3 t + R^2 t^2 + R t^3 + t^4) / 20`,
+    /// * `E_zz = 3 m h^2 (R^4 + 4 R^3 t + 10 R^2 t^2 + 4 R t^3 + t^4) / (80 A^2)`.
     ///
     /// # Errors
     /// [`MeshError::Parameter`], [`MeshError::Volume`].
@@ -133,11 +138,13 @@ impl MassProperties {
         closed_form(PI * r * r * h * area / 3.0, centre, [across, across, along], density)
     }
 
-    /// From mass, centre of mass and the tensor of inertia `I` about it: `E = tr(I) / 2 1 - I`. Of small asymmetries the mean is taken.
+    /// From mass, centre of mass and the tensor of inertia `I` about it: `E = tr(I) / 2 1 - I`. Of small asymmetries
+    /// the mean is taken.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`]: a mass that is not positive, numbers that are not finite, a tensor that is not symmetric, or one that no body has: its Euler
-    /// tensor must be positive semidefinite, which says that no principal moment exceeds the sum of the other two.
+    /// [`MeshError::Parameter`]: a mass that is not positive, numbers that are not finite, a tensor that is not
+    /// symmetric, or one that no body has: its Euler tensor must be positive semidefinite, which says that no principal
+    /// moment exceeds the sum of the other two.
     pub fn from_inertia(mass: f64, centre: [f64; 3], inertia: [[f64; 3]; 3]) -> Result<MassProperties, MeshError> {
         validate::positive("mass", mass)?;
         validate::finite("centre", &centre)?;
@@ -157,7 +164,8 @@ impl MassProperties {
             return Err(parameter("inertia", inertia, "must be symmetric"));
         }
         if !is_semidefinite(&euler, half_trace) {
-            let remedy = "no principal moment may exceed the sum of the other two, for no body has such a tensor; is it given about the centre of mass?";
+            let remedy = "no principal moment may exceed the sum of the other two, for no body has such a tensor; is it \
+                          given about the centre of mass?";
             return Err(parameter("inertia", inertia, remedy));
         }
         Ok(MassProperties { mass, centre, euler })

@@ -91,7 +91,8 @@ impl Cone {
         self.divisions.validate(if self.tip_radius > 0.0 { 2 } else { 1 })
     }
 
-    /// The surface with the sets `side`, `base`, and `tip` if it is flat. At a sharp tip the facets are triangles with one common node.
+    /// The surface with the sets `side`, `base`, and `tip` if it is flat. At a sharp tip the facets are triangles with
+    /// one common node.
     ///
     /// # Errors
     /// As for [`Cone::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
@@ -118,9 +119,9 @@ pub(super) fn tip_radius(tip: f64, base: f64) -> Result<(), MeshError> {
     }
 }
 
-/// Turns a profile about the z-axis. Its `corners` are pairs (distance from the axis, z); the first and the last lie on the axis and no other does. Section
-/// `s` between corners `s` and `s + 1` has a name and a number of facets. The outside is on the right of the way along the profile, seen with the
-/// axis upwards and the profile on the right of it.
+/// Turns a profile about the z-axis. Its `corners` are pairs (distance from the axis, z); the first and the last lie on
+/// the axis and no other does. Section `s` between corners `s` and `s + 1` has a name and a number of facets. The
+/// outside is on the right of the way along the profile, seen with the axis upwards and the profile on the right of it.
 fn revolve(around: u32, corners: &[[f64; 2]], sections: &[(&str, u32)]) -> Result<SurfaceMesh, MeshError> {
     let mut surface = SurfaceMesh::default();
     let directions: Vec<(f64, f64)> =

@@ -51,7 +51,8 @@ impl Plane {
     }
 }
 
-/// A sphere about the origin as a cubed sphere: the six faces of a cube, divided evenly in angle and projected, so that there are no poles.
+/// A sphere about the origin as a cubed sphere: the six faces of a cube, divided evenly in angle and projected, so that
+/// there are no poles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     /// Radius (length).
