@@ -189,11 +189,11 @@ fn text(path: &Path, text: &str) -> Result<SurfaceMesh, MeshIoError> {
         };
         let first = builder.surface.facets.len() as u32;
         solid(&mut lines, &mut builder)?;
-        if !name.is_empty() {
-            sets.entry(name.to_owned()).or_default().extend(first..builder.surface.facets.len() as u32);
+        let next = builder.surface.facets.len() as u32;
+        if !name.is_empty() && first < next {
+            sets.entry(name.to_owned()).or_default().extend(first..next);
         }
     }
-    sets.retain(|_, facets| !facets.is_empty());
     builder.surface.facet_sets = sets;
     Ok(builder.surface)
 }

@@ -101,9 +101,10 @@ fn mass_of_a_cube_by_hand() {
     for q in quads {
         for t in [[q[0], q[1], q[2]], [q[0], q[2], q[3]]] {
             file += "FACET NORMAL nan nan nan\r\n\tOUTER  LOOP\r\n";
-            for [x, y, z] in t {
+            for (k, [x, y, z]) in t.into_iter().enumerate() {
                 // both zeros are the same place
-                file += &format!("\t\tVERTEX {} {y}.0E+00 {z}\r\n", if x == 0 { "-0.0" } else { "1D0" });
+                file +=
+                    &format!("\t\tVERTEX {} {y}.0E+00 {z}\r\n", if x == 1 { "1D0" } else { ["0", "-0.0", "-0e5"][k] });
             }
             file += "\tENDLOOP\r\nENDFACET\r\n\r\n";
         }
@@ -146,6 +147,8 @@ fn several_solids_and_degenerate_facets() {
     assert!(read.surface.is_closed());
     assert!((read.surface.volume().unwrap() - 1.0 / 6.0).abs() < 1e-16);
 
+    let file = text("empty", &[]) + &text("one", &[[a, c, b]]);
+    assert_eq!(read_surface_from_bytes("a.stl", file.as_bytes()).unwrap().set_names(), ["all", "boundary", "one"]);
     let read = read_surface_counted("a.stl", &binary(b"", &[[a, c, b], [a, a, b], [a, b, d]])).unwrap();
     assert_eq!((read.dropped, read.surface.facets.len()), (1, 2));
     for nothing in

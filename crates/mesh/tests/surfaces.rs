@@ -47,6 +47,7 @@ fn convex(surface: &SurfaceMesh, inside: [f64; 3], facets: usize) {
     assert!(surface.volume().unwrap() > 0.0);
     let turned = surface.clone().turned_over();
     assert!(turned.is_closed());
+    assert!(turned.facets.iter().zip(&surface.facets).all(|(t, s)| t[0] == s[0] && t[1] == s[s.len() - 1]));
     assert!((turned.volume().unwrap() / surface.volume().unwrap() + 1.0).abs() < 1e-13);
     assert_eq!(turned.turned_over(), *surface);
     if !surface.facet_sets.is_empty() {
