@@ -36,6 +36,18 @@ pub enum MeshIoError {
         /// What is expected.
         remedy: String,
     },
+    /// A place of a binary file does not say what it must.
+    #[error("{}: byte {offset}: {value}: {remedy}", path.display())]
+    Binary {
+        /// The file.
+        path: PathBuf,
+        /// The place, in bytes from the beginning.
+        offset: u64,
+        /// What stands there.
+        value: String,
+        /// What is expected.
+        remedy: String,
+    },
     /// Something that is correct, but that Stoss does not compute with: other cells, other versions, several bodies.
     #[error("{}:{line}: {value}: {remedy}", path.display())]
     Unsupported {

@@ -1,20 +1,22 @@
-//! Readers of Gmsh and Abaqus meshes, writers of VTU frames and PVD collections.
+//! Readers of Gmsh and Abaqus meshes and of STL surfaces, writers of VTU frames and PVD collections.
 //!
 //! * [`read_mesh`]: a mesh file of any format of the registry [`FORMATS`], checked and ready to compute with;
+//! * [`read_surface`]: the surface of a rigid body from an STL file, text or binary;
 //! * [`VtuFrame`], [`write_vtu`], [`read_vtu`]: one frame of results for ParaView;
 //! * [`PvdWriter`]: the collection of frames over time.
 //!
-//! Every error names the file, the line, the value and what to do about it. No content of a file makes a reader panic. Files
-//! are written under a temporary name in the same folder and then renamed, so that a reader never sees half of one.
+//! Every error names the file, the line (of a binary file the byte), the value and what to do about it. No content of a
+//! file makes a reader panic. Files are written under a temporary name in the same folder and then renamed, so that a
+//! reader never sees half of one.
 //!
 //! # What it is not
 //! Nothing here knows what a result means, and no physics of a file (materials, steps, boundary conditions) is read.
 //!
 //! # How to add a format
-//! Write `src/<format>.rs` (or a folder) with `fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError>`. Go through the file
-//! with `lines::Lines`, which counts lines and makes errors; put what is found into `build::Builder`, which takes arbitrary
-//! numbers, drops unused nodes, matches facets and checks the mesh. Then add a row to [`FORMATS`], files to `tests/data`,
-//! and a line to the mutation test in `tests/fuzz.rs`. Nothing else changes.
+//! Write `src/<format>.rs` (or a folder) with `fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError>`. Go
+//! through the file with `lines::Lines`, which counts lines and makes errors; put what is found into `build::Builder`,
+//! which takes arbitrary numbers, drops unused nodes, matches facets and checks the mesh. Then add a row to
+//! [`FORMATS`], files to `tests/data`, and a line to the mutation test in `tests/fuzz.rs`. Nothing else changes.
 
 mod abaqus;
 mod atomic;
@@ -25,6 +27,7 @@ mod gmsh;
 mod lines;
 mod pvd;
 mod registry;
+mod stl;
 mod vtu;
 mod vtu_read;
 mod xml;
@@ -32,5 +35,6 @@ mod xml;
 pub use error::MeshIoError;
 pub use pvd::{PvdEntry, PvdWriter};
 pub use registry::{FORMATS, Format, read_mesh, read_mesh_from_str};
+pub use stl::{SurfaceFile, read_surface, read_surface_counted, read_surface_from_bytes};
 pub use vtu::{Field, VtuFrame, write_vtu, write_vtu_to};
 pub use vtu_read::{OwnedField, VtuData, read_vtu, read_vtu_from_str};

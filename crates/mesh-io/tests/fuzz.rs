@@ -2,7 +2,7 @@
 //! names the file. It never panics and never hangs.
 
 use proptest::prelude::*;
-use stoss_mesh_io::{Field, VtuFrame, read_mesh_from_str, read_vtu_from_str, write_vtu_to};
+use stoss_mesh_io::{Field, VtuFrame, read_mesh_from_str, read_surface_from_bytes, read_vtu_from_str, write_vtu_to};
 
 const FILES: [(&str, &str); 4] = [
     ("a.msh", include_str!("data/ring-22.msh")),
@@ -24,6 +24,50 @@ fn vtu() -> String {
     let mut out = Vec::new();
     write_vtu_to(&mut out, &frame).unwrap();
     String::from_utf8(out).unwrap()
+}
+
+/// Two tetrahedra: as text with a solid each, in binary with a header that begins as a text does.
+fn stl() -> (String, Vec<u8>) {
+    let x = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0_f32]];
+    let mut text = String::new();
+    let mut bytes = format!("{:80}", "solid tetrahedra").into_bytes();
+    bytes.extend(8_u32.to_le_bytes());
+    for (solid, shift) in [("one", 0.0), ("two", 3.0)] {
+        text += &format!("solid {solid}\n");
+        for facet in [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] {
+            text += "facet normal 0 0 0\nouter loop\n";
+            bytes.extend([0; 12]);
+            for n in facet {
+                let [a, b, c]: [f32; 3] = x[n].map(|c| c + shift);
+                text += &format!("vertex {a} {b} {c}\n");
+                [a, b, c].iter().for_each(|c| bytes.extend(c.to_le_bytes()));
+            }
+            text += "endloop\nendfacet\n";
+            bytes.extend([0; 2]);
+        }
+        text += &format!("endsolid {solid}\n");
+    }
+    (text, bytes)
+}
+
+/// Cuts, overwrites, removes or doubles bytes.
+fn damage_bytes(bytes: &mut Vec<u8>, (kind, place, value): (u8, usize, [u8; 4])) {
+    if bytes.is_empty() {
+        return;
+    }
+    let place = place % bytes.len();
+    let end = (place + 4).min(bytes.len());
+    match kind {
+        0 => bytes.truncate(place),
+        1 => bytes[place..end].copy_from_slice(&value[..end - place]),
+        2 => drop(bytes.drain(place..end)),
+        3 => drop(bytes.splice(place..place, value)),
+        4 => bytes[place] = value[0],
+        _ => {
+            let count = bytes.len().min(84);
+            bytes[count.saturating_sub(4)..count].copy_from_slice(&value[..count.min(4)]);
+        }
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -57,6 +101,9 @@ fn token() -> impl Strategy<Value = String> {
         Just("4294967296"),
         Just("-9223372036854775808"),
         Just("<DataArray"),
+        Just("solid"),
+        Just("facet"),
+        Just("endsolid"),
         Just("*ASSEMBLY"),
         Just("="),
     ]
@@ -134,11 +181,48 @@ proptest! {
     }
 
     #[test]
+    fn damaged_surfaces_give_a_good_surface_or_an_error(list in prop::collection::vec(damage(), 1..4)) {
+        let damaged = list.iter().fold(stl().0, |text, d| apply(&text, d));
+        match read_surface_from_bytes("a.stl", damaged.as_bytes()) {
+            Ok(surface) => prop_assert_eq!(surface.check(), Ok(())),
+            Err(error) => prop_assert!(error.to_string().starts_with("a.stl"), "{}", error),
+        }
+    }
+
+    #[test]
+    fn damaged_binary_surfaces_give_a_good_surface_or_an_error(
+        binary: bool,
+        list in prop::collection::vec((0_u8..6, 0_usize..1000, any::<[u8; 4]>()), 1..4),
+    ) {
+        let (text, bytes) = stl();
+        let mut damaged = if binary { bytes } else { text.into_bytes() };
+        list.into_iter().for_each(|d| damage_bytes(&mut damaged, d));
+        match read_surface_from_bytes("a.stl", &damaged) {
+            Ok(surface) => prop_assert_eq!(surface.check(), Ok(())),
+            Err(error) => prop_assert!(error.to_string().starts_with("a.stl"), "{}", error),
+        }
+    }
+
+    #[test]
+    fn any_bytes_are_no_reason_to_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), facets in 0_u32..4) {
+        prop_assert!(read_surface_from_bytes("a.stl", &bytes).is_err());
+        // with a length that fits
+        let mut file = bytes;
+        file.resize(84 + 50 * facets as usize, 7);
+        file[80..84].copy_from_slice(&facets.to_le_bytes());
+        if let Ok(surface) = read_surface_from_bytes("a.stl", &file) {
+            prop_assert_eq!(surface.check(), Ok(()));
+        }
+    }
+
+    #[test]
     fn any_text_is_no_reason_to_panic(text in "(\\$MeshFormat\n(2.2|4.1) 0 8\n\\$EndMeshFormat\n)?([$*a-zA-Z0-9 ,.=\"<>/\n-]|\\$Nodes|\\$Elements){0,200}") {
         for name in ["a.msh", "a.inp"] {
             prop_assert!(read_mesh_from_str(name, &text).is_err());
         }
         prop_assert!(read_vtu_from_str("a.vtu", &text).is_err());
+        let solid = format!("solid {text}");
+        prop_assert!(read_surface_from_bytes("a.stl", solid.as_bytes()).is_err());
     }
 }
 

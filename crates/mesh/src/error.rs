@@ -163,6 +163,48 @@ pub enum MeshError {
         /// Their distance.
         distance: f64,
     },
+    /// The surface has no facet.
+    #[error("the surface has no facet")]
+    NoFacets,
+    /// A facet of a surface refers to a node that does not exist.
+    #[error("facet {facet} refers to node {node}, but the surface has {count} nodes")]
+    FacetNodeOutOfRange {
+        /// The facet.
+        facet: u32,
+        /// The node.
+        node: u32,
+        /// Number of nodes.
+        count: usize,
+    },
+    /// A facet of a surface without area, with an edge of length zero, or folded.
+    #[error(
+        "facet {facet} with nodes {nodes:?} has no area, an edge of length zero or a fold: remove it, or give it nodes in order around it"
+    )]
+    DegenerateFacet {
+        /// The facet.
+        facet: u32,
+        /// Its nodes.
+        nodes: Vec<u32>,
+    },
+    /// A surface that does not enclose a volume.
+    #[error(
+        "the surface is not closed: {count} edges do not belong to exactly two facets with opposite orientation, the first is between \
+         nodes {} and {}: close the surface, or give mass properties in another way", first[0], first[1]
+    )]
+    OpenSurface {
+        /// Number of these edges.
+        count: usize,
+        /// Nodes of the first.
+        first: [u32; 2],
+    },
+    /// The volume is not positive, or the moments of volume are too large or too small for floating-point numbers.
+    #[error(
+        "the volume is {volume:e}: it must be positive, and its moments positive and finite; if normals point inwards, turn the facets over"
+    )]
+    Volume {
+        /// The volume (length to the third power).
+        volume: f64,
+    },
     /// Elements that overlap: a facet shared by more than two, or by two on the same side of it.
     #[error("elements {elements:?} lie on the same side of the facet with nodes {nodes:?}: they overlap, remove one")]
     OverlappingElements {

@@ -1,8 +1,11 @@
-//! Hexahedral meshes: nodes, connectivity, named sets, boundary facets, generators, quality.
+//! Hexahedral meshes: nodes, connectivity, named sets, boundary facets, generators, quality; surfaces and mass
+//! properties of rigid bodies.
 //!
 //! * [`Mesh`], [`Facet`]: the data, sets by name, boundary facets, rigid placement;
 //! * [`Region`]: sets from a box or a plane;
 //! * [`generate`]: block, hexahedron, indenter, hollow ball, hollow torus, ball, cylinder, L-shaped block;
+//! * [`SurfaceMesh`]: triangles and quadrilaterals without a volume mesh, with its generators in [`surface`];
+//! * [`MassProperties`]: mass, centre and Euler tensor of a surface's inside, of a mesh, of simple shapes;
 //! * [`QualityReport`], [`Mesh::quality`], [`Mesh::check`]: quality, and everything that makes a mesh unusable as a named error.
 //!
 //! # What it is not
@@ -24,6 +27,7 @@ pub mod generate;
 mod mesh;
 mod quality;
 mod region;
+pub mod surface;
 mod transform;
 
 pub use error::{MeshError, SetKind};
@@ -31,6 +35,7 @@ pub use facet::{Facet, FacetIndex};
 pub use mesh::{ALL, BOUNDARY, Mesh};
 pub use quality::QualityReport;
 pub use region::Region;
+pub use surface::{MassProperties, SurfaceMesh};
 pub use transform::Rotation;
 
 /// The largest number of elements that a generator makes.

@@ -52,22 +52,7 @@ impl Mesh {
     /// # Errors
     /// [`MeshError::Parameter`] if the rotation or the translation is bad; the mesh is then unchanged.
     pub fn transform(&mut self, rotation: Option<&Rotation>, translation: [f64; 3]) -> Result<(), MeshError> {
-        if !translation.iter().all(|a| a.is_finite()) {
-            return Err(parameter("position", translation, "must be finite"));
-        }
-        if let Some(rotation) = rotation {
-            let (r, p) = (rotation.matrix()?, rotation.about);
-            for x in &mut self.nodes {
-                let d: [f64; 3] = std::array::from_fn(|i| x[i] - p[i]);
-                *x = std::array::from_fn(|i| p[i] + (r[i][0] * d[0] + r[i][1] * d[1] + r[i][2] * d[2]));
-            }
-        }
-        for x in &mut self.nodes {
-            for i in 0..3 {
-                x[i] += translation[i];
-            }
-        }
-        Ok(())
+        place(&mut self.nodes, rotation, translation)
     }
 
     /// The mesh with mapped coordinates; connectivity and sets stay.
@@ -81,6 +66,33 @@ impl Mesh {
         self.check_geometry()?;
         Ok(self)
     }
+}
+
+/// Rotates points, then translates them.
+///
+/// # Errors
+/// [`MeshError::Parameter`] if the rotation or the translation is bad; the points are then unchanged.
+pub(crate) fn place(
+    nodes: &mut [[f64; 3]],
+    rotation: Option<&Rotation>,
+    translation: [f64; 3],
+) -> Result<(), MeshError> {
+    if !translation.iter().all(|a| a.is_finite()) {
+        return Err(parameter("position", translation, "must be finite"));
+    }
+    if let Some(rotation) = rotation {
+        let (r, p) = (rotation.matrix()?, rotation.about);
+        for x in nodes.iter_mut() {
+            let d: [f64; 3] = std::array::from_fn(|i| x[i] - p[i]);
+            *x = std::array::from_fn(|i| p[i] + (r[i][0] * d[0] + r[i][1] * d[1] + r[i][2] * d[2]));
+        }
+    }
+    for x in nodes.iter_mut() {
+        for i in 0..3 {
+            x[i] += translation[i];
+        }
+    }
+    Ok(())
 }
 
 /// Sine and cosine of an angle in degrees, exact at multiples of 90.

@@ -1,8 +1,6 @@
 //! The hollow ball.
 
-use std::collections::HashMap;
-use std::f64::consts::FRAC_PI_4;
-
+use super::cube::cubed_sphere;
 use super::{finish, grid, validate};
 use crate::error::parameter;
 use crate::{Mesh, MeshError};
@@ -56,46 +54,4 @@ impl HollowBall {
         mesh.facet_sets.insert("outer".into(), outer);
         finish(mesh)
     }
-}
-
-/// Unit directions and outward quadrilaterals of the cubed sphere with `n x n` quadrilaterals a face.
-fn cubed_sphere(n: usize) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
-    // tan(pi/4 (2 i / n - 1)), exactly antisymmetric and exactly 1 at the ends, so that faces meet
-    let tangent = |i: usize| -> f64 {
-        let twice = 2 * i as i64 - n as i64;
-        let value = if twice.unsigned_abs() as usize == n {
-            1.0
-        } else {
-            (FRAC_PI_4 * twice.unsigned_abs() as f64 / n as f64).tan()
-        };
-        if twice < 0 { -value } else { value }
-    };
-    let mut numbers: HashMap<[usize; 3], u32> = HashMap::with_capacity(6 * n * n + 2);
-    let mut directions = Vec::with_capacity(6 * n * n + 2);
-    let mut quads = Vec::with_capacity(6 * n * n);
-    for axis in 0..3 {
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        for side in [0, n] {
-            for j in 0..n {
-                for i in 0..n {
-                    // u, v, axis are right-handed: counter-clockwise seen from outside on the positive side
-                    let mut ring = [[0, 0], [1, 0], [1, 1], [0, 1]];
-                    if side == 0 {
-                        ring.reverse();
-                    }
-                    quads.push(ring.map(|[di, dj]| {
-                        let mut point = [0; 3];
-                        (point[axis], point[u], point[v]) = (side, i + di, j + dj);
-                        *numbers.entry(point).or_insert_with(|| {
-                            let t = point.map(tangent);
-                            let length = t.iter().map(|c| c * c).sum::<f64>().sqrt();
-                            directions.push(t.map(|c| c / length));
-                            directions.len() as u32 - 1
-                        })
-                    }));
-                }
-            }
-        }
-    }
-    (directions, quads)
 }

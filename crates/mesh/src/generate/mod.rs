@@ -20,11 +20,12 @@
 
 mod ball;
 mod block;
+pub(crate) mod cube;
 mod grid;
 mod l_block;
 mod round;
 mod torus;
-mod validate;
+pub(crate) mod validate;
 
 pub use ball::HollowBall;
 pub use block::{Block, Hexahedron, Indenter};
