@@ -50,7 +50,8 @@ impl Impact {
         let tool = RigidBody::new("tool", model.node_count() as u32, mass);
         model.reference.extend(tool.reference().iter().flatten());
         model.velocity.extend(tool.velocity([0.2, 0.1, -2.0], [0.1, -0.2, 0.5]).iter().flatten());
-        let pair = |name: &str, method| ContactPair { name: name.into(), method, complementarity: 1.0, restores: false };
+        let pair =
+            |name: &str, method| ContactPair { name: name.into(), method, complementarity: 1.0, restores: false };
         model.contacts.push(pair("rigidity", Coupling::bilateral(tool.constraints())));
         let shape = Block::new([0.6, 0.45, 1.1], [1.6, 1.45, 1.6], [3, 3, 1]).generate().unwrap();
         let first = model.node_count() as u32;

@@ -120,6 +120,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         changed_by: changed_by(&scene, simulation.model()),
         contacts,
         watch: scene.watch.clone(),
+        drawing: crate::output::Drawing::default(),
     };
     report(Event::Start {
         title: &scene.header.title,

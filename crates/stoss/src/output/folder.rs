@@ -62,6 +62,8 @@ pub struct ResultFolder {
 /// What a folder needs to know of the scene.
 #[derive(Clone, Debug)]
 pub struct FolderSettings {
+    /// What frames show beside the solids.
+    pub drawing: super::Drawing,
     /// Title of the scene.
     pub title: String,
     /// What the results depend on.

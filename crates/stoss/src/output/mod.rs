@@ -3,6 +3,7 @@
 //! Tables and frames are complete after every step, so that a run that is killed leaves what it had done; a resumed run cuts
 //! them back to its checkpoint and then writes the same bytes as a run that was never interrupted.
 
+mod drawing;
 mod drift;
 mod earlier;
 mod folder;
@@ -16,6 +17,7 @@ mod table;
 mod watch;
 
 pub use crate::error::OutputError;
+pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
 pub use drift::Drift;
 pub use folder::{FolderSettings, ResultFolder};
 pub use identity::SceneIdentity;

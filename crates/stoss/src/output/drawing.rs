@@ -1,0 +1,46 @@
+//! What a frame shows beside the solids: surfaces of rigid bodies, lines of beams and strings, single points.
+
+use std::ops::Range;
+use stoss_reference_element::FacetNodes;
+
+/// The surface of a rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawnSurface {
+    /// Name of the rigid body.
+    pub name: String,
+    /// Nodes of the surface, embedded in the body.
+    pub nodes: Range<u32>,
+    /// Facets, outward.
+    pub facets: Vec<FacetNodes>,
+    /// Whether it encloses a volume.
+    pub is_closed: bool,
+}
+
+/// The axis of a beam, or a string.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawnLine {
+    /// Name of the beam or string.
+    pub name: String,
+    /// Nodes from one end to the other.
+    pub nodes: Vec<u32>,
+}
+
+/// A point mass, or a rigid body without a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawnPoint {
+    /// Name of the part.
+    pub name: String,
+    /// Its node.
+    pub node: u32,
+}
+
+/// What is drawn beside the solids; empty for a scene of solids alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawing {
+    /// Surfaces.
+    pub surfaces: Vec<DrawnSurface>,
+    /// Lines.
+    pub lines: Vec<DrawnLine>,
+    /// Points.
+    pub points: Vec<DrawnPoint>,
+}
