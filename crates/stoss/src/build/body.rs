@@ -1,6 +1,7 @@
 //! Meshes, laws, densities, initial velocities.
 
-use super::{OwnLaws, ParameterError, Placed, Problems};
+use super::placed::{Placed, Shape};
+use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
     Body, Generator, Mass, Material, MeshSource, Part as ScenePart, Refinement as SceneRefinement,
     Rotation as SceneRotation, Scene,
@@ -76,7 +77,7 @@ pub(super) fn bodies(
                 Mass::Lumped => MassKind::Lumped,
             },
         });
-        placed.push(Placed { mesh, first_node, law });
+        placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law }, first_node });
     }
     (placed, lines)
 }

@@ -1,19 +1,39 @@
 //! Prescribed motion, loads, contact.
 
-use super::{Placed, Problems};
+use super::Problems;
+use super::placed::{self, Placed};
 use crate::scene::{LoadKind as SceneLoad, Scene, known, split_set};
 use crate::solver::{AxisRotation, Load, LoadKind, Model, Prescription, Table};
-use stoss_mesh::{Mesh, MeshError, SetKind};
+use stoss_mesh::{MeshError, SetKind};
 
-/// Facets of a set in global node numbers.
-pub(super) fn facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
-    let list = placed.mesh.facets_of(set)?;
+/// Facets of a deformable body's set in global node numbers.
+fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
+    let list = placed.mesh().map_or_else(|| Ok(Vec::new()), |mesh| mesh.facets_of(set))?;
     Ok(list.iter().map(|facet| facet.nodes.map(|n| n + placed.first_node)).collect())
+}
+
+/// Which components of all nodes have a prescribed motion; an embedded node's are if those of all of its carriers are.
+pub(super) fn prescribed(model: &Model) -> Vec<bool> {
+    let mut prescribed = vec![false; model.reference.len()];
+    for prescription in &model.prescriptions {
+        for &node in &prescription.nodes {
+            for &component in &prescription.components {
+                prescribed[3 * node as usize + component as usize] = true;
+            }
+        }
+    }
+    for &node in model.embedding.nodes() {
+        let carriers = model.embedding.carriers(node).unwrap_or_default();
+        for component in 0..3 {
+            let held = carriers.iter().all(|&(carrier, _)| prescribed[3 * carrier as usize + component]);
+            prescribed[3 * node as usize + component] = held;
+        }
+    }
+    prescribed
 }
 
 /// Resolves `body.set` with a given look-up; reports and returns `None` if it does not exist or is empty.
 pub(super) fn resolve<T>(
-    scene: &Scene,
     placed: &[Placed],
     key: &str,
     reference: &str,
@@ -21,8 +41,8 @@ pub(super) fn resolve<T>(
     look_up: impl Fn(&Placed, &str) -> Result<Vec<T>, MeshError>,
 ) -> Option<(usize, Vec<T>)> {
     let (body, set) = split_set(reference)?;
-    let b = scene.body_index(body)?;
-    let names = || placed[b].mesh.set_names();
+    let b = placed::index(placed, body)?;
+    let names = || placed[b].set_names();
     match look_up(&placed[b], set) {
         Ok(list) if !list.is_empty() => Some((b, list)),
         Ok(_) => {
@@ -39,7 +59,7 @@ pub(super) fn resolve<T>(
             let remedy = match &error {
                 MeshError::WrongSetKind { wanted: SetKind::Facets, .. } => format!(
                     "choose a set of facets of body `{body}`: {}; a surface between two elements has no outside and is a set of nodes",
-                    facet_sets(&placed[b].mesh).join(", ")
+                    placed[b].facet_sets().join(", ")
                 ),
                 _ => format!("body `{body}` has: {}", names().join(", ")),
             };
@@ -47,17 +67,6 @@ pub(super) fn resolve<T>(
             None
         }
     }
-}
-
-/// Names of the sets that have facets.
-fn facet_sets(mesh: &Mesh) -> Vec<String> {
-    mesh.set_names().into_iter().filter(|name| mesh.facets_of(name).is_ok()).collect()
-}
-
-/// Global nodes of a set.
-pub(super) fn nodes(placed: &Placed, set: &str) -> Result<Vec<u32>, MeshError> {
-    let list = placed.mesh.nodes_of(set)?;
-    Ok(list.iter().map(|n| n + placed.first_node).collect())
 }
 
 fn table(key: String, rows: &[Vec<f64>], columns: usize, problems: &mut Problems<'_>) -> Option<Table> {
@@ -71,7 +80,7 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
     let mut owner: Vec<Option<(usize, usize)>> = vec![None; model.reference.len()];
     for (p, item) in scene.prescriptions.iter().enumerate() {
         let key = format!("prescribe[{p}]");
-        let found = resolve(scene, placed, &format!("{key}.set"), &item.set, problems, nodes);
+        let found = resolve(placed, &format!("{key}.set"), &item.set, problems, Placed::nodes_of);
         let components: Vec<u8> = item.prescribed_components().iter().map(|c| c.index() as u8).collect();
         let values = if item.rotation.is_some() { "translation" } else { "displacement" };
         let displacement = table(format!("{key}.{values}"), &item.rows(), components.len(), problems);
@@ -166,8 +175,10 @@ fn load_kind(
         let name = item.body.as_deref().or_else(|| item.set.as_deref().and_then(split_set).map(|(body, _)| body))?;
         let b = scene.body_index(name)?;
         if let Some((_, set)) = item.set.as_deref().and_then(split_set) {
-            let whole = placed[b].mesh.elements_of(set).map(|e| e.len() == placed[b].mesh.elements.len());
-            if whole != Ok(true) {
+            let whole = placed[b]
+                .mesh()
+                .is_some_and(|mesh| mesh.elements_of(set).is_ok_and(|e| e.len() == mesh.elements.len()));
+            if !whole {
                 let message = "a body force acts on a whole body, not on a set of it";
                 problems.add(format!("{key}.set"), set, message, format!("write body = \"{name}\" instead of the set"));
                 return None;
@@ -180,11 +191,11 @@ fn load_kind(
     let set = item.set.as_deref()?;
     let key = format!("{key}.set");
     if kind == SceneLoad::Force {
-        let (_, nodes) = resolve(scene, placed, &key, set, problems, nodes)?;
+        let (_, nodes) = resolve(placed, &key, set, problems, Placed::nodes_of)?;
         let patterns = (0..3).map(|i| nodes.iter().map(|&n| (3 * n + i, 1.0)).collect()).collect();
         return Some(LoadKind::Dead { patterns });
     }
-    let (_, facets) = resolve(scene, placed, &key, set, problems, facets)?;
+    let (_, facets) = resolve(placed, &key, set, problems, solid_facets)?;
     let reference = &model.reference;
     match kind {
         SceneLoad::FollowerPressure => Some(LoadKind::FollowerPressure { facets }),

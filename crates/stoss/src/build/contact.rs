@@ -1,14 +1,15 @@
 //! Contacts of a scene: surfaces found and examined, the method made where its module is built in.
 
-use super::condition::{facets, resolve};
+use super::condition::{prescribed, resolve};
 use super::friction::gains_energy_in_impacts;
 use super::missing::not_built_in;
-use super::pair::{PairInput, area_vector};
+use super::pair::{PairInput, area_vector, young};
 use super::tie::Ties;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
 use crate::scene::{ContactMethod, Enforcement, Scene};
 use crate::solver::Model;
 use std::collections::BTreeSet;
+use stoss_reference_element::FacetNodes;
 
 pub(super) fn contacts(
     scene: &Scene,
@@ -21,13 +22,13 @@ pub(super) fn contacts(
 ) -> Vec<ContactPlan> {
     let mut plans = Vec::new();
     warnings.extend(impacts(scene));
-    let mut seen: Vec<([Vec<[u32; 4]>; 2], &crate::scene::Contact)> = Vec::new();
+    let mut seen: Vec<([Vec<FacetNodes>; 2], &crate::scene::Contact)> = Vec::new();
     let held = held_nodes(scene, placed, model);
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
         let ([first, second], keys) = (item.surfaces(), item.surface_keys());
-        let first = resolve(scene, placed, &format!("{key}.{}", keys[0]), first, problems, facets);
-        let second = resolve(scene, placed, &format!("{key}.{}", keys[1]), second, problems, facets);
+        let first = resolve(placed, &format!("{key}.{}", keys[0]), first, problems, Placed::facets_of);
+        let second = resolve(placed, &format!("{key}.{}", keys[1]), second, problems, Placed::facets_of);
         let (Some(first), Some(second)) = (first, second) else { continue };
         let (mut sides, mut chosen) = ([first, second], None);
         if item.between.is_some() {
@@ -103,20 +104,20 @@ const SAME_SIZE: f64 = 0.05;
 
 /// Which of two surfaces (body and facets) becomes the slave, and why: one whose motion is not prescribed, the finer one by the mean area of its facets, the softer
 /// one by Young's modulus.
-fn choose_slave(model: &Model, sides: &[(usize, Vec<[u32; 4]>); 2]) -> (usize, &'static str) {
+fn choose_slave(model: &Model, sides: &[(usize, Vec<FacetNodes>); 2]) -> (usize, &'static str) {
     let prescribed = [0, 1].map(|k| is_prescribed(model, &sides[k].1));
     let size = sides.each_ref().map(|(_, facets)| {
         let areas = facets.iter().map(|facet| area_vector(facet, &model.reference));
         areas.map(|a| 0.5 * a.iter().map(|a| a * a).sum::<f64>().sqrt()).sum::<f64>() / facets.len() as f64
     });
-    let young = sides.each_ref().map(|(b, _)| model.bodies[*b].solid.law().small_strain_moduli().young_modulus());
+    let moduli = sides.each_ref().map(|(b, _)| young(model, *b));
     if prescribed[0] != prescribed[1] {
         return (usize::from(prescribed[0]), "the other one is prescribed");
     }
     if (size[0] - size[1]).abs() > SAME_SIZE * size[0].max(size[1]) {
         return (usize::from(size[1] < size[0]), "finer");
     }
-    match young[0].total_cmp(&young[1]) {
+    match moduli[0].total_cmp(&moduli[1]) {
         std::cmp::Ordering::Less => (0, "softer"),
         std::cmp::Ordering::Greater => (1, "softer"),
         std::cmp::Ordering::Equal => (0, "both are alike"),
@@ -129,10 +130,12 @@ fn held_nodes(scene: &Scene, placed: &[Placed], model: &Model) -> BTreeSet<u32> 
     let mut ignored = Problems { scene, list: Vec::new() };
     let surfaces = scene.contacts.iter().map(crate::scene::Contact::surfaces);
     let surfaces = surfaces.chain(scene.ties.iter().map(|item| [&item.slave[..], &item.master[..]]));
-    let mut held: BTreeSet<u32> = model.prescriptions.iter().flat_map(|p| p.nodes.iter().copied()).collect();
+    let held = prescribed(model);
+    let is_held = |node: u32| (0..3).any(|i| held[3 * node as usize + i]);
+    let mut held: BTreeSet<u32> = (0..model.node_count() as u32).filter(|&node| is_held(node)).collect();
     let mut seen = BTreeSet::new();
     for surface in surfaces {
-        let resolved = surface.iter().filter_map(|set| resolve(scene, placed, "", set, &mut ignored, facets));
+        let resolved = surface.iter().filter_map(|set| resolve(placed, "", set, &mut ignored, Placed::facets_of));
         let nodes: BTreeSet<u32> = resolved.flat_map(|(_, facets)| facets.into_iter().flatten()).collect();
         held.extend(nodes.intersection(&seen));
         seen.extend(nodes);
@@ -141,12 +144,7 @@ fn held_nodes(scene: &Scene, placed: &[Placed], model: &Model) -> BTreeSet<u32> 
 }
 
 /// True if all components of all nodes of a surface are prescribed.
-fn is_prescribed(model: &Model, facets: &[[u32; 4]]) -> bool {
-    let mut prescribed = BTreeSet::new();
-    for prescription in &model.prescriptions {
-        for &node in &prescription.nodes {
-            prescribed.extend(prescription.components.iter().map(|&component| (node, component)));
-        }
-    }
-    facets.iter().flatten().all(|&node| (0..3).all(|component| prescribed.contains(&(node, component))))
+fn is_prescribed(model: &Model, facets: &[FacetNodes]) -> bool {
+    let prescribed = prescribed(model);
+    facets.iter().flatten().all(|&node| (0..3).all(|component| prescribed[3 * node as usize + component]))
 }

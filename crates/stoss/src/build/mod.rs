@@ -17,6 +17,7 @@ mod nts;
 mod overlap;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod pair;
+mod placed;
 mod plan;
 mod probe;
 mod supports;
@@ -33,12 +34,10 @@ pub use probe::{Probe, ProbeTarget};
 
 use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
 use crate::solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
+use placed::Placed;
 use std::path::Path;
-use std::sync::Arc;
-use stoss_continuum::HyperelasticLaw;
 use stoss_integrators::{SCHEMES, Scheme};
 use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver, SolverOptions};
-use stoss_mesh::Mesh;
 use stoss_newton::{LineSearch, NewtonOptions};
 
 /// A scene made ready to run.
@@ -56,15 +55,6 @@ pub struct Built {
     pub bodies: Vec<String>,
     /// The contacts, with what the scene leaves to defaults.
     pub contacts: Vec<ContactPlan>,
-}
-
-/// Meshes with the number of their first node in the model.
-pub(crate) struct Placed {
-    pub mesh: Mesh,
-    pub first_node: u32,
-    /// For bodies whose nodes a tie moves.
-    #[cfg_attr(not(feature = "mortar"), expect(dead_code))]
-    pub law: Arc<dyn HyperelasticLaw>,
 }
 
 /// Problems found so far.

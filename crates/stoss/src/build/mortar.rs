@@ -1,12 +1,12 @@
 //! Mortar contact of a scene.
 
+use super::condition::prescribed;
 use super::pair::PairInput;
 use super::{ContactPlan, Problems};
 use crate::scene::{
     Closing, Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip,
 };
 use crate::solver::{ContactPair, Coupling, Model, contact_rule};
-use std::collections::BTreeMap;
 use stoss_contact::{Constraint as _, Report as _};
 use stoss_contact_mortar::{
     Force, Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule,
@@ -91,17 +91,10 @@ pub(super) fn contact(
         constant.is_some()
     };
     let [slave, master] = pair.facets;
-    let mut fixed: BTreeMap<u32, [bool; 3]> = BTreeMap::new();
-    for prescription in &model.prescriptions {
-        for &node in &prescription.nodes {
-            let components = fixed.entry(node).or_default();
-            prescription.components.iter().for_each(|&c| components[c as usize] = true);
-        }
-    }
+    let fixed = prescribed(model);
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
         Ok(method) => {
-            let prescribed =
-                |n: u32| if pair.tied.contains(&n) { [true; 3] } else { fixed.get(&n).copied().unwrap_or_default() };
+            let prescribed = |n: u32| [0, 1, 2].map(|i| pair.tied.contains(&n) || fixed[3 * n as usize + i]);
             let mut slave_nodes = method.slave().nodes().iter().enumerate();
             if slave_nodes.all(|(a, &n)| method.is_held_along_normal(a, prescribed(n))) {
                 warnings.push(format!(

@@ -6,6 +6,7 @@ use crate::solver::Model;
 use std::collections::BTreeSet;
 use stoss_contact::Auxiliary;
 use stoss_mesh::Mesh;
+use stoss_reference_element::FacetNodes;
 
 /// One contact of a scene, its surfaces found.
 pub(super) struct PairInput<'a> {
@@ -16,7 +17,7 @@ pub(super) struct PairInput<'a> {
     pub item: &'a crate::scene::Contact,
     /// Slave and master.
     pub bodies: [usize; 2],
-    pub facets: [&'a [[u32; 4]]; 2],
+    pub facets: [&'a [FacetNodes]; 2],
     /// The slave and why, where the scene leaves it open.
     pub chosen: Option<String>,
     /// Nodes whose motion may be determined without the friction of this contact.
@@ -93,34 +94,51 @@ impl PairInput<'_> {
                 item.label()
             ));
         }
-        warnings.extend(overlap(&item.label(), bodies.map(|b| (&scene.bodies[b].name, &placed[b].mesh))));
+        if let [Some(slave), Some(master)] = bodies.map(|b| placed[b].mesh()) {
+            let names = bodies.map(|b| &placed[b].name);
+            warnings.extend(overlap(&item.label(), [(names[0], slave), (names[1], master)]));
+        }
         // The first frame shows the gaps of the nodes that are in reach, as later ones do.
         let speed = model.velocity.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
         let reach = 2.0 * speed * scene.time.step + 0.5 * method.length_scale();
         if let Err(error) = method.begin_step(&model.reference, reach) {
             problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces");
         }
-        // The softer body decides how the two terms of the complementarity function balance.
-        let young = bodies
-            .map(|b| model.bodies[b].solid.law().small_strain_moduli().young_modulus())
-            .into_iter()
-            .fold(f64::INFINITY, f64::min);
-        young / method.length_scale()
+        // The softer body decides how the two terms of the complementarity function balance; between rigid ones what moves the lighter one by a length in a step.
+        let softer = bodies.map(|b| young(model, b)).into_iter().fold(f64::INFINITY, f64::min);
+        let length = method.length_scale();
+        if softer.is_finite() { softer / length } else { self.inertia(model, length) / scene.time.step.powi(2) }
     }
 }
 
 impl PairInput<'_> {
     /// Mass per area of the elements behind the surfaces: the larger one, zero in statics.
     pub fn inertia(&self, model: &Model, length: f64) -> f64 {
-        self.bodies.iter().filter_map(|&b| model.bodies[b].density).fold(0.0, f64::max) * length
+        let solid = |b: usize| model.bodies.get(b).and_then(|body| body.density).map(|density| density * length);
+        // Of a rigid body all of it, over an area of the size of a facet.
+        let rigid = |b: usize| {
+            let part = model.parts.iter().find(|part| part.name() == self.placed[b].name)?;
+            let mut mass = 0.0;
+            part.mass(&mut |i, j, m| mass += if i == j && !part.is_direction(i) { m } else { 0.0 });
+            Some(mass / (length * length))
+        };
+        self.bodies.iter().filter_map(|&b| solid(b).or_else(|| rigid(b))).fold(0.0, f64::max)
     }
 }
 
+/// Young's modulus of a deformable body at small strains; infinite for a rigid one.
+pub(super) fn young(model: &Model, body: usize) -> f64 {
+    let modulus = |body: &crate::solver::Body| body.solid.law().small_strain_moduli().young_modulus();
+    model.bodies.get(body).map_or(f64::INFINITY, modulus)
+}
+
 /// Twice the area vector of a facet.
-pub(super) fn area_vector(facet: &[u32; 4], reference: &[f64]) -> [f64; 3] {
+pub(super) fn area_vector(facet: &FacetNodes, reference: &[f64]) -> [f64; 3] {
     let x = facet.map(|node| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) });
     let diagonal = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
-    let (a, b) = (diagonal(0, 2), diagonal(1, 3));
+    // Of a triangle the second one is an edge: half of the cross product is the area all the same.
+    let last = facet.len() - 1;
+    let (a, b) = (diagonal(0, 2), diagonal(1, if last == 3 { 3 } else { 0 }));
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
@@ -128,9 +146,9 @@ pub(super) fn area_vector(facet: &[u32; 4], reference: &[f64]) -> [f64; 3] {
 const EDGE_ON: f64 = 0.25;
 
 /// Whether a facet of the slave faces one of the master in the reference configuration, however far away.
-fn face_each_other([slave, master]: [&[[u32; 4]]; 2], reference: &[f64]) -> bool {
-    let normals = |facets: &[[u32; 4]]| -> Vec<[f64; 3]> {
-        let normal = |facet: &[u32; 4]| {
+fn face_each_other([slave, master]: [&[FacetNodes]; 2], reference: &[f64]) -> bool {
+    let normals = |facets: &[FacetNodes]| -> Vec<[f64; 3]> {
+        let normal = |facet: &FacetNodes| {
             let n = area_vector(facet, reference);
             let length = n.iter().map(|n| n * n).sum::<f64>().sqrt();
             n.map(|n| if length > 0.0 { n / length } else { 0.0 })

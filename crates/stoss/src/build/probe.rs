@@ -1,6 +1,6 @@
 //! Probes: quantities written at every step.
 
-use super::condition::{nodes, resolve};
+use super::condition::resolve;
 use super::{Placed, Problems};
 use crate::scene::{Quantity, Scene};
 use crate::solver::Simulation;
@@ -107,12 +107,12 @@ pub(super) fn probes(scene: &Scene, placed: &[Placed], problems: &mut Problems<'
     let mut out = Vec::new();
     for (p, item) in scene.probes.iter().enumerate() {
         let target = if let Some(set) = &item.set {
-            match resolve(scene, placed, &format!("probe[{p}].set"), set, problems, nodes) {
+            match resolve(placed, &format!("probe[{p}].set"), set, problems, Placed::nodes_of) {
                 Some((_, nodes)) => ProbeTarget::Nodes(nodes),
                 None => continue,
             }
         } else if let (Some(point), Some(b)) = (item.point, item.body.as_deref().and_then(|b| scene.body_index(b))) {
-            ProbeTarget::Nodes(vec![nearest(&placed[b], point)])
+            ProbeTarget::Nodes(vec![placed[b].nearest(point).0])
         } else if let Some(b) = item.body.as_deref().and_then(|b| scene.body_index(b)) {
             ProbeTarget::Body(b)
         } else {
@@ -121,17 +121,4 @@ pub(super) fn probes(scene: &Scene, placed: &[Placed], problems: &mut Problems<'
         out.push(Probe { name: item.name.clone(), target, quantity: item.quantity });
     }
     out
-}
-
-/// Global number of the node nearest to a point; the first of equals.
-fn nearest(placed: &Placed, point: [f64; 3]) -> u32 {
-    let distance = |x: &[f64; 3]| (0..3).map(|i| (x[i] - point[i]).powi(2)).sum::<f64>();
-    let nodes = &placed.mesh.nodes;
-    let mut best = 0;
-    for (k, x) in nodes.iter().enumerate() {
-        if distance(x) < distance(&nodes[best]) {
-            best = k;
-        }
-    }
-    placed.first_node + best as u32
 }

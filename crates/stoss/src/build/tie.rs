@@ -1,11 +1,13 @@
 //! Mesh ties.
 
+use super::Problems;
 #[cfg(feature = "mortar")]
-use super::condition::{facets, resolve};
-use super::{Placed, Problems};
+use super::condition::{prescribed, resolve};
+use super::placed::{Placed, Shape};
 use crate::scene::Scene;
 use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::BTreeSet;
+use stoss_reference_element::FacetNodes;
 
 /// A tie of a larger share of its slave surface leaves nothing free but round-off, and slivers of curved rims.
 #[cfg(feature = "mortar")]
@@ -19,16 +21,16 @@ const WHOLLY_TIED: f64 = 0.999;
 )]
 pub(super) struct Ties {
     pub pairs: Vec<ContactPair>,
-    pub surfaces: Vec<[BTreeSet<[u32; 4]>; 2]>,
+    pub surfaces: Vec<[BTreeSet<FacetNodes>; 2]>,
     pub tied: BTreeSet<u32>,
 }
 
 #[cfg(any(feature = "nts", feature = "mortar"))]
 impl Ties {
     /// The tie that holds two surfaces together, whichever of them is its slave, if there is one.
-    pub fn of(&self, surfaces: [&[[u32; 4]]; 2]) -> Option<&str> {
-        let within = |tie: [&BTreeSet<[u32; 4]>; 2]| (0..2).all(|i| surfaces[i].iter().all(|f| tie[i].contains(f)));
-        let holds = |[slave, master]: &[BTreeSet<[u32; 4]>; 2]| within([slave, master]) || within([master, slave]);
+    pub fn of(&self, surfaces: [&[FacetNodes]; 2]) -> Option<&str> {
+        let within = |tie: [&BTreeSet<FacetNodes>; 2]| (0..2).all(|i| surfaces[i].iter().all(|f| tie[i].contains(f)));
+        let holds = |[slave, master]: &[BTreeSet<FacetNodes>; 2]| within([slave, master]) || within([master, slave]);
         let mut found = self.pairs.iter().zip(&self.surfaces).filter(|(_, surfaces)| holds(surfaces));
         found.next().map(|(pair, _)| pair.name.as_str())
     }
@@ -75,18 +77,11 @@ fn made(
     use stoss_contact_mortar::{MortarError, MultiplierSpace};
     let mut ties = Ties::default();
     let (mut surfaces, mut is_stale) = (BTreeSet::new(), false);
-    let mut fixed = vec![false; model.reference.len()];
-    for prescription in &model.prescriptions {
-        for &node in &prescription.nodes {
-            for &component in &prescription.components {
-                fixed[3 * node as usize + component as usize] = true;
-            }
-        }
-    }
+    let mut fixed = prescribed(model);
     for (t, item) in scene.ties.iter().enumerate() {
         let key = format!("tie[{t}]");
-        let slave = resolve(scene, placed, &format!("{key}.slave"), &item.slave, problems, facets);
-        let master = resolve(scene, placed, &format!("{key}.master"), &item.master, problems, facets);
+        let slave = resolve(placed, &format!("{key}.slave"), &item.slave, problems, Placed::facets_of);
+        let master = resolve(placed, &format!("{key}.master"), &item.master, problems, Placed::facets_of);
         let (Some((body, slave)), Some((_, master))) = (slave, master) else { continue };
         let options = TieOptions {
             form: match item.form {
@@ -168,18 +163,21 @@ fn move_nodes(
     moved: &[(u32, [f64; 3])],
     model: &mut Model,
 ) -> Result<(), Box<dyn std::error::Error>> {
+    let Shape::Solid { mesh, law } = &mut placed.shape else {
+        return Err("the slave is the surface of a rigid body, whose nodes keep their places in it".into());
+    };
     let item = &scene.bodies[body];
     for (node, x) in moved {
-        placed.mesh.nodes[(node - placed.first_node) as usize] = *x;
+        mesh.nodes[(node - placed.first_node) as usize] = *x;
         let at = 3 * *node as usize;
         model.reference[at..at + 3].copy_from_slice(x);
         if scene.is_dynamic() {
             model.velocity[at..at + 3].copy_from_slice(&item.initial_velocity(*x));
         }
     }
-    placed.mesh.check()?;
-    let law = std::sync::Arc::clone(&placed.law);
-    model.bodies[body].solid = stoss_fe_solid::SolidBody::new(&item.name, &placed.mesh, placed.first_node, law)?;
+    mesh.check()?;
+    let law = std::sync::Arc::clone(law);
+    model.bodies[body].solid = stoss_fe_solid::SolidBody::new(&item.name, mesh, placed.first_node, law)?;
     Ok(())
 }
 
