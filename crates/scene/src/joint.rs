@@ -100,7 +100,7 @@ pub struct Joint {
     /// The two sides: a rigid body or point mass by its name, an end of a beam or string (`beam.start`, `string.end`), a set of a deformable body
     /// (`body.set`), or `ground`.
     pub between: [String; 2],
-    /// The point of the joint; of a `distance` two points, the first on the first part.
+    /// The point of the joint; of a `distance` two points, the first on the first part. A point mass or the end of a string must be there.
     pub at: JointPoint,
     /// Direction of the axis of `hinge`, `slider` and `cylindrical`, normal of `planar`; of any length but zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]

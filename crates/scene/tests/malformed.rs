@@ -506,3 +506,17 @@ fn missing_parts_of_an_empty_scene() {
         assert!(errors.problems().iter().all(|problem| problem.line == 1));
     }
 }
+
+#[test]
+fn one_part_of_any_kind_is_a_scene() {
+    let head = "[scene]\ntitle = \"x\"\nkind = \"quasi-static\"\n[time]\nend = 1\nstep = 1\n";
+    for part in [
+        "[[rigid]]\nname = \"a\"",
+        "[[beam]]\nname = \"a\"\npoints = [[0, 0, 0], [1, 0, 0]]\nelements = 1\nyoung = 1\nsection = { shape = \"circle\", radius = 1 }",
+        "[[string]]\nname = \"a\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]\nelements = 1\naxial = 1",
+        "[[mass]]\nname = \"a\"\nat = [0, 0, 0]\nmass = 1",
+    ] {
+        let scene = parse(&format!("{head}{part}\n"), "x.toml").unwrap_or_else(|errors| panic!("{errors}"));
+        assert!(scene.part("a").is_some() && scene.bodies.is_empty());
+    }
+}

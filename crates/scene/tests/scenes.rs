@@ -81,6 +81,26 @@ fn the_schema_refuses_what_is_wrong() {
 }
 
 #[test]
+fn the_schema_refuses_wrong_parts_and_joints() {
+    let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
+    for (from, to) in [
+        ("kind = \"sphere\"", "kind = \"ball\""),
+        ("inertia = [0.3, 0.2, 0.4]", "inertia = 0.3"),
+        ("shape = \"tube\"", "shape = \"pipe\""),
+        ("torsion = 8e2, ", ""),
+        ("at = [[3, 0, 0], [1, 1, 0]]", "at = [[3, 0, 0]]"),
+        ("kind = \"hinge\"", "kind = \"hing\""),
+        ("stiffness = 2e4\n", ""),
+        ("release = \"swivel\"\n", ""),
+        ("until = 1.0", "till = 1.0"),
+    ] {
+        assert!(MULTIBODY.contains(from), "{from}");
+        let value: serde_json::Value = toml::from_str(&MULTIBODY.replacen(from, to, 1)).unwrap();
+        assert!(!schema::violations(&schema, &value).is_empty(), "{from} -> {to} is valid under the schema");
+    }
+}
+
+#[test]
 fn the_schema_documents_every_key() {
     let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");

@@ -235,15 +235,19 @@ impl Parts {
         let rigid_names: Vec<_> = rigid_tables.iter().flatten().filter_map(|table| raw(table, "name")).collect();
         let misnamed = held.iter().any(|name| !rigid_names.contains(name));
         let is_held = |table: &Table<'_>| misnamed || raw(table, "name").is_some_and(|name| held.contains(&name));
-        Self {
-            bodies: names.read(&body_tables, PartKind::Body, |table| body::body(table, setting, own_laws)),
-            rigids: names.read(&rigid_tables, PartKind::Rigid, |table| rigid::rigid(table, setting, is_held(table))),
-            beams: names.read(&beam_tables, PartKind::Beam, |table| beam::beam(table, setting)),
-            strings: names.read(&string_tables, PartKind::String, |table| string::string(table, setting)),
-            masses: names.read(&mass_tables, PartKind::Mass, |table| string::mass(table, setting)),
-            known: names.known,
-            complete: names.complete,
+        let bodies = names.read(&body_tables, PartKind::Body, |table| body::body(table, setting, own_laws));
+        let rigids = names.read(&rigid_tables, PartKind::Rigid, |table| rigid::rigid(table, setting, is_held(table)));
+        let beams = names.read(&beam_tables, PartKind::Beam, |table| beam::beam(table, setting));
+        let strings = names.read(&string_tables, PartKind::String, |table| string::string(table, setting));
+        let masses = names.read(&mass_tables, PartKind::Mass, |table| string::mass(table, setting));
+        for string in strings.iter().flatten() {
+            let corners = string.corners();
+            names.set_ends(&string.name, corners.first().copied().zip(corners.last().copied()).map(<[_; 2]>::from));
         }
+        for mass in masses.iter().flatten() {
+            names.set_ends(&mass.name, Some([mass.at; 2]));
+        }
+        Self { bodies, rigids, beams, strings, masses, known: names.known, complete: names.complete }
     }
 }
 
@@ -255,6 +259,12 @@ struct PartNames {
 }
 
 impl PartNames {
+    fn set_ends(&mut self, name: &str, ends: Option<[[f64; 3]; 2]>) {
+        if let Some(part) = self.known.iter_mut().find(|part| part.name == name) {
+            part.ends = ends;
+        }
+    }
+
     fn read<T>(
         &mut self,
         tables: &Tables<'_>,
@@ -274,7 +284,7 @@ impl PartNames {
                     };
                     let fixed = kind == PartKind::Rigid
                         && table.get("fixed").is_some_and(|node| matches!(node.value, DeValue::Boolean(true)));
-                    self.known.push(KnownPart { name, kind, has_surface, fixed });
+                    self.known.push(KnownPart { name, kind, has_surface, fixed, ends: None });
                 }
                 _ => self.complete = false,
             }

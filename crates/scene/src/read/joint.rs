@@ -4,7 +4,7 @@ use super::node::{Node, known};
 use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name};
-use crate::vector::perpendicular;
+use crate::vector::{norm, perpendicular, sub};
 use crate::{
     Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, PartKind, Spring, split_set,
 };
@@ -27,6 +27,7 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
             None
         }
     };
+    let at = at.and_then(|at| in_place(table, between.as_ref(), at.both(), world).map(|()| at));
     let axis = only_for(table, "axis", kind, JointKind::has_axis, "hinges, sliders, cylindrical and planar joints")
         .and_then(|()| match kind {
             Some(kind) if kind.has_axis() => table.required("axis", "axis = [0, 0, 1]", Node::direction).map(Some),
@@ -133,6 +134,18 @@ fn side(node: &Node<'_>, world: &World<'_>, oriented: Option<JointKind>) -> Opti
         );
     }
     Some(text)
+}
+
+/// Reports a point that is not where a point mass or the end of a string is, which cannot carry it at a distance.
+fn in_place(table: &Table<'_>, between: Option<&[String; 2]>, at: [[f64; 3]; 2], world: &World<'_>) -> Option<()> {
+    for (side, point) in between.into_iter().flatten().zip(at) {
+        let (name, end) = split_set(side).map_or((side.as_str(), 0), |(name, set)| (name, usize::from(set == "end")));
+        let Some(place) = world.part(name).and_then(|part| part.ends).map(|ends| ends[end]) else { continue };
+        if norm(sub(place, point)) > 1e-6 * norm(place).max(norm(point)) {
+            return table.fail("at", format!("is not where `{side}` is, {place:?}"), "correct the point or the part");
+        }
+    }
+    Some(())
 }
 
 /// True for a list that starts with a list.
@@ -261,6 +274,7 @@ pub(super) fn spring(table: &Table<'_>, world: &World<'_>) -> Option<Spring> {
     let name = table.required("name", "name = \"strut\"", action_name);
     let between = table.required("between", "between = [\"wheel\", \"ground\"]", |n| between(n, world, None));
     let at = table.required("at", "at = [[0, 0, 0], [0, 0, 1]]", two_points);
+    let at = at.and_then(|at| in_place(table, between.as_ref(), at, world).map(|()| at));
     let stiffness = table.required("stiffness", "stiffness = 1e4", Node::not_negative);
     let rest_length = table.optional("rest_length", Node::not_negative);
     let damping = table.default("damping", 0.0, Node::not_negative);

@@ -65,6 +65,8 @@ pub(super) struct KnownPart {
     pub(super) has_surface: bool,
     /// Of rigid bodies: true if it does not move.
     pub(super) fixed: bool,
+    /// Of strings: both ends; of point masses: twice their place. `None` if they could not be read.
+    pub(super) ends: Option<[[f64; 3]; 2]>,
 }
 
 impl KnownPart {

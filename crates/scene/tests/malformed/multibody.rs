@@ -205,6 +205,7 @@ pub const CASES: &[Case] = &[
         "prescribe[2].set",
     ),
     multi("rigid = \"tip\"", "rigid = \"block\"", "rigid = \"block\"", "prescribe[0].rigid"),
+    multi("rigid = \"tip\"", "rigid = \"tipp\"", "tipp", "prescribe[0].rigid"),
     multi("rigid = \"tip\"", "rigid = \"tip\"\nset = \"block.top\"", "set = \"block.top\"", "prescribe[0].set"),
     multi(
         "rigid = \"crate\"\nfixed = true",
@@ -346,6 +347,8 @@ pub const CASES: &[Case] = &[
         "at = [3, 0, 0]\n\n[[joint]]\nname = \"table\"",
         "joint[6].at",
     ),
+    multi("at = [3, 0, 0]\n\n[[joint]]", "at = [3, 0, 1e-3]\n\n[[joint]]", "at = [3, 0, 1e-3]", "joint[0].at"),
+    multi("at = [[3, 0, 0], [1, 1, 0]]", "at = [[3, 0, 0], [0, 0, 0]]", "at = [[3", "joint[6].at"),
     // [[spring]]
     multi("stiffness = 2e4\n", "", "[[spring]]", "spring[0].stiffness"),
     multi("rest_length = 1.2", "rest_length = -1.2", "rest_length", "spring[0].rest_length"),
@@ -358,6 +361,12 @@ pub const CASES: &[Case] = &[
         "spring[0].between",
     ),
     multi("rest_length = 1.2", "length = 1.2", "length = 1.2", "spring[0].length"),
+    multi(
+        "between = [\"block.left\", \"ground\"]",
+        "between = [\"block.left\", \"rope.start\"]",
+        "at = [[-0.5",
+        "spring[0].at",
+    ),
     // [[event]]
     multi("release = \"swivel\"", "release = \"swivle\"", "swivle", "event[0].release"),
     multi("release = \"swivel\"", "release = \"hit\"", "release = \"hit\"", "event[0].release"),
