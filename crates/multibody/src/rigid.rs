@@ -113,6 +113,13 @@ impl RigidBody {
         Self { name: name.to_owned(), first, mass, length }
     }
 
+    /// A body without mass, whose motion is prescribed or follows from joints. `length` is a size of the body.
+    pub fn massless(name: &str, first: u32, centre: [f64; 3], length: f64) -> Self {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mass = RigidMass { mass: 0.0, centre, euler: [0.0; 3], axes };
+        Self { name: name.to_owned(), first, mass, length }
+    }
+
     /// Length `l` of the directors.
     pub fn director_length(&self) -> f64 {
         self.length
@@ -224,6 +231,9 @@ impl Part for RigidBody {
     }
 
     fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
+        if self.mass.mass == 0.0 {
+            return;
+        }
         visit(self.first, self.first, self.mass.mass);
         for k in 0..3 {
             let v = self.first + 1 + k as u32;

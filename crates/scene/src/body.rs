@@ -55,7 +55,7 @@ pub struct Body {
 }
 
 /// A scene is written without velocities that are zero, for a quasi-static one must not have the keys.
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 

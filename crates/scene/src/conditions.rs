@@ -125,7 +125,7 @@ impl Component {
     }
 }
 
-/// `[[set]]`: nodes, facets and elements of a body inside a box or on a plane, in the placed reference configuration.
+/// `[[set]]`: nodes, facets and elements of a body, or of a rigid body with a surface, inside a box or on a plane, in the placed reference configuration.
 /// Exactly one of `box` and `plane`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -150,7 +150,7 @@ impl SetDefinition {
     }
 }
 
-/// Body and set of a reference `body.set`: the parts before and after the first dot.
+/// Part and set of a reference `part.set`: what is before and after the first dot.
 pub fn split_set(reference: &str) -> Option<(&str, &str)> {
     reference.split_once('.').filter(|(body, set)| !body.is_empty() && !set.is_empty())
 }
@@ -180,7 +180,7 @@ pub struct PlaneRegion {
     pub tolerance: Option<f64>,
 }
 
-/// `[[contact]]`: unilateral contact, with or without friction, of a slave surface with a master surface.
+/// `[[contact]]`: unilateral contact, with or without friction, of a slave surface with a master surface, of deformable or rigid bodies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -306,13 +306,31 @@ impl Series {
 
 /// `[[prescribe]]`: displacement components of a set, given as functions of time, or a rigid motion of the set. Exactly one of `displacement`,
 /// `fixed = true` and `rotation`.
+///
+/// With `rigid` in the place of `set` it is a rigid body that moves, all of it: where there is no `rotation` it does not turn, and components that are not
+/// named do not move.
+///
+/// ```toml
+/// [[prescribe]]
+/// name = "stroke"
+/// rigid = "punch"
+/// components = ["z"]
+/// displacement = { table = [[0.0, 0.0], [1.0, -0.1]] }
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Prescribe {
-    /// Set of nodes, `body.set`.
-    pub set: String,
-    /// Components, each at most once. Not with a `rotation`, which prescribes all three.
+    /// Unique name, by which an `[[event]]` releases it and a `[[stage]]` switches it off.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Set of nodes, `part.set`; of a beam the places of its nodes are prescribed, not its directors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub set: Option<String>,
+    /// Name of a rigid body, instead of a set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rigid: Option<String>,
+    /// Components, each at most once. Not with a `rotation`, which prescribes all three, and not with a rigid body that is `fixed`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub components: Vec<Component>,
     /// Displacement from the reference position, one value a component.
@@ -330,11 +348,12 @@ pub struct Prescribe {
 }
 
 impl Prescribe {
-    /// The prescribed components: all three with a rotation.
+    /// The prescribed components: all three with a rotation, and of a rigid body that is fixed. They are the columns of [`Self::rows`]; the other
+    /// components of a rigid body do not move.
     pub fn prescribed_components(&self) -> Vec<Component> {
         match &self.rotation {
-            Some(_) => vec![Component::X, Component::Y, Component::Z],
-            None => self.components.clone(),
+            None if self.rigid.is_none() || !self.fixed => self.components.clone(),
+            _ => vec![Component::X, Component::Y, Component::Z],
         }
     }
 
@@ -372,7 +391,7 @@ named! {
         BodyForce = "body_force",
         /// Pressure against the current outward normal, per current area; one value.
         FollowerPressure = "follower_pressure",
-        /// Force on each node; three values.
+        /// Force on each node; on the centre of mass of a rigid body; three values.
         Force = "force",
     }
 }
@@ -392,7 +411,11 @@ impl LoadKind {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Load {
-    /// Set of facets (`pressure`, `traction`, `follower_pressure`), elements (`body_force`) or nodes (`force`), `body.set`.
+    /// Unique name, by which a `[[stage]]` switches it off.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Set of facets (`pressure`, `traction`, `follower_pressure`), elements (`body_force`) or nodes (`force`), `body.set`. A `force` may also
+    /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
     /// Name of a body, instead of a set, for a `body_force` on all of it.
@@ -410,7 +433,7 @@ pub struct Load {
     /// Pressure that follows the surface (force per current area), positive when it presses on the body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follower_pressure: Option<Series>,
-    /// Force on each node of the set.
+    /// Force on each node of the set; on a rigid body once, at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<Series>,
 }

@@ -11,45 +11,60 @@
 //! A documented field in the type, one line in the reader under `read/`, and a malformed scene in `tests/malformed.rs`. A
 //! new scheme, quantity, field or contact method is one line in its enumeration: reading, error messages and schema follow.
 
+mod beam;
 mod body;
 mod conditions;
+mod event;
 mod friction;
 mod general;
+mod gravity;
+mod joint;
 mod material;
 mod mesh;
 mod names;
+mod part;
 mod problem;
 mod read;
 mod results;
+mod rigid;
 #[cfg(test)]
 mod samples;
 #[cfg(feature = "schema")]
 mod schema;
 mod source;
+mod string;
 mod tie;
+mod vector;
 mod watch;
 
+pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
 pub use body::{Body, Mass, Rotation, Rotations};
 pub use conditions::{
     BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Load, LoadKind,
     PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
+pub use event::{Event, EventCondition, Stage, StageKind};
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
     Sticking,
 };
 pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
+pub use gravity::Gravity;
+pub use joint::{Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Spring};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
 pub use mesh::{
     Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
     Part, Refinement,
 };
 pub use names::known;
+pub use part::PartKind;
 pub use problem::{Problem, SceneErrors};
 pub use results::{Expect, ExpectedValue, Field, Interval, Outcome, Output, Probe, Quantity};
+pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, SphereShape, SurfaceFile};
 #[cfg(feature = "schema")]
 pub use schema::json_schema;
 pub use source::Location;
+pub use string::{ElasticString, PointMass};
 pub use tie::{Interface, Multipliers, Tie, TieForm};
 pub use watch::{OnFault, Verdict, Watch};
 
@@ -71,9 +86,24 @@ pub struct Scene {
     /// `[solver]`.
     #[serde(default)]
     pub solver: Solver,
-    /// `[[body]]`, at least one.
-    #[serde(rename = "body")]
+    /// `[gravity]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Gravity>,
+    /// `[[body]]`. Of bodies, rigid bodies, beams, strings and point masses, the parts of the scene, there is at least one.
+    #[serde(default, rename = "body", skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<Body>,
+    /// `[[rigid]]`.
+    #[serde(default, rename = "rigid", skip_serializing_if = "Vec::is_empty")]
+    pub rigids: Vec<Rigid>,
+    /// `[[beam]]`.
+    #[serde(default, rename = "beam", skip_serializing_if = "Vec::is_empty")]
+    pub beams: Vec<Beam>,
+    /// `[[string]]`.
+    #[serde(default, rename = "string", skip_serializing_if = "Vec::is_empty")]
+    pub strings: Vec<ElasticString>,
+    /// `[[mass]]`.
+    #[serde(default, rename = "mass", skip_serializing_if = "Vec::is_empty")]
+    pub masses: Vec<PointMass>,
     /// `[[set]]`.
     #[serde(default, rename = "set", skip_serializing_if = "Vec::is_empty")]
     pub sets: Vec<SetDefinition>,
@@ -83,12 +113,24 @@ pub struct Scene {
     /// `[[tie]]`.
     #[serde(default, rename = "tie", skip_serializing_if = "Vec::is_empty")]
     pub ties: Vec<Tie>,
+    /// `[[joint]]`.
+    #[serde(default, rename = "joint", skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<Joint>,
+    /// `[[spring]]`.
+    #[serde(default, rename = "spring", skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<Spring>,
     /// `[[prescribe]]`.
     #[serde(default, rename = "prescribe", skip_serializing_if = "Vec::is_empty")]
     pub prescriptions: Vec<Prescribe>,
     /// `[[load]]`.
     #[serde(default, rename = "load", skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
+    /// `[[event]]`.
+    #[serde(default, rename = "event", skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<Event>,
+    /// `[[stage]]`, in the order of time; none for a run of one stage.
+    #[serde(default, rename = "stage", skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<Stage>,
     /// `[[probe]]`.
     #[serde(default, rename = "probe", skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,

@@ -19,8 +19,18 @@ named! {
         Reaction = "reaction",
         /// Moment of the same forces about the origin, at the current positions.
         ReactionMoment = "reaction_moment",
-        /// Contact force on the body; sum over a set's nodes.
+        /// Contact force on the body; sum over a set's nodes, or all of a rigid body.
         ContactForce = "contact_force",
+        /// Moment of the same forces about the origin, at the current positions.
+        ContactMoment = "contact_moment",
+        /// Force of a joint on the first of its parts.
+        JointForce = "joint_force",
+        /// Moment of a joint on the first of its parts, about the joint's point on it.
+        JointMoment = "joint_moment",
+        /// Relative angle of a hinge or cylindrical joint in degrees, not limited to a turn.
+        JointAngle = "joint_angle",
+        /// Angular velocity of a rigid body (1/time). Dynamic scenes only.
+        AngularVelocity = "angular_velocity",
         /// Kinetic plus strain energy of a body, or of all.
         Energy = "energy",
         /// Kinetic energy of a body, or of all. Dynamic scenes only.
@@ -35,7 +45,7 @@ named! {
 }
 
 impl Quantity {
-    /// True if it belongs to nodes (and needs `set`, or `body` and `point`), false if to a body or to everything.
+    /// True if it belongs to nodes (and needs `set`, or `body` and `point`, or a rigid `body`), false if to a part, to everything or to a joint.
     pub fn is_nodal(self) -> bool {
         matches!(
             self,
@@ -45,18 +55,27 @@ impl Quantity {
                 | Self::Reaction
                 | Self::ReactionMoment
                 | Self::ContactForce
+                | Self::ContactMoment
         )
+    }
+
+    /// True if it belongs to a joint.
+    pub fn is_of_joint(self) -> bool {
+        matches!(self, Self::JointForce | Self::JointMoment | Self::JointAngle)
     }
 
     /// True if it has a meaning only with inertia.
     pub fn is_dynamic(self) -> bool {
-        matches!(self, Self::Velocity | Self::KineticEnergy | Self::LinearMomentum | Self::AngularMomentum)
+        matches!(
+            self,
+            Self::Velocity | Self::AngularVelocity | Self::KineticEnergy | Self::LinearMomentum | Self::AngularMomentum
+        )
     }
 
-    /// Number of values: 1 for energies, otherwise 3.
+    /// Number of values: 1 for energies and angles of joints, otherwise 3.
     pub fn columns(self) -> usize {
         match self {
-            Self::Energy | Self::KineticEnergy | Self::StrainEnergy => 1,
+            Self::Energy | Self::KineticEnergy | Self::StrainEnergy | Self::JointAngle => 1,
             _ => 3,
         }
     }
@@ -96,8 +115,15 @@ named! {
     }
 }
 
-/// `[[probe]]`: a column, or three, of `probes.csv`. Nodal quantities need `set`, or `body` and `point`; energies and momenta are
-/// those of `body`, or of everything.
+/// `[[probe]]`: a column, or three, of `probes.csv`. Nodal quantities need `set`, or `body` and `point`, or a rigid body or point mass as `body`; energies
+/// and momenta are those of `body`, or of everything; those of joints need `joint`.
+///
+/// ```toml
+/// [[probe]]
+/// name = "bearing"
+/// quantity = "joint_force"
+/// joint = "elbow"
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -106,15 +132,18 @@ pub struct Probe {
     pub name: String,
     /// What is recorded.
     pub quantity: Quantity,
-    /// Set of nodes, `body.set`.
+    /// Set of nodes, `part.set`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
-    /// Name of a body.
+    /// Name of a part. Motions of a rigid body without a `point` are those of its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<String>,
-    /// A point in the placed reference configuration: the nearest node of `body` is probed.
+    /// A point in the placed reference configuration: the nearest node of `body` is probed, or of a rigid body the point itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,
+    /// Name of a joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
 }
 
 /// `[output]`: what is written, and how often.

@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use stoss_scene::parse;
 
-const SCENES: [&str; 2] = [include_str!("data/dynamic.toml"), include_str!("data/quasi-static.toml")];
+const SCENES: [&str; 3] =
+    [include_str!("data/dynamic.toml"), include_str!("data/quasi-static.toml"), include_str!("data/multibody.toml")];
 
 /// Pieces that are likely to hurt.
 const PIECES: [&str; 22] = [
@@ -55,14 +56,14 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
-    fn truncated_scenes(which in 0..2usize, cut in 0.0..1.0f64) {
+    fn truncated_scenes(which in 0..SCENES.len(), cut in 0.0..1.0f64) {
         let text = SCENES[which];
         check(&text[..boundary(text, cut)])?;
     }
 
     #[test]
     fn scenes_with_pieces_replaced(
-        which in 0..2usize,
+        which in 0..SCENES.len(),
         edits in proptest::collection::vec((0.0..1.0f64, 0..12usize, 0..PIECES.len()), 1..5),
     ) {
         let mut text = SCENES[which].to_owned();
@@ -79,7 +80,7 @@ proptest! {
 
     /// Valid TOML with wrong meaning: the value of a random key becomes something else.
     #[test]
-    fn scenes_with_values_replaced(which in 0..2usize, line in 0..100usize, piece in 0..PIECES.len()) {
+    fn scenes_with_values_replaced(which in 0..SCENES.len(), line in 0..300usize, piece in 0..PIECES.len()) {
         let mut lines: Vec<String> = SCENES[which].lines().map(str::to_owned).collect();
         let index = line % lines.len();
         if let Some(equals) = lines[index].find('=') {
@@ -90,7 +91,7 @@ proptest! {
     }
 
     #[test]
-    fn lines_in_any_order(which in 0..2usize, seed in proptest::collection::vec(any::<u16>(), 120)) {
+    fn lines_in_any_order(which in 0..SCENES.len(), seed in proptest::collection::vec(any::<u16>(), 350)) {
         let mut lines: Vec<(u16, &str)> = seed.into_iter().zip(SCENES[which].lines()).collect();
         lines.sort_by_key(|&(key, _)| key);
         let lines: Vec<&str> = lines.into_iter().map(|(_, line)| line).collect();

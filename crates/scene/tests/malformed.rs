@@ -1,12 +1,15 @@
 //! Malformed scenes: every one gives exactly the problem that it has, at the line of the mistake, with a message and a remedy.
 
+#[path = "malformed/multibody.rs"]
+mod multibody;
+
 use stoss_scene::parse;
 
 const DYNAMIC: &str = include_str!("data/dynamic.toml");
 const STATIC: &str = include_str!("data/quasi-static.toml");
 
 /// A mistake: `from` in the base scene is replaced by `to`; the problem is in the line that contains `at` and names `key`.
-struct Case {
+pub struct Case {
     base: &'static str,
     /// The contact of the base scene is mortar contact.
     mortar: bool,
@@ -419,7 +422,7 @@ const CASES: &[Case] = &[
 #[test]
 fn every_mistake_is_reported_once_at_its_place() {
     let mut failures = Vec::new();
-    for case in CASES {
+    for case in CASES.iter().chain(multibody::CASES) {
         assert_eq!(case.base.matches(case.from).count().min(1), 1, "the base scene has no {:?}", case.from);
         let base = if case.mortar { case.base.replacen("\"nts\"", "\"mortar\"", 1) } else { case.base.to_owned() };
         let text = base.replacen(case.from, case.to, 1);
@@ -442,7 +445,13 @@ fn every_mistake_is_reported_once_at_its_place() {
             failures.push(format!("{label}: expected line {line}, {}; got\n{errors}", case.key));
         }
     }
-    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), CASES.len(), failures.join("\n"));
+    assert!(
+        failures.is_empty(),
+        "{} of {}:\n{}",
+        failures.len(),
+        CASES.len() + multibody::CASES.len(),
+        failures.join("\n")
+    );
 }
 
 #[test]
@@ -495,5 +504,19 @@ fn missing_parts_of_an_empty_scene() {
         let keys: Vec<&str> = errors.problems().iter().map(|problem| problem.key.as_str()).collect();
         assert_eq!(keys, ["body", "scene", "time"], "{errors}");
         assert!(errors.problems().iter().all(|problem| problem.line == 1));
+    }
+}
+
+#[test]
+fn one_part_of_any_kind_is_a_scene() {
+    let head = "[scene]\ntitle = \"x\"\nkind = \"quasi-static\"\n[time]\nend = 1\nstep = 1\n";
+    for part in [
+        "[[rigid]]\nname = \"a\"",
+        "[[beam]]\nname = \"a\"\npoints = [[0, 0, 0], [1, 0, 0]]\nelements = 1\nyoung = 1\nsection = { shape = \"circle\", radius = 1 }",
+        "[[string]]\nname = \"a\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]\nelements = 1\naxial = 1",
+        "[[mass]]\nname = \"a\"\nat = [0, 0, 0]\nmass = 1",
+    ] {
+        let scene = parse(&format!("{head}{part}\n"), "x.toml").unwrap_or_else(|errors| panic!("{errors}"));
+        assert!(scene.part("a").is_some() && scene.bodies.is_empty());
     }
 }

@@ -4,13 +4,15 @@ mod support;
 
 use std::path::PathBuf;
 use stoss_scene::{
-    Friction, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter, Problem, Scene, Series, json_schema, parse,
-    parse_with,
+    BoxShape, Component, Coupling, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter,
+    PartKind, Problem, Scene, Section, Series, Shape, StageKind, json_schema, parse, parse_with,
 };
 use support::schema;
 
 const DYNAMIC: &str = include_str!("data/dynamic.toml");
 const STATIC: &str = include_str!("data/quasi-static.toml");
+const MULTIBODY: &str = include_str!("data/multibody.toml");
+const MULTIBODY_STATIC: &str = include_str!("data/multibody-static.toml");
 
 fn good_scenes() -> Vec<(String, String)> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
@@ -23,6 +25,8 @@ fn good_scenes() -> Vec<(String, String)> {
     assert!(!scenes.is_empty());
     scenes.push(("dynamic".into(), DYNAMIC.into()));
     scenes.push(("quasi-static".into(), STATIC.into()));
+    scenes.push(("multibody".into(), MULTIBODY.into()));
+    scenes.push(("multibody-static".into(), MULTIBODY_STATIC.into()));
     scenes
 }
 
@@ -77,6 +81,26 @@ fn the_schema_refuses_what_is_wrong() {
 }
 
 #[test]
+fn the_schema_refuses_wrong_parts_and_joints() {
+    let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
+    for (from, to) in [
+        ("kind = \"sphere\"", "kind = \"ball\""),
+        ("inertia = [0.3, 0.2, 0.4]", "inertia = 0.3"),
+        ("shape = \"tube\"", "shape = \"pipe\""),
+        ("torsion = 8e2, ", ""),
+        ("at = [[3, 0, 0], [1, 1, 0]]", "at = [[3, 0, 0]]"),
+        ("kind = \"hinge\"", "kind = \"hing\""),
+        ("stiffness = 2e4\n", ""),
+        ("release = \"swivel\"\n", ""),
+        ("until = 1.0", "till = 1.0"),
+    ] {
+        assert!(MULTIBODY.contains(from), "{from}");
+        let value: serde_json::Value = toml::from_str(&MULTIBODY.replacen(from, to, 1)).unwrap();
+        assert!(!schema::violations(&schema, &value).is_empty(), "{from} -> {to} is valid under the schema");
+    }
+}
+
+#[test]
 fn the_schema_documents_every_key() {
     let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
@@ -112,6 +136,58 @@ fn values_arrive_where_they_belong() {
     let rotation = turn.rotation.as_ref().unwrap();
     assert_eq!((rotation.axis, rotation.about), ([0.0, 0.0, 1.0], [0.0, 0.0, 2.0]));
     assert_eq!(rotation.degrees.rows(), [[0.0, 0.0], [1.0, 720.0]]);
+}
+
+#[test]
+fn parts_and_joints_arrive_where_they_belong() {
+    let scene = read(MULTIBODY, "multibody.toml");
+    assert_eq!(scene.gravity.unwrap().acceleration, [0.0, 0.0, -9.81]);
+    for (name, place) in [
+        ("block", (PartKind::Body, 0)),
+        ("lever", (PartKind::Rigid, 7)),
+        ("bow", (PartKind::Beam, 1)),
+        ("rope", (PartKind::String, 0)),
+        ("bob", (PartKind::Mass, 0)),
+    ] {
+        assert_eq!(scene.part(name), Some(place));
+    }
+    assert_eq!((scene.part("ground"), scene.joint_index("clamp")), (None, Some(5)));
+    let rigid = |name| &scene.rigids[scene.part(name).unwrap().1];
+    assert_eq!(rigid("crate").shape, Some(Shape::Box(BoxShape { size: [1.0, 2.0, 3.0], divisions: [1; 3] })));
+    assert_eq!(rigid("crate").principal_euler(), Some([1.0, 4.0, 9.0]));
+    // E_1 = (0.2 + 0.4 - 0.3) / 2 and so on
+    let euler = rigid("lever").principal_euler().unwrap();
+    for (value, expected) in euler.into_iter().zip([0.15, 0.25, 0.05]) {
+        approx::assert_relative_eq!(value, expected, max_relative = 1e-14);
+    }
+    assert!(rigid("tool").has_surface() && !rigid("lever").has_surface() && rigid("floor").fixed);
+    let bow = &scene.beams[1];
+    assert_eq!((bow.order, scene.beams[0].order, bow.shear_factor), (3, 2, Some(0.5)));
+    approx::assert_relative_eq!(bow.arc.unwrap().length(), std::f64::consts::PI, max_relative = 1e-14);
+    assert!(matches!(scene.beams[2].section, Section::Stiffness(s) if s.rotary == Some([1e-3, 2e-3])));
+    let [rope, wire] = &scene.strings[..] else { panic!("{:?}", scene.strings) };
+    assert_eq!(
+        (rope.corners(), rope.natural_length(), rope.tension_only),
+        (vec![[0.0; 3], [3.0, 0.0, 0.0]], 2.9, true)
+    );
+    assert_eq!((wire.natural_length(), wire.axial_stiffness(), wire.order), (2.0, 2e5, 2));
+    approx::assert_relative_eq!(wire.mass_per_length().unwrap(), 7.85e-3, max_relative = 1e-14);
+    let elbow = &scene.joints[1];
+    assert_eq!(
+        (elbow.kind, elbow.limits, elbow.at.both()),
+        (JointKind::Hinge, Some([-30.0, 60.0]), [[0.0, 0.0, 1.0]; 2])
+    );
+    assert_eq!((elbow.friction.unwrap().radius, elbow.spring.unwrap().rest), (Some(0.01), 15.0));
+    assert_eq!(scene.joints[5].coupling, Some(Coupling::Kinematic));
+    assert_eq!(scene.joints[6].at.both(), [[3.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+    assert_eq!(scene.prescriptions[0].rows(), [[0.0, 0.0], [1.0, -0.1]]);
+    assert_eq!(scene.prescriptions[0].prescribed_components(), [Component::Z]);
+    assert_eq!(
+        (scene.prescriptions[1].prescribed_components().len(), scene.prescriptions[1].rows()),
+        (3, vec![vec![0.0; 4]])
+    );
+    assert_eq!(scene.events[1].when.as_ref().unwrap().component, Some(Component::Z));
+    assert_eq!((scene.stages[0].kind, scene.stages[0].off.len()), (StageKind::Static, 4));
 }
 
 #[test]

@@ -2,15 +2,16 @@
 
 use super::node::Node;
 use super::table::Table;
+use super::world::Setting;
 use super::{material, mesh};
-use crate::{Body, Kind, Mass, Rotation, Rotations};
+use crate::{Body, Mass, Rotation, Rotations};
 use toml::de::DeValue;
 
 /// Keys that have a meaning only with inertia.
 const MOTION: [&str; 4] = ["velocity", "angular_velocity", "velocity_gradient", "velocity_about"];
 
 /// The body and its name, which is needed even if the rest is bad.
-pub(super) fn body(table: &Table<'_>, kind: Option<Kind>, own_laws: &[&str]) -> (Option<Body>, Option<String>) {
+pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (Option<Body>, Option<String>) {
     let name = table.required("name", "name = \"ball\"", Node::name);
     let mesh =
         table.required("mesh", "mesh = { generator = \"block\", size = [1, 1, 1], divisions = [4, 4, 4] }", mesh::mesh);
@@ -20,26 +21,13 @@ pub(super) fn body(table: &Table<'_>, kind: Option<Kind>, own_laws: &[&str]) -> 
         table.required("material", "material = { law = \"neo-hooke\", young = 2250.0, poisson = 0.3 }", |n| {
             material::material(n, own_laws)
         });
-    let density = if kind == Some(Kind::Dynamic) {
-        table.required("density", "density = 10.0", Node::positive).map(Some)
-    } else {
-        table.optional("density", |n| if kind.is_some() { n.not_negative() } else { n.positive() })
-    };
+    let density = setting.mass(table, "density", "density = 10.0");
     let mass = table.default("mass", Mass::Consistent, |n| n.choice(Mass::NAMES, Mass::from_name));
     let velocity = table.default("velocity", [0.0; 3], Node::vector);
     let angular_velocity = table.default("angular_velocity", [0.0; 3], Node::vector);
     let velocity_gradient = table.default("velocity_gradient", [[0.0; 3]; 3], |n| n.array(Node::vector));
     let velocity_about = table.default("velocity_about", [0.0; 3], Node::vector);
-    let mut at_rest = Some(());
-    if kind == Some(Kind::QuasiStatic) {
-        for key in MOTION.into_iter().filter(|&key| table.has(key)) {
-            at_rest = table.fail(
-                key,
-                "a quasi-static scene has no velocities",
-                "remove it, or set [scene] kind = \"dynamic\"",
-            );
-        }
-    }
+    let at_rest = setting.at_rest(table, &MOTION);
     table.finish();
     let body = (|| {
         at_rest?;
@@ -60,7 +48,7 @@ pub(super) fn body(table: &Table<'_>, kind: Option<Kind>, own_laws: &[&str]) -> 
     (body, name)
 }
 
-fn rotations(node: &Node<'_>) -> Option<Rotations> {
+pub(super) fn rotations(node: &Node<'_>) -> Option<Rotations> {
     match node.value {
         DeValue::Array(_) => node.list(rotation).map(Rotations::Many),
         _ => rotation(node).map(Rotations::One),

@@ -1,35 +1,18 @@
-//! Reads `[[set]]`, `[[contact]]`, `[[prescribe]]`, `[[load]]` and functions of time.
+//! Reads `[[set]]`, `[[contact]]`, `[[load]]`.
 
-use super::World;
 use super::friction::friction;
 use super::node::{Node, is_name, known};
+use super::prescribe::series;
 use super::table::Table;
-use crate::conditions::Table as Rows;
+use super::world::{World, action_name, meshed_part, set_reference, surface_reference};
 use crate::{
-    BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Kind, Load, LoadKind,
-    Multipliers, PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, split_set,
+    BoxRegion, Closing, Constraint, Contact, ContactMethod, Enforcement, Integrals, Kind, Load, LoadKind, Multipliers,
+    PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
-/// The name of a body of this scene.
-pub(super) fn body_name(node: &Node<'_>, world: &World<'_>) -> Option<String> {
-    let name = node.text()?;
-    world.check_body(node, &name)?;
-    Some(name)
-}
-
-/// A reference `body.set` to a set of a body of this scene.
-pub(super) fn set_reference(node: &Node<'_>, world: &World<'_>) -> Option<String> {
-    let text = node.text()?;
-    let Some((body, _)) = split_set(&text) else {
-        return node.fail("is not of the form `body.set`", "name body and set, for instance \"plate.top\"");
-    };
-    world.check_body(node, body)?;
-    Some(text)
-}
-
 pub(super) fn set(table: &Table<'_>, world: &World<'_>) -> Option<SetDefinition> {
-    let body = table.required("body", "body = \"plate\"", |n| body_name(n, world));
+    let body = table.required("body", "body = \"plate\"", |n| meshed_part(n, world, true));
     let name = table.required("name", "name = \"plate.rim\"", |n| {
         let text = n.text()?;
         let Some((owner, set)) = split_set(&text) else {
@@ -84,10 +67,10 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let name = table.optional("name", Node::name);
     let method =
         table.required("method", "method = \"nts\"", |n| n.choice(ContactMethod::NAMES, ContactMethod::from_name));
-    let between = table.optional("between", |n| n.array(|n| set_reference(n, world)));
+    let between = table.optional("between", |n| n.array(|n| surface_reference(n, world)));
     // Where `between` is there, right or wrong, the other two are not to be.
     let named = |key: &'static str, example: &'static str| match between {
-        Some(None) => table.required(key, example, |n| set_reference(n, world)).map(Some),
+        Some(None) => table.required(key, example, |n| surface_reference(n, world)).map(Some),
         _ => table
             .optional(key, |n| n.fail("is chosen by itself where `between` is given", "remove one of the two keys")),
     };
@@ -252,157 +235,10 @@ fn enforcement(node: &Node<'_>) -> Option<Enforcement> {
     }
 }
 
-/// A constant or a table with `columns` values.
-fn series(node: &Node<'_>, columns: usize) -> Option<Series> {
-    let plural = if columns == 1 { "value" } else { "values" };
-    match node.value {
-        DeValue::Table(_) => {
-            let table = node.table()?;
-            let rows = table.required("table", "table = [[0.0, 0.0], [1.0, 1.0]]", |n| rows(n, columns));
-            table.finish();
-            Some(Series::Table(Rows { table: rows? }))
-        }
-        DeValue::Array(_) => {
-            let values = node.list(Node::number)?;
-            if values.len() != columns {
-                return node.fail(
-                    format!("has {} values, needs {columns}", values.len()),
-                    format!("write a list of {columns} {plural}, or {{ table = [[time, ...], ...] }}"),
-                );
-            }
-            Some(Series::Vector(values))
-        }
-        DeValue::Integer(_) | DeValue::Float(_) => {
-            let value = node.number()?;
-            if columns != 1 {
-                return node.fail(
-                    format!("is one value, needs {columns}"),
-                    format!("write a list of {columns} values, or {{ table = [[time, ...], ...] }}"),
-                );
-            }
-            Some(Series::Scalar(value))
-        }
-        _ => node.fail(
-            format!("must be a constant or a table in time, found a {}", node.value.type_str()),
-            "write for instance { table = [[0.0, 0.0], [1.0, 0.1]] }",
-        ),
-    }
-}
-
-fn rows(node: &Node<'_>, columns: usize) -> Option<Vec<Vec<f64>>> {
-    let previous = std::cell::Cell::new(f64::NEG_INFINITY);
-    let rows = node.list(|n| {
-        let row = n.list(Node::number)?;
-        if row.len() != columns + 1 {
-            return n.fail(
-                format!("has {} entries, needs {}: the time and {columns} more", row.len(), columns + 1),
-                format!("write rows of {} entries", columns + 1),
-            );
-        }
-        if row[0] <= previous.get() {
-            return n.fail(
-                format!("the time {} is not later than that of the row before, {}", row[0], previous.get()),
-                "sort the rows by time and give every time once",
-            );
-        }
-        previous.set(row[0]);
-        Some(row)
-    })?;
-    if rows.is_empty() {
-        return node.fail("has no row", "write rows of a time and its values, for instance [[0.0, 0.0], [1.0, 0.1]]");
-    }
-    Some(rows)
-}
-
-pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescribe> {
-    let set = table.required("set", "set = \"plate.rim\"", |n| set_reference(n, world));
-    if table.has("rotation") {
-        return rigid_motion(table, set);
-    }
-    let components = table.required("components", "components = [\"x\", \"z\"]", components);
-    let count = components.as_ref().map(Vec::len);
-    let translation: Option<()> = if table.has("translation") {
-        table.fail("translation", "belongs to a `rotation`", "call it `displacement`, or add a `rotation`")
-    } else {
-        Some(())
-    };
-    let fixed = table.default("fixed", false, Node::boolean);
-    let displacement = table.optional("displacement", |n| series(n, count?));
-    let one_kind = match (fixed, table.has("displacement")) {
-        (Some(true), true) => {
-            table.fail("fixed", "excludes `displacement`", "remove `fixed`, or `displacement` if nothing is to move")
-        }
-        (Some(false), false) => table.fail(
-            "displacement",
-            "is missing",
-            "add it, for instance `displacement = { table = [[0.0, 0.0], [1.0, 0.1]] }`, or `fixed = true`",
-        ),
-        _ => Some(()),
-    };
-    table.finish();
-    one_kind?;
-    translation?;
-    Some(Prescribe {
-        set: set?,
-        components: components?,
-        displacement: displacement?,
-        fixed: fixed?,
-        rotation: None,
-        translation: None,
-    })
-}
-
-/// A rotation with or without a translation.
-fn rigid_motion(table: &Table<'_>, set: Option<String>) -> Option<Prescribe> {
-    let rotation = table.required("rotation", "", |n| {
-        let inner = n.table()?;
-        let axis = inner.required("axis", "axis = [0, 0, 1]", Node::direction);
-        let degrees = inner.required("degrees", "degrees = { table = [[0.0, 0.0], [1.0, 90.0]] }", |n| series(n, 1));
-        let about = inner.default("about", [0.0; 3], Node::vector);
-        inner.finish();
-        Some(PrescribedRotation { axis: axis?, degrees: degrees?, about: about? })
-    });
-    let translation = table.optional("translation", |n| series(n, 3));
-    let mut alone = Some(());
-    for (key, remedy) in [
-        ("components", "remove it: a rotation prescribes all three components"),
-        ("displacement", "call it `translation`, with three values"),
-        ("fixed", "remove it, or the rotation"),
-    ] {
-        if table.has(key) {
-            alone = table.fail(key, "excludes `rotation`", remedy);
-        }
-    }
-    table.finish();
-    alone?;
-    Some(Prescribe {
-        set: set?,
-        components: Vec::new(),
-        displacement: None,
-        fixed: false,
-        rotation: Some(rotation?),
-        translation: translation?,
-    })
-}
-
-fn components(node: &Node<'_>) -> Option<Vec<Component>> {
-    let components = node.list(component)?;
-    if components.is_empty() {
-        return node.fail("names no component", "write for instance [\"x\", \"y\", \"z\"]");
-    }
-    if let Some(i) = (1..components.len()).find(|&i| components[..i].contains(&components[i])) {
-        return node.fail(format!("names `{}` twice", components[i]), "name every component at most once");
-    }
-    Some(components)
-}
-
-pub(super) fn component(node: &Node<'_>) -> Option<Component> {
-    node.choice(Component::NAMES, Component::from_name)
-}
-
 pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
-    let set = table.optional("set", |n| set_reference(n, world));
-    let body = table.optional("body", |n| body_name(n, world));
+    let name = table.optional("name", action_name);
+    let set = table.optional("set", |n| loaded_set(n, table, world));
+    let body = table.optional("body", |n| meshed_part(n, world, false));
     let value = |key: &'static str, kind: LoadKind| table.optional(key, |n| series(n, kind.columns()));
     let pressure = value("pressure", LoadKind::Pressure);
     let traction = value("traction", LoadKind::Traction);
@@ -438,6 +274,7 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     one_kind?;
     target?;
     Some(Load {
+        name: name?,
         set: set?,
         body: body?,
         pressure: pressure?,
@@ -446,4 +283,24 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
         follower_pressure: follower_pressure?,
         force: force?,
     })
+}
+
+/// The set of a load: pressures, tractions and body forces act on deformable bodies, forces also on other parts.
+fn loaded_set(node: &Node<'_>, table: &Table<'_>, world: &World<'_>) -> Option<String> {
+    let text = set_reference(node, world)?;
+    let Some((part, set)) = split_set(&text).and_then(|(part, set)| Some((world.part(part)?, set))) else {
+        return Some(text);
+    };
+    let noun = part.kind.noun();
+    if part.kind != PartKind::Body
+        && let Some(kind) = LoadKind::NAMES.iter().find(|&&key| table.has(key) && key != LoadKind::Force.name())
+    {
+        let message = format!("`{}` is {noun}: a `{kind}` acts on deformable bodies", part.name);
+        return node.fail(message, "write `force`, or [gravity] for weight");
+    }
+    if part.kind == PartKind::Rigid && set != "all" {
+        let remedy = format!("write \"{}.all\"; the force acts at its centre of mass", part.name);
+        return node.fail(format!("`{}` is {noun}, on which a force acts as a whole", part.name), remedy);
+    }
+    Some(text)
 }

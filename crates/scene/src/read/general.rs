@@ -15,7 +15,7 @@ pub(super) fn header(table: &Table<'_>) -> (Option<Header>, Option<Kind>) {
 }
 
 /// More steps than this are a mistake in `step` or `end`.
-const MAX_STEPS: f64 = 1e9;
+pub(super) const MAX_STEPS: f64 = 1e9;
 
 pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
     let end = table.required("end", "end = 1.0", Node::positive);
@@ -48,7 +48,7 @@ pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
     Some(Time { end, step, integrator: integrator?, max_cuts: max_cuts?, grow_after: grow_after? })
 }
 
-fn integrator(node: &Node<'_>) -> Option<Integrator> {
+pub(super) fn integrator(node: &Node<'_>) -> Option<Integrator> {
     let table = node.table()?;
     let names: Vec<&str> = SCHEMES.iter().map(|entry| entry.name).collect();
     let entry =

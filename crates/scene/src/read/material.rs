@@ -49,18 +49,21 @@ pub(super) fn parameters(table: &Table<'_>) -> Option<BTreeMap<String, Parameter
     parameters.into_iter().collect()
 }
 
+/// Poisson's ratio.
+pub(super) fn poisson(node: &Node<'_>) -> Option<f64> {
+    let value = node.number()?;
+    if value <= -1.0 || value >= 0.5 {
+        return node.fail(
+            "must lie between -1 and 0.5, both excluded",
+            "use for instance 0.3, or 0.49 if nearly incompressible",
+        );
+    }
+    Some(value)
+}
+
 fn moduli(table: &Table<'_>) -> Option<ElasticModuli> {
     let young = table.optional("young", Node::positive);
-    let poisson = table.optional("poisson", |n| {
-        let value = n.number()?;
-        if value <= -1.0 || value >= 0.5 {
-            return n.fail(
-                "must lie between -1 and 0.5, both excluded",
-                "use for instance 0.3, or 0.49 if nearly incompressible",
-            );
-        }
-        Some(value)
-    });
+    let poisson = table.optional("poisson", poisson);
     let lambda = table.optional("lambda", Node::number);
     let mu = table.optional("mu", Node::positive);
     let [has_young, has_poisson, has_lambda, has_mu] = ["young", "poisson", "lambda", "mu"].map(|key| table.has(key));

@@ -1,10 +1,13 @@
 //! Reads `[[probe]]`, `[output]`, `[watch]`, `[expect]`.
 
-use super::World;
-use super::conditions::{body_name, component, set_reference};
 use super::node::{Node, known};
+use super::prescribe::component;
 use super::table::Table;
-use crate::{Expect, ExpectedValue, Field, Interval, Kind, OnFault, Outcome, Output, Probe, Quantity, Verdict, Watch};
+use super::world::{World, part_name, set_reference};
+use crate::{
+    Component, Expect, ExpectedValue, Field, Interval, Kind, OnFault, Outcome, Output, PartKind, Probe, Quantity,
+    Verdict, Watch,
+};
 
 /// The probe, and its name with its quantity, which `[expect]` needs even if the rest is bad.
 pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Option<(String, Option<Quantity>)>) {
@@ -14,7 +17,8 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
         if quantity.is_dynamic() && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("needs inertia", "choose another quantity, or set [scene] kind = \"dynamic\"");
         }
-        if quantity == Quantity::ContactForce && !world.has_contact && !world.has_tie {
+        if matches!(quantity, Quantity::ContactForce | Quantity::ContactMoment) && !world.has_contact && !world.has_tie
+        {
             return n.fail("needs contact, and the scene has none", "add a [[contact]] or choose another quantity");
         }
         if matches!(quantity, Quantity::Reaction | Quantity::ReactionMoment) && !world.has_support {
@@ -26,38 +30,91 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
         Some(quantity)
     });
     let set = table.optional("set", |n| set_reference(n, world));
-    let body = table.optional("body", |n| body_name(n, world));
+    let body = table.optional("body", |n| part_name(n, world));
     let point = table.optional("point", Node::vector);
+    let joint = table.optional("joint", |n| joint(n, quantity, world));
     let place = match quantity {
-        Some(quantity) if !quantity.is_nodal() => {
-            let mut place = Some(());
-            for key in ["set", "point"].into_iter().filter(|&key| table.has(key)) {
-                place = table.fail(
-                    key,
-                    format!("`{quantity}` belongs to a body or to everything"),
-                    "remove it; name a `body` if it is not for everything",
-                );
-            }
-            place
+        Some(quantity) if quantity.is_of_joint() => {
+            let place = refuse(table, &["set", "body", "point"], || format!("`{quantity}` belongs to a joint"));
+            if table.has("joint") { place } else { table.missing("joint", "joint = \"elbow\"") }
         }
-        Some(_) => nodal_place(table),
+        Some(quantity) => {
+            let joint = refuse(table, &["joint"], || format!("`{quantity}` does not belong to a joint"));
+            let part = body.as_ref().and_then(|body| body.as_deref()).and_then(|name| world.part(name));
+            let place = match quantity {
+                Quantity::AngularVelocity => rigid_place(table, part.map(|part| part.kind)),
+                quantity if quantity.is_nodal() => nodal_place(table, quantity, part.map(|part| part.kind)),
+                _ => refuse(table, &["set", "point"], || format!("`{quantity}` belongs to a body or to everything")),
+            };
+            joint.and(place)
+        }
         None => Some(()),
     };
     table.finish();
     let known_as = name.clone().map(|name| (name, quantity));
     let probe = (|| {
         place?;
-        Some(Probe { name: name?, quantity: quantity?, set: set?, body: body?, point: point? })
+        Some(Probe { name: name?, quantity: quantity?, set: set?, body: body?, point: point?, joint: joint? })
     })();
     (probe, known_as)
 }
 
-fn nodal_place(table: &Table<'_>) -> Option<()> {
+/// Reports keys that the quantity does not have.
+fn refuse(table: &Table<'_>, keys: &[&'static str], message: impl Fn() -> String) -> Option<()> {
+    let mut good = Some(());
+    for key in keys.iter().copied().filter(|&key| table.has(key)) {
+        good = table.fail(key, message(), "remove it; name a `body` if it is not for everything");
+    }
+    good
+}
+
+fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Option<String> {
+    let name = node.text()?;
+    match world.joints.iter().find(|(joint, _)| *joint == name) {
+        Some((_, Some(kind))) if quantity == Some(Quantity::JointAngle) && !kind.has_angle() => {
+            node.fail(format!("is a joint `{kind}`, which has no angle"), "choose a hinge or a cylindrical joint")
+        }
+        Some(_) => Some(name),
+        None if !world.actions_complete => Some(name),
+        None if world.joints.is_empty() => node.fail("the scene has no joint", "add a [[joint]] of this name"),
+        None => {
+            node.fail("is no joint of this scene", known(&name, world.joints.iter().map(|(name, _)| name.as_str())))
+        }
+    }
+}
+
+/// The place of an angular velocity: a rigid body, of this kind if it is known.
+fn rigid_place(table: &Table<'_>, part: Option<PartKind>) -> Option<()> {
+    let place = refuse(table, &["set", "point"], || "an angular velocity belongs to a rigid body".to_owned());
+    match part {
+        Some(kind) if kind != PartKind::Rigid => {
+            table.fail("body", format!("is {}, not a rigid body", kind.noun()), "name a rigid body")
+        }
+        None if !table.has("body") => table.missing("body", "body = \"wheel\""),
+        _ => place,
+    }
+}
+
+/// The place of a quantity of nodes. `part`: the kind of the part that `body` names, if it is known.
+fn nodal_place(table: &Table<'_>, quantity: Quantity, part: Option<PartKind>) -> Option<()> {
+    if let (Some(kind @ (PartKind::Rigid | PartKind::Mass)), false) = (part, table.has("set")) {
+        let at_points = matches!(quantity, Quantity::Displacement | Quantity::Position | Quantity::Velocity);
+        if table.has("point") && !(kind == PartKind::Rigid && at_points) {
+            return table.fail(
+                "point",
+                format!("`{quantity}` of {} belongs to all of it", kind.noun()),
+                "remove the point",
+            );
+        }
+        return Some(());
+    }
     match (table.has("set"), table.has("body"), table.has("point")) {
         (true, false, false) | (false, true, true) => Some(()),
         (true, _, true) => table.fail("point", "a probe has either a set or a point", "remove one of them"),
         (true, true, false) => table.fail("body", "the set names its body already", "remove it"),
         (false, false, true) => table.missing("body", "body = \"plate\""),
+        // An unknown part may be a rigid body.
+        (false, true, false) if part.is_none() => Some(()),
         (false, true, false) => table.missing("point", "point = [0.0, 0.0, 0.0]"),
         (false, false, false) => {
             table.missing("set", "set = \"ball.outer\"` or `body = \"ball\"` with `point = [x, y, z]")
@@ -195,19 +252,7 @@ fn interval(node: &Node<'_>) -> Option<Interval> {
 }
 
 fn expected_value(table: &Table<'_>, world: &World<'_>) -> Option<ExpectedValue> {
-    let name = table.required("name", "name = \"tip\"", |n| {
-        let name = n.text()?;
-        if world.probes_complete && !world.probes.iter().any(|(probe, _)| *probe == name) {
-            if world.probes.is_empty() {
-                return n.fail("the scene has no probe", "add a [[probe]] of this name");
-            }
-            return n
-                .fail("is no probe of this scene", known(&name, world.probes.iter().map(|(probe, _)| probe.as_str())));
-        }
-        Some(name)
-    });
-    let quantity =
-        name.as_ref().and_then(|name| world.probes.iter().find(|(probe, _)| probe == name)).and_then(|p| p.1);
+    let name = table.required("name", "name = \"tip\"", |n| probe_of(n, world));
     let time = table.required("time", "time = 1.0", |n| {
         let time = n.not_negative()?;
         if let Some(end) = world.end
@@ -217,16 +262,33 @@ fn expected_value(table: &Table<'_>, world: &World<'_>) -> Option<ExpectedValue>
         }
         Some(time)
     });
-    let component = table.optional("component", component);
-    let columns = quantity.map(Quantity::columns);
-    let component_fits = match (columns, table.has("component")) {
-        (Some(3), false) => table.missing("component", "component = \"z\""),
-        (Some(1), true) => table.fail("component", "the quantity has a single value", "remove it"),
-        _ => Some(()),
-    };
+    let component = component_fits(table, name.as_deref(), world);
     let value = table.required("value", "value = 0.1", Node::number);
     let tolerance = table.required("tolerance", "tolerance = 1e-6", Node::positive);
     table.finish();
-    component_fits?;
     Some(ExpectedValue { name: name?, time: time?, component: component?, value: value?, tolerance: tolerance? })
+}
+
+/// The name of a probe of this scene.
+pub(super) fn probe_of(node: &Node<'_>, world: &World<'_>) -> Option<String> {
+    let name = node.text()?;
+    if world.probes_complete && !world.probes.iter().any(|(probe, _)| *probe == name) {
+        if world.probes.is_empty() {
+            return node.fail("the scene has no probe", "add a [[probe]] of this name");
+        }
+        return node
+            .fail("is no probe of this scene", known(&name, world.probes.iter().map(|(probe, _)| probe.as_str())));
+    }
+    Some(name)
+}
+
+/// The key `component`, there if and only if the probe has three values.
+pub(super) fn component_fits(table: &Table<'_>, probe: Option<&str>, world: &World<'_>) -> Option<Option<Component>> {
+    let component = table.optional("component", component);
+    let quantity = probe.and_then(|name| world.probes.iter().find(|(probe, _)| probe == name)).and_then(|p| p.1);
+    match (quantity.map(Quantity::columns), table.has("component")) {
+        (Some(3), false) => table.missing("component", "component = \"z\""),
+        (Some(1), true) => table.fail("component", "the quantity has a single value", "remove it"),
+        _ => component,
+    }
 }

@@ -80,7 +80,8 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
     let mut owner: Vec<Option<(usize, usize)>> = vec![None; model.reference.len()];
     for (p, item) in scene.prescriptions.iter().enumerate() {
         let key = format!("prescribe[{p}]");
-        let found = resolve(placed, &format!("{key}.set"), &item.set, problems, Placed::nodes_of);
+        let Some(set) = item.set.as_deref() else { continue };
+        let found = resolve(placed, &format!("{key}.set"), set, problems, Placed::nodes_of);
         let components: Vec<u8> = item.prescribed_components().iter().map(|c| c.index() as u8).collect();
         let values = if item.rotation.is_some() { "translation" } else { "displacement" };
         let displacement = table(format!("{key}.{values}"), &item.rows(), components.len(), problems);
@@ -115,7 +116,7 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
                 "component {axis} of node {node} is prescribed by prescribe[{other}] as well, with other values"
             );
             let remedy = "let the sets not overlap, or give the same values where they do";
-            problems.add(format!("{key}.set"), &item.set, message, remedy);
+            problems.add(format!("{key}.set"), set, message, remedy);
             continue;
         }
         for &n in nodes {

@@ -22,6 +22,7 @@ mod plan;
 mod probe;
 mod supports;
 mod tie;
+mod unsupported;
 
 #[cfg(any(feature = "nts", feature = "mortar"))]
 use contact::contacts;
@@ -89,6 +90,9 @@ pub fn build(scene: &Scene, folder: &Path) -> Result<Built, SceneErrors> {
 /// # Errors
 /// As [`build`].
 pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built, SceneErrors> {
+    if let Some(errors) = SceneErrors::new(unsupported::unsupported(scene).into_iter().collect(), scene.text()) {
+        return Err(errors);
+    }
     let mut problems = Problems { scene, list: Vec::new() };
     let mut model = Model::default();
     let mut mesh_files = Vec::new();

@@ -53,6 +53,11 @@ impl Probe {
             Quantity::Reaction => self.sum(simulation.reactions()),
             Quantity::ReactionMoment => self.moment(simulation.reactions(), &simulation.state().q),
             Quantity::ContactForce => self.sum(simulation.contact_force()),
+            Quantity::ContactMoment => self.moment(simulation.contact_force(), &simulation.state().q),
+            // Scenes with joints and rigid bodies do not get here: see `unsupported`.
+            Quantity::JointForce | Quantity::JointMoment | Quantity::JointAngle | Quantity::AngularVelocity => {
+                [f64::NAN; 3]
+            }
             Quantity::Position => self.mean(&simulation.state().q),
             Quantity::Velocity => self.mean(&simulation.state().v),
             Quantity::Displacement => {

@@ -1,0 +1,377 @@
+//! `[[beam]]`: axis, section, material, initial velocity of a beam.
+
+use crate::body::is_default;
+use crate::vector::{cross, dot, norm, scaled, sub};
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `[[beam]]`: a beam that resists stretch, shear, bending and torsion, geometrically exact.
+///
+/// ```toml
+/// [[beam]]
+/// name = "mast"
+/// points = [[0, 0, 0], [0, 0, 2]]
+/// elements = 8
+/// section = { shape = "rectangle", size = [0.02, 0.05] }
+/// young = 2.1e11
+/// density = 7850.0
+/// up = [1, 0, 0]
+/// ```
+///
+/// The axis is a polygon of `points` or an `arc`. `d1` is the part of `up` that is perpendicular to the axis, as a unit vector; `d3` goes along the axis,
+/// `d2 = d3 x d1`. Sets: `start`, `end`, `all`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Beam {
+    /// Name, unique among all parts: letters, digits, `-` and `_`.
+    pub name: String,
+    /// Corners of the axis, two or more, joined by straight pieces. Either these, or an `arc`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<[f64; 3]>,
+    /// A circular axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arc: Option<Arc>,
+    /// Elements over the whole length, shared among straight pieces by their lengths; at least one a piece.
+    pub elements: u32,
+    /// Degree of the shape functions: 1, 2 or 3.
+    #[serde(default = "Beam::default_order")]
+    pub order: u32,
+    /// Cross-section: a shape, or stiffnesses.
+    pub section: Section,
+    /// Young's modulus (stress), positive; for a section with a `shape`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub young: Option<f64>,
+    /// Poisson's ratio, between -1 and 0.5; 0.3 if left out. For a section with a `shape`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poisson: Option<f64>,
+    /// Mass per volume; for a section with a `shape`. Positive and required in dynamic scenes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// Factor of the shear stiffnesses `k G A`, in (0, 1]; 5/6 if left out. For a section with a `shape`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_factor: Option<f64>,
+    /// Torsion constant `J` (length^4) of `G J`, positive; if left out that of Saint-Venant's torsion. For a section with a `shape`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torsion_constant: Option<f64>,
+    /// Direction that `d1` is made from, nowhere parallel to the axis. May be left out where the section is the same in all directions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<[f64; 3]>,
+    /// Initial velocity `v0` of `v(X) = v0 + omega x (X - c)`. Dynamic scenes only.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub velocity: [f64; 3],
+    /// Initial angular velocity `omega` (1/time), with which the sections turn, too.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub angular_velocity: [f64; 3],
+    /// Point `c` about which `angular_velocity` acts.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub velocity_about: [f64; 3],
+}
+
+impl Beam {
+    /// Quadratic elements.
+    pub const DEFAULT_ORDER: u32 = 2;
+    /// Poisson's ratio if left out.
+    pub const DEFAULT_POISSON: f64 = 0.3;
+    /// Factor of the shear stiffnesses if left out.
+    pub const DEFAULT_SHEAR_FACTOR: f64 = 5.0 / 6.0;
+
+    fn default_order() -> u32 {
+        Self::DEFAULT_ORDER
+    }
+
+    /// Stiffnesses and inertias of the section: as given, or those of its shape, with `A` the area, `I_1`, `I_2` the second moments about `d1`, `d2`,
+    /// and `G = E / (2 (1 + nu))`: `E A`, `k G A`, `E I_1`, `E I_2`, `G J`, `rho A`, `rho I_1`, `rho I_2`.
+    pub fn stiffness(&self) -> SectionStiffness {
+        let shape = match &self.section {
+            Section::Stiffness(stiffness) => return *stiffness,
+            Section::Shape(shape) => shape,
+        };
+        let young = self.young.unwrap_or_default();
+        let shear = young / (2.0 * (1.0 + self.poisson.unwrap_or(Self::DEFAULT_POISSON)));
+        let (area, moments) = (shape.area(), shape.second_moments());
+        let torsion = self.torsion_constant.unwrap_or_else(|| shape.torsion_constant());
+        SectionStiffness {
+            axial: young * area,
+            shear: [self.shear_factor.unwrap_or(Self::DEFAULT_SHEAR_FACTOR) * shear * area; 2],
+            bending: moments.map(|moment| young * moment),
+            torsion: shear * torsion,
+            mass: self.density.map(|density| density * area),
+            rotary: self.density.map(|density| moments.map(|moment| density * moment)),
+        }
+    }
+}
+
+/// An arc of a circle: from `start` around the axis through `centre`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Arc {
+    /// Centre of the circle.
+    pub centre: [f64; 3],
+    /// First point; its distance from the centre is the radius, and is perpendicular to `axis`.
+    pub start: [f64; 3],
+    /// Direction of the axis, of any length but zero.
+    pub axis: [f64; 3],
+    /// Angle in degrees, positive by the right-hand rule; not zero, at most 360 in magnitude. Ends that meet are not joined.
+    pub degrees: f64,
+}
+
+impl Arc {
+    /// Radius vector of the start and the direction of the axis times it: the point at the angle `phi` is
+    /// `centre + cos(phi) e1 + sin(phi) e2`.
+    fn basis(&self) -> [[f64; 3]; 2] {
+        let e1 = sub(self.start, self.centre);
+        let axis = scaled(self.axis, 1.0 / norm(self.axis));
+        [e1, cross(axis, e1)]
+    }
+
+    /// The point at a fraction of the angle, from 0 to 1.
+    pub fn point(&self, fraction: f64) -> [f64; 3] {
+        let [e1, e2] = self.basis();
+        let (sin, cos) = (fraction * self.degrees).to_radians().sin_cos();
+        std::array::from_fn(|i| self.centre[i] + cos * e1[i] + sin * e2[i])
+    }
+
+    /// Unit tangent at a fraction of the angle, in the direction of the way from the start.
+    pub fn tangent(&self, fraction: f64) -> [f64; 3] {
+        let [e1, e2] = self.basis();
+        let (sin, cos) = (fraction * self.degrees).to_radians().sin_cos();
+        let sign = self.degrees.signum() / norm(e1);
+        std::array::from_fn(|i| sign * (cos * e2[i] - sin * e1[i]))
+    }
+
+    /// Length of the arc.
+    pub fn length(&self) -> f64 {
+        norm(sub(self.start, self.centre)) * self.degrees.to_radians().abs()
+    }
+
+    /// The fraction of the angle at which the tangent is parallel to `up` to 1e-6, if there is one.
+    pub(crate) fn parallel_to(&self, up: [f64; 3]) -> Option<f64> {
+        let [e1, e2] = self.basis();
+        let radius = norm(e1);
+        if dot(up, self.axis).abs() > 1e-6 * norm(up) * norm(self.axis) {
+            return None;
+        }
+        // The tangent `cos e2 - sin e1` is parallel to `up` where tan phi = -(up . e1) / (up . e2): every half turn.
+        let first = (-dot(up, e1) / radius).atan2(dot(up, e2) / radius).to_degrees() * self.degrees.signum();
+        let angle = self.degrees.abs();
+        let first = first.rem_euclid(180.0);
+        let first = if first > 180.0 - 1e-4 { 0.0 } else { first };
+        (first <= angle + 1e-4).then(|| (first / angle).min(1.0))
+    }
+}
+
+/// Cross-section of a beam.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(untagged)]
+pub enum Section {
+    /// `{ shape = "rectangle", size = [0.02, 0.05] }`
+    Shape(SectionShape),
+    /// `{ axial = 1e6, shear = [1e5, 1e5], bending = [1e3, 1e3], torsion = 8e2 }`
+    Stiffness(SectionStiffness),
+}
+
+impl Section {
+    /// True if it is the same in all directions.
+    pub fn is_isotropic(&self) -> bool {
+        let same = |[a, b]: [f64; 2]| a == b;
+        match self {
+            Self::Shape(SectionShape::Rectangle(RectangleSection { size })) => same(*size),
+            Self::Shape(_) => true,
+            Self::Stiffness(s) => same(s.shear) && same(s.bending) && s.rotary.is_none_or(same),
+        }
+    }
+}
+
+/// Shape of a cross-section. Lengths are positive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(tag = "shape", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum SectionShape {
+    /// A rectangle.
+    Rectangle(RectangleSection),
+    /// A full circle.
+    Circle(CircleSection),
+    /// A circular ring.
+    Tube(TubeSection),
+}
+
+/// Parameters of the section `rectangle`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct RectangleSection {
+    /// Width `b` along `d1` and height `h` along `d2`.
+    pub size: [f64; 2],
+}
+
+/// Parameters of the section `circle`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct CircleSection {
+    /// Radius.
+    pub radius: f64,
+}
+
+/// Parameters of the section `tube`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct TubeSection {
+    /// Outer radius.
+    pub radius: f64,
+    /// Thickness of the wall, below the radius.
+    pub thickness: f64,
+}
+
+impl SectionShape {
+    /// Names of all shapes.
+    pub const NAMES: &'static [&'static str] = &["rectangle", "circle", "tube"];
+
+    /// Area.
+    pub fn area(&self) -> f64 {
+        let disc = |r: f64| std::f64::consts::PI * r * r;
+        match *self {
+            Self::Rectangle(RectangleSection { size: [b, h] }) => b * h,
+            Self::Circle(CircleSection { radius }) => disc(radius),
+            Self::Tube(TubeSection { radius, thickness }) => disc(radius) - disc(radius - thickness),
+        }
+    }
+
+    /// Second moments about `d1` and `d2` through the centroid: of a rectangle `b h^3 / 12` and `h b^3 / 12`.
+    pub fn second_moments(&self) -> [f64; 2] {
+        let disc = |r: f64| 0.25 * std::f64::consts::PI * r.powi(4);
+        match *self {
+            Self::Rectangle(RectangleSection { size: [b, h] }) => [b * h.powi(3) / 12.0, h * b.powi(3) / 12.0],
+            Self::Circle(CircleSection { radius }) => [disc(radius); 2],
+            Self::Tube(TubeSection { radius, thickness }) => [disc(radius) - disc(radius - thickness); 2],
+        }
+    }
+
+    /// Torsion constant of Saint-Venant's torsion: the polar moment of circles; of a rectangle with the sides `a >= b`
+    /// `a b^3 (1/3 - 64/pi^5 b/a sum_n tanh(n pi a / (2 b)) / n^5)` over odd `n` (Timoshenko and Goodier, Theory of Elasticity, Art. 109).
+    pub fn torsion_constant(&self) -> f64 {
+        let Self::Rectangle(RectangleSection { size }) = self else {
+            return self.second_moments().iter().sum();
+        };
+        let (a, b) = (size[0].max(size[1]), size[0].min(size[1]));
+        // After twenty terms the rest is below 1e-8 of the sum.
+        let sum: f64 = (0..20)
+            .map(|k| {
+                let n = f64::from(2 * k + 1);
+                (0.5 * n * std::f64::consts::PI * a / b).tanh() / n.powi(5)
+            })
+            .sum();
+        a * b.powi(3) * (1.0 / 3.0 - 64.0 / std::f64::consts::PI.powi(5) * b / a * sum)
+    }
+}
+
+/// Stiffnesses and inertias of a cross-section, constant along the beam. `d1` and `d2` are principal axes through the centroid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct SectionStiffness {
+    /// `E A` (force), positive.
+    pub axial: f64,
+    /// `G A_1`, `G A_2` (force) against shear along `d1` and `d2`, positive.
+    pub shear: [f64; 2],
+    /// `E I_1`, `E I_2` (force times area) against bending about `d1` and `d2`, positive.
+    pub bending: [f64; 2],
+    /// `G J` (force times area), positive.
+    pub torsion: f64,
+    /// Mass per length; positive and required in dynamic scenes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
+    /// Rotary inertia per length about `d1` and `d2`: `rho I_1`, `rho I_2` (mass times length), positive; about `d3` it is their sum. Required in dynamic
+    /// scenes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotary: Option<[f64; 2]>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn beam(section: Section) -> Beam {
+        Beam {
+            name: "b".into(),
+            points: vec![[0.0; 3], [1.0, 0.0, 0.0]],
+            arc: None,
+            elements: 1,
+            order: 1,
+            section,
+            young: Some(2.6),
+            poisson: None,
+            density: Some(10.0),
+            shear_factor: None,
+            torsion_constant: None,
+            up: None,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+            velocity_about: [0.0; 3],
+        }
+    }
+
+    #[test]
+    fn stiffnesses_of_a_rectangle() {
+        // E = 2.6, nu = 0.3: G = 1
+        let s = beam(Section::Shape(SectionShape::Rectangle(RectangleSection { size: [2.0, 3.0] }))).stiffness();
+        assert_relative_eq!(s.axial, 15.6, max_relative = 1e-14);
+        assert_relative_eq!(s.shear[1], 5.0, max_relative = 1e-14);
+        assert_relative_eq!(s.bending[0], 2.6 * 4.5, max_relative = 1e-14);
+        assert_relative_eq!(s.bending[1], 2.6 * 2.0, max_relative = 1e-14);
+        assert_relative_eq!(s.mass.unwrap(), 60.0, max_relative = 1e-14);
+        assert_relative_eq!(s.rotary.unwrap()[0], 45.0, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn torsion_constants_of_the_literature() {
+        // Timoshenko and Goodier, Theory of Elasticity, Art. 109, table: 0.1406, 0.196, 0.229, 0.312 for a/b = 1, 1.5, 2, 10
+        for (ratio, k) in [(1.0, 0.1406), (1.5, 0.196), (2.0, 0.229), (10.0, 0.312)] {
+            for size in [[ratio, 1.0], [1.0, ratio]] {
+                let j = SectionShape::Rectangle(RectangleSection { size }).torsion_constant();
+                assert_relative_eq!(j, k * ratio, max_relative = 3e-3);
+            }
+        }
+        let tube = SectionShape::Tube(TubeSection { radius: 2.0, thickness: 1.0 });
+        assert_relative_eq!(tube.torsion_constant(), 7.5 * std::f64::consts::PI, max_relative = 1e-14);
+        assert_relative_eq!(tube.area(), 3.0 * std::f64::consts::PI, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn quarter_of_a_circle() {
+        let arc = Arc { centre: [1.0, 0.0, 0.0], start: [3.0, 0.0, 0.0], axis: [0.0, 0.0, 5.0], degrees: -90.0 };
+        let (end, tangent) = (arc.point(1.0), arc.tangent(1.0));
+        for i in 0..3 {
+            assert_relative_eq!(end[i], [1.0, -2.0, 0.0][i], epsilon = 1e-14);
+            assert_relative_eq!(tangent[i], [-1.0, 0.0, 0.0][i], epsilon = 1e-14);
+        }
+        assert_relative_eq!(arc.length(), std::f64::consts::PI, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn tangents_parallel_to_a_direction() {
+        for degrees in [-90.0, 90.0, 200.0, 360.0] {
+            let arc = Arc { centre: [0.0; 3], start: [2.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], degrees };
+            assert_eq!(arc.parallel_to([0.1, 0.0, 1.0]), None);
+            for k in 0..36 {
+                let angle = f64::from(k) * 10.0;
+                let (sin, cos) = angle.to_radians().sin_cos();
+                // Tangents at the angle phi are (-sin phi, cos phi) or against it.
+                let way = if degrees > 0.0 { angle } else { -angle };
+                let meets = way.rem_euclid(180.0) <= degrees.abs() + 1e-3 || way.rem_euclid(180.0) > 180.0 - 1e-3;
+                let found = arc.parallel_to([-3.0 * sin, 3.0 * cos, 0.0]);
+                assert_eq!(found.is_some(), meets, "{degrees} {angle}");
+                if let Some(fraction) = found {
+                    let tangent = arc.tangent(fraction);
+                    assert!((tangent[0] * cos + tangent[1] * sin).abs() < 1e-6, "{degrees} {angle} {tangent:?}");
+                }
+            }
+        }
+    }
+}

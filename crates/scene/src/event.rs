@@ -1,0 +1,98 @@
+//! `[[event]]` and `[[stage]]`: what changes in the course of a run.
+
+use crate::names::named;
+use crate::{Component, Integrator};
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `[[event]]`: a joint or a prescribed motion ends, at a time or once a probe passes a value; exactly one of `time` and `when`.
+///
+/// ```toml
+/// [[event]]
+/// name = "snap"
+/// release = "hook"
+/// when = { probe = "pull", component = "z", above = 100.0 }
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Event {
+    /// Unique name, for reports.
+    pub name: String,
+    /// Name of the `[[joint]]` or `[[prescribe]]` that does not act any more after the event.
+    pub release: String,
+    /// Time of the event, positive and at most the end of the run; a step ends there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// Condition: the event takes place at the end of the first step in which it holds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub when: Option<EventCondition>,
+}
+
+/// A probe passes a value; exactly one of `above` and `below`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct EventCondition {
+    /// Name of the probe.
+    pub probe: String,
+    /// Component of a quantity with three values; left out where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub component: Option<Component>,
+    /// Holds if the value is larger.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above: Option<f64>,
+    /// Holds if the value is smaller.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub below: Option<f64>,
+}
+
+named! {
+    /// What kind of analysis a stage is.
+    StageKind {
+        /// A sequence of equilibria. Velocities are zero in it.
+        Static = "static",
+        /// With inertia.
+        Dynamic = "dynamic",
+    }
+}
+
+/// `[[stage]]`: a part of the run. Without any the run is one stage of the kind of the scene.
+///
+/// ```toml
+/// [[stage]]
+/// name = "hang"
+/// kind = "static"
+/// until = 1.0
+/// step = 0.1
+///
+/// [[stage]]
+/// name = "swing"
+/// kind = "dynamic"
+/// until = 5.0
+/// off = ["rope-end"]
+/// ```
+///
+/// The stages follow each other; the last one ends with `[time] end`. A scene with a dynamic stage is of `kind = "dynamic"`. Initial velocities are those
+/// at the start of the first dynamic stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Stage {
+    /// Unique name, for reports.
+    pub name: String,
+    /// Static or dynamic.
+    pub kind: StageKind,
+    /// Time at which the stage ends, later than that of the stage before.
+    pub until: f64,
+    /// Nominal step size; `[time] step` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step: Option<f64>,
+    /// Time-stepping scheme of a dynamic stage; `[time] integrator` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub integrator: Option<Integrator>,
+    /// Names of joints, springs, contacts, prescribed motions and loads, and the word `gravity`, that do not act in this stage.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub off: Vec<String>,
+}

@@ -1,0 +1,231 @@
+//! `[[joint]]` and `[[spring]]`: what joins two parts.
+
+use crate::Series;
+use crate::names::named;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The name that stands for what does not move.
+pub const GROUND: &str = "ground";
+
+named! {
+    /// Kinds of joints.
+    JointKind {
+        /// Common point `at`.
+        Ball = "ball",
+        /// Common point and axis: one rotation is free.
+        Hinge = "hinge",
+        /// Common axis and no rotation: one translation is free.
+        Slider = "slider",
+        /// Common axis: rotation about it and translation along it are free.
+        Cylindrical = "cylindrical",
+        /// Common point, and two axes, the first of the first part and the second of the second, that stay perpendicular.
+        Universal = "universal",
+        /// No relative motion.
+        Weld = "weld",
+        /// Constant distance of two points.
+        Distance = "distance",
+        /// Common plane: two translations in it and the rotation about its normal are free.
+        Planar = "planar",
+    }
+}
+
+impl JointKind {
+    /// True if the joint constrains rotations, so that both sides must have an orientation.
+    pub fn needs_orientation(self) -> bool {
+        !matches!(self, Self::Ball | Self::Distance)
+    }
+
+    /// True if it has an `axis`.
+    pub fn has_axis(self) -> bool {
+        matches!(self, Self::Hinge | Self::Slider | Self::Cylindrical | Self::Planar)
+    }
+
+    /// True if a single relative coordinate is free: the angle of a hinge or the displacement of a slider.
+    pub fn has_one_coordinate(self) -> bool {
+        matches!(self, Self::Hinge | Self::Slider)
+    }
+
+    /// True if a relative angle about its axis is free.
+    pub fn has_angle(self) -> bool {
+        matches!(self, Self::Hinge | Self::Cylindrical)
+    }
+
+    /// True if a relative displacement along its axis is free.
+    pub fn has_displacement(self) -> bool {
+        matches!(self, Self::Slider | Self::Cylindrical)
+    }
+}
+
+named! {
+    /// How the set of a deformable body follows its reference point.
+    Coupling {
+        /// The set moves as a rigid body.
+        Kinematic = "kinematic",
+        /// The reference point follows the set in the mean: the set deforms freely.
+        Distributing = "distributing",
+    }
+}
+
+/// `[[joint]]`: a joint between two parts, or a part and the ground.
+///
+/// ```toml
+/// [[joint]]
+/// name = "elbow"
+/// kind = "hinge"
+/// between = ["upper", "lower"]
+/// at = [0, 0, 1]
+/// axis = [0, 1, 0]
+/// motor = { angle = { table = [[0.0, 0.0], [1.0, 90.0]] } }
+///
+/// [[joint]]
+/// name = "hanger"
+/// kind = "ball"
+/// between = ["block.top", "ground"]
+/// at = [0, 0, 2]
+/// coupling = "kinematic"
+/// ```
+///
+/// Points and axes are given in space, in the initial configuration, and are then carried by both parts. The relative coordinate of a joint is that of the
+/// second part against the first one, zero at the start; an angle is positive by the right-hand rule about `axis`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Name, unique among joints, springs and what else has a name that `[[event]]` or `off` of `[[stage]]` may use.
+    pub name: String,
+    /// Kind of the joint.
+    pub kind: JointKind,
+    /// The two sides: a rigid body or point mass by its name, an end of a beam or string (`beam.start`, `string.end`), a set of a deformable body
+    /// (`body.set`), or `ground`.
+    pub between: [String; 2],
+    /// The point of the joint; of a `distance` two points, the first on the first part. A point mass or the end of a string must be there.
+    pub at: JointPoint,
+    /// Direction of the axis of `hinge`, `slider` and `cylindrical`, normal of `planar`; of any length but zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis: Option<[f64; 3]>,
+    /// Axes of `universal`, of the first and the second part, perpendicular to 1e-6.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axes: Option<[[f64; 3]; 2]>,
+    /// How sets of deformable bodies are coupled to the joint's point; `distributing` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<Coupling>,
+    /// Prescribed relative motion of `hinge`, `slider` and `cylindrical`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motor: Option<Motor>,
+    /// Smallest and largest relative coordinate, around zero: degrees of a `hinge`, length of a `slider`. Not with a motor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<[f64; 2]>,
+    /// Friction of a `hinge` or `slider`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<JointFriction>,
+    /// Spring and damper of a `hinge` or `slider`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spring: Option<JointSpring>,
+}
+
+/// One point, or the two of a `distance`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(untagged)]
+pub enum JointPoint {
+    /// `[0, 0, 1]`
+    One([f64; 3]),
+    /// `[[0, 0, 0], [0, 0, 1]]`
+    Two([[f64; 3]; 2]),
+}
+
+impl JointPoint {
+    /// The point on the first and the one on the second part, which are the same but for a `distance`.
+    pub fn both(self) -> [[f64; 3]; 2] {
+        match self {
+            Self::One(point) => [point; 2],
+            Self::Two(points) => points,
+        }
+    }
+}
+
+/// Prescribed relative motion of a joint, from zero at the start: exactly one of the two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Motor {
+    /// Angle in degrees of a `hinge` or `cylindrical`, one value; not limited to a turn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Series>,
+    /// Displacement of a `slider` or `cylindrical`, one value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Series>,
+}
+
+/// Friction of a hinge (a torque) or a slider (a force) against its motion: `viscous` times the speed, and either `coulomb` or what the reaction
+/// of the joint gives, `coefficient radius |reaction|` of a hinge and `coefficient |reaction|` of a slider.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct JointFriction {
+    /// Torque per angular speed (radians per time), or force per speed; not negative.
+    #[serde(default)]
+    pub viscous: f64,
+    /// Constant torque or force, not negative.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coulomb: Option<f64>,
+    /// Radius of the bearing of a hinge, positive; with `coefficient`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius: Option<f64>,
+    /// Coefficient of friction, not negative; with `radius` in a hinge.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coefficient: Option<f64>,
+}
+
+/// Spring and damper of a hinge or slider: torque or force `-stiffness (s - rest) - damping ds/dt`, where `s` is the relative coordinate, of a hinge in
+/// radians.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct JointSpring {
+    /// Torque per radian or force per length, not negative.
+    pub stiffness: f64,
+    /// Coordinate without force: degrees of a hinge, length of a slider; 0 if left out.
+    #[serde(default)]
+    pub rest: f64,
+    /// Torque per angular speed (radians per time) or force per speed, not negative; 0 if left out.
+    #[serde(default)]
+    pub damping: f64,
+}
+
+/// `[[spring]]`: a spring and damper between two points.
+///
+/// ```toml
+/// [[spring]]
+/// name = "strut"
+/// between = ["wheel", "ground"]
+/// at = [[0, 0, 0.5], [0, 0, 1.5]]
+/// stiffness = 2.0e4
+/// damping = 150.0
+/// ```
+///
+/// Its force along the line between the points is `stiffness (l - rest_length) + damping dl/dt`, with the distance `l`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Spring {
+    /// Name, unique as that of a joint.
+    pub name: String,
+    /// The two sides, as those of a joint; sets of deformable bodies are coupled in the mean.
+    pub between: [String; 2],
+    /// The points on the first and the second side in the initial configuration, not the same.
+    pub at: [[f64; 3]; 2],
+    /// Force per length, not negative.
+    pub stiffness: f64,
+    /// Length without force, not negative; the distance of the points if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rest_length: Option<f64>,
+    /// Force per speed, not negative; 0 if left out.
+    #[serde(default)]
+    pub damping: f64,
+    /// `true`: without force while it is shorter than `rest_length`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub tension_only: bool,
+}

@@ -1,0 +1,314 @@
+//! Reads the whole document, table after table.
+
+use super::node::is_name;
+use super::table::Table;
+use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
+use super::{beam, body, conditions, event, general, joint, prescribe, results, rigid, string, tie};
+use crate::source::Source;
+use crate::{Beam, Body, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene};
+use std::collections::BTreeSet;
+use toml::de::DeValue;
+
+type Tables<'a> = Vec<Option<Table<'a>>>;
+
+pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scene> {
+    let (header, kind) = match root.required("scene", "[scene]", super::Node::table) {
+        Some(table) => general::header(&table),
+        None => (None, None),
+    };
+    let time = root.required("time", "[time]", super::Node::table).and_then(|table| general::time(&table, kind));
+    let solver = root.default("solver", crate::Solver::default(), general::solver);
+    let gravity = root.optional("gravity", event::gravity);
+    let has_gravity = root.has("gravity");
+
+    let contact_tables = root.tables("contact");
+    let tie_tables = root.tables("tie");
+    let joint_tables = root.tables("joint");
+    let spring_tables = root.tables("spring");
+    let prescribe_tables = root.tables("prescribe");
+    let load_tables = root.tables("load");
+    let event_tables = root.tables("event");
+    let stage_tables = root.tables("stage");
+
+    let setting = Setting { kind, gravity: has_gravity };
+    let held = held(&prescribe_tables, &event_tables, &stage_tables);
+    let parts = Parts::read(root, setting, &held, &own_laws.materials);
+    let mut world = World {
+        kind,
+        end: time.as_ref().map(|time| time.end),
+        has_support: !prescribe_tables.is_empty() || parts.known.iter().any(|part| part.fixed),
+        parts: parts.known,
+        parts_complete: parts.complete,
+        joints: Vec::new(),
+        actions: Vec::new(),
+        actions_complete: true,
+        probes: Vec::new(),
+        probes_complete: true,
+        has_contact: !contact_tables.is_empty(),
+        has_tie: !tie_tables.is_empty(),
+        own_friction: &own_laws.friction,
+    };
+
+    let mut unique = Unique::new("set");
+    let mut sets = Vec::new();
+    for table in root.tables("set") {
+        let set = table.as_ref().and_then(|table| conditions::set(table, &world));
+        unique.check(table.as_ref(), "name", set.as_ref().map(|set| set.name.as_str()));
+        sets.push(set);
+    }
+
+    // Names of what can be released or switched off; contacts and ties have rules of their own.
+    let mut actions = Unique::new("name");
+    let mut unique = Unique::new("contact");
+    let mut contacts = Vec::new();
+    for table in &contact_tables {
+        let contact = table.as_ref().and_then(|table| conditions::contact(table, &world));
+        let label = contact.as_ref().map(|contact| contact.label());
+        label_unique(&mut unique, table.as_ref(), label.as_deref());
+        enter(&mut world, table.as_ref(), label, Action::Contact, &mut actions);
+        contacts.push(contact);
+    }
+
+    let mut unique = Unique::new("tie");
+    let mut ties = Vec::new();
+    for table in &tie_tables {
+        let tie = table.as_ref().and_then(|table| tie::tie(table, &world));
+        let label = tie.as_ref().map(|tie| tie.label());
+        label_unique(&mut unique, table.as_ref(), label.as_deref());
+        enter(&mut world, table.as_ref(), label, Action::Tie, &mut Unique::new("tie"));
+        ties.push(tie);
+    }
+
+    for (tables, action) in [
+        (&joint_tables, Action::Joint),
+        (&spring_tables, Action::Spring),
+        (&prescribe_tables, Action::Prescribe),
+        (&load_tables, Action::Load),
+    ] {
+        for table in tables {
+            let name = table.as_ref().and_then(|table| raw(table, "name"));
+            world.actions_complete &= actions.check(table.as_ref(), "name", name.as_deref());
+            match (name, table) {
+                (Some(name), Some(table)) => {
+                    world.actions_complete &= is_name(&name) && name != GRAVITY;
+                    if action == Action::Joint {
+                        world.joints.push((name.clone(), joint::raw_kind(table)));
+                    }
+                    world.actions.push((name, action));
+                }
+                // A name that may be left out hides nothing unless it is there and no string.
+                (None, Some(table)) if !table.has("name") && matches!(action, Action::Prescribe | Action::Load) => {}
+                _ => world.actions_complete = false,
+            }
+        }
+    }
+    let joints: Vec<_> = joint_tables.iter().map(|table| joint::joint(table.as_ref()?, &world)).collect();
+    let springs: Vec<_> = spring_tables.iter().map(|table| joint::spring(table.as_ref()?, &world)).collect();
+
+    let mut unique = Unique::new("prescribed component");
+    let mut unique_rigid = Unique::new("prescribed rigid body");
+    let mut prescriptions = Vec::new();
+    for table in prescribe_tables {
+        let prescribe = table.as_ref().and_then(|table| prescribe::prescribe(table, &world));
+        if let Some(prescribe) = &prescribe {
+            unique_rigid.check(table.as_ref(), "rigid", prescribe.rigid.as_deref());
+            for component in prescribe.components.iter().filter(|_| prescribe.rigid.is_none()) {
+                let set = prescribe.set.as_deref().unwrap_or_default();
+                unique.check(table.as_ref(), "components", Some(&format!("{component} of {set}")));
+            }
+        }
+        prescriptions.push(prescribe);
+    }
+
+    let loads: Vec<_> = load_tables.iter().map(|table| conditions::load(table.as_ref()?, &world)).collect();
+
+    let mut unique = Unique::new("probe");
+    let mut probes = Vec::new();
+    for table in root.tables("probe") {
+        let (probe, name) = table.as_ref().map_or((None, None), |table| results::probe(table, &world));
+        unique.check(table.as_ref(), "name", name.as_ref().map(|(name, _)| name.as_str()));
+        world.probes_complete &= name.is_some();
+        world.probes.extend(name);
+        probes.push(probe);
+    }
+
+    let mut unique = Unique::new("event");
+    let mut events = Vec::new();
+    for table in &event_tables {
+        let event = table.as_ref().and_then(|table| event::event(table, &world));
+        unique.check(table.as_ref(), "name", event.as_ref().map(|event| event.name.as_str()));
+        events.push(event);
+    }
+    let mut unique = Unique::new("stage");
+    let stages = event::stages(&stage_tables, &world, time.as_ref(), has_gravity);
+    for (table, stage) in stage_tables.iter().zip(&stages) {
+        unique.check(table.as_ref(), "name", stage.as_ref().map(|stage| stage.name.as_str()));
+    }
+
+    let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
+    let watch = root.default("watch", crate::Watch::default(), results::watch);
+    let expect = root.optional("expect", |n| results::expect(n, &world));
+    root.finish();
+
+    Some(Scene {
+        header: header?,
+        time: time?,
+        solver: solver?,
+        gravity: gravity?,
+        bodies: all(parts.bodies)?,
+        rigids: all(parts.rigids)?,
+        beams: all(parts.beams)?,
+        strings: all(parts.strings)?,
+        masses: all(parts.masses)?,
+        sets: all(sets)?,
+        contacts: all(contacts)?,
+        ties: all(ties)?,
+        joints: all(joints)?,
+        springs: all(springs)?,
+        prescriptions: all(prescriptions)?,
+        loads: all(loads)?,
+        events: all(events)?,
+        stages: all(stages)?,
+        probes: all(probes)?,
+        output: output?,
+        watch: watch?,
+        expect: expect?,
+        source: Source::default(),
+    })
+}
+
+fn all<T>(values: Vec<Option<T>>) -> Option<Vec<T>> {
+    values.into_iter().collect()
+}
+
+/// Checks the label of a contact or tie.
+fn label_unique(unique: &mut Unique, table: Option<&Table<'_>>, label: Option<&str>) {
+    let key = if table.is_some_and(|table| table.has("name")) { "name" } else { "slave" };
+    unique.check(table, key, label);
+}
+
+/// Makes the label of a contact or tie known; if that could not be read, its name.
+fn enter(
+    world: &mut World<'_>,
+    table: Option<&Table<'_>>,
+    label: Option<String>,
+    action: Action,
+    actions: &mut Unique,
+) {
+    let Some(table) = table else {
+        world.actions_complete = false;
+        return;
+    };
+    match label.or_else(|| raw(table, "name")) {
+        Some(label) => {
+            actions.enter(table, &label);
+            world.actions.push((label, action));
+        }
+        None => world.actions_complete = false,
+    }
+}
+
+/// The parts of the scene by kind.
+struct Parts {
+    bodies: Vec<Option<Body>>,
+    rigids: Vec<Option<Rigid>>,
+    beams: Vec<Option<Beam>>,
+    strings: Vec<Option<ElasticString>>,
+    masses: Vec<Option<PointMass>>,
+    known: Vec<KnownPart>,
+    /// False if a name could not be read, or is that of another part.
+    complete: bool,
+}
+
+impl Parts {
+    fn read(root: &Table<'_>, setting: Setting, held: &BTreeSet<String>, own_laws: &[&str]) -> Self {
+        let tables = [PartKind::Body, PartKind::Rigid, PartKind::Beam, PartKind::String, PartKind::Mass]
+            .map(|kind| root.tables(kind.name()));
+        let mut names = PartNames { unique: Unique::new("part"), known: Vec::new(), complete: true };
+        if tables.iter().all(Vec::is_empty) {
+            let _: Option<()> =
+                root.missing("body", "[[body]]` or one of `[[rigid]]`, `[[beam]]`, `[[string]]`, `[[mass]]");
+            names.complete = false;
+        }
+        let [body_tables, rigid_tables, beam_tables, string_tables, mass_tables] = tables;
+        // A name that no rigid body has may be meant for any of them.
+        let rigid_names: Vec<_> = rigid_tables.iter().flatten().filter_map(|table| raw(table, "name")).collect();
+        let misnamed = held.iter().any(|name| !rigid_names.contains(name));
+        let is_held = |table: &Table<'_>| misnamed || raw(table, "name").is_some_and(|name| held.contains(&name));
+        let bodies = names.read(&body_tables, PartKind::Body, |table| body::body(table, setting, own_laws));
+        let rigids = names.read(&rigid_tables, PartKind::Rigid, |table| rigid::rigid(table, setting, is_held(table)));
+        let beams = names.read(&beam_tables, PartKind::Beam, |table| beam::beam(table, setting));
+        let strings = names.read(&string_tables, PartKind::String, |table| string::string(table, setting));
+        let masses = names.read(&mass_tables, PartKind::Mass, |table| string::mass(table, setting));
+        for string in strings.iter().flatten() {
+            let corners = string.corners();
+            names.set_ends(&string.name, corners.first().copied().zip(corners.last().copied()).map(<[_; 2]>::from));
+        }
+        for mass in masses.iter().flatten() {
+            names.set_ends(&mass.name, Some([mass.at; 2]));
+        }
+        Self { bodies, rigids, beams, strings, masses, known: names.known, complete: names.complete }
+    }
+}
+
+/// Names of all parts.
+struct PartNames {
+    unique: Unique,
+    known: Vec<KnownPart>,
+    complete: bool,
+}
+
+impl PartNames {
+    fn set_ends(&mut self, name: &str, ends: Option<[[f64; 3]; 2]>) {
+        if let Some(part) = self.known.iter_mut().find(|part| part.name == name) {
+            part.ends = ends;
+        }
+    }
+
+    fn read<T>(
+        &mut self,
+        tables: &Tables<'_>,
+        kind: PartKind,
+        read: impl Fn(&Table<'_>) -> (Option<T>, Option<String>),
+    ) -> Vec<Option<T>> {
+        let mut parts = Vec::new();
+        for table in tables {
+            let (part, name) = table.as_ref().map_or((None, None), &read);
+            self.complete &= self.unique.check(table.as_ref(), "name", name.as_deref());
+            match (table, name) {
+                (Some(table), Some(name)) => {
+                    let has_surface = match kind {
+                        PartKind::Body => true,
+                        PartKind::Rigid => rigid::SURFACES.into_iter().any(|key| table.has(key)),
+                        _ => false,
+                    };
+                    let fixed = kind == PartKind::Rigid
+                        && table.get("fixed").is_some_and(|node| matches!(node.value, DeValue::Boolean(true)));
+                    self.known.push(KnownPart { name, kind, has_surface, fixed, ends: None });
+                }
+                _ => self.complete = false,
+            }
+            parts.push(part);
+        }
+        parts
+    }
+}
+
+/// Names of the rigid bodies whose motion is prescribed all the time: neither released by an event nor switched off in a stage.
+fn held(prescriptions: &Tables<'_>, events: &Tables<'_>, stages: &Tables<'_>) -> BTreeSet<String> {
+    let mut ending: BTreeSet<String> = events.iter().flatten().filter_map(|table| raw(table, "release")).collect();
+    for node in stages.iter().flatten().filter_map(|table| table.get("off")) {
+        if let DeValue::Array(names) = node.value {
+            ending.extend(names.iter().filter_map(|name| match name.get_ref() {
+                DeValue::String(name) => Some(name.to_string()),
+                _ => None,
+            }));
+        }
+    }
+    prescriptions
+        .iter()
+        .flatten()
+        .filter(|table| raw(table, "name").is_none_or(|name| !ending.contains(&name)))
+        .filter_map(|table| raw(table, "rigid"))
+        .collect()
+}

@@ -1,0 +1,300 @@
+//! Reads `[[joint]]` and `[[spring]]`.
+
+use super::node::{Node, known};
+use super::prescribe::series;
+use super::table::Table;
+use super::world::{World, action_name};
+use crate::vector::{norm, perpendicular, sub};
+use crate::{
+    Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, PartKind, Spring, split_set,
+};
+use toml::de::DeValue;
+
+pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
+    let name = table.required("name", "name = \"elbow\"", action_name);
+    let kind = table.required("kind", "kind = \"hinge\"", |n| n.choice(JointKind::NAMES, JointKind::from_name));
+    let between = table.required("between", "between = [\"lever\", \"ground\"]", |n| {
+        between(n, world, kind.filter(|kind| kind.needs_orientation()))
+    });
+    let at = match kind {
+        Some(JointKind::Distance) => {
+            table.required("at", "at = [[0, 0, 0], [0, 0, 1]]", two_points).map(JointPoint::Two)
+        }
+        Some(_) => table.required("at", "at = [0, 0, 0]", one_point).map(JointPoint::One),
+        None => {
+            // How many points there are is not known.
+            let _ = table.get("at");
+            None
+        }
+    };
+    let at = at.and_then(|at| in_place(table, between.as_ref(), at.both(), world).map(|()| at));
+    let axis = only_for(table, "axis", kind, JointKind::has_axis, "hinges, sliders, cylindrical and planar joints")
+        .and_then(|()| match kind {
+            Some(kind) if kind.has_axis() => table.required("axis", "axis = [0, 0, 1]", Node::direction).map(Some),
+            _ => table.optional("axis", Node::direction),
+        });
+    let universal = |kind| kind == JointKind::Universal;
+    let axes = only_for(table, "axes", kind, universal, "universal joints").and_then(|()| match kind {
+        Some(JointKind::Universal) => table.required("axes", "axes = [[1, 0, 0], [0, 1, 0]]", two_axes).map(Some),
+        _ => table.optional("axes", two_axes),
+    });
+    let coupling = coupling(table, between.as_ref(), world);
+    let motor = only_for(table, "motor", kind, |k| k.has_angle() || k.has_displacement(), MOVING)
+        .and_then(|()| table.optional("motor", |n| motor(n, kind)));
+    let limits = only_for(table, "limits", kind, JointKind::has_one_coordinate, SINGLE)
+        .and_then(|()| table.optional("limits", |n| limits(n, table.has("motor"))));
+    let friction = only_for(table, "friction", kind, JointKind::has_one_coordinate, SINGLE)
+        .and_then(|()| table.optional("friction", |n| friction(n, kind)));
+    let spring = only_for(table, "spring", kind, JointKind::has_one_coordinate, SINGLE)
+        .and_then(|()| table.optional("spring", joint_spring));
+    table.finish();
+    Some(Joint {
+        name: name?,
+        kind: kind?,
+        between: between?,
+        at: at?,
+        axis: axis?,
+        axes: axes?,
+        coupling: coupling?,
+        motor: motor?,
+        limits: limits?,
+        friction: friction?,
+        spring: spring?,
+    })
+}
+
+const MOVING: &str = "hinges, sliders and cylindrical joints";
+const SINGLE: &str = "hinges and sliders";
+
+/// Reports a key that the joint's kind does not have.
+fn only_for(
+    table: &Table<'_>,
+    key: &'static str,
+    kind: Option<JointKind>,
+    has: impl Fn(JointKind) -> bool,
+    kinds: &str,
+) -> Option<()> {
+    match kind {
+        Some(kind) if table.has(key) && !has(kind) => {
+            table.fail(key, format!("is for {kinds}, not for `{kind}`"), "remove it, or choose another kind of joint")
+        }
+        _ => {
+            // The key is known, for the remedy of those that are not.
+            let _ = table.get(key);
+            Some(())
+        }
+    }
+}
+
+/// Two sides that are not the same. `oriented`: the kind of joint, if both must have an orientation.
+fn between(node: &Node<'_>, world: &World<'_>, oriented: Option<JointKind>) -> Option<[String; 2]> {
+    let sides: [String; 2] = node.array(|n| side(n, world, oriented))?;
+    if sides[0] == sides[1] {
+        return node.fail("joins a part to itself", "name two sides, for instance [\"lever\", \"ground\"]");
+    }
+    Some(sides)
+}
+
+fn side(node: &Node<'_>, world: &World<'_>, oriented: Option<JointKind>) -> Option<String> {
+    let text = node.text()?;
+    if text == GROUND {
+        return Some(text);
+    }
+    let (name, set) = match split_set(&text) {
+        Some((name, set)) => (name, Some(set)),
+        None => (text.as_str(), None),
+    };
+    if set.is_none() && world.parts_complete && world.part(name).is_none() {
+        let names = world.parts.iter().map(|part| part.name.as_str()).chain([GROUND]);
+        return node.fail(format!("there is no part `{name}`"), known(name, names));
+    }
+    let Some(part) = world.find(node, name)? else { return Some(text) };
+    let noun = part.kind.noun();
+    match (part.kind, set) {
+        (PartKind::Body, None) => {
+            return node.fail(format!("is {noun}: a joint needs a set of it"), format!("write \"{name}.set\""));
+        }
+        (PartKind::Beam | PartKind::String, set) if !matches!(set, Some("start" | "end")) => {
+            return node.fail(
+                format!("`{name}` is {noun}, joined at one of its ends"),
+                format!("write \"{name}.start\" or \"{name}.end\""),
+            );
+        }
+        (PartKind::Rigid | PartKind::Mass, Some(_)) => {
+            return node.fail(format!("`{name}` is {noun}, joined as a whole"), format!("write \"{name}\""));
+        }
+        _ => {}
+    }
+    if let Some(kind) = oriented
+        && matches!(part.kind, PartKind::Mass | PartKind::String)
+    {
+        return node.fail(
+            format!("`{name}` is {noun}, which has no orientation for the joint `{kind}`"),
+            "use the kind \"ball\" or \"distance\"",
+        );
+    }
+    Some(text)
+}
+
+/// Reports a point that is not where a point mass or the end of a string is, which cannot carry it at a distance.
+fn in_place(table: &Table<'_>, between: Option<&[String; 2]>, at: [[f64; 3]; 2], world: &World<'_>) -> Option<()> {
+    for (side, point) in between.into_iter().flatten().zip(at) {
+        let (name, end) = split_set(side).map_or((side.as_str(), 0), |(name, set)| (name, usize::from(set == "end")));
+        let Some(place) = world.part(name).and_then(|part| part.ends).map(|ends| ends[end]) else { continue };
+        if norm(sub(place, point)) > 1e-6 * norm(place).max(norm(point)) {
+            return table.fail("at", format!("is not where `{side}` is, {place:?}"), "correct the point or the part");
+        }
+    }
+    Some(())
+}
+
+/// True for a list that starts with a list.
+fn is_nested(node: &Node<'_>) -> bool {
+    matches!(node.value, DeValue::Array(items) if items.first().is_some_and(|item| item.get_ref().is_array()))
+}
+
+fn one_point(node: &Node<'_>) -> Option<[f64; 3]> {
+    if is_nested(node) {
+        return node.fail("must be one point", "write for instance [0, 0, 1]; the kind \"distance\" has two");
+    }
+    node.vector()
+}
+
+fn two_points(node: &Node<'_>) -> Option<[[f64; 3]; 2]> {
+    if node.value.is_array() && !is_nested(node) {
+        return node.fail("must be two points, one on each part", "write for instance [[0, 0, 0], [0, 0, 1]]");
+    }
+    let points: [[f64; 3]; 2] = node.array(Node::vector)?;
+    if points[0] == points[1] {
+        return node.fail("is the same point twice", "give a point on each part");
+    }
+    Some(points)
+}
+
+fn two_axes(node: &Node<'_>) -> Option<[[f64; 3]; 2]> {
+    let axes: [[f64; 3]; 2] = node.array(Node::direction)?;
+    if !perpendicular(axes[0], axes[1]) {
+        return node.fail("must be perpendicular, to 1e-6", "correct one of the axes");
+    }
+    Some(axes)
+}
+
+fn coupling(table: &Table<'_>, between: Option<&[String; 2]>, world: &World<'_>) -> Option<Option<Coupling>> {
+    table.optional("coupling", |n| {
+        let coupling = n.choice(Coupling::NAMES, Coupling::from_name)?;
+        // A part that is not known may be a deformable body.
+        let deformable = |side: &String| {
+            split_set(side).is_some_and(|(name, _)| world.part(name).is_none_or(|part| part.kind == PartKind::Body))
+        };
+        if between.is_some_and(|sides| !sides.iter().any(deformable)) {
+            return n.fail("is for sets of deformable bodies, and the joint has none", "remove it");
+        }
+        Some(coupling)
+    })
+}
+
+fn motor(node: &Node<'_>, kind: Option<JointKind>) -> Option<Motor> {
+    let table = node.table_like("{ angle = { table = [[0.0, 0.0], [1.0, 90.0]] } }")?;
+    let angle = table.optional("angle", |n| {
+        if kind.is_some_and(|kind| !kind.has_angle()) {
+            return n.fail("a slider has no angle", "write `displacement`");
+        }
+        series(n, 1)
+    });
+    let displacement = table.optional("displacement", |n| {
+        if kind.is_some_and(|kind| !kind.has_displacement()) {
+            return n.fail("a hinge has no displacement", "write `angle`");
+        }
+        series(n, 1)
+    });
+    let one = match (table.has("angle"), table.has("displacement")) {
+        (true, true) if kind.is_none_or(|kind| kind.has_angle() && kind.has_displacement()) => {
+            table.fail("displacement", "`angle` is given too", "remove one of them")
+        }
+        (false, false) if kind == Some(JointKind::Slider) => {
+            table.missing("displacement", "displacement = { table = [[0.0, 0.0], [1.0, 0.1]] }")
+        }
+        (false, false) => table.missing("angle", "angle = { table = [[0.0, 0.0], [1.0, 90.0]] }"),
+        _ => Some(()),
+    };
+    table.finish();
+    one?;
+    Some(Motor { angle: angle?, displacement: displacement? })
+}
+
+fn limits(node: &Node<'_>, has_motor: bool) -> Option<[f64; 2]> {
+    let limits: [f64; 2] = node.array(Node::number)?;
+    if limits[0] >= limits[1] {
+        return node.fail("must be a smaller and a larger value", "write for instance [-30, 30]");
+    }
+    if limits[0] > 0.0 || limits[1] < 0.0 {
+        return node.fail("leaves out 0, where the joint is at the start", "count from the initial position");
+    }
+    if has_motor {
+        return node.fail("has no effect: the motor gives the motion", "remove it, or the motor");
+    }
+    Some(limits)
+}
+
+fn friction(node: &Node<'_>, kind: Option<JointKind>) -> Option<JointFriction> {
+    let table = node.table_like("{ viscous = 0.1 }")?;
+    let viscous = table.default("viscous", 0.0, Node::not_negative);
+    let coulomb = table.optional("coulomb", Node::not_negative);
+    let coefficient = table.optional("coefficient", Node::not_negative);
+    let radius = table.optional("radius", |n| {
+        if kind == Some(JointKind::Slider) {
+            return n.fail("a slider has no radius", "remove it");
+        }
+        n.positive()
+    });
+    let fits = match (table.has("coulomb"), table.has("coefficient"), table.has("radius")) {
+        (true, true, _) => table.fail("coefficient", "`coulomb` is given too", "remove one of them"),
+        (_, true, false) if kind == Some(JointKind::Hinge) => table.missing("radius", "radius = 0.01"),
+        (_, false, true) if kind != Some(JointKind::Slider) => {
+            table.fail("radius", "has no effect without `coefficient`", "remove it, or add the coefficient")
+        }
+        (false, false, false) if !table.has("viscous") => table.missing("viscous", "viscous = 0.1"),
+        _ => Some(()),
+    };
+    table.finish();
+    fits?;
+    Some(JointFriction { viscous: viscous?, coulomb: coulomb?, radius: radius?, coefficient: coefficient? })
+}
+
+fn joint_spring(node: &Node<'_>) -> Option<JointSpring> {
+    let table = node.table_like("{ stiffness = 10.0 }")?;
+    let stiffness = table.required("stiffness", "stiffness = 10.0", Node::not_negative);
+    let rest = table.default("rest", 0.0, Node::number);
+    let damping = table.default("damping", 0.0, Node::not_negative);
+    table.finish();
+    Some(JointSpring { stiffness: stiffness?, rest: rest?, damping: damping? })
+}
+
+pub(super) fn spring(table: &Table<'_>, world: &World<'_>) -> Option<Spring> {
+    let name = table.required("name", "name = \"strut\"", action_name);
+    let between = table.required("between", "between = [\"wheel\", \"ground\"]", |n| between(n, world, None));
+    let at = table.required("at", "at = [[0, 0, 0], [0, 0, 1]]", two_points);
+    let at = at.and_then(|at| in_place(table, between.as_ref(), at, world).map(|()| at));
+    let stiffness = table.required("stiffness", "stiffness = 1e4", Node::not_negative);
+    let rest_length = table.optional("rest_length", Node::not_negative);
+    let damping = table.default("damping", 0.0, Node::not_negative);
+    let tension_only = table.default("tension_only", false, Node::boolean);
+    table.finish();
+    Some(Spring {
+        name: name?,
+        between: between?,
+        at: at?,
+        stiffness: stiffness?,
+        rest_length: rest_length?,
+        damping: damping?,
+        tension_only: tension_only?,
+    })
+}
+
+/// The kind of a joint, if it can be read; nothing is reported.
+pub(super) fn raw_kind(table: &Table<'_>) -> Option<JointKind> {
+    match table.get("kind")?.value {
+        DeValue::String(name) => JointKind::from_name(name),
+        _ => None,
+    }
+}

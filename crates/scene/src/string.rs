@@ -1,0 +1,124 @@
+//! `[[string]]` and `[[mass]]`.
+
+use crate::body::is_default;
+use crate::vector::{norm, sub};
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `[[string]]`: a string that resists stretch only.
+///
+/// ```toml
+/// [[string]]
+/// name = "rope"
+/// from = [0, 0, 0]
+/// to = [3, 0, 0]
+/// elements = 20
+/// axial = 1.0e4
+/// mass = 0.2
+/// natural_length = 2.9
+/// ```
+///
+/// Sets: `start`, `end`, `all`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ElasticString {
+    /// Name, unique among all parts: letters, digits, `-` and `_`.
+    pub name: String,
+    /// Corners of the initial polygon, two or more. Either these, or `from` and `to`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<[f64; 3]>,
+    /// Start of a straight string.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<[f64; 3]>,
+    /// End of a straight string.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to: Option<[f64; 3]>,
+    /// Elements over the whole length, shared among straight pieces by their lengths; at least one a piece.
+    pub elements: u32,
+    /// Degree of the shape functions: 1, 2 or 3.
+    #[serde(default = "ElasticString::default_order")]
+    pub order: u32,
+    /// Axial stiffness `E A` (force), positive. Either this, or `young` and `area`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axial: Option<f64>,
+    /// Young's modulus (stress), positive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub young: Option<f64>,
+    /// Area of the section, positive; for `young` and `density`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub area: Option<f64>,
+    /// Mass per natural length. Either this, or `density` and `area`; one of them is positive and required in dynamic scenes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
+    /// Mass per natural volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// Length of the whole string without tension, positive; the length of the polygon if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub natural_length: Option<f64>,
+    /// `true`: the string does not resist shortening.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub tension_only: bool,
+    /// Initial velocity of all of it. Dynamic scenes only.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub velocity: [f64; 3],
+}
+
+impl ElasticString {
+    /// Linear elements.
+    pub const DEFAULT_ORDER: u32 = 1;
+
+    fn default_order() -> u32 {
+        Self::DEFAULT_ORDER
+    }
+
+    /// Corners of the initial polygon: `points`, or `from` and `to`.
+    pub fn corners(&self) -> Vec<[f64; 3]> {
+        match (self.from, self.to) {
+            (Some(from), Some(to)) => vec![from, to],
+            _ => self.points.clone(),
+        }
+    }
+
+    /// Natural length: as given, or that of the polygon.
+    pub fn natural_length(&self) -> f64 {
+        let polygon = || self.corners().windows(2).map(|ends| norm(sub(ends[1], ends[0]))).sum();
+        self.natural_length.unwrap_or_else(polygon)
+    }
+
+    /// Axial stiffness `E A`.
+    pub fn axial_stiffness(&self) -> f64 {
+        self.axial.unwrap_or_else(|| self.young.unwrap_or_default() * self.area.unwrap_or_default())
+    }
+
+    /// Mass per natural length, if it has one.
+    pub fn mass_per_length(&self) -> Option<f64> {
+        self.mass.or_else(|| Some(self.density? * self.area?))
+    }
+}
+
+/// `[[mass]]`: a point mass, without rotation.
+///
+/// ```toml
+/// [[mass]]
+/// name = "bob"
+/// at = [0, 0, -1]
+/// mass = 0.5
+/// velocity = [1, 0, 0]
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PointMass {
+    /// Name, unique among all parts: letters, digits, `-` and `_`. It has the set `name.all`.
+    pub name: String,
+    /// Initial position.
+    pub at: [f64; 3],
+    /// Mass, positive.
+    pub mass: f64,
+    /// Initial velocity. Dynamic scenes only.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub velocity: [f64; 3],
+}
