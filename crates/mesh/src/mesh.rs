@@ -27,6 +27,15 @@ pub struct Mesh {
     pub element_sets: BTreeMap<String, Vec<u32>>,
 }
 
+pub(crate) fn bounding_box(nodes: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
+    let Some(&first) = nodes.first() else {
+        return ([0.0; 3], [0.0; 3]);
+    };
+    nodes.iter().fold((first, first), |(min, max), x| {
+        (std::array::from_fn(|i| min[i].min(x[i])), std::array::from_fn(|i| max[i].max(x[i])))
+    })
+}
+
 impl Mesh {
     /// A mesh without sets. Nothing is checked but that the elements' nodes exist; see [`Mesh::check`].
     ///
@@ -66,12 +75,7 @@ impl Mesh {
 
     /// Smallest and largest coordinates of all nodes; both `[0, 0, 0]` without nodes.
     pub fn bounding_box(&self) -> ([f64; 3], [f64; 3]) {
-        let Some(&first) = self.nodes.first() else {
-            return ([0.0; 3], [0.0; 3]);
-        };
-        self.nodes.iter().fold((first, first), |(min, max), x| {
-            (std::array::from_fn(|i| min[i].min(x[i])), std::array::from_fn(|i| max[i].max(x[i])))
-        })
+        bounding_box(&self.nodes)
     }
 
     /// True if there is a set of this name, of whatever kind, the automatic ones included.

@@ -80,6 +80,36 @@ impl std::fmt::Display for Region {
     }
 }
 
+impl crate::SurfaceMesh {
+    /// Adds the set of the facets all of whose nodes are in a region.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] if the region or the name is bad, [`MeshError::SetExists`],
+    /// [`MeshError::EmptySet`] if no facet lies in the region.
+    pub fn add_region_set(&mut self, name: &str, region: &Region) -> Result<(), MeshError> {
+        region.validate()?;
+        if name.trim().is_empty() {
+            return Err(parameter("set name", name, "must not be empty"));
+        }
+        if self.set_names().iter().any(|set| set == name) {
+            return Err(MeshError::SetExists { name: name.to_owned() });
+        }
+        let inside = |f: &u32| self.facet_coordinates(*f).iter().all(|&x| region.contains(x));
+        let facets: Vec<u32> = (0..self.facets.len() as u32).filter(inside).collect();
+        if facets.is_empty() {
+            let (min, max) = self.bounding_box();
+            return Err(MeshError::EmptySet { name: name.to_owned(), region: region.to_string(), min, max });
+        }
+        self.facet_sets.insert(name.to_owned(), facets);
+        Ok(())
+    }
+
+    /// Smallest and largest coordinates of all nodes; both `[0, 0, 0]` without nodes.
+    pub fn bounding_box(&self) -> ([f64; 3], [f64; 3]) {
+        crate::mesh::bounding_box(&self.nodes)
+    }
+}
+
 impl Mesh {
     /// The nodes in a region, sorted.
     pub fn nodes_in(&self, region: &Region) -> Vec<u32> {

@@ -146,6 +146,11 @@ impl RigidBody {
         [velocity, of(1), of(2), of(3)]
     }
 
+    /// Numbers of its vectors: the centre, then the directors.
+    pub fn vectors(&self) -> Range<u32> {
+        self.first..self.first + Self::VECTORS
+    }
+
     /// The centre of mass.
     pub fn centre(&self) -> Embedded {
         Embedded::vector(self.first)
@@ -219,7 +224,7 @@ impl Part for RigidBody {
     }
 
     fn own_vectors(&self) -> Range<u32> {
-        self.first..self.first + Self::VECTORS
+        self.vectors()
     }
 
     fn is_direction(&self, vector: u32) -> bool {

@@ -109,7 +109,7 @@ pub enum Shape {
     Box(BoxShape),
     /// A cylinder about the z-axis, its centre at the origin.
     Cylinder(CylinderShape),
-    /// A cone about the z-axis: its base in the plane z = 0, its tip at z = `height`, or above where a sphere rounds it.
+    /// A cone about the z-axis: its tip at the origin, pointing down, its base in the plane z = `height`.
     Cone(ConeShape),
     /// A rectangle in the plane z = 0 about the origin, whose outside is z > 0. It is not closed: it has no volume.
     Plane(PlaneShape),
@@ -174,21 +174,13 @@ pub struct CylinderShape {
 pub struct ConeShape {
     /// Radius of the base.
     pub radius: f64,
-    /// Height of the sharp cone, from the base to the tip.
+    /// Height, from the tip to the base.
     pub height: f64,
-    /// Radius of a sphere that touches the cone from inside and takes the place of its tip; 0, a sharp tip, if left out. The circle of contact lies
-    /// above the base.
+    /// Radius of the flat tip, below `radius`; 0, a sharp tip, if left out.
     #[serde(default)]
     pub tip_radius: f64,
-    /// Facets around the circle, at least 3, and from the base to the tip.
+    /// Facets around the circle, at least 3, and from the tip to the base.
     pub divisions: [u32; 2],
-}
-
-impl ConeShape {
-    /// Largest possible radius of the tip: the sphere that touches the cone at the rim of its base, `r sqrt(r^2 + h^2) / h`.
-    pub(crate) fn largest_tip(radius: f64, height: f64) -> f64 {
-        radius * radius.hypot(height) / height
-    }
 }
 
 /// Parameters of the shape `plane`.

@@ -91,7 +91,7 @@ fn scheme_name(scene: &Scene) -> String {
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
     let (scene, built) = load(path, &options.laws)?;
-    let Built { mut simulation, probes, warnings, contacts, mesh_files, .. } = built;
+    let Built { mut simulation, probes, warnings, contacts, mesh_files, drawing, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
         return Err(RunError::Option(format!(
@@ -120,7 +120,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         changed_by: changed_by(&scene, simulation.model()),
         contacts,
         watch: scene.watch.clone(),
-        drawing: crate::output::Drawing::default(),
+        drawing,
     };
     report(Event::Start {
         title: &scene.header.title,

@@ -266,11 +266,8 @@ fn cone(table: &Table<'_>) -> Option<Shape> {
     let height = table.required("height", "height = 1.0", Node::positive);
     let tip_radius = table.default("tip_radius", 0.0, |n| {
         let tip = n.not_negative()?;
-        if let (Some(radius), Some(height)) = (radius, height)
-            && tip >= ConeShape::largest_tip(radius, height)
-        {
-            let largest = ConeShape::largest_tip(radius, height);
-            return n.fail(format!("must be below {largest}, or nothing is left of the cone"), "reduce it");
+        if radius.is_some_and(|radius| tip >= radius) {
+            return n.fail("must be below `radius`", "reduce it; a `cylinder` has two equal ends");
         }
         Some(tip)
     });

@@ -3,8 +3,8 @@
 use super::placed::{Placed, Shape};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
-    Body, Generator, Mass, Material, MeshSource, Part as ScenePart, Refinement as SceneRefinement,
-    Rotation as SceneRotation, Scene,
+    Generator, Mass, Material, MeshSource, Part as ScenePart, Refinement as SceneRefinement, Rotation as SceneRotation,
+    Rotations, Scene, SetDefinition,
 };
 use crate::solver::Model;
 use std::path::Path;
@@ -172,68 +172,83 @@ fn mesh(
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
     let body = &scene.bodies[b];
-    let key = format!("body[{b}].mesh");
-    let mut mesh = match &body.mesh {
-        MeshSource::Generator(generator) => match generate(generator) {
-            Ok(mesh) => mesh,
-            Err(error) => {
-                problems.add(key, "", error.to_string(), "mend the generator's parameters");
-                return None;
-            }
-        },
-        MeshSource::File(source) => read(folder, &source.file, &format!("{key}.file"), mesh_files, problems)?,
-    };
-    if let Err((key, error)) = place(&mut mesh, body, b) {
-        problems.add(key, "", error.to_string(), "mend the placement");
-        return None;
-    }
+    let key = format!("body[{b}]");
+    let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), folder, mesh_files, problems)?;
+    place(&key, &body.rotation, body.position, problems, |rotation, by| mesh.transform(rotation, by))?;
     if let Err(error) = mesh.check() {
-        problems.add(key, "", error.to_string(), "mend the mesh");
+        problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");
         return None;
     }
     for (s, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.body == body.name) {
-        let region = match (&set.inside, &set.plane) {
-            (Some(region), _) => Region::Box { min: region.min, max: region.max },
-            (None, Some(plane)) => {
-                // Without a tolerance: a millionth of the body's size.
-                let [low, high] = bounds(&mesh);
-                let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
-                let tolerance = plane.tolerance.unwrap_or(1.0e-6 * size);
-                Region::Plane { point: plane.point, normal: plane.normal, tolerance }
-            }
-            (None, None) => continue,
-        };
+        let Some(region) = region(set, mesh.bounding_box()) else { continue };
         if let Err(error) = mesh.add_region_sets(set.local_name(), &region) {
-            let remedy = match error {
-                MeshError::SetExists { .. } => {
-                    format!("body `{}` has of its own: {}", body.name, mesh.set_names().join(", "))
-                }
-                _ => "move or enlarge the region; positions are those of the body in its place".to_owned(),
-            };
-            problems.add(format!("set[{s}]"), &set.name, error.to_string(), remedy);
+            set_refused(s, set, &error, &mesh.set_names(), problems);
         }
     }
     Some(mesh)
 }
 
-fn bounds(mesh: &Mesh) -> [[f64; 3]; 2] {
-    let mut out = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for x in &mesh.nodes {
-        for i in 0..3 {
-            out[0][i] = out[0][i].min(x[i]);
-            out[1][i] = out[1][i].max(x[i]);
-        }
+/// The mesh of a generator or a file, where that has it.
+pub(super) fn source_mesh(
+    source: &MeshSource,
+    key: &str,
+    folder: &Path,
+    mesh_files: &mut Vec<Vec<u8>>,
+    problems: &mut Problems<'_>,
+) -> Option<Mesh> {
+    match source {
+        MeshSource::Generator(generator) => generate(generator)
+            .map_err(|error| problems.add(key.to_owned(), "", error.to_string(), "mend the generator's parameters"))
+            .ok(),
+        MeshSource::File(source) => read(folder, &source.file, &format!("{key}.file"), mesh_files, problems),
     }
-    out
 }
 
-/// Rotations one after the other, then the translation.
-fn place(mesh: &mut Mesh, body: &Body, b: usize) -> Result<(), (String, MeshError)> {
-    for SceneRotation { axis, degrees, about } in body.rotation.as_slice() {
-        let rotation = Rotation { axis: *axis, degrees: *degrees, about: *about };
-        mesh.transform(Some(&rotation), [0.0; 3]).map_err(|e| (format!("body[{b}].rotation"), e))?;
+/// The region of a set in a part with this bounding box.
+pub(super) fn region(set: &SetDefinition, (low, high): ([f64; 3], [f64; 3])) -> Option<Region> {
+    match (&set.inside, &set.plane) {
+        (Some(region), _) => Some(Region::Box { min: region.min, max: region.max }),
+        (None, Some(plane)) => {
+            // Without a tolerance: a millionth of the body's size.
+            let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+            let tolerance = plane.tolerance.unwrap_or(1.0e-6 * size);
+            Some(Region::Plane { point: plane.point, normal: plane.normal, tolerance })
+        }
+        (None, None) => None,
     }
-    mesh.transform(None, body.position).map_err(|e| (format!("body[{b}].position"), e))
+}
+
+/// Reports that a set cannot be made; `names` are the sets that there are.
+pub(super) fn set_refused(
+    s: usize,
+    set: &SetDefinition,
+    error: &MeshError,
+    names: &[String],
+    problems: &mut Problems<'_>,
+) {
+    let remedy = match error {
+        MeshError::SetExists { .. } => format!("body `{}` has of its own: {}", set.body, names.join(", ")),
+        _ => "move or enlarge the region; positions are those of the body in its place".to_owned(),
+    };
+    problems.add(format!("set[{s}]"), &set.name, error.to_string(), remedy);
+}
+
+/// Rotations one after the other, then the translation; `transform` does one of them.
+pub(super) fn place(
+    key: &str,
+    rotations: &Rotations,
+    position: [f64; 3],
+    problems: &mut Problems<'_>,
+    mut transform: impl FnMut(Option<&Rotation>, [f64; 3]) -> Result<(), MeshError>,
+) -> Option<()> {
+    let mut refused = |name: &str, error: MeshError| {
+        problems.add(format!("{key}.{name}"), "", error.to_string(), "mend the placement");
+    };
+    for SceneRotation { axis, degrees, about } in rotations.as_slice() {
+        let rotation = Rotation { axis: *axis, degrees: *degrees, about: *about };
+        transform(Some(&rotation), [0.0; 3]).map_err(|error| refused("rotation", error)).ok()?;
+    }
+    transform(None, position).map_err(|error| refused("position", error)).ok()
 }
 
 #[cfg(feature = "mesh-files")]

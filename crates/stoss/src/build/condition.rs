@@ -75,16 +75,35 @@ fn table(key: String, rows: &[Vec<f64>], columns: usize, problems: &mut Problems
         .ok()
 }
 
-pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {
+/// What a prescription of a rigid body moves: its nodes, those of them that are directions, and rows with three values each.
+pub(super) type RigidMotion = (Vec<u32>, Vec<u32>, Vec<Vec<f64>>);
+
+pub(super) fn prescriptions(
+    scene: &Scene,
+    placed: &[Placed],
+    rigid: &dyn Fn(&crate::scene::Prescribe) -> Option<RigidMotion>,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+) {
     // Of every component the first prescription: its place in the model and in the scene.
     let mut owner: Vec<Option<(usize, usize)>> = vec![None; model.reference.len()];
     for (p, item) in scene.prescriptions.iter().enumerate() {
         let key = format!("prescribe[{p}]");
-        let Some(set) = item.set.as_deref() else { continue };
-        let found = resolve(placed, &format!("{key}.set"), set, problems, Placed::nodes_of);
-        let components: Vec<u8> = item.prescribed_components().iter().map(|c| c.index() as u8).collect();
+        let (place, target) = match (&item.set, &item.rigid) {
+            (Some(set), _) => (format!("{key}.set"), set),
+            (None, Some(rigid)) => (format!("{key}.rigid"), rigid),
+            (None, None) => continue,
+        };
+        let (found, components, rows) = match rigid(item) {
+            Some((nodes, directions, rows)) => (Some((nodes, directions)), vec![0, 1, 2], rows),
+            None => {
+                let found = resolve(placed, &place, target, problems, Placed::nodes_of);
+                let components: Vec<u8> = item.prescribed_components().iter().map(|c| c.index() as u8).collect();
+                (found.map(|(_, nodes)| (nodes, Vec::new())), components, item.rows())
+            }
+        };
         let values = if item.rotation.is_some() { "translation" } else { "displacement" };
-        let displacement = table(format!("{key}.{values}"), &item.rows(), components.len(), problems);
+        let displacement = table(format!("{key}.{values}"), &rows, components.len(), problems);
         let rotation = match &item.rotation {
             Some(rotation) => {
                 let Some(degrees) = table(format!("{key}.rotation.degrees"), &rotation.degrees.rows(), 1, problems)
@@ -101,8 +120,8 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
             }
             None => None,
         };
-        let (Some((_, nodes)), Some(displacement)) = (found, displacement) else { continue };
-        let prescription = Prescription { nodes, directions: Vec::new(), components, displacement, rotation };
+        let (Some((nodes, directions)), Some(displacement)) = (found, displacement) else { continue };
+        let prescription = Prescription { nodes, directions, components, displacement, rotation };
         let Prescription { nodes, components, .. } = &prescription;
         let clash = nodes.iter().find_map(|&n| {
             components.iter().find_map(|&c| {
@@ -116,7 +135,7 @@ pub(super) fn prescriptions(scene: &Scene, placed: &[Placed], model: &mut Model,
                 "component {axis} of node {node} is prescribed by prescribe[{other}] as well, with other values"
             );
             let remedy = "let the sets not overlap, or give the same values where they do";
-            problems.add(format!("{key}.set"), set, message, remedy);
+            problems.add(place, target, message, remedy);
             continue;
         }
         for &n in nodes {
@@ -193,6 +212,11 @@ fn load_kind(
     let key = format!("{key}.set");
     if kind == SceneLoad::Force {
         let (_, nodes) = resolve(placed, &key, set, problems, Placed::nodes_of)?;
+        // On a rigid body once, at its centre of mass.
+        let name = split_set(set).map(|(part, _)| part);
+        let is_rigid = scene.rigids.iter().any(|item| Some(item.name.as_str()) == name);
+        let part = model.parts.iter().find(|part| is_rigid && Some(part.name()) == name);
+        let nodes = part.map_or(nodes, |part| vec![part.own_vectors().start]);
         let patterns = (0..3).map(|i| nodes.iter().map(|&n| (3 * n + i, 1.0)).collect()).collect();
         return Some(LoadKind::Dead { patterns });
     }

@@ -5,12 +5,15 @@ mod body;
 mod condition;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod contact;
+mod drawing;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod friction;
 mod law;
 mod missing;
 #[cfg(feature = "mortar")]
 mod mortar;
+#[cfg(feature = "multibody")]
+mod multibody;
 #[cfg(feature = "nts")]
 mod nts;
 #[cfg(any(feature = "nts", feature = "mortar"))]
@@ -29,6 +32,7 @@ use contact::contacts;
 #[cfg(not(any(feature = "nts", feature = "mortar")))]
 use missing::contacts;
 
+pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
 pub use law::{FrictionLawResult, LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use plan::{ContactPlan, FrictionPlan};
 pub use probe::{Probe, ProbeTarget};
@@ -54,6 +58,8 @@ pub struct Built {
     pub mesh_files: Vec<Vec<u8>>,
     /// One line a body: name, elements, law, implied moduli, quality.
     pub bodies: Vec<String>,
+    /// What frames show beside the solids.
+    pub drawing: Drawing,
     /// The contacts, with what the scene leaves to defaults.
     pub contacts: Vec<ContactPlan>,
 }
@@ -96,17 +102,32 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut problems = Problems { scene, list: Vec::new() };
     let mut model = Model::default();
     let mut mesh_files = Vec::new();
-    let (mut placed, bodies) = body::bodies(scene, folder, laws, &mut model, &mut mesh_files, &mut problems);
+    let (mut placed, mut bodies) = body::bodies(scene, folder, laws, &mut model, &mut mesh_files, &mut problems);
+    #[cfg(feature = "multibody")]
+    let mut parts = multibody::parts(scene, folder, &mut model, &mut mesh_files, &mut problems);
+    #[cfg(feature = "multibody")]
+    {
+        placed.append(&mut parts.placed);
+        bodies.append(&mut parts.lines);
+    }
     let mut warnings = Vec::new();
     let (mut probes, mut plans) = (Vec::new(), Vec::new());
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
     if problems.list.is_empty() {
-        condition::prescriptions(scene, &placed, &mut model, &mut problems);
+        #[cfg(feature = "multibody")]
+        multibody::fix(scene, &parts, &mut model);
+        #[cfg(feature = "multibody")]
+        let rigid = |item: &crate::scene::Prescribe| multibody::prescribe_rigid(item, &parts);
+        #[cfg(not(feature = "multibody"))]
+        let rigid = |_: &crate::scene::Prescribe| None;
+        condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
         let ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         condition::loads(scene, &placed, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties.pairs);
-        warnings.extend(supports::warnings(scene, &placed, &model));
+        #[cfg(feature = "multibody")]
+        multibody::constraints(scene, &parts, &mut model, &mut problems);
+        warnings.extend(supports::warnings(scene, &model));
         probes = probe::probes(scene, &placed, &mut problems);
     }
     let scheme = scheme(scene, &mut problems);
@@ -114,7 +135,13 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         return Err(errors);
     }
     match Simulation::new(model, settings(scene, scheme)) {
-        Ok(simulation) => Ok(Built { simulation, probes, warnings, mesh_files, bodies, contacts: plans }),
+        Ok(simulation) => {
+            #[cfg(feature = "multibody")]
+            let drawing = parts.drawing;
+            #[cfg(not(feature = "multibody"))]
+            let drawing = Drawing::default();
+            Ok(Built { simulation, probes, warnings, mesh_files, bodies, drawing, contacts: plans })
+        }
         Err(error) => {
             let remedy = "mend the scene; with several prescriptions, let each component of a node appear once";
             let problem = Problem::at(scene, "scene", "", error.to_string(), remedy);

@@ -1,6 +1,5 @@
 //! Whether supports hold the bodies of a quasi-static scene.
 
-use super::Placed;
 use crate::scene::{Scene, split_set};
 use crate::solver::Model;
 
@@ -8,13 +7,13 @@ use crate::solver::Model;
 const NOT_HELD: f64 = 1e-9;
 
 /// Warnings for bodies that can move as rigid ones although nothing but their inertia, which statics do not have, would hold them.
-pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<String> {
+pub(super) fn warnings(scene: &Scene, model: &Model) -> Vec<String> {
     if scene.is_dynamic() {
         return Vec::new();
     }
     let body = |set: &str| split_set(set).and_then(|(body, _)| scene.body_index(body));
     // Tied bodies hold each other: the same number for all of them.
-    let mut group: Vec<usize> = (0..placed.len()).collect();
+    let mut group: Vec<usize> = (0..scene.bodies.len()).collect();
     for tie in &scene.ties {
         if let (Some(a), Some(b)) = (body(&tie.slave), body(&tie.master)) {
             let (from, to) = (group[a], group[b]);
@@ -22,8 +21,8 @@ pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<S
         }
     }
     let mut list = Vec::new();
-    for leader in 0..placed.len() {
-        let members: Vec<usize> = (0..placed.len()).filter(|&b| group[b] == leader).collect();
+    for leader in 0..scene.bodies.len() {
+        let members: Vec<usize> = (0..scene.bodies.len()).filter(|&b| group[b] == leader).collect();
         if members.is_empty() {
             continue;
         }

@@ -6,7 +6,7 @@ use crate::scene::{Problem, Scene};
 pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
     let tables = [
         ("gravity", "[gravity]", scene.gravity.is_some()),
-        ("rigid[0]", "[[rigid]]", !scene.rigids.is_empty()),
+        ("rigid[0]", "[[rigid]]", !cfg!(feature = "multibody") && !scene.rigids.is_empty()),
         ("beam[0]", "[[beam]]", !scene.beams.is_empty()),
         ("string[0]", "[[string]]", !scene.strings.is_empty()),
         ("mass[0]", "[[mass]]", !scene.masses.is_empty()),

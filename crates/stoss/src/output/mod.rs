@@ -3,7 +3,6 @@
 //! Tables and frames are complete after every step, so that a run that is killed leaves what it had done; a resumed run cuts
 //! them back to its checkpoint and then writes the same bytes as a run that was never interrupted.
 
-mod drawing;
 mod drift;
 mod earlier;
 mod folder;
@@ -16,8 +15,8 @@ mod systems;
 mod table;
 mod watch;
 
+pub use crate::build::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
 pub use crate::error::OutputError;
-pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
 pub use drift::Drift;
 pub use folder::{FolderSettings, ResultFolder};
 pub use identity::SceneIdentity;

@@ -1,0 +1,64 @@
+//! Rigid bodies, beams, strings, joints and springs of a scene.
+
+mod motion;
+mod rigid;
+
+use super::placed::Placed;
+use super::{Drawing, Problems};
+use crate::scene::Scene;
+use crate::solver::{ContactPair, Coupling, Model};
+use std::path::Path;
+use stoss_contact::Bilateral;
+use stoss_multibody::RigidBody;
+use stoss_part::Part as _;
+
+pub(super) use motion::{fix, prescribe_rigid};
+
+/// What the parts of a scene that are no solids add to the model, for whoever needs more than the model knows.
+#[derive(Default)]
+pub(super) struct Parts {
+    /// In the order of the scene: rigid bodies, beams, strings, point masses.
+    pub placed: Vec<Placed>,
+    /// One line a part for `check`.
+    pub lines: Vec<String>,
+    /// What frames show.
+    pub drawing: Drawing,
+    /// In the order of `[[rigid]]`.
+    pub rigids: Vec<RigidBody>,
+}
+
+/// Adds the parts to the model.
+pub(super) fn parts(
+    scene: &Scene,
+    folder: &Path,
+    model: &mut Model,
+    mesh_files: &mut Vec<Vec<u8>>,
+    problems: &mut Problems<'_>,
+) -> Parts {
+    let mut parts = Parts::default();
+    rigid::rigids(scene, folder, model, mesh_files, &mut parts, problems);
+    parts
+}
+
+impl Parts {
+    /// The rigid body of that name.
+    pub fn rigid(&self, name: &str) -> Option<&RigidBody> {
+        self.rigids.iter().find(|body| body.name() == name)
+    }
+}
+
+/// Adds the constraints of the parts: rigidity, joints.
+pub(super) fn constraints(scene: &Scene, parts: &Parts, model: &mut Model, _problems: &mut Problems<'_>) {
+    for (item, body) in scene.rigids.iter().zip(&parts.rigids) {
+        // Nothing is left to constrain where all coordinates are prescribed.
+        if !motion::is_prescribed(scene, item) {
+            push(model, body.constraints());
+        }
+    }
+}
+
+fn push(model: &mut Model, constraint: impl Bilateral + 'static) {
+    let name = constraint.name().to_owned();
+    let method = Coupling::bilateral(constraint);
+    model.contacts.push(ContactPair { name, method, complementarity: 1.0, restores: false });
+}
