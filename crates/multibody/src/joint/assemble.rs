@@ -1,7 +1,7 @@
 //! Force, tangent and rows of a joint.
 //!
 //! `R = -sum lambda_k grad phi_k + T g`, where `g` is a gradient of the coordinate under the rule and `T` all torques that resist it. Rows in the order of the slots:
-//! `-phi_k`; friction `(clamp(t + c xi, +-B) - t) / c`; motor `-(gamma - target)`; limits `(max(0, p + c (xi - hi)) + min(0, p + c (xi - lo)) - p) / c`,
+//! `-phi_k`; friction `xi` in stick (`|t + c xi| <= B`, or `t` against `xi`) and else `(+-B - t) / f`, with a closed limit always; motor `-(gamma - target)`; limits `(max(0, p + c (xi - hi)) + min(0, p + c (xi - lo)) - p) / c`,
 //! with lengths `xi` for the coordinate.
 
 use super::coordinate::LARGEST_TURN;
@@ -9,6 +9,9 @@ use super::{CoordinateKind, Joint};
 use crate::constraint::gradient_fraction;
 use crate::quadratic::Evaluation;
 use stoss_contact::{Constraint, ContactError, ContactRule, LocalContribution, Report, SlotReport, StepConfiguration};
+
+/// A slip below this share of the length of the joint that a limit leaves is none.
+const SMALLEST_SLIP: f64 = 1e-9;
 
 /// Functions at the three configurations of a step.
 #[derive(Debug, Default)]
@@ -140,19 +143,27 @@ impl Joint {
 
     fn friction_row(&self, c: &CoordinateStep, multipliers: &[f64], slot: usize) -> Row {
         let (friction, scale) = (self.options.friction.unwrap_or_default(), self.scale());
-        let factor = self.step.complementarity[0];
         let by_reaction = self.friction_slope();
         let bound = friction.bound / scale + by_reaction * self.reaction(multipliers);
-        let (own, trial) = (multipliers[slot], multipliers[slot] + factor * scale * c.change);
-        if trial.abs() <= bound {
-            return Row { value: scale * c.change, by_coordinate: scale, by_own: 0.0, by_reaction: 0.0, holds: true };
+        let (own, slip) = (multipliers[slot], scale * c.change);
+        let trial = own + self.step.complementarity * slip;
+        let unit = self.step.friction_unit;
+        let side = match self.closed_limit(c, multipliers) {
+            // The limit stops the motion. Friction is against what is left of it, and rests if that is nothing.
+            Some((_, rest)) if rest.abs() <= SMALLEST_SLIP * self.length => 0.0,
+            Some((_, rest)) => rest.signum(),
+            None => trial.signum(),
+        };
+        // Against its own direction nothing slides: after a slip the other way comes a stick first, else the iteration would go to and fro.
+        let sticks = trial.abs() <= bound || (own * slip < 0.0 && own.abs() <= 1.5 * bound);
+        if sticks && self.closed_limit(c, multipliers).is_none() {
+            return Row { value: slip, by_coordinate: scale, by_own: 0.0, by_reaction: 0.0, holds: true };
         }
-        let side = trial.signum();
         Row {
-            value: (side * bound - own) / factor,
+            value: (side * bound - own) / unit,
             by_coordinate: 0.0,
-            by_own: -1.0 / factor,
-            by_reaction: side * by_reaction / factor,
+            by_own: -1.0 / unit,
+            by_reaction: side * by_reaction / unit,
             holds: false,
         }
     }
@@ -173,23 +184,34 @@ impl Joint {
         Row { value, by_coordinate: -scale, by_own: 0.0, by_reaction: 0.0, holds: true }
     }
 
-    fn limit_row(&self, c: &CoordinateStep, own: f64) -> Row {
-        let ([low, high], factor, scale) =
-            (self.options.limits.unwrap_or_default(), self.step.complementarity[1], self.scale());
+    /// If a limit is closed: how far the coordinate is beyond it, and how far it may go in the step; lengths.
+    fn closed_limit(&self, c: &CoordinateStep, multipliers: &[f64]) -> Option<(f64, f64)> {
+        let (own, factor, scale) = (multipliers[self.slots.limit?], self.step.stiffness, self.scale());
+        let [low, high] = self.options.limits?;
         let value = c.value_n + c.change;
-        let beyond = [value - high, value - low].map(|g| scale * g);
-        let closed = if own + factor * beyond[0] > 0.0 {
-            Some(beyond[0])
-        } else if own + factor * beyond[1] < 0.0 {
-            Some(beyond[1])
+        let pair = |limit: f64| (scale * (value - limit), scale * (limit - c.value_n));
+        if own + factor * pair(high).0 > 0.0 {
+            Some(pair(high))
+        } else if own + factor * pair(low).0 < 0.0 {
+            Some(pair(low))
         } else {
             None
-        };
-        match closed {
-            Some(value) => Row { value, by_coordinate: scale, by_own: 0.0, by_reaction: 0.0, holds: true },
-            None => {
-                Row { value: -own / factor, by_coordinate: 0.0, by_own: -1.0 / factor, by_reaction: 0.0, holds: false }
+        }
+    }
+
+    fn limit_row(&self, c: &CoordinateStep, multipliers: &[f64], slot: usize) -> Row {
+        let factor = self.step.stiffness;
+        match self.closed_limit(c, multipliers) {
+            Some((value, _)) => {
+                Row { value, by_coordinate: self.scale(), by_own: 0.0, by_reaction: 0.0, holds: true }
             }
+            None => Row {
+                value: -multipliers[slot] / factor,
+                by_coordinate: 0.0,
+                by_own: -1.0 / factor,
+                by_reaction: 0.0,
+                holds: false,
+            },
         }
     }
 
@@ -253,7 +275,7 @@ impl Joint {
             } else if Some(slot) == s.motor {
                 self.motor_row(&c)
             } else {
-                self.limit_row(&c, multipliers[slot])
+                self.limit_row(&c, multipliers, slot)
             };
             let at = n + k;
             local.residual[at] = row.value;

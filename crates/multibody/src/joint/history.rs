@@ -28,13 +28,12 @@ impl Joint {
         self.step.start = start;
         self.step.value = self.value_at(kind, start);
         let stiffness = self.weights.stiffness(self.step.dt);
-        self.step.complementarity = [stiffness; 2];
+        self.step.stiffness = stiffness;
         if let Some(friction) = self.options.friction {
-            // As many slips as are a tenth of the length weigh as much as the bound: rows of stick and of slip are judged alike then.
+            // A row of slip is as long as the joint if the torque is ten times what it should be, so that it is judged as rows of stick are.
             let bound = friction.bound / self.scale() + self.friction_slope() * self.history.reaction;
-            if bound > 0.0 {
-                self.step.complementarity[0] = 10.0 * bound / self.length;
-            }
+            self.step.friction_unit = if bound > 0.0 { 10.0 * bound / self.length } else { stiffness };
+            self.step.complementarity = stiffness.max(1e3 * bound / self.length);
         }
     }
 

@@ -88,8 +88,10 @@ struct StepState {
     /// Invariants and coordinate at `q_n`.
     start: [f64; 2],
     value: f64,
-    /// `c` of friction and of limits, a force over a length.
-    complementarity: [f64; 2],
+    /// `c` of friction, `f` of its slip row, `c` of limits; a force over a length each.
+    complementarity: f64,
+    friction_unit: f64,
+    stiffness: f64,
 }
 
 /// A joint: `kind.equations()` constraints, then a slot each for friction, motor and limits if there are such. Slots that are not active have neither forces nor
@@ -164,7 +166,7 @@ impl Joint {
             functions,
             slots: Slots { count: kind.equations(), ..Slots::default() },
             compliance: Compliance::default(),
-            step: StepState { complementarity: [1.0, 1.0], ..StepState::default() },
+            step: StepState { complementarity: 1.0, friction_unit: 1.0, stiffness: 1.0, ..StepState::default() },
             history: history::JointHistory::default(),
         };
         made.check(reference)?;
