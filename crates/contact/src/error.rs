@@ -161,6 +161,14 @@ pub enum ContactError {
         /// Its gap at the end.
         after: f64,
     },
+    /// A joint cannot be evaluated.
+    #[error("joint {joint}: {reason}")]
+    Joint {
+        /// Its name.
+        joint: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// History bytes do not fit.
     #[error("contact history does not fit this model: {reason}")]
     History {

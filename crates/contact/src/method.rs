@@ -93,7 +93,7 @@ pub struct LocalContribution {
     /// Largest violation of equations that were condensed, relative (a length to a length); zero without such.
     pub violation: f64,
     /// What the linear equations take in addition to `residual`, one entry a row, or empty: the difference between the
-    /// branch that they are linearised on and the one that the iterate is on. It is no part of the norm, so that it cannot change a solution.
+    /// branch that they are linearised on and the one that the iterate is on, or the start of multipliers that are not determined. It is no part of the norm, so that it cannot change a solution.
     pub shift: Vec<f64>,
 }
 
@@ -236,6 +236,8 @@ pub trait Constraint: Report {
     fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
     /// Beginning and end of the step, for constraints that depend on time; comes with `set_rule`.
     fn set_times(&mut self, _time_n: f64, _time_np1: f64) {}
+    /// Whether the step has inertia, thus velocities; comes with `set_rule`. In statics nothing is viscous.
+    fn set_has_rates(&mut self, _has_rates: bool) {}
     /// Velocities at `q_n` (`3 * nodes`), for methods that look ahead; comes before `begin_step` and holds for that one only.
     fn set_velocity(&mut self, _v_n: &[f64]) {}
     /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the
@@ -316,6 +318,10 @@ pub trait History {
     /// Energy stored and dissipated by the step from `q_n` that ends at `q_np1`.
     fn work(&self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) -> Result<ContactWork, ContactError> {
         Ok(ContactWork::default())
+    }
+    /// Energy stored in a configuration before the first step: what springs of a joint have.
+    fn stored_at_start(&self, _q: &[f64]) -> f64 {
+        0.0
     }
     /// Called once when a step was accepted.
     fn commit(&mut self, _q_np1: &[f64], _pressures: &[f64], _active: &[bool]) {}

@@ -1,5 +1,6 @@
 //! Equations `phi(q) = 0` with a multiplier each: rigidity, joints.
 
+use crate::compliance::{Compliance, Weights};
 use crate::quadratic::{Evaluation, Quadratics};
 use stoss_contact::{
     Constraint, ContactError, ContactRule, History, LocalContribution, Report, SlotReport, StepConfiguration,
@@ -41,18 +42,24 @@ pub struct ConstraintSet {
     length: f64,
     equations: Vec<Equation>,
     slots: usize,
+    compliance: Compliance,
 }
 
 impl ConstraintSet {
     /// With a length against which violations are judged.
     pub fn new(name: &str, length: f64, equations: Vec<Equation>) -> Self {
         let slots = equations.iter().map(|e| e.functions.len()).sum();
-        Self { name: name.to_owned(), length, equations, slots }
+        Self { name: name.to_owned(), length, equations, slots, compliance: Compliance::default() }
     }
 
     /// The equations; their functions are the slots, in this order.
     pub fn equations(&self) -> &[Equation] {
         &self.equations
+    }
+
+    /// Makes the slots compliant in the tangent, for sets some of whose equations follow from others; `None` takes it back. See [`crate::analyse`].
+    pub fn set_redundant(&mut self, weights: Option<Weights>) {
+        self.compliance.set(weights);
     }
 }
 
@@ -85,14 +92,32 @@ impl Constraint for ConstraintSet {
         rule == ContactRule::EndPoint
     }
 
-    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+    fn set_rule(&mut self, _rule: ContactRule, step_size: f64) {
+        self.compliance.begin(step_size);
+    }
+
+    fn renew(
+        &mut self,
+        _q_np1: &[f64],
+        _pressures: &[f64],
+        _auxiliaries: &[f64],
+        _active: &[bool],
+        want_tangent: bool,
+    ) -> Result<bool, ContactError> {
+        self.compliance.renew(want_tangent);
+        Ok(false)
+    }
+
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         let (mut slots, mut first) = (Vec::new(), 0);
         for equation in &self.equations {
             let count = equation.functions.len() as u32;
             slots.clear();
-            slots.extend(first..first + count);
+            slots.extend((first..first + count).filter(|&slot| active[slot as usize]));
             first += count;
-            visit(equation.functions.vectors(), &slots);
+            if !slots.is_empty() {
+                visit(equation.functions.vectors(), &slots);
+            }
         }
     }
 
@@ -100,7 +125,7 @@ impl Constraint for ConstraintSet {
         &self,
         step: StepConfiguration<'_>,
         multipliers: &[f64],
-        _active: &[bool],
+        active: &[bool],
         want_tangent: bool,
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
@@ -110,29 +135,36 @@ impl Constraint for ConstraintSet {
         let mut first = 0;
         for equation in &self.equations {
             let functions = &equation.functions;
+            let range = first..first + functions.len();
+            local.slots.clear();
+            local.slots.extend(range.filter(|&slot| active[slot]).map(|slot| slot as u32));
+            first += functions.len();
+            if local.slots.is_empty() {
+                continue;
+            }
             local.nodes.clear();
             local.nodes.extend_from_slice(functions.vectors());
-            local.slots.clear();
-            local.slots.extend((first..first + functions.len()).map(|slot| slot as u32));
             local.reset(want_tangent);
             functions.evaluate(step.q_n, step.q_np1, theta, true, &mut between);
             functions.evaluate(step.q_n, step.q_np1, 1.0, want_tangent, &mut end);
             let (n, dim) = (3 * local.nodes.len(), local.dim());
-            for k in 0..functions.len() {
-                let (multiplier, gradient) = (multipliers[first + k], &between.gradients[k * n..(k + 1) * n]);
+            for at in 0..local.slots.len() {
+                let slot = local.slots[at] as usize;
+                let k = slot + functions.len() - first;
+                let (multiplier, gradient) = (multipliers[slot], &between.gradients[k * n..(k + 1) * n]);
                 for (r, g) in local.residual.iter_mut().zip(gradient) {
                     *r -= multiplier * g;
                 }
-                local.residual[n + k] = -end.values[k];
+                local.residual[n + at] = -end.values[k];
                 if want_tangent {
                     functions.add_second_derivatives(k, -multiplier * theta, dim, &mut local.tangent);
                     for i in 0..n {
-                        local.tangent[i * dim + n + k] = -gradient[i];
-                        local.tangent[(n + k) * dim + i] = -end.gradients[k * n + i];
+                        local.tangent[i * dim + n + at] = -gradient[i];
+                        local.tangent[(n + at) * dim + i] = -end.gradients[k * n + i];
                     }
                 }
+                self.compliance.add(n + at, multiplier, want_tangent, &mut local);
             }
-            first += functions.len();
             visit(&local);
         }
         Ok(())

@@ -13,15 +13,24 @@
 //! # How to add a joint
 //! docs/how-to-add/joint.md.
 
+mod compliance;
 mod constraint;
 mod embedded;
+mod frame;
+mod joint;
 mod kernel;
 mod quadratic;
 mod response;
 mod rigid;
 
+pub use compliance::Weights;
 pub use constraint::{ConstraintSet, Equation};
 pub use embedded::Embedded;
+pub use frame::{Frame, axes_along};
+pub use joint::{
+    CoordinateFriction, CoordinateKind, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, Joint, JointError,
+    JointKind, PiecewiseLinear,
+};
 pub use kernel::{GradientAt, Kernel};
 pub use quadratic::{Evaluation, FormId, Quadratics, QuadraticsBuilder};
 pub use response::{Identity, QuadraticEnergy, Response};

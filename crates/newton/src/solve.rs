@@ -35,6 +35,10 @@ const SAME_RESIDUAL: f64 = 0.02;
 /// and neither the residual nor its scale says how large they are: contact that closes on bodies without load has both as small as one likes.
 const IN_BALANCE: f64 = 1e-3;
 
+/// A violation of constraints above this is none of round-off, however small the increment of the positions was: multipliers alone may have changed, such as that of
+/// a friction that sticks and will slide.
+const NO_ROUND_OFF: f64 = 1e-6;
+
 /// Norms of an iterate.
 #[derive(Clone, Copy)]
 struct Norms {
@@ -126,7 +130,9 @@ impl Course<'_> {
             // Full steps only: a short step says nothing about what a full one would gain.
             let fell = norms.measure <= o.polish_factor * previous.measure || length < 1.0;
             let at_round_off = norms.measure <= o.stagnation_residual * norms.scale
-                || (increment <= o.stagnation_increment * problem.iterate_norm() && increment > 0.0);
+                || (increment <= o.stagnation_increment * problem.iterate_norm()
+                    && increment > 0.0
+                    && norms.violation <= NO_ROUND_OFF);
             if !fell && at_round_off {
                 return Ok(StopReason::ConvergedToRoundOff);
             }

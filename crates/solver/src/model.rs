@@ -133,9 +133,13 @@ impl Coupling {
         matches!(self, Self::Bilateral(_))
     }
 
-    /// Energy of a potential at `q`; zero for constraints.
-    pub(crate) fn potential_energy(&self, q: &[f64]) -> Result<f64, ContactError> {
-        if let Self::Potential(of) = self { of.0.energy(q) } else { Ok(0.0) }
+    /// Energy at the start of a run, at `q`: of a potential, of springs in joints.
+    pub(crate) fn energy_at_start(&self, q: &[f64]) -> Result<f64, ContactError> {
+        match self {
+            Self::Contact(_) => Ok(0.0),
+            Self::Bilateral(constraint) => Ok(constraint.stored_at_start(q)),
+            Self::Potential(of) => of.0.energy(q),
+        }
     }
 
     /// Energy stored and dissipated by the step that ends at `q_np1`.

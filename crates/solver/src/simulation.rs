@@ -181,7 +181,7 @@ impl Simulation {
         let strain = simulation.strain_energy(&simulation.state.q)?;
         simulation.balance = simulation.measure_balance(strain, 0.0);
         for pair in &simulation.model.contacts {
-            simulation.balance.contact += pair.method.potential_energy(&simulation.state.q).map_err(StepError::from)?;
+            simulation.balance.contact += pair.method.energy_at_start(&simulation.state.q).map_err(StepError::from)?;
         }
         Ok(simulation)
     }

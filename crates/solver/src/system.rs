@@ -255,8 +255,8 @@ impl FeSystem<'_> {
                         }
                     }
                 }
-                for (&slot, row) in local.slots.iter().zip(&local.residual[coordinates..]) {
-                    rhs[equations[slot as usize] as usize] -= row;
+                for (k, (&slot, row)) in local.slots.iter().zip(&local.residual[coordinates..]).enumerate() {
+                    rhs[equations[slot as usize] as usize] -= row + local.shift.get(coordinates + k).unwrap_or(&0.0);
                     *gap_measure = gap_measure.max(row.abs() / (method.slot_weight(slot as usize) * length));
                 }
                 *gap_measure = gap_measure.max(local.violation);

@@ -129,6 +129,7 @@ impl Simulation {
                 let constraint = &mut *pair.method;
                 constraint.set_rule(contact_rule(rule.constraint.rule), dt);
                 constraint.set_times(state.time, end);
+                constraint.set_has_rates(rule.has_inertia());
                 constraint.set_velocity(&state.v);
                 constraint.begin_step(&state.q, reach + 0.5 * constraint.length_scale())?;
             }

@@ -1,0 +1,335 @@
+//! Joints between frames: bilateral constraints, and what acts on the coordinate that is left.
+//!
+//! Force and tangent are in [`assemble`], the equations of each kind in [`kinds`].
+
+mod assemble;
+mod coordinate;
+mod history;
+mod kinds;
+mod options;
+
+pub use coordinate::CoordinateKind;
+pub use kinds::JointKind;
+pub use options::{CoordinateFriction, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, PiecewiseLinear};
+
+use crate::Frame;
+use crate::compliance::{Compliance, Weights};
+use crate::constraint::gradient_fraction;
+use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
+use kinds::Function;
+use stoss_contact::ContactRule;
+
+/// The largest error of the frames in the reference configuration, relative to the length of the joint.
+const TOLERANCE: f64 = 1e-8;
+
+/// Why there is no such joint.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum JointError {
+    /// Both sides are the same.
+    #[error("joint {joint}: both sides are the same frame")]
+    SameSides {
+        /// The joint.
+        joint: String,
+    },
+    /// Nothing of it moves.
+    #[error("joint {joint}: both sides are the ground")]
+    Ground {
+        /// The joint.
+        joint: String,
+    },
+    /// The frames do not fit.
+    #[error("joint {joint} ({kind}): {what} {distance:e} from where it should be")]
+    Misplaced {
+        /// The joint.
+        joint: String,
+        /// Its kind.
+        kind: &'static str,
+        /// What is misplaced.
+        what: &'static str,
+        /// By how much: a length, or the difference of two directions.
+        distance: f64,
+    },
+    /// A number is out of its range.
+    #[error("joint {joint}: {what} cannot be {value}")]
+    Value {
+        /// The joint.
+        joint: String,
+        /// Which number.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// The kind leaves no coordinate, or none that can be measured.
+    #[error("joint {joint}: a {kind} joint has no coordinate for springs, motors or friction")]
+    NoCoordinate {
+        /// The joint.
+        joint: String,
+        /// Its kind.
+        kind: &'static str,
+    },
+}
+
+/// The slots of a joint after its equations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Slots {
+    friction: Option<usize>,
+    motor: Option<usize>,
+    limit: Option<usize>,
+    count: usize,
+}
+
+/// State of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct StepState {
+    dt: f64,
+    time_np1: f64,
+    has_rates: bool,
+    /// Invariants and coordinate at `q_n`.
+    start: [f64; 2],
+    value: f64,
+    /// `c` of friction, `f` of its slip row, `c` of limits; a force over a length each.
+    complementarity: f64,
+    friction_unit: f64,
+    stiffness: f64,
+}
+
+/// A joint: `kind.equations()` constraints, then a slot each for friction, motor and limits if there are such. Slots that are not active have neither forces nor
+/// equations; with none active the joint is released, with all that acts on its coordinate.
+///
+/// Multipliers are forces. Those of friction, motor and limits act on the coordinate times the length of the joint if that is an angle: a torque is the multiplier times
+/// that length.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    name: String,
+    kind: JointKind,
+    length: f64,
+    options: CoordinateOptions,
+    weights: Weights,
+    forms: [crate::Embedded; 10],
+    /// Equations, then the invariants of the coordinate.
+    list: Vec<Function>,
+    functions: Quadratics,
+    slots: Slots,
+    compliance: Compliance,
+    step: StepState,
+    history: history::JointHistory,
+}
+
+impl Joint {
+    /// Fixes `b` to `a`. `length` is a length of the joint: directions are measured times it, and violations against it. The frames are checked in the configuration
+    /// `reference`.
+    ///
+    /// # Errors
+    /// [`JointError`], with the distance if the points do not coincide or the axes are not parallel to `1e-8` of the length.
+    pub fn new(
+        name: &str,
+        kind: JointKind,
+        a: &Frame,
+        b: &Frame,
+        length: f64,
+        reference: &[f64],
+    ) -> Result<Self, JointError> {
+        let joint = || name.to_owned();
+        let positive = |what, value: f64| match value > 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(JointError::Value { joint: joint(), what, value }),
+        };
+        positive("the length", length)?;
+        if let JointKind::Distance { length } = kind {
+            positive("the distance", length)?;
+        }
+        if a == b {
+            return Err(JointError::SameSides { joint: joint() });
+        }
+        let forms = kinds::forms(a, b);
+        let mut list = kind.functions(length);
+        list.extend(kind.coordinate().map(kinds::invariants).unwrap_or_default());
+        let mut builder = QuadraticsBuilder::new();
+        let ids = forms.each_ref().map(|form| builder.form(form));
+        for function in &list {
+            let products: Vec<_> = function.products.iter().map(|&(f, u, v)| (f, ids[u], ids[v])).collect();
+            builder.function(function.constant, &products);
+        }
+        let functions = builder.build();
+        if functions.vectors().is_empty() {
+            return Err(JointError::Ground { joint: joint() });
+        }
+        let made = Self {
+            name: joint(),
+            kind,
+            length,
+            options: CoordinateOptions::default(),
+            weights: Weights::default(),
+            forms,
+            list,
+            functions,
+            slots: Slots { count: kind.equations(), ..Slots::default() },
+            compliance: Compliance::default(),
+            step: StepState { complementarity: 1.0, friction_unit: 1.0, stiffness: 1.0, ..StepState::default() },
+            history: history::JointHistory::default(),
+        };
+        made.check(reference)?;
+        Ok(made)
+    }
+
+    fn check(&self, reference: &[f64]) -> Result<(), JointError> {
+        let fault = |what, distance: f64| JointError::Misplaced {
+            joint: self.name.clone(),
+            kind: self.kind.name(),
+            what,
+            distance,
+        };
+        let at = |form: usize| self.forms[form].at(reference);
+        for &k in self.kind.common_axes() {
+            let (u, v) = (at(kinds::A[k]), at(kinds::B[k]));
+            let apart = (0..3).map(|i| (u[i] - v[i]).powi(2)).sum::<f64>().sqrt();
+            // Not `>`: a distance that is NaN is none.
+            if !(apart <= TOLERANCE) {
+                return Err(fault("an axis of side b is", apart));
+            }
+        }
+        let values = self.evaluate(reference).values;
+        let points = self.kind.point_equations();
+        let norm = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let (points, axes) = (norm(&values[..points]), norm(&values[points..self.kind.equations()]));
+        if !(points <= TOLERANCE * self.length) {
+            return Err(fault("the point of side b is", points));
+        }
+        if !(axes <= TOLERANCE * self.length) {
+            return Err(fault("an axis of side b is", axes / self.length));
+        }
+        Ok(())
+    }
+
+    fn evaluate(&self, q: &[f64]) -> Evaluation {
+        let mut out = Evaluation::default();
+        self.functions.evaluate(q, q, 1.0, false, &mut out);
+        out
+    }
+
+    /// With springs, friction, motor, limits on its coordinate.
+    ///
+    /// # Errors
+    /// [`JointError::NoCoordinate`] or [`JointError::Value`].
+    pub fn with_options(mut self, options: CoordinateOptions) -> Result<Self, JointError> {
+        if options.any() && self.kind.coordinate().is_none() {
+            return Err(JointError::NoCoordinate { joint: self.name, kind: self.kind.name() });
+        }
+        if let Some((what, value)) = options.fault() {
+            return Err(JointError::Value { joint: self.name, what, value });
+        }
+        let mut slots = Slots { count: self.kind.equations(), ..Slots::default() };
+        let mut next = |exists: bool| {
+            let slot = slots.count;
+            slots.count += usize::from(exists);
+            exists.then_some(slot)
+        };
+        let friction = next(options.friction.is_some());
+        let motor = next(options.motor.is_some());
+        let limit = next(options.limits.is_some());
+        self.slots = Slots { friction, motor, limit, ..slots };
+        self.options = options;
+        Ok(self)
+    }
+
+    /// With a mass and a stiffness that are typical of what it connects. They weigh slips against torques in decisions between stick and slip, open and closed; no result
+    /// depends on them.
+    #[must_use]
+    pub fn with_weights(mut self, weights: Weights) -> Self {
+        self.weights = weights;
+        self
+    }
+
+    /// Makes its slots compliant in the tangent, for joints some of whose equations follow from others; `None` takes it back. See [`crate::analyse`].
+    pub fn set_redundant(&mut self, weights: Option<Weights>) {
+        self.compliance.set(weights);
+    }
+
+    /// Its kind.
+    pub fn kind(&self) -> JointKind {
+        self.kind
+    }
+
+    /// The length of the joint.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Slot of the motor, whose multiplier times [`Self::scale`] is the torque or force of the drive.
+    pub fn motor_slot(&self) -> Option<usize> {
+        self.slots.motor
+    }
+
+    /// Slot of the limits, whose multiplier is positive at the upper limit.
+    pub fn limit_slot(&self) -> Option<usize> {
+        self.slots.limit
+    }
+
+    /// What multipliers of friction, motor and limits are multiplied by to be torques: the length of the joint for an angle, 1 for a displacement.
+    pub fn scale(&self) -> f64 {
+        match self.kind.coordinate() {
+            Some(CoordinateKind::Angle) => self.length,
+            _ => 1.0,
+        }
+    }
+
+    /// Value of the coordinate at `q`, less than half a turn from that of the last accepted step (before the first step: from zero); `None` if there is none.
+    pub fn coordinate(&self, q: &[f64]) -> Option<f64> {
+        let kind = self.kind.coordinate()?;
+        let phi = self.invariants_of(&self.evaluate(q));
+        Some(match self.history.accepted {
+            Some(start) => self.value_at(kind, start) + kind.change(start, phi),
+            None => kind.principal(phi),
+        })
+    }
+
+    /// Torque (or force) that friction exerts on side b against the motion; zero without friction.
+    pub fn friction_torque(&self, multipliers: &[f64]) -> f64 {
+        self.slots.friction.map_or(0.0, |slot| -self.scale() * multipliers[slot])
+    }
+
+    /// Value at accepted invariants: principal value and turns.
+    fn value_at(&self, kind: CoordinateKind, start: [f64; 2]) -> f64 {
+        kind.principal(start) + std::f64::consts::TAU * self.history.turns as f64
+    }
+
+    fn invariants_of(&self, evaluation: &Evaluation) -> [f64; 2] {
+        let first = self.kind.equations();
+        [0, 1].map(|k| evaluation.values.get(first + k).copied().unwrap_or(0.0))
+    }
+
+    /// Norm of the force between the points.
+    fn reaction(&self, multipliers: &[f64]) -> f64 {
+        multipliers[..self.kind.point_equations()].iter().map(|m| m * m).sum::<f64>().sqrt()
+    }
+
+    /// Force and moment about the point of side b that side a exerts on side b in a step, in the configuration of the rule. Of a beam the directors take the moment.
+    pub fn force(&self, q_n: &[f64], q_np1: &[f64], rule: ContactRule, multipliers: &[f64]) -> ([f64; 3], [f64; 3]) {
+        let theta = gradient_fraction(rule);
+        let q: Vec<f64> = q_n.iter().zip(q_np1).map(|(a, b)| (1.0 - theta) * a + theta * b).collect();
+        let u = self.forms.each_ref().map(|form| form.at(&q));
+        let mut weights: Vec<f64> = multipliers[..self.kind.equations()].to_vec();
+        if let Some((torque, gradient)) = self.torque_and_weights(q_n, q_np1, rule, multipliers) {
+            weights.extend(gradient.iter().map(|w| torque * w));
+        }
+        let mut conjugate = [[0.0; 3]; 10];
+        for (weight, function) in weights.iter().zip(&self.list) {
+            for &(factor, a, b) in &function.products {
+                for (form, other) in [(a, b), (b, a)] {
+                    for i in 0..3 {
+                        conjugate[form][i] += weight * factor * u[other][i];
+                    }
+                }
+            }
+        }
+        let mut moment = [0.0; 3];
+        for k in kinds::B {
+            let (b, f) = (u[k], conjugate[k]);
+            moment[0] += b[1] * f[2] - b[2] * f[1];
+            moment[1] += b[2] * f[0] - b[0] * f[2];
+            moment[2] += b[0] * f[1] - b[1] * f[0];
+        }
+        (conjugate[kinds::ARM], moment)
+    }
+}
