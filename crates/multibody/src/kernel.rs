@@ -2,6 +2,7 @@
 
 use crate::quadratic::{Evaluation, Quadratics};
 use crate::response::Response;
+use stoss_part::{ForceRule, LocalForce};
 
 /// Where the gradient of a function between two configurations is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,6 +11,16 @@ pub enum GradientAt {
     Configuration(f64),
     /// Discrete gradient.
     Discrete,
+}
+
+impl GradientAt {
+    /// Where the forces of a step are taken.
+    pub fn of(rule: ForceRule) -> Self {
+        match rule {
+            ForceRule::Configuration { theta } => Self::Configuration(theta),
+            _ => Self::Discrete,
+        }
+    }
 }
 
 /// Work space of [`Kernel::evaluate`].
@@ -71,6 +82,14 @@ impl Kernel {
         }
         if want_tangent {
             self.tangent(functions, at, theta);
+        }
+    }
+
+    /// Adds force and, if asked, tangent to a contribution with the same vectors in the same order.
+    pub fn add_to(&self, local: &mut LocalForce, want_tangent: bool) {
+        local.residual.iter_mut().zip(&self.force).for_each(|(r, f)| *r += f);
+        if want_tangent {
+            local.tangent.iter_mut().zip(&self.tangent).for_each(|(t, k)| *t += k);
         }
     }
 

@@ -13,25 +13,40 @@
 //! # How to add a joint
 //! docs/how-to-add/joint.md.
 
+mod axis;
+mod beam;
 mod compliance;
 mod constraint;
 mod embedded;
+mod error;
 mod frame;
 mod joint;
 mod kernel;
+mod line;
+mod point_mass;
 mod quadratic;
 mod response;
 mod rigid;
+mod section;
+mod spring;
+mod string;
 
+pub use axis::{BeamAxis, Triad};
+pub use beam::{Beam, Resultant};
 pub use compliance::Weights;
 pub use constraint::{ConstraintSet, Equation};
 pub use embedded::Embedded;
+pub use error::PartDataError;
 pub use frame::{Frame, axes_along};
 pub use joint::{
     CoordinateFriction, CoordinateKind, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, Joint, JointError,
     JointKind, PiecewiseLinear,
 };
 pub use kernel::{GradientAt, Kernel};
+pub use point_mass::PointMass;
 pub use quadratic::{Evaluation, FormId, Quadratics, QuadraticsBuilder};
 pub use response::{Identity, QuadraticEnergy, Response};
 pub use rigid::{RigidBody, RigidError, RigidMass};
+pub use section::{Area, Section, SectionMaterial};
+pub use spring::{Spring, SpringData};
+pub use string::{ElasticString, StringMaterial};

@@ -90,6 +90,20 @@ pub trait Part: Send + Sync + std::fmt::Debug {
     /// Entries `M_ij` of the mass (a mass each; it acts alike on the three components) with `i <= j`.
     fn mass(&self, _visit: &mut dyn FnMut(u32, u32, f64)) {}
 
+    /// Dead forces of a uniform acceleration `a` (gravity): `f_i = sum_j M_ij a` with the positions `j` among the own vectors. Visits a vector as often as
+    /// the mass names it; what it gets adds up.
+    fn weight(&self, acceleration: [f64; 3], visit: &mut dyn FnMut(u32, [f64; 3])) {
+        self.mass(&mut |i, j, m| {
+            let force = acceleration.map(|a| m * a);
+            if !self.is_direction(j) {
+                visit(i, force);
+            }
+            if i != j && !self.is_direction(i) {
+                visit(j, force);
+            }
+        });
+    }
+
     /// Vectors of every contribution, in the order of [`Part::assemble`].
     fn stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
 
@@ -130,5 +144,42 @@ pub trait Part: Send + Sync + std::fmt::Debug {
     /// Whether the tangent is symmetric unless forces are taken as discrete gradients.
     fn is_symmetric(&self) -> bool {
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two positions with a consistent mass, and a direction that is coupled with the second.
+    #[derive(Debug)]
+    struct Three;
+
+    impl Part for Three {
+        fn name(&self) -> &str {
+            "three"
+        }
+        fn own_vectors(&self) -> Range<u32> {
+            4..7
+        }
+        fn is_direction(&self, vector: u32) -> bool {
+            vector == 6
+        }
+        fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
+            [(4, 4, 2.0), (4, 5, 1.0), (5, 5, 2.0), (5, 6, 0.5), (6, 6, 7.0)]
+                .iter()
+                .for_each(|&(i, j, m)| visit(i, j, m));
+        }
+        fn length_scale(&self) -> f64 {
+            1.0
+        }
+    }
+
+    /// A uniform acceleration of the positions: `M (a, a, 0)`.
+    #[test]
+    fn weight_is_the_mass_times_the_acceleration_of_positions() {
+        let mut force = [[0.0; 3]; 3];
+        Three.weight([0.0, -1.0, 10.0], &mut |i, f| (0..3).for_each(|d| force[i as usize - 4][d] += f[d]));
+        assert_eq!(force, [[0.0, -3.0, 30.0], [0.0, -3.0, 30.0], [0.0, -0.5, 5.0]]);
     }
 }

@@ -1,0 +1,50 @@
+//! Point masses.
+
+use crate::Embedded;
+use crate::error::{PartDataError, positive};
+use std::ops::Range;
+use stoss_part::Part;
+
+/// A mass at one vector, its position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointMass {
+    name: String,
+    vector: u32,
+    mass: f64,
+    length: f64,
+}
+
+impl PointMass {
+    /// With the number of its vector and a length of the system that it is part of, against which its motion is judged.
+    ///
+    /// # Errors
+    /// [`PartDataError::Number`].
+    pub fn new(name: &str, vector: u32, mass: f64, length: f64) -> Result<Self, PartDataError> {
+        positive("mass of a point", mass)?;
+        positive("length scale of a point mass", length)?;
+        Ok(Self { name: name.to_owned(), vector, mass, length })
+    }
+
+    /// Its position.
+    pub fn position(&self) -> Embedded {
+        Embedded::vector(self.vector)
+    }
+}
+
+impl Part for PointMass {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn own_vectors(&self) -> Range<u32> {
+        self.vector..self.vector + 1
+    }
+
+    fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
+        visit(self.vector, self.vector, self.mass);
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.length
+    }
+}

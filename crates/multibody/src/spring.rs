@@ -1,0 +1,247 @@
+//! Springs and dampers between two points.
+
+use crate::Embedded;
+use crate::error::{PartDataError, not_negative};
+use crate::kernel::{GradientAt, Kernel};
+use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
+use crate::response::Response;
+use std::ops::Range;
+use stoss_part::{LocalForce, Part, PartError, PartStep};
+
+/// Stiffness and damping of a [`Spring`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpringData {
+    /// `k`, a force per length.
+    pub stiffness: f64,
+    /// `L`, the length without force.
+    pub rest_length: f64,
+    /// Whether the spring has no force where it is shorter than `L`.
+    pub tension_only: bool,
+    /// `d`, a force per velocity.
+    pub damping: f64,
+}
+
+/// Spring and damper along the line between two [`Embedded`] points, of which one may be a point of the ground.
+///
+/// The energy is `V = k/2 (l - L)^2` with `l = |a - b|`, for tension only zero where `l < L`. With the invariant `pi = l^2` its discrete gradient is
+/// `k/2 (l_0 + l_1 - 2 L) / (l_0 + l_1)`. The damper has the force `d (l_1 - l_0) / dt`, as `d (l_1 - l_0) / (dt (l_0 + l_1))` times the gradient of `pi` at the
+/// midpoint of the step whatever the rule: it takes `d (l_1 - l_0)^2 / dt` out of a step, and turns and moves nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spring {
+    name: String,
+    ends: [Embedded; 2],
+    data: SpringData,
+    squared: Quadratics,
+}
+
+impl Spring {
+    /// Between two points.
+    ///
+    /// # Errors
+    /// [`PartDataError::Number`].
+    pub fn new(name: &str, ends: [Embedded; 2], data: SpringData) -> Result<Self, PartDataError> {
+        not_negative("stiffness of a spring", data.stiffness)?;
+        not_negative("rest length of a spring", data.rest_length)?;
+        not_negative("damping of a spring", data.damping)?;
+        let mut builder = QuadraticsBuilder::new();
+        let arm = builder.form(&ends[0].plus(-1.0, &ends[1]));
+        builder.function(0.0, &[(1.0, arm, arm)]);
+        Ok(Self { name: name.to_owned(), ends, data, squared: builder.build() })
+    }
+
+    /// Its ends.
+    pub fn ends(&self) -> &[Embedded; 2] {
+        &self.ends
+    }
+
+    /// Stiffness and damping.
+    pub fn data(&self) -> &SpringData {
+        &self.data
+    }
+
+    /// Length at `q`.
+    pub fn length(&self, q: &[f64]) -> f64 {
+        let mut squared = Evaluation::default();
+        self.squared.evaluate(q, q, 1.0, false, &mut squared);
+        squared.values[0].sqrt()
+    }
+
+    /// Force of the spring at `q`, positive if it pulls; without the damper.
+    pub fn tension(&self, q: &[f64]) -> f64 {
+        self.data.stiffness * (self.stretched(self.length(q)) - self.data.rest_length)
+    }
+
+    /// `max(l, L)` for tension only, else `l`.
+    fn stretched(&self, l: f64) -> f64 {
+        if self.data.tension_only { l.max(self.data.rest_length) } else { l }
+    }
+
+    /// An error if the spring has a force but no direction.
+    fn check(&self, step: &PartStep<'_>, at: GradientAt) -> Result<(), PartError> {
+        let pushes = self.data.stiffness > 0.0 && self.data.rest_length > 0.0 && !self.data.tension_only;
+        let no_length = pushes
+            && match at {
+                GradientAt::Configuration(theta) => {
+                    let mut squared = Evaluation::default();
+                    self.squared.evaluate(step.q_n, step.q_np1, theta, false, &mut squared);
+                    squared.values[0] == 0.0
+                }
+                GradientAt::Discrete => self.length(step.q_n) + self.length(step.q_np1) == 0.0,
+            };
+        if no_length {
+            let reason = "its ends coincide: the force has no direction".to_owned();
+            return Err(PartError { part: self.name.clone(), reason });
+        }
+        Ok(())
+    }
+}
+
+impl Part for Spring {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn own_vectors(&self) -> Range<u32> {
+        0..0
+    }
+
+    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
+        visit(self.squared.vectors());
+    }
+
+    fn assemble(
+        &self,
+        step: PartStep<'_>,
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalForce),
+    ) -> Result<(), PartError> {
+        let at = GradientAt::of(step.rule);
+        self.check(&step, at)?;
+        let (mut kernel, mut local) = (Kernel::default(), LocalForce::default());
+        local.vectors.extend_from_slice(self.squared.vectors());
+        local.reset(want_tangent);
+        kernel.evaluate(&self.squared, &self.data, step.q_n, step.q_np1, at, want_tangent);
+        kernel.add_to(&mut local, want_tangent);
+        if step.has_rates && self.data.damping > 0.0 {
+            let damper = Damper(self.data.damping / step.dt);
+            kernel.evaluate(&self.squared, &damper, step.q_n, step.q_np1, GradientAt::Discrete, want_tangent);
+            kernel.add_to(&mut local, want_tangent);
+        }
+        visit(&local);
+        Ok(())
+    }
+
+    fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
+        let l = self.length(q);
+        Ok(self.data.value(&[l * l]))
+    }
+
+    fn dissipated(&self, step: PartStep<'_>) -> f64 {
+        if !step.has_rates {
+            return 0.0;
+        }
+        let change = self.length(step.q_np1) - self.length(step.q_n);
+        self.data.damping * change * change / step.dt
+    }
+
+    fn length_scale(&self) -> f64 {
+        if self.data.rest_length > 0.0 { self.data.rest_length } else { 1.0 }
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.data.stiffness * self.data.rest_length
+    }
+
+    fn is_symmetric(&self) -> bool {
+        self.data.damping == 0.0
+    }
+}
+
+impl SpringData {
+    fn is_slack(&self, l: f64) -> bool {
+        self.tension_only && l <= self.rest_length
+    }
+
+    /// `dV/dpi = k/2 (1 - L / l)`.
+    fn slope(&self, l: f64) -> f64 {
+        let rest = self.rest_length;
+        if self.is_slack(l) {
+            0.0
+        } else if rest == 0.0 {
+            0.5 * self.stiffness
+        } else {
+            0.5 * self.stiffness * (l - rest) / l
+        }
+    }
+
+    /// `k/2 (l_0 + l_1 - 2 L) / (l_0 + l_1)`.
+    fn quotient(&self, l_0: f64, l_1: f64) -> f64 {
+        if self.rest_length == 0.0 {
+            return 0.5 * self.stiffness;
+        }
+        0.5 * self.stiffness * ((l_0 - self.rest_length) + (l_1 - self.rest_length)) / (l_0 + l_1)
+    }
+}
+
+/// Functions of `pi = l^2`.
+impl Response for SpringData {
+    fn value(&self, phi: &[f64]) -> f64 {
+        let l = phi[0].sqrt();
+        if self.is_slack(l) { 0.0 } else { 0.5 * self.stiffness * (l - self.rest_length) * (l - self.rest_length) }
+    }
+
+    fn derivatives(&self, phi: &[f64], gradient: &mut [f64], second: &mut [f64]) {
+        let l = phi[0].sqrt();
+        gradient[0] = self.slope(l);
+        if !self.is_slack(l) && self.rest_length > 0.0 {
+            second[0] = 0.25 * self.stiffness * self.rest_length / (l * l * l);
+        }
+    }
+
+    fn discrete_gradient(&self, phi_n: &[f64], phi_np1: &[f64], gradient: &mut [f64], derivative: &mut [f64]) {
+        let (a, b, rest) = (phi_n[0].sqrt(), phi_np1[0].sqrt(), self.rest_length);
+        match (self.is_slack(a), self.is_slack(b)) {
+            (true, true) => {}
+            (false, false) => {
+                gradient[0] = self.quotient(a, b);
+                // d/dpi_1 = d/dl_1 / (2 l_1). Where the end has no length, the length has no derivative.
+                if rest > 0.0 && b > 0.0 {
+                    derivative[0] = 0.5 * self.stiffness * rest / ((a + b) * (a + b) * b);
+                }
+            }
+            (a_slack, _) => {
+                // Across the kink only the taut part of the way has a force; `a` and `b` are apart, on different sides of `L`.
+                let taut = if a_slack {
+                    (b - rest) * self.quotient(rest, b) * (b + rest)
+                } else {
+                    -(a - rest) * self.quotient(a, rest) * (a + rest)
+                };
+                let difference = (b - a) * (b + a);
+                gradient[0] = taut / difference;
+                derivative[0] = (self.slope(b) - gradient[0]) / difference;
+            }
+        }
+    }
+}
+
+/// `W_pi = c (l_1 - l_0) / (l_1 + l_0)` with `c = d / dt`: no gradient, but evaluated as one.
+#[derive(Clone, Copy, Debug)]
+struct Damper(f64);
+
+impl Response for Damper {
+    fn value(&self, _phi: &[f64]) -> f64 {
+        0.0
+    }
+
+    fn derivatives(&self, _phi: &[f64], _gradient: &mut [f64], _second: &mut [f64]) {}
+
+    fn discrete_gradient(&self, phi_n: &[f64], phi_np1: &[f64], gradient: &mut [f64], derivative: &mut [f64]) {
+        let (a, b) = (phi_n[0].sqrt(), phi_np1[0].sqrt());
+        if a + b > 0.0 {
+            gradient[0] = self.0 * (b - a) / (a + b);
+            if b > 0.0 {
+                derivative[0] = self.0 * a / ((a + b) * (a + b) * b);
+            }
+        }
+    }
+}
