@@ -234,12 +234,7 @@ fn has_condensed(model: &Model) -> bool {
 
 impl System {
     /// With a mass matrix if `dynamic`, whether or not the present stage needs it.
-    pub fn new(
-        model: &Model,
-        acting: Acting,
-        dynamic: bool,
-        solver: Box<dyn LinearSolver>,
-    ) -> Result<Self, StepError> {
+    pub fn new(model: &Model, acting: Acting, dynamic: bool, solver: Box<dyn LinearSolver>) -> Result<Self, StepError> {
         let components = model.reference.len();
         let mut blocked = vec![true; components];
         for body in &model.bodies {

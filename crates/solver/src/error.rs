@@ -83,7 +83,9 @@ pub enum StepError {
         found: InsideOut,
     },
     /// Accelerations and multipliers at the start are not determined.
-    #[error("accelerations at the start are not determined by masses and constraints ({0}): is a constraint given twice, or has something neither mass nor constraint?")]
+    #[error(
+        "accelerations at the start are not determined by masses and constraints ({0}): is a constraint given twice, or has something neither mass nor constraint?"
+    )]
     Start(LinalgError),
     /// A system with the mass alone could not be solved.
     #[error("the mass matrix is singular: is there a body without volume or density?")]

@@ -183,7 +183,11 @@ impl Simulation {
         let contact_components = if model.contacts.is_empty() { 0 } else { components };
         let mut simulation = Self {
             pressures: model.contacts.iter().map(|p| vec![0.0; slots(p)]).collect(),
-            active: model.contacts.iter().map(|p| vec![p.method.is_bilateral() && !p.method.is_off(); slots(p)]).collect(),
+            active: model
+                .contacts
+                .iter()
+                .map(|p| vec![p.method.is_bilateral() && !p.method.is_off(); slots(p)])
+                .collect(),
             reactions: vec![0.0; if has_supports { components } else { 0 }],
             contact_force: vec![0.0; contact_components],
             prescribed,

@@ -2,9 +2,7 @@
 
 use crate::{Coupling, Model};
 use serde::{Deserialize, Serialize};
-use stoss_contact::{
-    Auxiliary, Constraint, ContactError, LocalContribution, Report, SlotReport, StepConfiguration,
-};
+use stoss_contact::{Auxiliary, Constraint, ContactError, LocalContribution, Report, SlotReport, StepConfiguration};
 
 /// What does not act in a stage, by its index in the [`Model`].
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

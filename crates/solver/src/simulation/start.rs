@@ -105,7 +105,8 @@ impl Simulation {
 
     /// Accelerations and multipliers with the bilateral constraints that act, for the forces `rhs`.
     fn solve_with_constraints(&mut self, rhs: &mut [f64], a: &mut [f64]) -> Result<(), StepError> {
-        let others: Vec<usize> = (0..self.model.contacts.len()).filter(|&c| !acts_always(&self.model.contacts[c])).collect();
+        let others: Vec<usize> =
+            (0..self.model.contacts.len()).filter(|&c| !acts_always(&self.model.contacts[c])).collect();
         let on: Vec<bool> = self.model.contacts.iter().map(|pair| !pair.method.is_off()).collect();
         for &c in &others {
             self.model.contacts[c].method.set_acting(false);
@@ -120,8 +121,12 @@ impl Simulation {
     fn solve_saddle_point(&mut self, forces: &[f64], a: &mut [f64]) -> Result<(), StepError> {
         let Self { model, system, state, pressures, active, .. } = self;
         let free = system.numbering.free.len();
-        let active: Vec<Vec<bool>> =
-            model.contacts.iter().zip(&*active).map(|(pair, on)| on.iter().map(|&on| on && acts_always(pair)).collect()).collect();
+        let active: Vec<Vec<bool>> = model
+            .contacts
+            .iter()
+            .zip(&*active)
+            .map(|(pair, on)| on.iter().map(|&on| on && acts_always(pair)).collect())
+            .collect();
         let zeros: Vec<Vec<f64>> = pressures.iter().map(|p| vec![0.0; p.len()]).collect();
         let auxiliaries = no_auxiliaries(model);
         system.begin_pattern(model, &active)?;
@@ -148,7 +153,8 @@ impl Simulation {
         let mut curvature = Vec::new();
         if speed > 0.0 {
             let distance = small / speed;
-            let (ahead, behind, here) = (functions(distance, false)?, functions(-distance, false)?, functions(0.0, false)?);
+            let (ahead, behind, here) =
+                (functions(distance, false)?, functions(-distance, false)?, functions(0.0, false)?);
             let rows = ahead.iter().zip(&behind).zip(&here);
             curvature = rows.map(|((p, m), o)| ((p - o) + (m - o)) / (distance * distance)).collect();
         }
