@@ -5,6 +5,7 @@ use crate::embedding::Transform;
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
+use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -54,6 +55,10 @@ pub(crate) struct System {
     first_grouped: u32,
     pub has_followers: bool,
     pub has_dead_loads: bool,
+    /// What of the model acts.
+    pub acting: Acting,
+    /// Whether the present stage has inertia.
+    pub has_rates: bool,
     /// Residual and its terms, `3 * nodes` each.
     pub buffers: Buffers,
     /// Dead loads of the step, empty if there are none (follower pressures are configuration dependent and go to `follower`).
@@ -229,7 +234,8 @@ fn has_condensed(model: &Model) -> bool {
 }
 
 impl System {
-    pub fn new(model: &Model, dynamic: bool, solver: Box<dyn LinearSolver>) -> Result<Self, StepError> {
+    /// With a mass matrix if `dynamic`, whether or not the present stage needs it.
+    pub fn new(model: &Model, acting: Acting, dynamic: bool, solver: Box<dyn LinearSolver>) -> Result<Self, StepError> {
         let components = model.reference.len();
         let mut blocked = vec![true; components];
         for body in &model.bodies {
@@ -241,7 +247,7 @@ impl System {
             let own = part.own_vectors();
             blocked[3 * own.start as usize..3 * own.end as usize].fill(false);
         }
-        for prescription in &model.prescriptions {
+        for (prescription, _) in model.prescriptions.iter().zip(&acting.prescriptions).filter(|(_, acts)| **acts) {
             for &node in &prescription.nodes {
                 for &component in &prescription.components {
                     blocked[3 * node as usize + component as usize] = true;
@@ -379,6 +385,8 @@ impl System {
             solver,
             has_followers,
             has_dead_loads,
+            acting,
+            has_rates: dynamic,
             mass_length,
             stiffness_force,
         })

@@ -1,7 +1,7 @@
 //! Checkpoints: everything that a run needs to go on with the same bits, written atomically.
 
 use crate::control::Clock;
-use crate::{Balance, Decision, Timings};
+use crate::{Balance, Decision, Release, Switches, Timings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 #[cfg(feature = "checkpoints")]
@@ -11,7 +11,7 @@ use std::path::Path;
 use std::path::PathBuf;
 
 #[cfg(feature = "checkpoints")]
-const MAGIC: &[u8; 8] = b"STOSSCP\x07";
+const MAGIC: &[u8; 8] = b"STOSSCP\x08";
 
 /// Why a checkpoint cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -48,6 +48,14 @@ pub struct Checkpoint {
     pub tag: String,
     /// Clock and step control.
     pub clock: Clock,
+    /// Number of the stage, from 1.
+    pub stage: u32,
+    /// What the stage switches off.
+    pub off: Switches,
+    /// What was released.
+    pub released: Vec<Release>,
+    /// Energy that each contact pair stores, and the part of it that is in springs of friction.
+    pub stored: Vec<[f64; 2]>,
     /// Completed steps.
     pub step: u64,
     /// Time.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct StepControl {
     /// Nominal step size, a time.
     pub step: f64,
-    /// End of the run, a time.
+    /// End of the run or of the stage, a time.
     pub end: f64,
     /// How often a step may be halved in a row.
     pub max_cuts: u32,
@@ -21,6 +21,8 @@ pub struct StepControl {
 /// halvings, and a resumed run has the same bits. The last nominal step ends at `end`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clock {
+    /// Time of tick zero.
+    start: f64,
     step: f64,
     end: f64,
     max_cuts: u32,
@@ -36,7 +38,13 @@ pub struct Clock {
 impl Clock {
     /// At time zero. `control` must have a positive finite `step` and `end`; `max_cuts` is limited to 30.
     pub fn new(control: StepControl) -> Self {
+        Self::starting_at(0.0, control)
+    }
+
+    /// At the time `start`, before the `end` of `control`.
+    pub fn starting_at(start: f64, control: StepControl) -> Self {
         Self {
+            start,
             step: control.step,
             end: control.end,
             max_cuts: control.max_cuts.min(30),
@@ -54,7 +62,7 @@ impl Clock {
     /// Number of nominal steps.
     pub fn nominal_steps(&self) -> u64 {
         // A remainder below 1e-9 of a step is round-off of the division, not a step.
-        (self.end / self.step - 1.0e-9).ceil().max(1.0) as u64
+        ((self.end - self.start) / self.step - 1.0e-9).ceil().max(1.0) as u64
     }
 
     fn time_at(&self, tick: u64) -> f64 {
@@ -62,7 +70,7 @@ impl Clock {
         if tick >= last {
             return self.end;
         }
-        (tick as f64 / self.ticks_per_step() as f64 * self.step).min(self.end)
+        (self.start + tick as f64 / self.ticks_per_step() as f64 * self.step).min(self.end)
     }
 
     /// Present time.
@@ -94,7 +102,7 @@ impl Clock {
         self.time() >= self.end
     }
 
-    /// True if the present time is a multiple of the nominal step (or the end).
+    /// True if the present time is a multiple of the nominal step after the start (or the end).
     pub fn on_nominal_grid(&self) -> bool {
         self.tick.is_multiple_of(self.ticks_per_step()) || self.finished()
     }

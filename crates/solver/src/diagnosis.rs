@@ -28,7 +28,7 @@ pub(crate) fn linear_error(
         let node = component / 3;
         return StepError::Singular {
             unknown: Unknown::Position { component: (component % 3) as u8, node: node_name(model, node, &iterate.q) },
-            hint: position_hint(model, &iterate.active, dynamic, node),
+            hint: position_hint(model, system, &iterate.active, dynamic, node),
         };
     }
     let slot = row.and_then(|row| {
@@ -103,7 +103,7 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
     }
 }
 
-fn position_hint(model: &Model, active: &[Vec<bool>], dynamic: bool, node: u32) -> String {
+fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: bool, node: u32) -> String {
     let Some(body) = model.bodies.iter().find(|body| body.nodes.contains(&node)) else {
         return "are there enough supports?".into();
     };
@@ -111,7 +111,8 @@ fn position_hint(model: &Model, active: &[Vec<bool>], dynamic: bool, node: u32) 
     if dynamic {
         return format!("body {name} is unstable at this load and step size: try smaller steps");
     }
-    let held = model.prescriptions.iter().flat_map(|p| &p.nodes).any(|node| body.nodes.contains(node));
+    let supports = model.prescriptions.iter().zip(&system.acting.prescriptions).filter(|(_, acts)| **acts);
+    let held = supports.flat_map(|(p, _)| &p.nodes).any(|node| body.nodes.contains(node));
     let mut touches = false;
     for (pair, active) in model.contacts.iter().zip(active) {
         pair.method.stencils(active, &mut |nodes, _| touches |= nodes.iter().any(|node| body.nodes.contains(node)));

@@ -82,6 +82,11 @@ pub enum StepError {
         /// How many, and the worst one.
         found: InsideOut,
     },
+    /// Accelerations and multipliers at the start are not determined.
+    #[error(
+        "accelerations at the start are not determined by masses and constraints ({0}): is a constraint given twice, or has something neither mass nor constraint?"
+    )]
+    Start(LinalgError),
     /// A system with the mass alone could not be solved.
     #[error("the mass matrix is singular: is there a body without volume or density?")]
     Mass,
@@ -143,6 +148,31 @@ pub enum SimulationError {
     /// Setting up failed.
     #[error("setting up: {0}")]
     Setup(#[from] StepError),
+    /// A stage cannot begin.
+    #[error("stage {stage}: {reason}")]
+    Stage {
+        /// Its name.
+        stage: String,
+        /// Why.
+        reason: String,
+    },
+    /// A prescription or constraint that is switched on is far from what it demands.
+    #[error(
+        "{what} cannot be switched on: {place} is {distance:.3e} away from where it has to be, more than an edge length ({length:.3e})"
+    )]
+    Jump {
+        /// What is switched on.
+        what: String,
+        /// Where it is farthest away.
+        place: String,
+        /// How far.
+        distance: f64,
+        /// The length that is allowed.
+        length: f64,
+    },
+    /// Nothing can be released by this.
+    #[error("{0}")]
+    Release(String),
     /// Reading or writing a checkpoint failed.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),

@@ -13,13 +13,15 @@ pub struct Balance {
     pub kinetic: f64,
     /// Strain energy.
     pub strain: f64,
-    /// Potential of dead loads that are constant in time, zero in the reference configuration.
+    /// Potential of dead loads that act and are constant in time, zero in the reference configuration.
     pub potential: f64,
     /// Energy stored in contact (regularisations; zero for multipliers).
     pub contact: f64,
-    /// Energy dissipated by friction since the start, never less than a step before.
+    /// Energy dissipated since the start, never less than a step before: by friction and dampers, and the kinetic energy that a change from dynamics to statics
+    /// drops.
     pub dissipation: f64,
-    /// Work done since the start by loads that vary in time and by prescribed motion.
+    /// Work done since the start by loads that vary in time and by prescribed motion, and what `potential`, `contact` and `kinetic` gain where loads and
+    /// couplings are switched on or off and where a stage of dynamics gives velocities.
     pub external_work: f64,
     /// Work that friction has taken out of the bodies since the start, measured with its forces: `friction_stored + dissipation`, but for round-off and
     /// what the iterations leave.

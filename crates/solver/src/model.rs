@@ -1,5 +1,6 @@
 //! What is to be simulated.
 
+use crate::switches::{Acting, Silent};
 use crate::{AxisRotation, Embedding, Load, SimulationError, Table};
 use std::ops::Range;
 use stoss_contact::{
@@ -82,6 +83,8 @@ pub enum Coupling {
     Bilateral(Box<dyn Bilateral>),
     /// Forces with an energy.
     Potential(WithoutSlots),
+    /// One of the others, switched off.
+    Off(Silent),
 }
 
 impl Coupling {
@@ -116,6 +119,7 @@ impl Coupling {
             Self::Contact(method) => Some(&**method),
             Self::Bilateral(constraint) => Some(&**constraint),
             Self::Potential(_) => None,
+            Self::Off(silent) => silent.0.history(),
         }
     }
 
@@ -125,18 +129,28 @@ impl Coupling {
             Self::Contact(method) => Some(&mut **method),
             Self::Bilateral(constraint) => Some(&mut **constraint),
             Self::Potential(_) => None,
+            Self::Off(silent) => silent.0.history_mut(),
         }
     }
 
-    /// True for constraints that always hold: all their slots are active.
+    /// True for constraints that always hold: as long as they are not switched off all their slots are active.
     pub fn is_bilateral(&self) -> bool {
-        matches!(self, Self::Bilateral(_))
+        match self {
+            Self::Bilateral(_) => true,
+            Self::Off(silent) => silent.0.is_bilateral(),
+            _ => false,
+        }
+    }
+
+    /// True if it is switched off.
+    pub fn is_off(&self) -> bool {
+        matches!(self, Self::Off(_))
     }
 
     /// Energy at the start of a run, at `q`: of a potential, of springs in joints.
     pub(crate) fn energy_at_start(&self, q: &[f64]) -> Result<f64, ContactError> {
         match self {
-            Self::Contact(_) => Ok(0.0),
+            Self::Contact(_) | Self::Off(_) => Ok(0.0),
             Self::Bilateral(constraint) => Ok(constraint.stored_at_start(q)),
             Self::Potential(of) => of.0.energy(q),
         }
@@ -148,6 +162,7 @@ impl Coupling {
             Self::Contact(method) => method.work(q_np1, pressures, active),
             Self::Bilateral(constraint) => constraint.work(q_np1, pressures, active),
             Self::Potential(of) => Ok(ContactWork { stored: of.0.energy(q_np1)?, ..ContactWork::default() }),
+            Self::Off(_) => Ok(ContactWork::default()),
         }
     }
 
@@ -157,6 +172,7 @@ impl Coupling {
             Self::Contact(method) => method.commit(q_np1, pressures, active),
             Self::Bilateral(constraint) => constraint.commit(q_np1, pressures, active),
             Self::Potential(of) => of.0.commit(q_np1),
+            Self::Off(_) => {}
         }
     }
 }
@@ -168,6 +184,7 @@ impl std::ops::Deref for Coupling {
             Self::Contact(method) => &**method,
             Self::Bilateral(constraint) => &**constraint,
             Self::Potential(of) => of,
+            Self::Off(silent) => silent,
         }
     }
 }
@@ -178,6 +195,7 @@ impl std::ops::DerefMut for Coupling {
             Self::Contact(method) => &mut **method,
             Self::Bilateral(constraint) => &mut **constraint,
             Self::Potential(of) => of,
+            Self::Off(silent) => silent,
         }
     }
 }
@@ -223,17 +241,17 @@ impl Model {
         self.reference.len() / 3
     }
 
-    /// True if constraints can open and close (mesh ties alone are no contact).
+    /// True if constraints can open and close (mesh ties alone are no contact) and are not switched off.
     pub fn has_unilateral_contact(&self) -> bool {
-        self.contacts.iter().any(|pair| !pair.method.is_bilateral())
+        self.contacts.iter().any(|pair| !pair.method.is_bilateral() && !pair.method.is_off())
     }
 
     /// Components that are prescribed: (component index `3*node + i`, prescription, column), each once. Several prescriptions of a
-    /// component must agree.
-    pub(crate) fn prescribed_components(&self) -> Result<Vec<(u32, u32, u32)>, SimulationError> {
+    /// component must agree. Only prescriptions that act count.
+    pub(crate) fn prescribed_components(&self, acting: &Acting) -> Result<Vec<(u32, u32, u32)>, SimulationError> {
         let mut list = Vec::new();
         let mut first: Vec<Option<usize>> = vec![None; self.reference.len()];
-        for (p, prescription) in self.prescriptions.iter().enumerate() {
+        for (p, prescription) in self.prescriptions.iter().enumerate().filter(|&(p, _)| acting.prescriptions[p]) {
             if prescription.displacement.columns() != prescription.components.len()
                 || prescription.rotation.is_some() && prescription.components != [0, 1, 2]
             {

@@ -45,6 +45,10 @@ pub enum DecisionKind {
     Restart,
     /// The step was accepted, but something about its result is not right.
     Warning,
+    /// A stage began.
+    Stage,
+    /// A constraint or a prescription stopped acting.
+    Release,
 }
 
 /// Contact of one step, all methods together.
@@ -75,6 +79,8 @@ pub struct ContactSummary {
 pub struct StepRecord {
     /// Number of the step, from 1 (0: the initial state).
     pub step: u64,
+    /// Number of its stage, from 1.
+    pub stage: u32,
     /// Time at its end.
     pub time: f64,
     /// Its size.

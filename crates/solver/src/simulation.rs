@@ -1,17 +1,20 @@
 //! The run: state, steps, ledger.
 
 mod advance;
+mod restart;
+mod stage;
+mod start;
 
-use crate::assembly::{System, no_auxiliaries};
+pub use stage::Stage;
+
+use crate::assembly::System;
 use crate::control::Clock;
-use crate::system::FeSystem;
+use crate::switches::Acting;
 use crate::{
-    Balance, Checkpoint, CheckpointError, Decision, LoadKind, Model, SimulationError, StepControl, StepError,
-    StepRecord, Timings,
+    Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, StepError, StepRecord, Switches, Timings,
 };
-use std::collections::BTreeMap;
 use stoss_contact::SlotReport;
-use stoss_integrators::{Scheme, State, StepRule, start};
+use stoss_integrators::{Scheme, State, StepRule};
 use stoss_linalg::{AutoSolver, LinearSolver, NONE, SolverStatistics};
 use stoss_newton::NewtonOptions;
 
@@ -20,7 +23,7 @@ use stoss_newton::NewtonOptions;
 /// until it touches.
 const TOUCHING: f64 = 1.0e-3;
 
-/// How to run.
+/// How to run; of a run in stages the first one.
 #[derive(Debug)]
 pub struct Settings {
     /// Step size, end, cuts.
@@ -33,6 +36,15 @@ pub struct Settings {
     pub inside_out: InsideOutRule,
     /// Direct solver.
     pub solver: Box<dyn LinearSolver>,
+}
+
+/// What else a run in stages needs to know from the beginning.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FirstStage {
+    /// What does not act in the first stage.
+    pub off: Switches,
+    /// Whether a later stage is dynamic: then there is a mass matrix from the beginning.
+    pub later_dynamics: bool,
 }
 
 /// What happens if at the end of a step elements of a body are turned inside out at a vertex that were not before: the
@@ -101,8 +113,14 @@ pub struct Simulation {
     clock: Clock,
     state: State,
     step: u64,
+    /// From 1.
+    stage: u32,
+    off: Switches,
+    released: Vec<Release>,
     pressures: Vec<Vec<f64>>,
     active: Vec<Vec<bool>>,
+    /// Of each contact pair: energy that it stores, and the part of it in springs of friction.
+    stored: Vec<[f64; 2]>,
     /// (component, prescription, column), sorted.
     prescribed: Vec<(u32, u32, u32)>,
     reactions: Vec<f64>,
@@ -120,10 +138,24 @@ impl Simulation {
     /// [`SimulationError::Model`] for inconsistent sizes or doubly prescribed components, [`SimulationError::Setup`] if the
     /// initial state cannot be evaluated.
     pub fn new(model: Model, settings: Settings) -> Result<Self, SimulationError> {
-        let prescribed = model.prescribed_components()?;
+        Self::staged(model, settings, FirstStage::default())
+    }
+
+    /// As [`Self::new`], for a run in stages; the others follow with [`Self::begin_stage`].
+    ///
+    /// # Errors
+    /// Those of [`Self::new`]; [`SimulationError::Model`] also if `first.off` names what does not exist.
+    pub fn staged(mut model: Model, settings: Settings, first: FirstStage) -> Result<Self, SimulationError> {
+        let FirstStage { off, later_dynamics } = first;
+        let acting = Acting::new(&model, &off, &[]).map_err(SimulationError::Model)?;
+        for (pair, &acts) in model.contacts.iter_mut().zip(&acting.contacts) {
+            pair.method.set_acting(acts);
+        }
+        let prescribed = model.prescribed_components(&acting)?;
         let components = model.reference.len();
         let dynamic = settings.scheme.is_some();
-        if dynamic {
+        let has_mass = dynamic || later_dynamics;
+        if has_mass {
             if model.velocity.len() != components {
                 return Err(SimulationError::Model(format!(
                     "{} initial velocity components for {components} position components",
@@ -134,12 +166,12 @@ impl Simulation {
                 return Err(SimulationError::Model(format!("body {} has no density", body.solid.name())));
             }
         }
-        if let Some(scheme) = settings.scheme.as_ref().filter(|s| !s.claims().constraints && !model.contacts.is_empty())
-        {
+        if let Some(scheme) = settings.scheme.as_ref().filter(|s| !stage::carries(&***s, &model)) {
             return Err(SimulationError::Model(format!("scheme {} cannot carry contact constraints", scheme.name())));
         }
         let Settings { control, scheme, newton, inside_out: inside_out_rule, solver } = settings;
-        let system = System::new(&model, dynamic, solver)?;
+        let mut system = System::new(&model, acting, has_mass, solver)?;
+        system.has_rates = dynamic;
         let clock = Clock::new(control);
         let mut state = State::at_rest(model.reference.clone());
         if dynamic {
@@ -147,17 +179,26 @@ impl Simulation {
             model.embedding.follow(&mut state.v);
         }
         let slots = |pair: &crate::ContactPair| pair.method.slot_count();
+        let has_supports = model.prescriptions.iter().any(|p| !p.nodes.is_empty());
         let contact_components = if model.contacts.is_empty() { 0 } else { components };
         let mut simulation = Self {
             pressures: model.contacts.iter().map(|p| vec![0.0; slots(p)]).collect(),
-            active: model.contacts.iter().map(|p| vec![p.method.is_bilateral(); slots(p)]).collect(),
-            reactions: vec![0.0; if prescribed.is_empty() { 0 } else { components }],
+            active: model
+                .contacts
+                .iter()
+                .map(|p| vec![p.method.is_bilateral() && !p.method.is_off(); slots(p)])
+                .collect(),
+            reactions: vec![0.0; if has_supports { components } else { 0 }],
             contact_force: vec![0.0; contact_components],
             prescribed,
             system,
             clock,
             state,
             step: 0,
+            stage: 1,
+            off,
+            released: Vec::new(),
+            stored: vec![[0.0; 2]; model.contacts.len()],
             balance: Balance::default(),
             timings: Timings::default(),
             decisions: Vec::new(),
@@ -180,8 +221,9 @@ impl Simulation {
         }
         let strain = simulation.strain_energy(&simulation.state.q)?;
         simulation.balance = simulation.measure_balance(strain, 0.0);
-        for pair in &simulation.model.contacts {
-            simulation.balance.contact += pair.method.energy_at_start(&simulation.state.q).map_err(StepError::from)?;
+        for (pair, stored) in simulation.model.contacts.iter().zip(&mut simulation.stored) {
+            stored[0] = pair.method.energy_at_start(&simulation.state.q).map_err(StepError::from)?;
+            simulation.balance.contact += stored[0];
         }
         Ok(simulation)
     }
@@ -227,15 +269,6 @@ impl Simulation {
         self.model.embedding.follow(v);
     }
 
-    /// Acceleration and forces at the start, for schemes that carry them.
-    fn complete_initial_state(&mut self) -> Result<(), StepError> {
-        let rule = self.step_rule(self.clock.dt());
-        self.set_dead_loads(self.state.time);
-        let auxiliaries = &no_auxiliaries(&self.model);
-        let Self { model, system, state, pressures, active, .. } = self;
-        start(&mut FeSystem { model, system, pressures, auxiliaries, active }, &rule, state)
-    }
-
     fn step_rule(&self, dt: f64) -> StepRule {
         self.scheme.as_ref().map_or_else(|| StepRule::quasi_static(dt), |scheme| scheme.rule(dt))
     }
@@ -245,7 +278,7 @@ impl Simulation {
             return;
         }
         self.system.dead.fill(0.0);
-        for load in &self.model.loads {
+        for (load, _) in self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts) {
             load.add_dead(time, 1.0, &mut self.system.dead);
         }
     }
@@ -342,7 +375,11 @@ impl Simulation {
     pub fn equations(&self) -> usize {
         self.system.equations()
     }
-    /// True at the end of the run.
+    /// Number of the present stage, from 1.
+    pub fn stage(&self) -> u32 {
+        self.stage
+    }
+    /// True at the end of the stage, which is the end of the run if no other stage begins.
     pub fn finished(&self) -> bool {
         self.clock.finished()
     }
@@ -385,6 +422,7 @@ impl Simulation {
     pub fn initial_record(&self) -> StepRecord {
         StepRecord {
             step: self.step,
+            stage: self.stage,
             time: self.state.time,
             dt: 0.0,
             nominal: true,
@@ -400,10 +438,14 @@ impl Simulation {
     fn measure_balance(&self, strain: f64, external_work: f64) -> Balance {
         let mut balance = Balance { strain, external_work, ..Balance::default() };
         let masses = &self.system.masses;
-        balance.kinetic = masses.kinetic_energy(&self.state.v);
-        balance.linear_momentum = masses.linear_momentum(&self.state.v);
-        balance.angular_momentum = masses.angular_momentum(&self.state.q, &self.state.v);
-        for load in self.model.loads.iter().filter(|load| load.is_conservative()) {
+        // The velocities of a static stage are mean ones of the last step, for its predictor.
+        if self.system.has_rates || !self.system.has_mass() {
+            balance.kinetic = masses.kinetic_energy(&self.state.v);
+            balance.linear_momentum = masses.linear_momentum(&self.state.v);
+            balance.angular_momentum = masses.angular_momentum(&self.state.q, &self.state.v);
+        }
+        let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
+        for (load, _) in acting.filter(|(load, _)| load.is_conservative()) {
             if let LoadKind::Dead { patterns } = &load.kind {
                 for (column, pattern) in patterns.iter().enumerate() {
                     let magnitude = load.magnitude.value(0.0, column);
@@ -417,7 +459,7 @@ impl Simulation {
         balance
     }
 
-    /// Mass of all bodies; zero in quasi-static runs, which have none.
+    /// Mass of all bodies; zero in runs without a dynamic stage, which have none.
     pub fn total_mass(&self) -> f64 {
         self.system.masses.total(self.state.q.len())
     }
@@ -427,7 +469,7 @@ impl Simulation {
         // The state was accepted, so its strain energy exists; NaN would show a contradiction.
         let strain = self.model.bodies[body].solid.strain_energy(&self.state.q).unwrap_or(f64::NAN);
         let mut balance = Balance { strain, ..Balance::default() };
-        if let Some(mass) = self.system.masses.bodies.get(body) {
+        if let Some(mass) = self.system.masses.bodies.get(body).filter(|_| self.system.has_rates) {
             balance.kinetic = mass.kinetic_energy(&self.state.v);
             balance.linear_momentum = mass.linear_momentum(&self.state.v);
             balance.angular_momentum = mass.angular_momentum(&self.state.q, &self.state.v);
@@ -440,7 +482,7 @@ impl Simulation {
         // As in `body_balance`.
         let strain = self.model.parts[part].energy(&self.state.q).unwrap_or(f64::NAN);
         let mut balance = Balance { strain, ..Balance::default() };
-        if let Some(mass) = self.system.masses.parts.get(part) {
+        if let Some(mass) = self.system.masses.parts.get(part).filter(|_| self.system.has_rates) {
             balance.kinetic = mass.kinetic_energy(&self.state.v);
             balance.linear_momentum = mass.linear_momentum(&self.state.v);
             balance.angular_momentum = mass.angular_momentum(&self.state.q, &self.state.v);
@@ -457,79 +499,5 @@ impl Simulation {
             energy += part.energy(q)?;
         }
         Ok(energy)
-    }
-
-    /// The present state as a checkpoint.
-    pub fn checkpoint(&self, tag: &str, attachments: BTreeMap<String, Vec<u8>>) -> Checkpoint {
-        Checkpoint {
-            tag: tag.to_owned(),
-            clock: self.clock,
-            step: self.step,
-            time: self.state.time,
-            q: self.state.q.clone(),
-            v: self.state.v.clone(),
-            a: self.state.a.clone(),
-            history: self.state.history.clone(),
-            pressures: self.pressures.clone(),
-            active: self.active.clone(),
-            histories: self
-                .model
-                .contacts
-                .iter()
-                .map(|p| p.method.history().map_or_else(Vec::new, |history| history.save_history()))
-                .collect(),
-            reactions: self.reactions.clone(),
-            contact_force: self.contact_force.clone(),
-            balance: self.balance,
-            timings: self.timings,
-            decisions: self.decisions.clone(),
-            solves: self.solves,
-            attachments,
-        }
-    }
-
-    /// Continues from a checkpoint of the same scene, to the end of this simulation.
-    ///
-    /// # Errors
-    /// [`CheckpointError::Mismatch`] if tag or sizes differ, or if the end is such that no step leads there ([`Clock::take_end_of`]).
-    pub fn restore(&mut self, checkpoint: Checkpoint, tag: &str) -> Result<BTreeMap<String, Vec<u8>>, SimulationError> {
-        let mismatch = |reason: String| SimulationError::Checkpoint(CheckpointError::Mismatch { reason });
-        if checkpoint.tag != tag {
-            return Err(mismatch(format!("it was written for {}, this is {tag}", checkpoint.tag)));
-        }
-        let sizes = |p: &[Vec<f64>]| p.iter().map(Vec::len).collect::<Vec<_>>();
-        if checkpoint.q.len() != self.state.q.len() || sizes(&checkpoint.pressures) != sizes(&self.pressures) {
-            return Err(mismatch("numbers of unknowns differ".into()));
-        }
-        let mut clock = checkpoint.clock;
-        if !clock.take_end_of(&self.clock) {
-            return Err(mismatch(format!(
-                "it is at t = {}, which is behind the new end of the run, or the end of a step that was shortened to meet the old one",
-                checkpoint.time
-            )));
-        }
-        for (pair, bytes) in self.model.contacts.iter_mut().zip(&checkpoint.histories) {
-            if let Some(history) = pair.method.history_mut() {
-                history.load_history(bytes).map_err(StepError::from)?;
-            }
-        }
-        self.clock = clock;
-        self.step = checkpoint.step;
-        self.state = State {
-            time: checkpoint.time,
-            q: checkpoint.q,
-            v: checkpoint.v,
-            a: checkpoint.a,
-            history: checkpoint.history,
-        };
-        self.pressures = checkpoint.pressures;
-        self.active = checkpoint.active;
-        self.reactions = checkpoint.reactions;
-        self.contact_force = checkpoint.contact_force;
-        self.balance = checkpoint.balance;
-        self.timings = checkpoint.timings;
-        self.decisions = checkpoint.decisions;
-        self.solves = checkpoint.solves;
-        Ok(checkpoint.attachments)
     }
 }

@@ -47,8 +47,13 @@ impl FeSystem<'_> {
         let theta = rule.load_fraction();
         let time = step.time + theta * step.dt;
         let mut stencil = *s.first_stencil.last().unwrap_or(&0);
-        for load in &model.loads {
+        for (load, &acts) in model.loads.iter().zip(&s.acting.loads) {
             let LoadKind::FollowerPressure { facets } = &load.kind else { continue };
+            if !acts {
+                // Its place in the pattern stays.
+                stencil += facets.len();
+                continue;
+            }
             let pressure = load.magnitude.value(time, 0);
             for facet in facets {
                 let corners = facet.map(|node| {
@@ -190,7 +195,7 @@ impl FeSystem<'_> {
         let s = &mut *self.system;
         let mut stencil = s.first_part_stencil;
         // A step of no length is the start of a run, where nothing has a rate.
-        let has_rates = !s.mass_values.is_empty() && step.dt > 0.0;
+        let has_rates = s.has_rates && step.dt > 0.0;
         let step = PartStep { q_n: step.q_n, q_np1: step.q_np1, rule, dt: step.dt, has_rates };
         let System { solid_map, solid_values, weighted, .. } = s;
         for part in &self.model.parts {

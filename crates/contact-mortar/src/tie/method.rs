@@ -1,4 +1,4 @@
-//! The tie as a contact discretisation whose slots never open.
+//! The tie as a contact discretisation whose slots do not open by themselves.
 
 use super::frame::{Stage, response};
 use super::{MeshTie, TiedNode};
@@ -62,10 +62,15 @@ impl TiedNode {
 }
 
 impl MeshTie {
+    /// Nodes that are not released; the slots of a node go together.
+    fn holding<'a>(&'a self, active: &'a [bool]) -> impl Iterator<Item = &'a TiedNode> {
+        self.nodes.iter().filter(|node| node.slots.iter().any(|&slot| active[slot as usize]))
+    }
+
     /// Nodes and slots of the contributions, in their order.
-    fn for_each_stencil(&self, visit: &mut dyn FnMut(&[u32], &[u32])) {
+    fn for_each_stencil(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         let mut nodes = Vec::new();
-        for node in &self.nodes {
+        for node in self.holding(active) {
             match &node.frame {
                 None => node.row.entries.iter().for_each(|entry| visit(&[entry.node], &node.slots)),
                 Some(frame) => {
@@ -127,20 +132,20 @@ impl Constraint for MeshTie {
         rule == ContactRule::EndPoint || self.nodes.iter().all(|node| node.frame.is_none())
     }
 
-    fn stencils(&self, _: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
-        self.for_each_stencil(visit);
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        self.for_each_stencil(active, visit);
     }
 
     fn assemble(
         &self,
         step: StepConfiguration<'_>,
         pressures: &[f64],
-        _: &[bool],
+        active: &[bool],
         want_tangent: bool,
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
         let mut local = LocalContribution::default();
-        for node in &self.nodes {
+        for node in self.holding(active) {
             let Some(frame) = &node.frame else {
                 node.assemble_constant(step.q_np1, pressures, want_tangent, &mut local, visit);
                 continue;

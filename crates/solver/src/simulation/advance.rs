@@ -42,6 +42,8 @@ struct Completed {
     strain: f64,
     contact: Option<ContactSummary>,
     work: ContactWork,
+    /// For each contact pair.
+    stored: Vec<[f64; 2]>,
     /// Energy that velocities got back.
     restored: f64,
     /// For each body.
@@ -67,7 +69,8 @@ impl Simulation {
     }
 
     fn advance_untimed(&mut self) -> Result<StepRecord, SimulationError> {
-        let first_decision = self.decisions.len();
+        // Those between the steps belong to the step that follows.
+        let first_decision = self.decisions.partition_point(|decision| decision.step <= self.step);
         loop {
             match self.try_step() {
                 Ok(completed) => return Ok(self.accept(completed, first_decision)),
@@ -115,7 +118,7 @@ impl Simulation {
     }
 
     /// Search and projection at the last positions.
-    fn begin_contact(&mut self, dt: f64, rule: StepRule) -> Result<(), StepError> {
+    pub(super) fn begin_contact(&mut self, dt: f64, rule: StepRule) -> Result<(), StepError> {
         if self.model.contacts.is_empty() {
             return Ok(());
         }
@@ -207,10 +210,10 @@ impl Simulation {
             coverage.defect = coverage.defect.max(pair.method.verify()?.defect);
         }
         let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
-        let (work, loss) = self.contact_work(&attempt.iterate)?;
+        let (work, stored, loss) = self.contact_work(&attempt.iterate)?;
         let mut next = self.next_state(&attempt.iterate, dt, rule)?;
         let restored = self.give_back(&attempt.iterate, loss, dt, &mut next.v)?;
-        Ok(Completed { attempt, next, rule, strain, contact, work, restored, inside_out, solves })
+        Ok(Completed { attempt, next, rule, strain, contact, work, stored, restored, inside_out, solves })
     }
 
     fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
@@ -324,8 +327,8 @@ impl Simulation {
 
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed);
-        let Completed { attempt, next, rule, strain, contact, work: contact_work, restored, inside_out, solves } =
-            completed;
+        let Completed { attempt, next, rule, strain, contact, stored, restored, inside_out, solves, .. } = completed;
+        let contact_work = completed.work;
         let Attempt { iterate, newton, .. } = attempt;
         let dt = self.clock.dt();
         let (time_n, time) = (self.state.time, next.time);
@@ -391,6 +394,7 @@ impl Simulation {
         if !self.model.contacts.is_empty() {
             self.contact_force.copy_from_slice(&self.system.buffers.constraint);
         }
+        self.stored = stored;
         self.pressures = iterate.pressures;
         self.active = iterate.active;
         let balance = self.measure_balance(strain, self.balance.external_work + work + contact_work.driven);
@@ -422,6 +426,7 @@ impl Simulation {
         }
         StepRecord {
             step: self.step,
+            stage: self.stage,
             time,
             dt,
             nominal: self.clock.on_nominal_grid(),
@@ -434,21 +439,24 @@ impl Simulation {
         }
     }
 
-    /// Energy that the contacts store and dissipate in the step, and what of the cost of closing gaps is to be restored.
-    fn contact_work(&mut self, iterate: &Iterate) -> Result<(ContactWork, f64), StepError> {
+    /// Energy that the contacts store and dissipate in the step, what each stores, and what of the cost of closing gaps is to be restored.
+    fn contact_work(&mut self, iterate: &Iterate) -> Result<(ContactWork, Vec<[f64; 2]>, f64), StepError> {
         let (mut total, mut loss) = (ContactWork::default(), 0.0);
+        let mut stored = Vec::with_capacity(self.model.contacts.len());
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
             let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
             total += work;
+            stored.push([work.stored, work.friction_stored]);
             loss += work.closing.filter(|_| pair.restores).map_or(0.0, |closing| closing.max(0.0));
         }
-        Ok((total, loss))
+        Ok((total, stored, loss))
     }
 
     /// Adds `factor` times the dead loads that vary in time.
     fn add_varying_loads(&self, time: f64, factor: f64, force: &mut [f64]) {
-        for load in self.model.loads.iter().filter(|load| !load.is_conservative()) {
+        let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
+        for (load, _) in acting.filter(|(load, _)| !load.is_conservative()) {
             load.add_dead(time, factor, force);
         }
     }
@@ -467,6 +475,10 @@ impl Simulation {
         let mut summary = ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
         let mut is_slave = vec![false; self.model.node_count()];
         for (c, pair) in self.model.contacts.iter().enumerate() {
+            if pair.method.is_off() {
+                summary.force_of_pair.push([0.0; 3]);
+                continue;
+            }
             let reports = self.timings.measure(Phase::Search, || pair.method.report(&iterate.q))?;
             for (slot, report) in reports.iter().enumerate() {
                 is_slave[report.node as usize] = true;

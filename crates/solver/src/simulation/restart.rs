@@ -1,0 +1,146 @@
+//! Checkpoints of a run, and going on from them.
+
+use super::{Simulation, Stage};
+use crate::switches::Acting;
+use crate::{Checkpoint, CheckpointError, Clock, ContactPair, SimulationError, StepControl, StepError};
+use std::collections::BTreeMap;
+use stoss_integrators::State;
+
+impl Simulation {
+    /// The present state as a checkpoint.
+    pub fn checkpoint(&self, tag: &str, attachments: BTreeMap<String, Vec<u8>>) -> Checkpoint {
+        Checkpoint {
+            tag: tag.to_owned(),
+            clock: self.clock,
+            stage: self.stage,
+            off: self.off.clone(),
+            released: self.released.clone(),
+            stored: self.stored.clone(),
+            step: self.step,
+            time: self.state.time,
+            q: self.state.q.clone(),
+            v: self.state.v.clone(),
+            a: self.state.a.clone(),
+            history: self.state.history.clone(),
+            pressures: self.pressures.clone(),
+            active: self.active.clone(),
+            histories: self.histories(),
+            reactions: self.reactions.clone(),
+            contact_force: self.contact_force.clone(),
+            balance: self.balance,
+            timings: self.timings,
+            decisions: self.decisions.clone(),
+            solves: self.solves,
+            attachments,
+        }
+    }
+
+    /// What each coupling carries from step to step.
+    pub(super) fn histories(&self) -> Vec<Vec<u8>> {
+        let of = |pair: &ContactPair| pair.method.history().map_or_else(Vec::new, |history| history.save_history());
+        self.model.contacts.iter().map(of).collect()
+    }
+
+    /// Continues from a checkpoint of the same scene in the present stage (of a new simulation: the first one), to the end of this simulation.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Mismatch`] if tag, stage or sizes differ, or if the end is such that no step leads there ([`Clock::take_end_of`]).
+    pub fn restore(&mut self, checkpoint: Checkpoint, tag: &str) -> Result<BTreeMap<String, Vec<u8>>, SimulationError> {
+        if checkpoint.stage != self.stage {
+            let reason = format!("it is in stage {}, this run in stage {}", checkpoint.stage, self.stage);
+            return Err(SimulationError::Checkpoint(CheckpointError::Mismatch { reason }));
+        }
+        self.load(checkpoint, tag, None)
+    }
+
+    /// Continues from a checkpoint of the same scene in the stage [`Checkpoint::stage`], which is `stage`. The simulation may be in any stage before; a new one
+    /// will do.
+    ///
+    /// # Errors
+    /// As [`Self::restore`]; the same if `stage` switches other things off; [`SimulationError::Stage`] if it is no stage of this model.
+    pub fn restore_in(
+        &mut self,
+        stage: Stage,
+        checkpoint: Checkpoint,
+        tag: &str,
+    ) -> Result<BTreeMap<String, Vec<u8>>, SimulationError> {
+        self.load(checkpoint, tag, Some(stage))
+    }
+
+    fn load(
+        &mut self,
+        checkpoint: Checkpoint,
+        tag: &str,
+        stage: Option<Stage>,
+    ) -> Result<BTreeMap<String, Vec<u8>>, SimulationError> {
+        let mismatch = |reason: String| SimulationError::Checkpoint(CheckpointError::Mismatch { reason });
+        if checkpoint.tag != tag {
+            return Err(mismatch(format!("it was written for {}, this is {tag}", checkpoint.tag)));
+        }
+        let sizes = |p: &[Vec<f64>]| p.iter().map(Vec::len).collect::<Vec<_>>();
+        if checkpoint.q.len() != self.state.q.len() || sizes(&checkpoint.pressures) != sizes(&self.pressures) {
+            return Err(mismatch("numbers of unknowns differ".into()));
+        }
+        let off = stage.as_ref().map_or(&self.off, |stage| &stage.off);
+        if *off != checkpoint.off {
+            return Err(mismatch("what does not act in the stage differs".into()));
+        }
+        let acting = Acting::new(&self.model, off, &checkpoint.released).map_err(mismatch)?;
+        let mut clock = checkpoint.clock;
+        let end = match &stage {
+            Some(stage) => {
+                self.check_stage(stage, None)?;
+                let Stage { step, end, .. } = *stage;
+                Clock::new(StepControl { step, end, ..self.control })
+            }
+            None => self.clock,
+        };
+        if !clock.take_end_of(&end) {
+            return Err(mismatch(format!(
+                "it is at t = {}, which is behind the new end of the run, or the end of a step that was shortened to meet the old one",
+                checkpoint.time
+            )));
+        }
+        let prescribed = self.model.prescribed_components(&acting)?;
+        for (pair, &acts) in self.model.contacts.iter_mut().zip(&acting.contacts) {
+            pair.method.set_acting(acts);
+        }
+        if let Some(stage) = stage {
+            self.control = StepControl { step: stage.step, end: stage.end, ..self.control };
+            self.scheme = stage.scheme;
+        }
+        self.install(acting, prescribed)?;
+        self.load_histories(&checkpoint.histories)?;
+        self.stage = checkpoint.stage;
+        self.off = checkpoint.off;
+        self.released = checkpoint.released;
+        self.stored = checkpoint.stored;
+        self.clock = clock;
+        self.step = checkpoint.step;
+        self.state = State {
+            time: checkpoint.time,
+            q: checkpoint.q,
+            v: checkpoint.v,
+            a: checkpoint.a,
+            history: checkpoint.history,
+        };
+        self.pressures = checkpoint.pressures;
+        self.active = checkpoint.active;
+        self.reactions = checkpoint.reactions;
+        self.contact_force = checkpoint.contact_force;
+        self.balance = checkpoint.balance;
+        self.timings = checkpoint.timings;
+        self.decisions = checkpoint.decisions;
+        self.solves = checkpoint.solves;
+        Ok(checkpoint.attachments)
+    }
+
+    pub(super) fn load_histories(&mut self, histories: &[Vec<u8>]) -> Result<(), StepError> {
+        for (pair, bytes) in self.model.contacts.iter_mut().zip(histories) {
+            if let Some(history) = pair.method.history_mut() {
+                history.load_history(bytes)?;
+            }
+        }
+        Ok(())
+    }
+}

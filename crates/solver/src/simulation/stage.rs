@@ -1,0 +1,374 @@
+//! Stages of a run, and releases: what acts changes between two steps.
+
+use super::Simulation;
+use crate::assembly::System;
+use crate::diagnosis::node_name;
+use crate::step::decision;
+use crate::switches::Acting;
+use crate::{
+    Balance, Clock, Coupling, Decision, DecisionKind, Model, Release, SimulationError, StepControl, StepError, Switches,
+};
+use stoss_contact::{ContactRule, StepConfiguration};
+use stoss_integrators::{Scheme, State};
+use stoss_linalg::AutoSolver;
+
+/// A part of a run with one scheme, one step size and one set of things that act. It begins at the time and with the positions at which the one before ended.
+#[derive(Debug)]
+pub struct Stage {
+    /// Name for messages.
+    pub name: String,
+    /// Time-stepping scheme; `None`: quasi-static.
+    pub scheme: Option<Box<dyn Scheme>>,
+    /// Nominal step size, a time. Cuts are those of the settings.
+    pub step: f64,
+    /// End of the stage, a time counted from the beginning of the run.
+    pub end: f64,
+    /// What does not act.
+    pub off: Switches,
+}
+
+/// Whether a scheme can go with the couplings of a model.
+pub(super) fn carries(scheme: &dyn Scheme, model: &Model) -> bool {
+    model.contacts.is_empty() || scheme.claims().constraints
+}
+
+/// What a change that fails has to give back.
+struct Saved {
+    acting: Acting,
+    prescribed: Vec<(u32, u32, u32)>,
+    /// If it was replaced, without its solver.
+    system: Option<System>,
+    has_rates: bool,
+    state: State,
+    pressures: Vec<Vec<f64>>,
+    active: Vec<Vec<bool>>,
+    reactions: Vec<f64>,
+    stored: Vec<[f64; 2]>,
+    balance: Balance,
+    histories: Vec<Vec<u8>>,
+}
+
+impl Simulation {
+    /// Begins the next stage at the present time with the present positions, whether or not the present stage is at its end. What `stage.off` names does not
+    /// act; all else acts, but for what was released. Multipliers, contact state and history of friction carry over.
+    ///
+    /// * *Into dynamics:* from statics velocities are the initial ones of the model, from dynamics they stay; prescribed components have those of their tables.
+    ///   What that changes in the kinetic energy is [`Balance::external_work`]. Accelerations and forces of the end point, if the scheme
+    ///   carries them, are made anew, so that an equilibrium stays at rest.
+    /// * *From dynamics to statics:* velocities are dropped, and their energy is booked as [`Balance::dissipation`].
+    /// * *Statics:* slave nodes that touch are closed, as at the start of a run.
+    /// * *Loads and couplings:* what their energies jump by when they are switched is [`Balance::external_work`].
+    /// * *Prescriptions:* components of those that are off are free. One that is switched on demands what its table says at the end of the first step, wherever
+    ///   its components are at present.
+    ///
+    /// # Errors
+    /// [`SimulationError::Stage`] if the stage does not fit the model or the time, [`SimulationError::Jump`] if something is switched on and is more than an edge
+    /// length from where it has to be, [`SimulationError::Model`] if prescriptions contradict each other, [`SimulationError::Setup`] if the state cannot be
+    /// evaluated. The simulation is then as it was.
+    pub fn begin_stage(&mut self, stage: Stage) -> Result<(), SimulationError> {
+        self.check_stage(&stage, Some(self.state.time))?;
+        let fault = |reason| SimulationError::Stage { stage: stage.name.clone(), reason };
+        let acting = Acting::new(&self.model, &stage.off, &self.released).map_err(fault)?;
+        let Stage { name, scheme, step, end, off } = stage;
+        let was_dynamic = self.scheme.is_some();
+        let reason = self.describe(&name, scheme.as_deref(), &off);
+        let control = StepControl { step, end, ..self.control };
+        let clock = std::mem::replace(&mut self.clock, Clock::starting_at(self.state.time, control));
+        let scheme = std::mem::replace(&mut self.scheme, scheme);
+        let mut saved = self.save();
+        let result = self.switch(acting, &mut saved).and_then(|()| {
+            self.start_velocities(was_dynamic);
+            self.settle(true)
+        });
+        if let Err(error) = result {
+            (self.clock, self.scheme) = (clock, scheme);
+            self.undo(saved);
+            return Err(error);
+        }
+        self.control = control;
+        self.off = off;
+        self.stage += 1;
+        self.note(DecisionKind::Stage, reason);
+        Ok(())
+    }
+
+    /// Lets something stop acting, from the next step to the end of the run. A multiplier does no work, so the energy is continuous; energy that a constraint
+    /// stores (friction in a joint) goes to [`Balance::external_work`]. Nothing happens if it was released before.
+    ///
+    /// # Errors
+    /// [`SimulationError::Release`] if there is no such thing or the coupling is not bilateral; [`SimulationError::Setup`] as for
+    /// [`Self::begin_stage`]. The simulation is then as it was.
+    pub fn release(&mut self, what: Release) -> Result<(), SimulationError> {
+        let words = match what {
+            Release::Constraint(c) => match self.model.contacts.get(c) {
+                Some(pair) if pair.method.is_bilateral() => format!("constraint {}", pair.name),
+                Some(pair) => {
+                    let reason = format!("{} is no constraint that always holds, and cannot be released", pair.name);
+                    return Err(SimulationError::Release(reason));
+                }
+                None => return Err(SimulationError::Release(format!("there is no constraint {c} to release"))),
+            },
+            Release::Prescription(p) => format!("prescription {p}"),
+        };
+        if self.released.contains(&what) {
+            return Ok(());
+        }
+        let mut released = self.released.clone();
+        released.push(what);
+        let acting = Acting::new(&self.model, &self.off, &released).map_err(SimulationError::Release)?;
+        let mut saved = self.save();
+        if let Err(error) = self.switch(acting, &mut saved).and_then(|()| self.settle(false)) {
+            self.undo(saved);
+            return Err(error);
+        }
+        self.released = released;
+        self.note(DecisionKind::Release, format!("{words} no longer acts"));
+        Ok(())
+    }
+
+    fn note(&mut self, kind: DecisionKind, reason: String) {
+        let note: Decision = decision(self.step + 1, self.state.time, self.clock.dt(), kind, reason);
+        self.decisions.push(note);
+    }
+
+    fn describe(&self, name: &str, scheme: Option<&dyn Scheme>, off: &Switches) -> String {
+        let kind = scheme.map_or_else(|| "statics".to_owned(), |scheme| format!("dynamics ({})", scheme.name()));
+        let mut names: Vec<String> = off.loads.iter().map(|&l| format!("load {}", self.model.loads[l].name)).collect();
+        names.extend(off.prescriptions.iter().map(|p| format!("prescription {p}")));
+        names.extend(off.contacts.iter().map(|&c| self.model.contacts[c].name.clone()));
+        let off = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
+        format!("stage {} ({name}) begins: {kind}, switched off: {off}", self.stage + 1)
+    }
+
+    /// Whether a stage fits the model, and the time at which it begins.
+    pub(super) fn check_stage(&self, stage: &Stage, begin: Option<f64>) -> Result<(), SimulationError> {
+        let fault = |reason: String| Err(SimulationError::Stage { stage: stage.name.clone(), reason });
+        let Stage { scheme, step, end, .. } = stage;
+        if !(*step > 0.0 && step.is_finite() && end.is_finite()) {
+            return fault(format!("step size {step:e} and end {end:e} must be finite, the step size positive"));
+        }
+        if let Some(begin) = begin.filter(|begin| end <= begin) {
+            return fault(format!("its end {end:e} is not after its beginning {begin:e}"));
+        }
+        if let Some(scheme) = scheme {
+            if !self.system.has_mass() {
+                return fault("it is dynamic, and the simulation was made for statics alone".into());
+            }
+            if !carries(&**scheme, &self.model) {
+                return fault(format!("scheme {} cannot carry contact constraints", scheme.name()));
+            }
+        }
+        Ok(())
+    }
+
+    fn save(&self) -> Saved {
+        Saved {
+            acting: self.system.acting.clone(),
+            prescribed: self.prescribed.clone(),
+            system: None,
+            has_rates: self.system.has_rates,
+            state: self.state.clone(),
+            pressures: self.pressures.clone(),
+            active: self.active.clone(),
+            reactions: self.reactions.clone(),
+            stored: self.stored.clone(),
+            balance: self.balance,
+            histories: self.histories(),
+        }
+    }
+
+    fn undo(&mut self, saved: Saved) {
+        if let Some(mut system) = saved.system {
+            std::mem::swap(&mut system.solver, &mut self.system.solver);
+            self.system = system;
+        }
+        for (pair, &acts) in self.model.contacts.iter_mut().zip(&saved.acting.contacts) {
+            pair.method.set_acting(acts);
+        }
+        self.system.acting = saved.acting;
+        self.system.has_rates = saved.has_rates;
+        self.prescribed = saved.prescribed;
+        self.state = saved.state;
+        self.pressures = saved.pressures;
+        self.active = saved.active;
+        self.reactions = saved.reactions;
+        self.stored = saved.stored;
+        self.balance = saved.balance;
+        // cannot fail: these methods wrote it themselves just before.
+        self.load_histories(&saved.histories).unwrap_or(());
+    }
+
+    /// Changes what acts.
+    fn switch(&mut self, acting: Acting, saved: &mut Saved) -> Result<(), SimulationError> {
+        let prescribed = self.model.prescribed_components(&acting)?;
+        self.check_jump(&prescribed)?;
+        for c in 0..acting.contacts.len() {
+            let acts = acting.contacts[c];
+            let method = &mut self.model.contacts[c].method;
+            if acts != method.is_off() {
+                continue;
+            }
+            method.set_acting(acts);
+            self.pressures[c].fill(0.0);
+            self.active[c].fill(acts && method.is_bilateral());
+            self.stored[c] = [0.0; 2];
+            if acts {
+                self.begin_coupling(c)?;
+            }
+        }
+        saved.system = self.install(acting, prescribed)?;
+        Ok(())
+    }
+
+    /// A coupling that was off acts again.
+    fn begin_coupling(&mut self, c: usize) -> Result<(), SimulationError> {
+        let pair = &mut self.model.contacts[c];
+        let q = &self.state.q;
+        let length = pair.method.length_scale();
+        match &mut pair.method {
+            Coupling::Contact(method) => {
+                // What slid before has no meaning where the surfaces are now.
+                method.begin_step(q, length).map_err(StepError::from)?;
+                method.commit(q, &self.pressures[c], &self.active[c]);
+            }
+            Coupling::Bilateral(method) => {
+                method.set_rule(ContactRule::EndPoint, self.clock.dt());
+                method.set_times(self.state.time, self.state.time);
+                method.begin_step(q, length).map_err(StepError::from)?;
+                let mut farthest = (0.0, None);
+                let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+                let weights: Vec<f64> = (0..method.slot_count()).map(|slot| method.slot_weight(slot)).collect();
+                method
+                    .assemble(step, &self.pressures[c], &self.active[c], false, &mut |local| {
+                        let rows = &local.residual[3 * local.nodes.len()..];
+                        for (&slot, row) in local.slots.iter().zip(rows) {
+                            let distance = (row / weights[slot as usize]).abs();
+                            if distance > farthest.0 {
+                                farthest = (distance, local.nodes.first().copied());
+                            }
+                        }
+                    })
+                    .map_err(StepError::from)?;
+                if let (distance, Some(node)) = farthest
+                    && distance > length
+                {
+                    let (what, place) = (format!("constraint {}", pair.name), node_name(&self.model, node, q));
+                    return Err(SimulationError::Jump { what, place, distance, length });
+                }
+            }
+            Coupling::Potential(of) => {
+                self.stored[c][0] = of.0.energy(q).map_err(StepError::from)?;
+            }
+            Coupling::Off(_) => {}
+        }
+        Ok(())
+    }
+
+    /// Equations for what acts, with the same linear solver. Returns the system that was there before, if the numbering changed, with a solver that is not its own.
+    pub(super) fn install(
+        &mut self,
+        acting: Acting,
+        prescribed: Vec<(u32, u32, u32)>,
+    ) -> Result<Option<System>, SimulationError> {
+        let mut before = None;
+        if acting.prescriptions == self.system.acting.prescriptions {
+            self.system.acting = acting;
+        } else {
+            let has_mass = self.system.has_mass();
+            let mut system = System::new(&self.model, acting, has_mass, Box::new(AutoSolver::new()))?;
+            std::mem::swap(&mut system.solver, &mut self.system.solver);
+            before = Some(std::mem::replace(&mut self.system, system));
+        }
+        self.system.has_rates = self.scheme.is_some();
+        let mut reactions = vec![0.0; self.reactions.len()];
+        for &(component, ..) in &prescribed {
+            reactions[component as usize] = self.reactions[component as usize];
+        }
+        self.reactions = reactions;
+        self.prescribed = prescribed;
+        Ok(before)
+    }
+
+    /// Refuses components that are newly prescribed and far from where they have to be.
+    fn check_jump(&self, prescribed: &[(u32, u32, u32)]) -> Result<(), SimulationError> {
+        let time = self.state.time;
+        for &(component, p, column) in prescribed {
+            if self.prescribed.binary_search_by_key(&component, |&(known, ..)| known).is_ok() {
+                continue;
+            }
+            let node = component / 3;
+            let wanted = self.model.prescriptions[p as usize].position(
+                node,
+                self.reference_of(component),
+                time,
+                column as usize,
+            );
+            let distance = (wanted - self.state.q[component as usize]).abs();
+            let length = self.edge_length(node);
+            if distance > length {
+                let place = format!("component {} of {}", component % 3, node_name(&self.model, node, &self.state.q));
+                return Err(SimulationError::Jump { what: format!("prescription {p}"), place, distance, length });
+            }
+        }
+        Ok(())
+    }
+
+    /// Length of an edge of the body, or of the part, that a node belongs to.
+    fn edge_length(&self, node: u32) -> f64 {
+        let body = self.model.bodies.iter().find(|body| body.nodes.contains(&node));
+        let part = self.model.parts.iter().find(|part| part.own_vectors().contains(&node));
+        match (body, part) {
+            (Some(body), _) => body.solid.characteristic_length(),
+            (None, Some(part)) => part.length_scale(),
+            // A node without equations cannot be far from anything.
+            (None, None) => f64::INFINITY,
+        }
+    }
+
+    fn start_velocities(&mut self, was_dynamic: bool) {
+        let mut v = std::mem::take(&mut self.state.v);
+        if self.scheme.is_none() {
+            v.fill(0.0);
+        } else {
+            if !was_dynamic {
+                v.copy_from_slice(&self.model.velocity);
+                self.model.embedding.follow(&mut v);
+            }
+            self.set_prescribed_velocities(self.state.time, &mut v);
+        }
+        self.state.v = v;
+    }
+
+    /// What follows from positions, velocities and what acts: accelerations, closed slots, the balance.
+    fn settle(&mut self, new_stage: bool) -> Result<(), SimulationError> {
+        self.state.a.clear();
+        self.state.history.clear();
+        if self.scheme.is_some() {
+            self.complete_state()?;
+        } else if new_stage {
+            self.close_touching()?;
+        } else {
+            self.state.v.fill(0.0);
+        }
+        let before = self.balance;
+        let now = self.measure_balance(before.strain, before.external_work);
+        let (contact, friction_stored) =
+            self.stored.iter().fold((0.0, 0.0), |(all, friction), stored| (all + stored[0], friction + stored[1]));
+        let kinetic = now.kinetic - before.kinetic;
+        let switched = (now.potential - before.potential) + (contact - before.contact);
+        let given = if self.scheme.is_some() { kinetic } else { 0.0 };
+        let dropped = if self.scheme.is_some() { 0.0 } else { -kinetic };
+        self.balance = Balance {
+            linear_momentum: now.linear_momentum,
+            angular_momentum: now.angular_momentum,
+            kinetic: now.kinetic,
+            potential: now.potential,
+            contact,
+            friction_stored,
+            external_work: before.external_work + switched + given,
+            dissipation: before.dissipation + dropped,
+            ..before
+        };
+        Ok(())
+    }
+}
