@@ -201,6 +201,14 @@ pub trait Report: Send + Sync + std::fmt::Debug {
     fn name(&self) -> &str;
     /// Length of a facet of the slave, the unit of its gaps.
     fn length_scale(&self) -> f64;
+    /// Whether the forces leave linear momentum as it is: they add up to zero. Not so where the ground takes a part of them.
+    fn conserves_linear_momentum(&self) -> bool {
+        true
+    }
+    /// Whether it holds surfaces together that lie on each other, as mesh ties do: then their nodes may be a little inside the other body.
+    fn holds_surfaces_together(&self) -> bool {
+        false
+    }
     /// Whether the forces leave angular momentum as it is, under schemes that conserve it: their moments about any point add up to zero.
     fn conserves_angular_momentum(&self) -> bool {
         true

@@ -14,6 +14,10 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     fn name(&self) -> &str;
     /// Length over which the forces change, of a facet for instance.
     fn length_scale(&self) -> f64;
+    /// Whether the forces leave linear momentum as it is.
+    fn conserves_linear_momentum(&self) -> bool {
+        true
+    }
     /// Whether the forces leave angular momentum as it is.
     fn conserves_angular_momentum(&self) -> bool {
         true
@@ -50,6 +54,10 @@ impl Report for WithoutSlots {
 
     fn length_scale(&self) -> f64 {
         self.0.length_scale()
+    }
+
+    fn conserves_linear_momentum(&self) -> bool {
+        self.0.conserves_linear_momentum()
     }
 
     fn conserves_angular_momentum(&self) -> bool {

@@ -1,10 +1,11 @@
 //! VTU: one frame of results as a VTK unstructured grid (XML, version 1.0).
 //!
 //! Arrays are inline, `format="binary"`: base64 of an 8-byte length and the values, little endian, not compressed. Coordinates
-//! and fields are `Float64`, connectivity and offsets `Int64`, cell types `UInt8` (12, the hexahedron). NaN passes through.
+//! and fields are `Float64`, connectivity and offsets `Int64`, cell types `UInt8`. NaN passes through. Cells stand in the order hexahedra
+//! (VTK's type 12), facets (triangles, 5, and quadrilaterals, 9), lines (4), vertices (1).
 //! The time goes into the field array `TimeValue`, which VTK's XML readers take as the time of the frame.
 //!
-//! Parallel pieces, compression and cells other than hexahedra are not here.
+//! Parallel pieces, compression and other cells are not here.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -12,11 +13,24 @@ use std::path::Path;
 use crate::atomic::{self, WriteError};
 use crate::base64::Encoder;
 use crate::{MeshIoError, xml};
+use stoss_reference_element::{FacetKind, FacetNodes};
 
 /// Name of the field array that holds the time.
 pub(crate) const TIME: &str = "TimeValue";
 /// VTK's number of the hexahedron, whose nodes are numbered as those of `hex8`.
 pub(crate) const VTK_HEXAHEDRON: u8 = 12;
+/// VTK's number of a line through any number of points.
+pub(crate) const VTK_POLY_LINE: u8 = 4;
+/// VTK's number of a single point.
+pub(crate) const VTK_VERTEX: u8 = 1;
+
+/// VTK's number of a facet, whose nodes are numbered as ours.
+pub(crate) const fn vtk_facet(kind: FacetKind) -> u8 {
+    match kind {
+        FacetKind::Tri3 => 5,
+        FacetKind::Quad4 => 9,
+    }
+}
 
 /// A named array with a fixed number of components a point or a cell.
 ///
@@ -38,9 +52,15 @@ pub struct VtuFrame<'a> {
     pub points: &'a [[f64; 3]],
     /// Points of the hexahedra in the order of `hex8`.
     pub hexahedra: &'a [[u32; 8]],
+    /// Points of the facets of surfaces without a volume mesh.
+    pub facets: &'a [FacetNodes],
+    /// Points of lines from one end to the other, two at least.
+    pub lines: &'a [Vec<u32>],
+    /// Points that are drawn by themselves.
+    pub vertices: &'a [u32],
     /// Fields with one tuple a point.
     pub point_data: Vec<Field<'a>>,
-    /// Fields with one tuple a hexahedron.
+    /// Fields with one tuple a cell: hexahedra, facets, lines, vertices.
     pub cell_data: Vec<Field<'a>>,
     /// Fields of the frame as a whole, of any number of tuples.
     pub field_data: Vec<Field<'a>>,
@@ -49,24 +69,38 @@ pub struct VtuFrame<'a> {
 }
 
 impl VtuFrame<'_> {
+    /// Number of cells.
+    pub fn cell_count(&self) -> usize {
+        self.hexahedra.len() + self.facets.len() + self.lines.len() + self.vertices.len()
+    }
+
+    /// Type and points of each cell, in the order of the file.
+    fn cells(&self) -> impl Iterator<Item = (u8, &[u32])> + Clone {
+        let hexahedra = self.hexahedra.iter().map(|nodes| (VTK_HEXAHEDRON, nodes.as_slice()));
+        let facets = self.facets.iter().map(|nodes| (vtk_facet(nodes.kind()), &**nodes));
+        let lines = self.lines.iter().map(|nodes| (VTK_POLY_LINE, nodes.as_slice()));
+        let vertices = self.vertices.iter().map(|node| (VTK_VERTEX, std::slice::from_ref(node)));
+        hexahedra.chain(facets).chain(lines).chain(vertices)
+    }
+
     /// Checks that everything fits together.
     ///
     /// # Errors
-    /// [`MeshIoError::Output`]: lengths, names that are empty, repeated or not possible in XML, hexahedra with points that do not
-    /// exist.
+    /// [`MeshIoError::Output`]: lengths, names that are empty, repeated or not possible in XML, cells with points that do not
+    /// exist, lines of less than two points.
     pub fn validate(&self) -> Result<(), MeshIoError> {
         let bad = |name: &str, problem: String| Err(MeshIoError::Output { name: name.to_owned(), problem });
-        for (e, nodes) in self.hexahedra.iter().enumerate() {
+        for (e, (kind, nodes)) in self.cells().enumerate() {
             if let Some(n) = nodes.iter().find(|&&n| n as usize >= self.points.len()) {
-                return bad(
-                    "hexahedra",
-                    format!("hexahedron {e} has point {n}, but there are {} points", self.points.len()),
-                );
+                return bad("cells", format!("cell {e} has point {n}, but there are {} points", self.points.len()));
+            }
+            if kind == VTK_POLY_LINE && nodes.len() < 2 {
+                return bad("cells", format!("cell {e} is a line of {} points", nodes.len()));
             }
         }
         let groups = [
             (&self.point_data, Some(self.points.len()), "points"),
-            (&self.cell_data, Some(self.hexahedra.len()), "hexahedra"),
+            (&self.cell_data, Some(self.cell_count()), "cells"),
             (&self.field_data, None, ""),
         ];
         for (fields, tuples, what) in groups {
@@ -130,7 +164,7 @@ fn write_frame(out: &mut impl Write, frame: &VtuFrame) -> io::Result<()> {
         frame.field_data.iter().try_for_each(|f| field(out, f, true))?;
         writeln!(out, "</FieldData>")?;
     }
-    let (points, cells) = (frame.points.len(), frame.hexahedra.len());
+    let (points, cells) = (frame.points.len(), frame.cell_count());
     writeln!(out, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">")?;
     for (tag, fields) in [("PointData", &frame.point_data), ("CellData", &frame.cell_data)] {
         writeln!(out, "<{tag}>")?;
@@ -140,10 +174,16 @@ fn write_frame(out: &mut impl Write, frame: &VtuFrame) -> io::Result<()> {
     writeln!(out, "<Points>")?;
     field(out, &Field { name: "Points", components: 3, values: frame.points.as_flattened() }, false)?;
     writeln!(out, "</Points>\n<Cells>")?;
-    let nodes = frame.hexahedra.as_flattened();
-    array(out, "type=\"Int64\" Name=\"connectivity\"", nodes.iter().map(|&n| i64::from(n).to_le_bytes()))?;
-    array(out, "type=\"Int64\" Name=\"offsets\"", (0..cells).map(|e| (8 * (e as i64 + 1)).to_le_bytes()))?;
-    array(out, "type=\"UInt8\" Name=\"types\"", (0..cells).map(|_| [VTK_HEXAHEDRON]))?;
+    let counts = frame.cells().map(|(_, nodes)| nodes.len());
+    let nodes = frame.cells().flat_map(|(_, nodes)| nodes.iter().map(|&n| i64::from(n).to_le_bytes()));
+    array(out, "type=\"Int64\" Name=\"connectivity\"", counts.clone().sum(), nodes)?;
+    let mut end = 0;
+    let offsets = counts.map(|count| {
+        end += count as i64;
+        end.to_le_bytes()
+    });
+    array(out, "type=\"Int64\" Name=\"offsets\"", cells, offsets)?;
+    array(out, "type=\"UInt8\" Name=\"types\"", cells, frame.cells().map(|(kind, _)| [kind]))?;
     writeln!(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>")
 }
 
@@ -153,17 +193,18 @@ fn field(out: &mut impl Write, field: &Field, count: bool) -> io::Result<()> {
     if count {
         attributes.push_str(&format!(" NumberOfTuples=\"{}\"", field.values.len() / field.components));
     }
-    array(out, &attributes, field.values.iter().map(|v| v.to_le_bytes()))
+    array(out, &attributes, field.values.len(), field.values.iter().map(|v| v.to_le_bytes()))
 }
 
 fn array<const N: usize>(
     out: &mut impl Write,
     attributes: &str,
-    values: impl ExactSizeIterator<Item = [u8; N]>,
+    count: usize,
+    values: impl Iterator<Item = [u8; N]>,
 ) -> io::Result<()> {
     writeln!(out, "<DataArray {attributes} format=\"binary\">")?;
     let mut encoder = Encoder::new(&mut *out);
-    encoder.push(&((N * values.len()) as u64).to_le_bytes())?;
+    encoder.push(&((N * count) as u64).to_le_bytes())?;
     for value in values {
         encoder.push(&value)?;
     }

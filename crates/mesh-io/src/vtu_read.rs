@@ -1,12 +1,14 @@
 //! Reads VTU files that [`crate::write_vtu`] wrote: for tests, pictures and comparisons.
 //!
-//! This is not a reader of VTU files in general: one piece, hexahedra, inline binary arrays without compression.
+//! This is not a reader of VTU files in general: one piece, the cells that are written in their order, inline
+//! binary arrays without compression.
 
 use std::path::Path;
 
 use crate::lines::syntax;
-use crate::vtu::{TIME, VTK_HEXAHEDRON};
+use crate::vtu::{TIME, VTK_HEXAHEDRON, VTK_POLY_LINE, VTK_VERTEX, vtk_facet};
 use crate::{MeshIoError, xml};
+use stoss_reference_element::{FacetKind, FacetNodes};
 
 /// A named array read from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,9 +28,15 @@ pub struct VtuData {
     pub points: Vec<[f64; 3]>,
     /// Points of the hexahedra in the order of `hex8`.
     pub hexahedra: Vec<[u32; 8]>,
+    /// Points of the facets.
+    pub facets: Vec<FacetNodes>,
+    /// Points of the lines.
+    pub lines: Vec<Vec<u32>>,
+    /// Single points.
+    pub vertices: Vec<u32>,
     /// Fields of the points.
     pub point_data: Vec<OwnedField>,
-    /// Fields of the hexahedra.
+    /// Fields of the cells: hexahedra, facets, lines, vertices.
     pub cell_data: Vec<OwnedField>,
     /// Fields of the frame.
     pub field_data: Vec<OwnedField>,
@@ -40,6 +48,30 @@ impl VtuData {
     /// The field of the points with this name.
     pub fn point_field(&self, name: &str) -> Option<&OwnedField> {
         self.point_data.iter().find(|f| f.name == name)
+    }
+
+    /// Takes over cells, of which `offsets` are the ends in `nodes`; `None` if there are others than those that are written, or in another order.
+    fn add_cells(&mut self, nodes: &[i64], offsets: &[i64], kinds: &[u8]) -> Option<()> {
+        let mut start = 0;
+        for (&end, &kind) in offsets.iter().zip(kinds) {
+            let end = usize::try_from(end).ok()?;
+            let cell: Vec<u32> = nodes.get(start..end)?.iter().map(|&n| n as u32).collect();
+            start = end;
+            let facet = FacetKind::ALL.into_iter().find(|&facet| vtk_facet(facet) == kind);
+            let (facets, lines) = (self.facets.len(), self.lines.len());
+            match (kind, facet) {
+                (VTK_HEXAHEDRON, _) if facets + lines + self.vertices.len() == 0 => {
+                    self.hexahedra.push(cell.try_into().ok()?);
+                }
+                (_, Some(facet)) if lines + self.vertices.len() == 0 && cell.len() == facet.node_count() => {
+                    self.facets.push(FacetNodes::from_fn(facet, |k| cell[k]));
+                }
+                (VTK_POLY_LINE, _) if self.vertices.is_empty() && cell.len() >= 2 => self.lines.push(cell),
+                (VTK_VERTEX, _) => self.vertices.push(*<&[u32; 1]>::try_from(cell.as_slice()).ok()?.first()?),
+                _ => return None,
+            }
+        }
+        (offsets.len() == kinds.len() && start == nodes.len()).then_some(())
     }
 }
 
@@ -140,16 +172,13 @@ impl<'a> Reader<'a> {
         };
         let consistent = data.points.len() == points
             && kinds.len() == cells
-            && kinds.iter().all(|&k| k == VTK_HEXAHEDRON)
-            && cells.checked_mul(8) == Some(nodes.len())
-            && offsets.iter().copied().eq((1..=cells as i64).map(|e| 8 * e))
             && nodes.iter().all(|&n| usize::try_from(n).is_ok_and(|n| n < points && n <= u32::MAX as usize))
             && fits(&data.point_data, points)
-            && fits(&data.cell_data, cells);
+            && fits(&data.cell_data, cells)
+            && data.add_cells(&nodes, &offsets, &kinds).is_some();
         if !consistent {
             return Err(self.error("the arrays", "their lengths and contents must fit the numbers of points and cells"));
         }
-        data.hexahedra = nodes.as_chunks::<8>().0.iter().map(|e| e.map(|n| n as u32)).collect();
         Ok(data)
     }
 

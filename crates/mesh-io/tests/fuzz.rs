@@ -17,6 +17,9 @@ fn vtu() -> String {
     let frame = VtuFrame {
         points: &points,
         hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+        facets: &[[0, 1, 2].into(), [4, 5, 6, 7].into()],
+        lines: &[vec![0, 3, 6]],
+        vertices: &[7],
         point_data: vec![Field { name: "u", components: 3, values: &values }],
         time: Some(0.5),
         ..VtuFrame::default()
@@ -163,7 +166,9 @@ proptest! {
         let error = if name == "a.vtu" {
             match read_vtu_from_str(name, &damaged) {
                 Ok(data) => {
-                    prop_assert!(data.hexahedra.as_flattened().iter().all(|&n| (n as usize) < data.points.len()));
+                    let cells = data.hexahedra.as_flattened().iter().chain(data.facets.iter().flatten());
+                    let mut nodes = cells.chain(data.lines.iter().flatten()).chain(&data.vertices);
+                    prop_assert!(nodes.all(|&n| (n as usize) < data.points.len()));
                     return Ok(());
                 }
                 Err(error) => error,

@@ -1,8 +1,10 @@
 //! VTU and PVD: round trips bit by bit, structure, errors, atomic writing.
 
 use proptest::prelude::*;
+use std::fmt::Write;
 use stoss_mesh::generate::Block;
 use stoss_mesh_io::{Field, MeshIoError, PvdWriter, VtuFrame, read_vtu, read_vtu_from_str, write_vtu, write_vtu_to};
+use stoss_reference_element::FacetNodes;
 
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|v| v.to_bits()).collect()
@@ -41,6 +43,7 @@ proptest! {
             cell_data: vec![Field { name: &name, components: 1, values: &seed[..cells] }],
             field_data: vec![Field { name: "step", components: 1, values: &seed[..3] }],
             time: Some(time),
+            ..VtuFrame::default()
         };
         let text = to_string(&frame);
         prop_assert!(text.is_ascii());
@@ -94,6 +97,107 @@ fn structure_of_the_file() {
     assert_eq!(position, text.len());
     // 8 as UInt64, then 1.5 = 0x3ff8 and six zero bytes
     assert!(text.contains("\nCAAAAAAAAAAAAAAAAAD4Pw==\n"), "{text}");
+}
+
+/// An array as VTK's documentation has it: base64 (RFC 4648) of the length and the bytes.
+fn data_array(attributes: &str, bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let bytes = [&(bytes.len() as u64).to_le_bytes(), bytes].concat();
+    let mut text = format!("<DataArray {attributes} format=\"binary\">\n");
+    for group in bytes.chunks(3) {
+        let word = (0..3).fold(0_u32, |word, i| word << 8 | u32::from(*group.get(i).unwrap_or(&0)));
+        for i in 0..4 {
+            text.push(if i > group.len() { '=' } else { char::from(DIGITS[(word >> (18 - 6 * i) & 63) as usize]) });
+        }
+    }
+    text + "\n</DataArray>\n"
+}
+
+/// The whole file of given cells, each a type and its points, with a field on points and one on cells.
+fn file(points: &[[f64; 3]], cells: &[(u8, &[i64])], field: &[f64], body: &[f64]) -> String {
+    let floats = |values: &[f64]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>();
+    let ends = cells.iter().scan(0, |end, (_, nodes)| {
+        *end += nodes.len() as i64;
+        Some(*end)
+    });
+    let nodes: Vec<u8> = cells.iter().flat_map(|(_, nodes)| nodes.iter()).flat_map(|n| n.to_le_bytes()).collect();
+    let kinds: Vec<u8> = cells.iter().map(|(kind, _)| *kind).collect();
+    let mut text = String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" ");
+    text += "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n";
+    text += &data_array(
+        "type=\"Float64\" Name=\"TimeValue\" NumberOfComponents=\"1\" NumberOfTuples=\"1\"",
+        &floats(&[0.25]),
+    );
+    let _ = write!(
+        text,
+        "</FieldData>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>\n",
+        points.len(),
+        cells.len()
+    );
+    text += &data_array("type=\"Float64\" Name=\"u\" NumberOfComponents=\"1\"", &floats(field));
+    text += "</PointData>\n<CellData>\n";
+    text += &data_array("type=\"Float64\" Name=\"body\" NumberOfComponents=\"1\"", &floats(body));
+    text += "</CellData>\n<Points>\n";
+    text += &data_array("type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"", &floats(points.as_flattened()));
+    text += "</Points>\n<Cells>\n";
+    text += &data_array("type=\"Int64\" Name=\"connectivity\"", &nodes);
+    text += &data_array(
+        "type=\"Int64\" Name=\"offsets\"",
+        &ends.flat_map(i64::to_le_bytes).collect::<Vec<_>>(),
+    );
+    text += &data_array("type=\"UInt8\" Name=\"types\"", &kinds);
+    text + "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
+}
+
+/// Hexahedra alone, and with cells of all other kinds: the file byte by byte, and back.
+#[test]
+fn cells_of_all_kinds_are_written_and_read() {
+    let mesh = Block::with_size([1.0, 2.0, 3.0], [2, 1, 1]).generate().unwrap();
+    let field: Vec<f64> = (0..12).map(|k| f64::from(k) / 3.0).collect();
+    let hexahedra: Vec<Vec<i64>> =
+        mesh.elements.iter().map(|nodes| nodes.iter().map(|&n| i64::from(n)).collect()).collect();
+    let mut cells: Vec<(u8, &[i64])> = hexahedra.iter().map(|nodes| (12, nodes.as_slice())).collect();
+    let body = [0.0, 1.0, 2.0, 2.0, 3.0, 4.0, 5.0];
+    let frame = |body| VtuFrame {
+        points: &mesh.nodes,
+        hexahedra: &mesh.elements,
+        point_data: vec![Field { name: "u", components: 1, values: &field }],
+        cell_data: vec![Field { name: "body", components: 1, values: body }],
+        time: Some(0.25),
+        ..VtuFrame::default()
+    };
+    assert_eq!(to_string(&frame(&body[..2])), file(&mesh.nodes, &cells, &field, &body[..2]));
+
+    let facets: [FacetNodes; 2] = [[4, 5, 6].into(), [7, 6, 5, 11].into()];
+    let (lines, vertices) = ([vec![0, 3, 8], vec![9, 10]], [11]);
+    let all = VtuFrame { facets: &facets, lines: &lines, vertices: &vertices, ..frame(&body) };
+    cells.extend([(5, [4, 5, 6].as_slice()), (9, &[7, 6, 5, 11]), (4, &[0, 3, 8]), (4, &[9, 10]), (1, &[11])]);
+    let text = to_string(&all);
+    assert_eq!(text, file(&mesh.nodes, &cells, &field, &body));
+    let data = read_vtu_from_str("frame.vtu", &text).unwrap();
+    assert_eq!((&data.hexahedra, data.facets.as_slice()), (&mesh.elements, facets.as_slice()));
+    assert_eq!((data.lines.as_slice(), data.vertices.as_slice()), (lines.as_slice(), vertices.as_slice()));
+    assert_eq!(data.cell_data[0].values, body);
+
+    // Another order, another kind, a number of points that does not fit, points that do not exist.
+    cells.swap(0, 2);
+    let read = |cells: &[(u8, &[i64])]| read_vtu_from_str("a.vtu", &file(&mesh.nodes, cells, &field, &body));
+    assert!(read(&cells).is_err());
+    cells.swap(0, 2);
+    assert!(read(&cells).is_ok());
+    for bad in [(10, [0, 1, 2, 3].as_slice()), (5, &[0, 1, 2, 3]), (9, &[0, 1, 2]), (4, &[0]), (1, &[0, 1]), (4, &[0, 12])] {
+        let last = std::mem::replace(&mut cells[6], bad);
+        assert!(read(&cells).is_err(), "{bad:?}");
+        cells[6] = last;
+    }
+    for bad in [
+        VtuFrame { facets: &[[0, 1, 12].into(), facets[1]], ..all.clone() },
+        VtuFrame { lines: &[vec![0, 1], vec![1]], ..all.clone() },
+        VtuFrame { vertices: &[12], ..all.clone() },
+        VtuFrame { vertices: &[], ..all.clone() },
+    ] {
+        assert!(matches!(write_vtu_to(&mut Vec::new(), &bad), Err(MeshIoError::Output { .. })), "{bad:?}");
+    }
 }
 
 #[test]

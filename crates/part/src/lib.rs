@@ -133,6 +133,17 @@ pub trait Part: Send + Sync + std::fmt::Debug {
         0.0
     }
 
+    /// Whether the forces leave linear momentum as it is: they add up to zero. Not so where the ground takes a part of them, as with a spring that is
+    /// tied to it.
+    fn conserves_linear_momentum(&self) -> bool {
+        true
+    }
+
+    /// Whether the forces leave angular momentum as it is, under schemes that conserve it.
+    fn conserves_angular_momentum(&self) -> bool {
+        true
+    }
+
     /// A length of the part, the unit of its deformations.
     fn length_scale(&self) -> f64;
 

@@ -88,6 +88,10 @@ impl Report for MeshTie {
         &self.name
     }
 
+    fn holds_surfaces_together(&self) -> bool {
+        true
+    }
+
     /// Constraints along spatial axes do not turn with the bodies.
     fn conserves_angular_momentum(&self) -> bool {
         self.nodes.iter().all(|node| node.frame.is_some())
