@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// ```toml
 /// [[rigid]]
 /// name = "wheel"
-/// shape = { kind = "cylinder", radius = 0.5, length = 0.1, divisions = [32, 1] }
+/// shape = { kind = "cylinder", radius = 0.5, length = 0.1, divisions = [32, 1, 4] }
 /// density = 7850.0
 /// position = [0, 0, 0.5]
 /// angular_velocity = [0, 0, 20]
@@ -105,11 +105,12 @@ pub(crate) fn euler_from_inertia(inertia: [f64; 3]) -> [f64; 3] {
 pub enum Shape {
     /// A sphere about the origin.
     Sphere(SphereShape),
-    /// An axis-parallel box about the origin.
+    /// An axis-parallel box about the origin. Sets: `left`, `right` (x), `front`, `back` (y), `bottom`, `top` (z).
     Box(BoxShape),
-    /// A cylinder about the z-axis, its centre at the origin.
+    /// A cylinder about the z-axis, its centre at the origin. Sets: `side`, `bottom`, `top`.
     Cylinder(CylinderShape),
-    /// A cone about the z-axis: its tip at the origin, pointing down, its base in the plane z = `height`.
+    /// A cone about the z-axis, whole or cut off: its tip in the origin, pointing to -z, its base at z = `height`. Sets: `side`, `base`, and `tip` where it is
+    /// cut off.
     Cone(ConeShape),
     /// A rectangle in the plane z = 0 about the origin, whose outside is z > 0. It is not closed: it has no volume.
     Plane(PlaneShape),
@@ -163,8 +164,8 @@ pub struct CylinderShape {
     pub radius: f64,
     /// Length along z.
     pub length: f64,
-    /// Facets around the circle, at least 3, and along the length.
-    pub divisions: [u32; 2],
+    /// Facets around the axis, at least 3, along the length, and from the axis to the edge of the ends.
+    pub divisions: [u32; 3],
 }
 
 /// Parameters of the shape `cone`.
@@ -174,13 +175,13 @@ pub struct CylinderShape {
 pub struct ConeShape {
     /// Radius of the base.
     pub radius: f64,
-    /// Height, from the tip to the base.
+    /// Distance of base and tip.
     pub height: f64,
-    /// Radius of the flat tip, below `radius`; 0, a sharp tip, if left out.
+    /// Radius of the flat end where the tip is cut off, below `radius`; 0, a sharp tip, if left out.
     #[serde(default)]
     pub tip_radius: f64,
-    /// Facets around the circle, at least 3, and from the tip to the base.
-    pub divisions: [u32; 2],
+    /// Facets around the axis, at least 3, from the tip to the base along the side, and from the axis to the edge of the ends.
+    pub divisions: [u32; 3],
 }
 
 /// Parameters of the shape `plane`.

@@ -253,11 +253,17 @@ fn cuboid(table: &Table<'_>) -> Option<Shape> {
     Some(Shape::Box(BoxShape { size: size?, divisions: divisions? }))
 }
 
+/// Facets around the axis, along the side, and from the axis to the edge of the `ends`.
+fn round_divisions(table: &Table<'_>, ends: f64) -> Option<[u32; 3]> {
+    table.required("divisions", "divisions = [32, 4, 4]", |n| {
+        divisions(n, [3, 1, 1], |[around, along, radial]| around * (along + ends * radial))
+    })
+}
+
 fn cylinder(table: &Table<'_>) -> Option<Shape> {
     let radius = table.required("radius", "radius = 0.5", Node::positive);
     let length = table.required("length", "length = 1.0", Node::positive);
-    let divisions =
-        table.required("divisions", "divisions = [32, 1]", |n| divisions(n, [3, 1], |[round, along]| round * along));
+    let divisions = round_divisions(table, 2.0);
     Some(Shape::Cylinder(CylinderShape { radius: radius?, length: length?, divisions: divisions? }))
 }
 
@@ -266,13 +272,15 @@ fn cone(table: &Table<'_>) -> Option<Shape> {
     let height = table.required("height", "height = 1.0", Node::positive);
     let tip_radius = table.default("tip_radius", 0.0, |n| {
         let tip = n.not_negative()?;
-        if radius.is_some_and(|radius| tip >= radius) {
-            return n.fail("must be below `radius`", "reduce it; a `cylinder` has two equal ends");
+        match radius {
+            Some(radius) if tip >= radius => n.fail(
+                format!("must be below the radius of the base, {radius}"),
+                "reduce it, or take the shape \"cylinder\"",
+            ),
+            _ => Some(tip),
         }
-        Some(tip)
     });
-    let divisions =
-        table.required("divisions", "divisions = [32, 8]", |n| divisions(n, [3, 1], |[round, along]| round * along));
+    let divisions = round_divisions(table, 2.0);
     Some(Shape::Cone(ConeShape { radius: radius?, height: height?, tip_radius: tip_radius?, divisions: divisions? }))
 }
 

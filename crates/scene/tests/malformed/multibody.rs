@@ -55,7 +55,7 @@ pub const CASES: &[Case] = &[
     multi("radius = 0.5, divisions = 4 }", "radius = 0.5 }", "\"sphere\"", "rigid[0].shape.divisions"),
     multi("radius = 0.5, divisions = 4 }", "radius = 0.5, divisions = 40000 }", "40000", "rigid[0].shape.divisions"),
     multi("size = [1, 2, 3]", "size = [1, 2]", "size = [1, 2]", "rigid[1].shape.size"),
-    multi("divisions = [24, 2]", "divisions = [2, 2]", "[2, 2] }", "rigid[2].shape.divisions"),
+    multi("divisions = [24, 2, 4]", "divisions = [2, 2, 4]", "[2, 2, 4] }", "rigid[2].shape.divisions"),
     multi("tip_radius = 0.1", "tip_radius = 0.6", "0.6", "rigid[3].shape.tip_radius"),
     multi("height = 1.0, ", "", "\"cone\"", "rigid[3].shape.height"),
     multi("surface = { file = \"tool.stl\"", "surface = { file = \"tool.obj\"", "tool.obj", "rigid[6].surface.file"),

@@ -113,6 +113,9 @@ pub(crate) fn write(path: &Path, simulation: &Simulation, fields: Option<&[Scene
     let frame = VtuFrame {
         points: &points,
         hexahedra: &hexahedra,
+        facets: &[],
+        lines: &[],
+        vertices: &[],
         point_data,
         cell_data: vec![Field { name: "body", components: 1, values: &bodies }],
         field_data: Vec::new(),

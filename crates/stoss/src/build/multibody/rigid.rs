@@ -12,9 +12,6 @@ use stoss_mesh::surface::{Cone, Cuboid, Cylinder, Plane, RoundDivisions, Sphere}
 use stoss_mesh::{MassProperties, Mesh, MeshError, Rotation, SurfaceMesh};
 use stoss_multibody::{RigidBody, RigidMass};
 
-/// Around the circle to one from the axis to the edge of a flat end.
-const ROUND_TO_RADIAL: u32 = 6;
-
 /// Adds all rigid bodies to the model; those with problems are left out.
 pub(super) fn rigids(
     scene: &Scene,
@@ -112,7 +109,7 @@ fn shape(
 }
 
 fn generate(shape: &SceneShape) -> Result<SurfaceMesh, MeshError> {
-    let round = |[around, along]: [u32; 2]| RoundDivisions { around, along, radial: (around / ROUND_TO_RADIAL).max(1) };
+    let round = |[around, along, radial]: [u32; 3]| RoundDivisions { around, along, radial };
     match shape {
         SceneShape::Sphere(s) => Sphere { radius: s.radius, divisions: s.divisions }.generate(),
         SceneShape::Box(s) => Cuboid { size: s.size, divisions: s.divisions }.generate(),
