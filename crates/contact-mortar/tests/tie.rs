@@ -212,6 +212,30 @@ proptest! {
     }
 
     #[test]
+    fn released_slots_contribute_nothing(meshes in meshes(), d in numbers(), l in numbers(), keep in 0u32..7) {
+        let p = pair(meshes, 2, 3, cylinder);
+        let q = shaken(&p.x, &d, 0.3);
+        for form in FORMS {
+            let tie = p.tie(TieOptions { form, interface: Interface::Keep, ..Default::default() });
+            let lambda: Vec<f64> = l.iter().cycle().take(tie.slot_count()).copied().collect();
+            let step = StepConfiguration { q_n: &p.x, q_np1: &q, rule: ContactRule::EnergyMomentum };
+            let of_node: Vec<u32> = tie.report(&q).unwrap().iter().map(|slot| slot.node).collect();
+            let active: Vec<bool> = of_node.iter().map(|node| node % 7 == keep).collect();
+            let mut all = Vec::new();
+            tie.assemble(step, &lambda, &vec![true; active.len()], true, &mut |local| all.push(format!("{local:?}"))).unwrap();
+            let (mut kept, mut stencils, mut expected) = (Vec::new(), 0, 0);
+            tie.assemble(step, &lambda, &active, true, &mut |local| {
+                assert!(local.slots.iter().all(|&slot| active[slot as usize]));
+                kept.push(format!("{local:?}"));
+            }).unwrap();
+            tie.stencils(&active, &mut |_, slots| stencils += usize::from(slots.iter().all(|&slot| active[slot as usize])));
+            tie.stencils(&vec![true; active.len()], &mut |_, slots| expected += usize::from(active[slots[0] as usize]));
+            prop_assert_eq!((kept.len(), stencils), (expected, expected));
+            prop_assert!(kept.iter().all(|local| all.contains(local)));
+        }
+    }
+
+    #[test]
     fn discrete_gradients_do_exact_work(meshes in meshes(), d in numbers(), e in numbers(), l in numbers()) {
         let p = pair(meshes, 2, 3, cylinder);
         let (q_n, q_np1) = (shaken(&p.x, &d, 0.3), shaken(&p.x, &e, 0.3));

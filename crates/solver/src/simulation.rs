@@ -135,8 +135,8 @@ impl Simulation {
     /// Checks the model, numbers the unknowns, builds the pattern and (in dynamics) the mass matrix.
     ///
     /// # Errors
-    /// [`SimulationError::Model`] for inconsistent sizes or doubly prescribed components, [`SimulationError::Setup`] if the
-    /// initial state cannot be evaluated.
+    /// [`SimulationError::Model`] for inconsistent sizes, doubly prescribed components or a scheme that does not go with the model,
+    /// [`SimulationError::Setup`] if the initial state cannot be evaluated.
     pub fn new(model: Model, settings: Settings) -> Result<Self, SimulationError> {
         Self::staged(model, settings, FirstStage::default())
     }
@@ -166,8 +166,8 @@ impl Simulation {
                 return Err(SimulationError::Model(format!("body {} has no density", body.solid.name())));
             }
         }
-        if let Some(scheme) = settings.scheme.as_ref().filter(|s| !stage::carries(&***s, &model)) {
-            return Err(SimulationError::Model(format!("scheme {} cannot carry contact constraints", scheme.name())));
+        if let Some(scheme) = &settings.scheme {
+            stage::check_scheme(&**scheme, &model).map_err(SimulationError::Model)?;
         }
         let Settings { control, scheme, newton, inside_out: inside_out_rule, solver } = settings;
         let mut system = System::new(&model, acting, has_mass, solver)?;

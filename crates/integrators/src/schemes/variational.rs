@@ -8,6 +8,10 @@ use crate::{Claims, Combination, ConstraintTerm, ForceRule, ForceTerm, GradientR
 /// `M w - P_n + dt (1 - alpha) F(q_alpha) - dt G(q_n)^T p = 0`, `P_np1 = M w - dt alpha F(q_alpha)`.
 ///
 /// Symplectic, conserves both momenta; second order for `alpha = 1/2`.
+///
+/// Under constraints the positions are those of SHAKE: `P_np1` has not yet the part of the constraint impulse at `n+1` that the next step gives to it, so
+/// the velocities `M^-1 P_np1` leave the constraint by a part of first order in `dt` along `M^-1 G^T`; positions and momenta are as said above. What has no mass gets no
+/// velocity from momenta: a model with such coordinates needs another scheme.
 #[derive(Clone, Copy, Debug)]
 pub struct VariationalMidpoint {
     /// Place of the forces, in `[0, 1)`.

@@ -11,6 +11,7 @@ use crate::{
 use stoss_contact::{ContactRule, StepConfiguration};
 use stoss_integrators::{Scheme, State};
 use stoss_linalg::AutoSolver;
+use stoss_part::Part;
 
 /// A part of a run with one scheme, one step size and one set of things that act. It begins at the time and with the positions at which the one before ended.
 #[derive(Debug)]
@@ -27,9 +28,33 @@ pub struct Stage {
     pub off: Switches,
 }
 
-/// Whether a scheme can go with the couplings of a model.
-pub(super) fn carries(scheme: &dyn Scheme, model: &Model) -> bool {
-    model.contacts.is_empty() || scheme.claims().constraints
+/// Whether a scheme can go with a model, or why not.
+pub(super) fn check_scheme(scheme: &dyn Scheme, model: &Model) -> Result<(), String> {
+    let name = scheme.name();
+    if !model.contacts.is_empty() && !scheme.claims().constraints {
+        return Err(format!("scheme {name} cannot carry contact constraints"));
+    }
+    // Momenta say nothing about the velocity of what has no mass.
+    if scheme.rule(1.0).impulse.is_some()
+        && let Some(part) = model.parts.iter().find(|part| has_massless_vector(&***part))
+    {
+        let part = part.name();
+        return Err(format!(
+            "scheme {name} cannot carry {part}, which has vectors without mass: it makes velocities of momenta"
+        ));
+    }
+    Ok(())
+}
+
+fn has_massless_vector(part: &dyn Part) -> bool {
+    let own = part.own_vectors();
+    let mut massless = vec![true; own.len()];
+    part.mass(&mut |i, j, m| {
+        if i == j && m != 0.0 && own.contains(&i) {
+            massless[(i - own.start) as usize] = false;
+        }
+    });
+    massless.contains(&true)
 }
 
 /// What a change that fails has to give back.
@@ -154,9 +179,7 @@ impl Simulation {
             if !self.system.has_mass() {
                 return fault("it is dynamic, and the simulation was made for statics alone".into());
             }
-            if !carries(&**scheme, &self.model) {
-                return fault(format!("scheme {} cannot carry contact constraints", scheme.name()));
-            }
+            check_scheme(&**scheme, &self.model).or_else(fault)?;
         }
         Ok(())
     }
