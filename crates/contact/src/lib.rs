@@ -21,8 +21,8 @@ pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use method::{
-    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, LocalContribution,
-    Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
+    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, JointReport,
+    LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
 pub use potential::{Potential, WithoutSlots};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};

@@ -151,6 +151,19 @@ pub struct SlotFriction {
     pub sticks: bool,
 }
 
+/// What a joint does at the end of a step, for output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointReport {
+    /// Force of the first side on the second.
+    pub force: [f64; 3],
+    /// Moment of the first side on the second about the joint's point on the second.
+    pub moment: [f64; 3],
+    /// Angle (radians, followed over turns) or displacement that the joint leaves free, if it is one.
+    pub coordinate: Option<f64>,
+    /// Torque or force of friction on the second side; zero without.
+    pub friction: f64,
+}
+
 /// How the surfaces of a discretisation are covered by what it integrates over.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coverage {
@@ -216,6 +229,10 @@ pub trait Report: Send + Sync + std::fmt::Debug {
     /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
     fn verify(&self) -> Result<Coverage, ContactError> {
         Ok(Coverage::default())
+    }
+    /// What a joint does at the end of a step at `q`; `None` for everything else.
+    fn joint(&self, _q: &[f64], _multipliers: &[f64]) -> Option<JointReport> {
+        None
     }
     /// Gap, normal and feature of every slot at a configuration, for output and probes.
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;

@@ -97,8 +97,8 @@ pub struct Joint {
     pub name: String,
     /// Kind of the joint.
     pub kind: JointKind,
-    /// The two sides: a rigid body or point mass by its name, an end of a beam or string (`beam.start`, `string.end`), a set of a deformable body
-    /// (`body.set`), or `ground`.
+    /// The two sides: a rigid body or point mass by its name, an end of a beam or string (`beam.start`, `string.end`), a beam by its name for the node that is
+    /// nearest to `at`, a set of a deformable body (`body.set`), or `ground`.
     pub between: [String; 2],
     /// The point of the joint; of a `distance` two points, the first on the first part. A point mass or the end of a string must be there.
     pub at: JointPoint,

@@ -513,7 +513,11 @@ impl System {
                 let of_part = first >= self.first_grouped && first != NONE;
                 // Slots of parts belong to one contribution.
                 let own_slots = if own && !of_part { &slots[..slots.len().min(1)] } else { slots };
-                if own && !choice && of_part && nodes.iter().any(|&node| label(node) != first && room.contains_key(&label(node))) {
+                if own
+                    && !choice
+                    && of_part
+                    && nodes.iter().any(|&node| label(node) != first && room.contains_key(&label(node)))
+                {
                     continue;
                 }
                 let free = |&slot: &u32| groups[self.slot_equation[pair][slot as usize] as usize] == NONE;
@@ -528,7 +532,9 @@ impl System {
                 }
                 for &slot in own_slots {
                     let first = self.slot_equation[pair][slot as usize] as usize;
-                    for entry in groups[first..first + self.slot_width[pair] as usize].iter_mut().filter(|g| **g == NONE) {
+                    for entry in
+                        groups[first..first + self.slot_width[pair] as usize].iter_mut().filter(|g| **g == NONE)
+                    {
                         *entry = group;
                     }
                 }

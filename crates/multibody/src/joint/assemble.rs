@@ -8,7 +8,9 @@ use super::coordinate::LARGEST_TURN;
 use super::{CoordinateKind, Joint};
 use crate::constraint::gradient_fraction;
 use crate::quadratic::Evaluation;
-use stoss_contact::{Constraint, ContactError, ContactRule, LocalContribution, Report, SlotReport, StepConfiguration};
+use stoss_contact::{
+    Constraint, ContactError, ContactRule, JointReport, LocalContribution, Report, SlotReport, StepConfiguration,
+};
 
 /// A slip below this share of the length of the joint that a limit leaves is none.
 const SMALLEST_SLIP: f64 = 1e-9;
@@ -362,6 +364,20 @@ impl Report for Joint {
 
     fn length_scale(&self) -> f64 {
         self.length
+    }
+
+    fn conserves_linear_momentum(&self) -> bool {
+        !self.grounded
+    }
+
+    fn conserves_angular_momentum(&self) -> bool {
+        !self.grounded
+    }
+
+    fn joint(&self, q: &[f64], multipliers: &[f64]) -> Option<JointReport> {
+        let (force, moment) = self.force(q, q, ContactRule::EndPoint, multipliers);
+        let (coordinate, friction) = (self.coordinate(q), self.friction_torque(multipliers));
+        Some(JointReport { force, moment, coordinate, friction })
     }
 
     fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {

@@ -107,6 +107,8 @@ pub struct Joint {
     options: CoordinateOptions,
     weights: Weights,
     forms: [crate::Embedded; 10],
+    /// Whether one side is the ground.
+    grounded: bool,
     /// Equations, then the invariants of the coordinate.
     list: Vec<Function>,
     functions: Quadratics,
@@ -159,6 +161,7 @@ impl Joint {
             name: joint(),
             kind,
             length,
+            grounded: [a, b].iter().any(|side| side.point.terms.is_empty()),
             options: CoordinateOptions::default(),
             weights: Weights::default(),
             forms,

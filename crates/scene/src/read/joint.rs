@@ -114,7 +114,13 @@ fn side(node: &Node<'_>, world: &World<'_>, oriented: Option<JointKind>) -> Opti
         (PartKind::Body, None) => {
             return node.fail(format!("is {noun}: a joint needs a set of it"), format!("write \"{name}.set\""));
         }
-        (PartKind::Beam | PartKind::String, set) if !matches!(set, Some("start" | "end")) => {
+        (PartKind::Beam, Some(set)) if !matches!(set, "start" | "end") => {
+            return node.fail(
+                format!("`{name}` is {noun}, joined at one of its ends or at the node nearest to `at`"),
+                format!("write \"{name}.start\", \"{name}.end\" or \"{name}\""),
+            );
+        }
+        (PartKind::String, set) if !matches!(set, Some("start" | "end")) => {
             return node.fail(
                 format!("`{name}` is {noun}, joined at one of its ends"),
                 format!("write \"{name}.start\" or \"{name}.end\""),

@@ -126,7 +126,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties.pairs);
         #[cfg(feature = "multibody")]
-        multibody::constraints(scene, &parts, &mut model, &mut problems);
+        multibody::constraints(scene, &mut parts, &mut model, &mut problems);
         warnings.extend(supports::warnings(scene, &model));
         probes = probe::probes(scene, &placed, &mut problems);
     }

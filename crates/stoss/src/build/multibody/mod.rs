@@ -1,15 +1,18 @@
 //! Rigid bodies, beams, strings, joints and springs of a scene.
 
+mod joint;
+mod line;
 mod motion;
 mod rigid;
 
 use super::placed::Placed;
 use super::{Drawing, Problems};
-use crate::scene::Scene;
-use crate::solver::{ContactPair, Coupling, Model};
+use crate::scene::{Coupling, Scene};
+use crate::solver::{ContactPair, Model};
+use std::collections::BTreeMap;
 use std::path::Path;
 use stoss_contact::Bilateral;
-use stoss_multibody::RigidBody;
+use stoss_multibody::{Beam, ElasticString, PointMass, RigidBody};
 use stoss_part::Part as _;
 
 pub(super) use motion::{fix, prescribe_rigid};
@@ -25,6 +28,16 @@ pub(super) struct Parts {
     pub drawing: Drawing,
     /// In the order of `[[rigid]]`.
     pub rigids: Vec<RigidBody>,
+    /// In the order of `[[beam]]`.
+    pub beams: Vec<Beam>,
+    /// In the order of `[[string]]`.
+    pub strings: Vec<ElasticString>,
+    /// In the order of `[[mass]]`.
+    pub masses: Vec<PointMass>,
+    /// Reference bodies of sets of deformable bodies.
+    pub couplings: BTreeMap<(String, Coupling), RigidBody>,
+    /// Place of each joint in the model's contacts.
+    pub joints: Vec<Option<usize>>,
 }
 
 /// Adds the parts to the model.
@@ -37,6 +50,7 @@ pub(super) fn parts(
 ) -> Parts {
     let mut parts = Parts::default();
     rigid::rigids(scene, folder, model, mesh_files, &mut parts, problems);
+    line::lines(scene, model, &mut parts, problems);
     parts
 }
 
@@ -48,17 +62,22 @@ impl Parts {
 }
 
 /// Adds the constraints of the parts: rigidity, joints.
-pub(super) fn constraints(scene: &Scene, parts: &Parts, model: &mut Model, _problems: &mut Problems<'_>) {
+pub(super) fn constraints(scene: &Scene, parts: &mut Parts, model: &mut Model, problems: &mut Problems<'_>) {
     for (item, body) in scene.rigids.iter().zip(&parts.rigids) {
         // Nothing is left to constrain where all coordinates are prescribed.
         if !motion::is_prescribed(scene, item) {
             push(model, body.constraints());
         }
     }
+    for beam in &parts.beams {
+        push(model, beam.constraints());
+    }
+    parts.joints = joint::joints(scene, parts, model, problems);
+    joint::springs(scene, parts, model, problems);
 }
 
 fn push(model: &mut Model, constraint: impl Bilateral + 'static) {
     let name = constraint.name().to_owned();
-    let method = Coupling::bilateral(constraint);
+    let method = crate::solver::Coupling::bilateral(constraint);
     model.contacts.push(ContactPair { name, method, complementarity: 1.0, restores: false });
 }

@@ -1,0 +1,213 @@
+//! Joints and springs: what they hold on each side.
+
+use super::{Parts, push};
+use crate::build::Problems;
+use crate::scene::{Coupling, GROUND, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series, split_set};
+use crate::solver::Model;
+use std::sync::Arc;
+use stoss_multibody::{
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, Embedded, Frame, Joint, JointKind, PiecewiseLinear,
+    Spring, SpringData, Weights, axes_along,
+};
+
+/// One side of a joint or spring: what moves, and a length and a mass that are typical of it.
+struct Side {
+    frame: Frame,
+    length: Option<f64>,
+    mass: Option<f64>,
+}
+
+/// Finds what the sides of a joint hold on.
+struct Sides<'a> {
+    scene: &'a Scene,
+    parts: &'a Parts,
+    model: &'a Model,
+}
+
+impl Sides<'_> {
+    /// The side of this name at a point, with three directions.
+    fn find(
+        &self,
+        name: &str,
+        at: [f64; 3],
+        axes: [[f64; 3]; 3],
+        coupling: Coupling,
+        key: &str,
+        problems: &mut Problems<'_>,
+    ) -> Option<Side> {
+        if name == GROUND {
+            return Some(Side { frame: Frame::ground(at, axes), length: None, mass: None });
+        }
+        let (part, set) = split_set(name).map_or((name, None), |(part, set)| (part, Some(set)));
+        // Points without directions get some that do not turn; no joint that needs others is let through by the scene.
+        let point = |point: Embedded| Frame { point, axes: axes.map(Embedded::ground) };
+        let mass_of = |name: &str| {
+            let part = self.model.parts.iter().find(|part| part.name() == name)?;
+            let mut total = 0.0;
+            part.mass(&mut |i, j, m| {
+                if !part.is_direction(i) && !part.is_direction(j) {
+                    total += if i == j { m } else { 2.0 * m };
+                }
+            });
+            Some(total).filter(|&m| m > 0.0)
+        };
+        let (frame, length) = match self.scene.part(part)? {
+            (PartKind::Rigid, r) => {
+                let body = &self.parts.rigids[r];
+                (body.frame(at, axes), body.director_length())
+            }
+            (PartKind::Beam, b) => {
+                let beam = &self.parts.beams[b];
+                let node = match set {
+                    Some("start") => 0,
+                    Some("end") => beam.node_count() - 1,
+                    _ => beam.nearest_node(at),
+                };
+                let frame = Frame { point: beam.point(node, at), axes: axes.map(|a| beam.direction(node, a)) };
+                (frame, beam.director_length())
+            }
+            (PartKind::String, s) => {
+                let string = &self.parts.strings[s];
+                let node = if set == Some("start") { 0 } else { string.node_count() - 1 };
+                (point(string.point(node)), string.natural_length() / string.node_count() as f64)
+            }
+            (PartKind::Mass, m) => {
+                let far = (0..3).map(|i| (at[i] - self.scene.masses[m].at[i]).powi(2)).sum::<f64>().sqrt();
+                (point(self.parts.masses[m].position()), far.max(1.0))
+            }
+            (PartKind::Body, b) => {
+                let solid = &self.model.bodies[b].solid;
+                let Some(coupled) = self.parts.couplings.get(&(name.to_owned(), coupling)) else {
+                    problems.add(key.to_owned(), name, "the set has no nodes to hold on", "choose another set");
+                    return None;
+                };
+                return Some(Side {
+                    frame: coupled.frame(at, axes),
+                    length: Some(solid.characteristic_length()),
+                    mass: self.model.bodies[b].density.map(|d| d * solid.characteristic_length().powi(3)),
+                });
+            }
+        };
+        Some(Side { frame, length: Some(length), mass: mass_of(part) })
+    }
+}
+
+/// Adds the joints of a scene; returns their places in `model.contacts`, in the order of the scene.
+pub(super) fn joints(
+    scene: &Scene,
+    parts: &Parts,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+) -> Vec<Option<usize>> {
+    let mut places = Vec::new();
+    for (j, item) in scene.joints.iter().enumerate() {
+        let key = format!("joint[{j}]");
+        let made = joint(scene, parts, model, item, &key, problems);
+        places.push(made.map(|joint| {
+            push(model, joint);
+            model.contacts.len() - 1
+        }));
+    }
+    places
+}
+
+fn joint(
+    scene: &Scene,
+    parts: &Parts,
+    model: &Model,
+    item: &SceneJoint,
+    key: &str,
+    problems: &mut Problems<'_>,
+) -> Option<Joint> {
+    let [at_a, at_b] = item.at.both();
+    let axes = match (item.axis, item.axes) {
+        (Some(axis), _) => axes_along(axis)?,
+        // The pin of the first side and that of the second, at right angles but for round-off in the scene.
+        (None, Some([first, second])) => {
+            let [a, ..] = axes_along(first)?;
+            let along: f64 = (0..3).map(|i| second[i] * a[i]).sum();
+            let [b, ..] = axes_along(std::array::from_fn(|i| second[i] - along * a[i]))?;
+            let c = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            [a, b, c]
+        }
+        (None, None) => axes_along([1.0, 0.0, 0.0])?,
+    };
+    let sides = Sides { scene, parts, model };
+    let side = |k: usize, at, problems: &mut Problems<'_>| {
+        let coupling = item.coupling.unwrap_or(Coupling::Distributing);
+        sides.find(&item.between[k], at, axes, coupling, &format!("{key}.between[{k}]"), problems)
+    };
+    let (a, b) = (side(0, at_a, problems)?, side(1, at_b, problems)?);
+    let smaller = |x: Option<f64>, y: Option<f64>| x.into_iter().chain(y).fold(f64::INFINITY, f64::min);
+    let length = Some(smaller(a.length, b.length)).filter(|l| l.is_finite()).unwrap_or(1.0);
+    let kind = match item.kind {
+        SceneKind::Ball => JointKind::Ball,
+        SceneKind::Hinge => JointKind::Hinge,
+        SceneKind::Slider => JointKind::Slider,
+        SceneKind::Cylindrical => JointKind::Cylindrical,
+        SceneKind::Universal => JointKind::Universal,
+        SceneKind::Weld => JointKind::Weld,
+        SceneKind::Planar => JointKind::Planar,
+        SceneKind::Distance => {
+            let apart = (0..3).map(|i| (at_b[i] - at_a[i]).powi(2)).sum::<f64>().sqrt();
+            JointKind::Distance { length: apart }
+        }
+    };
+    let weights =
+        Weights { mass: Some(smaller(a.mass, b.mass)).filter(|m| m.is_finite()).unwrap_or(1.0), stiffness: 0.0 };
+    let made = Joint::new(&item.name, kind, &a.frame, &b.frame, length, &model.reference)
+        .and_then(|joint| joint.with_options(options(item)))
+        .map(|joint| joint.with_weights(weights));
+    let remedy = "points and axes are those of the initial configuration; mend the joint or the place of its parts";
+    made.map_err(|error| problems.add(key.to_owned(), &item.name, error.to_string(), remedy)).ok()
+}
+
+/// What acts on the coordinate: angles in radians from here on.
+fn options(item: &SceneJoint) -> CoordinateOptions {
+    let unit = if item.kind.has_angle() { 1f64.to_radians() } else { 1.0 };
+    let drive = |series: &Series, unit: f64| {
+        let rows = series.rows().iter().map(|row| (row[0], unit * row[1])).collect();
+        Arc::new(PiecewiseLinear(rows)) as Arc<dyn stoss_multibody::Drive>
+    };
+    let motor = item.motor.as_ref().and_then(|motor| {
+        let angle = motor.angle.as_ref().map(|series| drive(series, 1f64.to_radians()));
+        angle.or_else(|| motor.displacement.as_ref().map(|series| drive(series, 1.0)))
+    });
+    let friction = item.friction.as_ref();
+    CoordinateOptions {
+        spring: item.spring.as_ref().map(|s| CoordinateSpring { stiffness: s.stiffness, rest: unit * s.rest }),
+        viscous: friction.map_or(0.0, |f| f.viscous) + item.spring.as_ref().map_or(0.0, |s| s.damping),
+        friction: friction.filter(|f| f.coulomb.is_some() || f.coefficient.is_some()).map(|f| CoordinateFriction {
+            bound: f.coulomb.unwrap_or(0.0),
+            coefficient: f.coefficient.unwrap_or(0.0),
+            radius: f.radius.unwrap_or(1.0),
+        }),
+        motor,
+        limits: item.limits.map(|limits| limits.map(|l| unit * l)),
+    }
+}
+
+/// Adds the springs of a scene.
+pub(super) fn springs(scene: &Scene, parts: &Parts, model: &mut Model, problems: &mut Problems<'_>) {
+    const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for (s, item) in scene.springs.iter().enumerate() {
+        let key = format!("spring[{s}]");
+        let sides = Sides { scene, parts, model };
+        let mut side = |k: usize| {
+            let key = format!("{key}.between[{k}]");
+            sides.find(&item.between[k], item.at[k], AXES, Coupling::Distributing, &key, problems)
+        };
+        let (Some(a), Some(b)) = (side(0), side(1)) else { continue };
+        let apart = (0..3).map(|i| (item.at[1][i] - item.at[0][i]).powi(2)).sum::<f64>().sqrt();
+        let data = SpringData {
+            stiffness: item.stiffness,
+            rest_length: item.rest_length.unwrap_or(apart),
+            tension_only: item.tension_only,
+            damping: item.damping,
+        };
+        match Spring::new(&item.name, [a.frame.point, b.frame.point], data) {
+            Ok(spring) => model.parts.push(Box::new(spring)),
+            Err(error) => problems.add(key, &item.name, error.to_string(), "mend the spring's data"),
+        }
+    }
+}
