@@ -1,5 +1,6 @@
 //! Equations of the free displacement components.
 
+use crate::Embedding;
 use stoss_linalg::NONE;
 
 /// Which component of which node has which equation. Prescribed components and components of nodes that belong to no element
@@ -28,6 +29,12 @@ impl Numbering {
     /// Label of the node of each equation: the groups that the linear solver keeps together.
     pub fn groups(&self, label: impl Fn(u32) -> u32) -> Vec<u32> {
         self.free.iter().map(|&component| label(component / 3)).collect()
+    }
+
+    /// Whether a component of a node is free, of an embedded node whether one of its carriers' is.
+    pub fn moves(&self, embedding: &Embedding, node: u32) -> bool {
+        let free = |node: u32| (0..3).any(|i| self.equation[3 * node as usize + i] != NONE);
+        embedding.carriers(node).map_or_else(|| free(node), |carriers| carriers.iter().any(|&(c, _)| free(c)))
     }
 
     /// Appends the equations of the three components of each node.

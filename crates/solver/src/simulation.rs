@@ -15,7 +15,7 @@ use crate::{
 };
 use stoss_contact::SlotReport;
 use stoss_integrators::{Scheme, State, StepRule};
-use stoss_linalg::{AutoSolver, LinearSolver, NONE, SolverStatistics};
+use stoss_linalg::{AutoSolver, LinearSolver, SolverStatistics};
 use stoss_newton::NewtonOptions;
 
 /// Slave nodes nearer to the master surface than this (in multiples of an edge length of the slave surface) are in contact from the
@@ -215,6 +215,7 @@ impl Simulation {
             simulation.state.v = v;
         }
         simulation.set_prescribed_positions_at_start();
+        simulation.set_bilateral();
         simulation.complete_initial_state()?;
         if !dynamic {
             simulation.close_touching()?;
@@ -228,16 +229,27 @@ impl Simulation {
         Ok(simulation)
     }
 
+    /// Activates the slots of all bilateral constraints that act, but for those between nodes that cannot move: they determine nothing.
+    fn set_bilateral(&mut self) {
+        let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
+        for (pair, active) in self.model.contacts.iter().zip(&mut self.active) {
+            if !pair.method.is_bilateral() || pair.method.is_off() {
+                continue;
+            }
+            active.fill(true);
+            let mut held = vec![false; active.len()];
+            pair.method.stencils(active, &mut |nodes, slots| {
+                let moves = nodes.iter().any(|&node| numbering.moves(embedding, node));
+                slots.iter().for_each(|&slot| held[slot as usize] |= !moves);
+            });
+            active.iter_mut().zip(held).for_each(|(active, held)| *active &= !held);
+        }
+    }
+
     /// Activates slots whose node touches the master, see [`TOUCHING`].
     fn close_touching(&mut self) -> Result<(), StepError> {
         let q = &self.state.q;
-        let equation = &self.system.numbering.equation;
-        let embedding = &self.model.embedding;
-        let moves = |node: u32| (0..3).any(|i| equation[3 * node as usize + i] != NONE);
-        let moves = |node: u32| match embedding.carriers(node) {
-            Some(carriers) => carriers.iter().any(|&(carrier, _)| moves(carrier)),
-            None => moves(node),
-        };
+        let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
             let Some(method) = pair.method.as_contact_mut() else { continue };
             let near = TOUCHING * method.length_scale();
@@ -251,7 +263,7 @@ impl Simulation {
             // A constraint between nodes that cannot move determines nothing.
             let mut free = vec![false; active.len()];
             method.stencils(active, &mut |nodes, slots| {
-                let moves = nodes.iter().any(|&node| moves(node));
+                let moves = nodes.iter().any(|&node| numbering.moves(embedding, node));
                 slots.iter().for_each(|&slot| free[slot as usize] = moves);
             });
             active.iter_mut().zip(free).for_each(|(active, free)| *active &= free);
@@ -378,6 +390,10 @@ impl Simulation {
     /// Number of the present stage, from 1.
     pub fn stage(&self) -> u32 {
         self.stage
+    }
+    /// What was released so far.
+    pub fn released(&self) -> &[Release] {
+        &self.released
     }
     /// True at the end of the stage, which is the end of the run if no other stage begins.
     pub fn finished(&self) -> bool {

@@ -1,13 +1,13 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
-use crate::build::{Built, OwnLaws, build_with};
+use crate::build::{Built, OwnLaws, Schedule, build_with};
 use crate::output::{
     FolderSettings, Outcome, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies, judge_start,
     promises,
 };
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
-use stoss_solver::StepRecord;
+use stoss_solver::{Simulation, SimulationError, StepRecord};
 
 pub use crate::error::RunError;
 pub use crate::output::{Summary, judge_folder};
@@ -91,7 +91,7 @@ fn scheme_name(scene: &Scene) -> String {
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
     let (scene, built) = load(path, &options.laws)?;
-    let Built { mut simulation, probes, warnings, contacts, mesh_files, drawing, .. } = built;
+    let Built { mut simulation, schedule, joints, probes, warnings, contacts, mesh_files, drawing, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
         return Err(RunError::Option(format!(
@@ -111,7 +111,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         every: u64::from(scene.output.every),
         checkpoint_every: u64::from(scene.output.checkpoint_every),
         fields: scene.output.fields.clone(),
-        probes,
+        probes: probes.clone(),
         scales: scene.expect.as_ref().map_or([None; 3], |expect| {
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
@@ -121,6 +121,8 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         contacts,
         watch: scene.watch.clone(),
         drawing,
+        joints,
+        schedule: schedule.clone(),
     };
     report(Event::Start {
         title: &scene.header.title,
@@ -139,8 +141,13 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         count => Some(SystemWriter::attach(&options.out.join("systems"), count, &mut simulation)?),
     };
     // The grid of steps is the scene's; stopping early only stops.
-    while !simulation.finished() && simulation.state().time < end * (1.0 - 1.0e-12) {
-        match simulation.advance() {
+    let mut change = schedule.events(&mut simulation, &probes).and_then(|()| next_stage(&schedule, &mut simulation));
+    while simulation.state().time < end * (1.0 - 1.0e-12) {
+        let goes_on = std::mem::replace(&mut change, Ok(true));
+        if matches!(goes_on, Ok(false)) {
+            break;
+        }
+        match goes_on.and_then(|_| simulation.advance()) {
             Ok(record) => {
                 folder.write(&mut simulation, &record)?;
                 if let Some(systems) = &systems {
@@ -150,6 +157,8 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
                 if folder.must_stop() {
                     break;
                 }
+                change =
+                    schedule.events(&mut simulation, &probes).and_then(|()| next_stage(&schedule, &mut simulation));
             }
             Err(source) => {
                 let (last_step, last_time) = (simulation.step(), simulation.state().time);
@@ -166,12 +175,17 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         }
     }
     folder.close(&simulation)?;
-    let outcome = if simulation.finished() {
+    let outcome = if simulation.finished() && simulation.stage() as usize == schedule.len() {
         Outcome::Completed
     } else {
         Outcome::Stopped { last_step: simulation.step(), last_time: simulation.state().time }
     };
     Ok(folder.summarise(&simulation, outcome)?)
+}
+
+/// At the end of a stage begins the next one; false at the end of the last.
+fn next_stage(schedule: &Schedule, simulation: &mut Simulation) -> Result<bool, SimulationError> {
+    if simulation.finished() { schedule.advance(simulation) } else { Ok(true) }
 }
 
 /// How many pressures, further unknowns of contact and tie multipliers there may be.
@@ -246,7 +260,12 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
         plan.memory_bytes as f64 / 1e6,
         (plan.memory_bytes as f64 + factors) / 1e6
     ));
-    lines.push(format!("  steps: {} of {} to t = {}", plan.steps, scene.time.step, scene.time.end));
+    let steps = built.schedule.nominal_steps();
+    if scene.stages.is_empty() {
+        lines.push(format!("  steps: {steps} of {} to t = {}", scene.time.step, scene.time.end));
+    } else {
+        lines.push(format!("  steps: {steps} in {} stages to t = {}", scene.stages.len(), scene.time.end));
+    }
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
     let start = judge_start(&built.simulation, &scene)?;
     lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));

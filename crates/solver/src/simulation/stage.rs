@@ -240,6 +240,7 @@ impl Simulation {
             }
         }
         saved.system = self.install(acting, prescribed)?;
+        self.set_bilateral();
         Ok(())
     }
 

@@ -159,6 +159,33 @@ pub(super) fn loads(scene: &Scene, placed: &[Placed], model: &mut Model, problem
     }
 }
 
+/// Gravity as a dead load on everything that has mass, behind all other loads.
+pub(super) fn gravity(scene: &Scene, model: &mut Model, problems: &mut Problems<'_>) {
+    let Some(gravity) = &scene.gravity else { return };
+    let components = model.reference.len();
+    let mut patterns = Vec::new();
+    for axis in AXES {
+        let made = pattern(components, "gravity", problems, |force| {
+            for (item, body) in scene.bodies.iter().zip(&model.bodies) {
+                let density = item.density.unwrap_or(0.0);
+                body.solid.body_force(axis.map(|a| density * a), force)?;
+            }
+            for part in &model.parts {
+                part.weight(axis, &mut |vector, f| {
+                    let first = 3 * vector as usize;
+                    force[first..first + 3].iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
+                });
+            }
+            Ok(())
+        });
+        patterns.extend(made);
+    }
+    if patterns.len() == AXES.len() {
+        let magnitude = Table::constant(&gravity.acceleration);
+        model.loads.push(Load { name: "gravity".into(), kind: LoadKind::Dead { patterns }, magnitude });
+    }
+}
+
 /// Nodal forces of unit magnitude, as the entries that are not zero.
 fn pattern(
     components: usize,

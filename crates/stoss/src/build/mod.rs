@@ -14,6 +14,9 @@ mod missing;
 mod mortar;
 #[cfg(feature = "multibody")]
 mod multibody;
+#[cfg(not(feature = "multibody"))]
+#[path = "no_multibody.rs"]
+mod multibody;
 #[cfg(feature = "nts")]
 mod nts;
 #[cfg(any(feature = "nts", feature = "mortar"))]
@@ -23,6 +26,7 @@ mod pair;
 mod placed;
 mod plan;
 mod probe;
+mod schedule;
 mod supports;
 mod tie;
 mod unsupported;
@@ -36,10 +40,13 @@ pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
 pub use law::{FrictionLawResult, LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use plan::{ContactPlan, FrictionPlan};
 pub use probe::{Probe, ProbeTarget};
+pub use schedule::Schedule;
 
 use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
-use crate::solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
+use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, StepControl};
 use placed::Placed;
+use schedule::Named;
+use std::collections::BTreeMap;
 use std::path::Path;
 use stoss_integrators::{SCHEMES, Scheme};
 use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver, SolverOptions};
@@ -58,6 +65,10 @@ pub struct Built {
     pub mesh_files: Vec<Vec<u8>>,
     /// One line a body: name, elements, law, implied moduli, quality.
     pub bodies: Vec<String>,
+    /// Stages and events.
+    pub schedule: Schedule,
+    /// Names of the joints and their places in the model's contacts.
+    pub joints: Vec<(String, usize)>,
     /// What frames show beside the solids.
     pub drawing: Drawing,
     /// The contacts, with what the scene leaves to defaults.
@@ -103,45 +114,54 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut model = Model::default();
     let mut mesh_files = Vec::new();
     let (mut placed, mut bodies) = body::bodies(scene, folder, laws, &mut model, &mut mesh_files, &mut problems);
-    #[cfg(feature = "multibody")]
     let mut parts = multibody::parts(scene, folder, &mut model, &mut mesh_files, &mut problems);
-    #[cfg(feature = "multibody")]
-    {
-        placed.append(&mut parts.placed);
-        bodies.append(&mut parts.lines);
-    }
+    placed.append(&mut parts.placed);
+    bodies.append(&mut parts.lines);
     let mut warnings = Vec::new();
-    let (mut probes, mut plans) = (Vec::new(), Vec::new());
+    let (mut probes, mut plans, mut names) = (Vec::new(), Vec::new(), BTreeMap::new());
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
     if problems.list.is_empty() {
-        #[cfg(feature = "multibody")]
         multibody::fix(scene, &parts, &mut model);
-        #[cfg(feature = "multibody")]
+        let fixed = model.prescriptions.len();
         let rigid = |item: &crate::scene::Prescribe| multibody::prescribe_rigid(item, &parts);
-        #[cfg(not(feature = "multibody"))]
-        let rigid = |_: &crate::scene::Prescribe| None;
         condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
         let ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         condition::loads(scene, &placed, &mut model, &mut problems);
+        condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties.pairs);
-        #[cfg(feature = "multibody")]
         multibody::constraints(scene, &mut parts, &mut model, &mut problems);
         warnings.extend(supports::warnings(scene, &model));
-        probes = probe::probes(scene, &placed, &mut problems);
+        probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
+        // Places in the model are known only if nothing was left out.
+        if problems.list.is_empty() {
+            names = named(scene, fixed, &parts);
+        }
     }
+    let schedule = Schedule::new(scene, &names, &probes, &mut problems);
     let scheme = scheme(scene, &mut problems);
     if let Some(errors) = SceneErrors::new(problems.list, scene.text()) {
         return Err(errors);
     }
-    match Simulation::new(model, settings(scene, scheme)) {
-        Ok(simulation) => {
-            #[cfg(feature = "multibody")]
-            let drawing = parts.drawing;
-            #[cfg(not(feature = "multibody"))]
-            let drawing = Drawing::default();
-            Ok(Built { simulation, probes, warnings, mesh_files, bodies, drawing, contacts: plans })
-        }
+    let mut settings = settings(scene, scheme);
+    let mut first = FirstStage { later_dynamics: schedule.has_later_dynamics(), ..FirstStage::default() };
+    if let Some(stage) = schedule.stage(1) {
+        settings.control = StepControl { step: stage.step, end: stage.end, ..settings.control };
+        settings.scheme = stage.scheme;
+        first.off = stage.off;
+    }
+    match Simulation::staged(model, settings, first) {
+        Ok(simulation) => Ok(Built {
+            simulation,
+            schedule,
+            probes,
+            warnings,
+            mesh_files,
+            bodies,
+            drawing: parts.drawing,
+            joints: joints(scene, &parts.joints),
+            contacts: plans,
+        }),
         Err(error) => {
             let remedy = "mend the scene; with several prescriptions, let each component of a node appear once";
             let problem = Problem::at(scene, "scene", "", error.to_string(), remedy);
@@ -154,12 +174,35 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     }
 }
 
+/// What the names of a scene are in the model: loads and contacts as in the scene, prescriptions behind those of fixed bodies.
+fn named(scene: &Scene, fixed: usize, parts: &multibody::Parts) -> BTreeMap<String, Named> {
+    let loads = scene.loads.iter().enumerate().filter_map(|(l, load)| Some((load.name.clone()?, Named::Load(l))));
+    let prescriptions = scene.prescriptions.iter().enumerate();
+    let prescriptions =
+        prescriptions.filter_map(|(p, item)| Some((item.name.clone()?, Named::Prescription(fixed + p))));
+    let contacts = scene.contacts.iter().enumerate().map(|(c, item)| (item.label(), Named::Contact(c)));
+    let joints = scene.joints.iter().zip(&parts.joints);
+    let joints = joints.filter_map(|(item, place)| Some((item.name.clone(), Named::Contact((*place)?))));
+    let gravity = scene.gravity.iter().map(|_| ("gravity".to_owned(), Named::Load(scene.loads.len())));
+    loads.chain(prescriptions).chain(contacts).chain(joints).chain(gravity).collect()
+}
+
+/// Joints by name and place in the model's contacts.
+fn joints(scene: &Scene, places: &[Option<usize>]) -> Vec<(String, usize)> {
+    scene.joints.iter().zip(places).filter_map(|(item, place)| Some((item.name.clone(), (*place)?))).collect()
+}
+
 /// The scheme of a dynamic scene, and whether it can do what the scene asks for.
 fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>> {
     let integrator = scene.time.integrator.as_ref()?;
     match integrator.make() {
         Ok(scheme) => {
-            if !(scheme.claims().constraints || scene.contacts.is_empty() && scene.ties.is_empty()) {
+            let free = scene.contacts.is_empty()
+                && scene.ties.is_empty()
+                && scene.joints.is_empty()
+                && scene.rigids.is_empty()
+                && scene.beams.is_empty();
+            if !(scheme.claims().constraints || free) {
                 let constrained: Vec<&str> = SCHEMES
                     .iter()
                     .filter(|entry| entry.with([]).is_ok_and(|s| s.claims().constraints))
@@ -168,7 +211,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                 problems.add(
                     "time.integrator.scheme".into(),
                     &integrator.scheme,
-                    "cannot carry constraints, but the scene has contact or ties",
+                    "cannot carry constraints, but the scene has contact, ties, joints, rigid bodies or beams",
                     format!("choose one of {}, or remove them", constrained.join(", ")),
                 );
             }

@@ -1,9 +1,12 @@
 //! Probes: quantities written at every step.
 
+use super::Problems;
 use super::condition::resolve;
-use super::{Placed, Problems};
+use super::multibody::Parts;
+use super::placed::{Placed, index};
 use crate::scene::{Quantity, Scene};
-use crate::solver::Simulation;
+use crate::solver::{Model, Simulation};
+use stoss_contact::JointReport;
 
 /// Where a probe looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +15,10 @@ pub enum ProbeTarget {
     Nodes(Vec<u32>),
     /// A body.
     Body(usize),
+    /// A rigid body, beam, string or point mass: its place among the parts of the model, and the nodes that stand for it, its centre or its surface.
+    Part(usize, Vec<u32>),
+    /// A joint, by its place among the contacts of the model.
+    Joint(usize),
     /// The whole model.
     Model,
 }
@@ -42,6 +49,7 @@ impl Probe {
     pub fn value(&self, simulation: &Simulation) -> [f64; 3] {
         let balance = match self.target {
             ProbeTarget::Body(body) => simulation.body_balance(body),
+            ProbeTarget::Part(part, _) => simulation.part_balance(part),
             _ => *simulation.balance(),
         };
         match self.quantity {
@@ -54,10 +62,13 @@ impl Probe {
             Quantity::ReactionMoment => self.moment(simulation.reactions(), &simulation.state().q),
             Quantity::ContactForce => self.sum(simulation.contact_force()),
             Quantity::ContactMoment => self.moment(simulation.contact_force(), &simulation.state().q),
-            // Scenes with joints and rigid bodies do not get here: see `unsupported`.
-            Quantity::JointForce | Quantity::JointMoment | Quantity::JointAngle | Quantity::AngularVelocity => {
-                [f64::NAN; 3]
+            Quantity::JointForce => self.joint(simulation).map_or([f64::NAN; 3], |joint| joint.force.map(|f| -f)),
+            Quantity::JointMoment => self.joint(simulation).map_or([f64::NAN; 3], |joint| joint.moment.map(|m| -m)),
+            Quantity::JointAngle => {
+                let angle = self.joint(simulation).and_then(|joint| joint.coordinate);
+                [angle.map_or(f64::NAN, f64::to_degrees), 0.0, 0.0]
             }
+            Quantity::AngularVelocity => self.angular_velocity(simulation),
             Quantity::Position => self.mean(&simulation.state().q),
             Quantity::Velocity => self.mean(&simulation.state().v),
             Quantity::Displacement => {
@@ -69,9 +80,33 @@ impl Probe {
 
     fn nodes(&self) -> &[u32] {
         match &self.target {
-            ProbeTarget::Nodes(nodes) => nodes,
-            ProbeTarget::Body(_) | ProbeTarget::Model => &[],
+            ProbeTarget::Nodes(nodes) | ProbeTarget::Part(_, nodes) => nodes,
+            ProbeTarget::Body(_) | ProbeTarget::Joint(_) | ProbeTarget::Model => &[],
         }
+    }
+
+    /// What the joint does; nothing once it is released or switched off.
+    fn joint(&self, simulation: &Simulation) -> Option<JointReport> {
+        let ProbeTarget::Joint(place) = self.target else { return None };
+        simulation.model().contacts[place].method.joint(&simulation.state().q, &simulation.pressures()[place])
+    }
+
+    /// `1/2 sum D_k x D_k' / l^2` over the three directors of a rigid body.
+    fn angular_velocity(&self, simulation: &Simulation) -> [f64; 3] {
+        let ProbeTarget::Part(part, _) = self.target else { return [f64::NAN; 3] };
+        let part = &simulation.model().parts[part];
+        let state = simulation.state();
+        let mut spin = [0.0; 3];
+        for vector in part.own_vectors().filter(|&vector| part.is_direction(vector)) {
+            let first = 3 * vector as usize;
+            let (d, v) = (&state.q[first..first + 3], &state.v[first..first + 3]);
+            let square: f64 = d.iter().map(|d| d * d).sum();
+            for i in 0..3 {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                spin[i] += 0.5 * (d[j] * v[k] - d[k] * v[j]) / square;
+            }
+        }
+        spin
     }
 
     /// Sum over the nodes; zero if the vector does not exist in this model.
@@ -108,7 +143,27 @@ impl Probe {
     }
 }
 
-pub(super) fn probes(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_>) -> Vec<Probe> {
+/// The place of a part among those of the model, and the nodes that stand for it with a quantity: forces of contact are those on all of its nodes, supports act
+/// on the vectors of a rigid body, and its motion is that of its centre.
+fn part_target(placed: &[Placed], model: &Model, name: &str, quantity: Quantity) -> Option<ProbeTarget> {
+    let p = model.parts.iter().position(|part| part.name() == name)?;
+    let own = model.parts[p].own_vectors();
+    let all = || placed.iter().find(|part| part.name == name).and_then(|part| part.nodes_of("all").ok());
+    let nodes = match quantity {
+        Quantity::ContactForce | Quantity::ContactMoment => all()?,
+        Quantity::ReactionMoment => own.collect(),
+        _ => vec![own.start],
+    };
+    Some(ProbeTarget::Part(p, nodes))
+}
+
+pub(super) fn probes(
+    scene: &Scene,
+    placed: &[Placed],
+    parts: &Parts,
+    model: &Model,
+    problems: &mut Problems<'_>,
+) -> Vec<Probe> {
     let mut out = Vec::new();
     for (p, item) in scene.probes.iter().enumerate() {
         let target = if let Some(set) = &item.set {
@@ -116,10 +171,17 @@ pub(super) fn probes(scene: &Scene, placed: &[Placed], problems: &mut Problems<'
                 Some((_, nodes)) => ProbeTarget::Nodes(nodes),
                 None => continue,
             }
-        } else if let (Some(point), Some(b)) = (item.point, item.body.as_deref().and_then(|b| scene.body_index(b))) {
+        } else if let Some(joint) = item.joint.as_deref().and_then(|name| scene.joint_index(name)) {
+            let Some(place) = parts.joints.get(joint).copied().flatten() else { continue };
+            ProbeTarget::Joint(place)
+        } else if let (Some(point), Some(b)) = (item.point, item.body.as_deref().and_then(|b| index(placed, b))) {
             ProbeTarget::Nodes(vec![placed[b].nearest(point).0])
         } else if let Some(b) = item.body.as_deref().and_then(|b| scene.body_index(b)) {
             ProbeTarget::Body(b)
+        } else if let Some(target) =
+            item.body.as_deref().and_then(|name| part_target(placed, model, name, item.quantity))
+        {
+            target
         } else {
             ProbeTarget::Model
         };

@@ -5,15 +5,12 @@ use crate::scene::{Problem, Scene};
 /// One problem that names the scene's tables that cannot be simulated, at the first of them; `None` if there are none.
 pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
     let tables = [
-        ("gravity", "[gravity]", scene.gravity.is_some()),
         ("rigid[0]", "[[rigid]]", !cfg!(feature = "multibody") && !scene.rigids.is_empty()),
         ("beam[0]", "[[beam]]", !cfg!(feature = "multibody") && !scene.beams.is_empty()),
         ("string[0]", "[[string]]", !cfg!(feature = "multibody") && !scene.strings.is_empty()),
         ("mass[0]", "[[mass]]", !cfg!(feature = "multibody") && !scene.masses.is_empty()),
         ("joint[0]", "[[joint]]", !cfg!(feature = "multibody") && !scene.joints.is_empty()),
         ("spring[0]", "[[spring]]", !cfg!(feature = "multibody") && !scene.springs.is_empty()),
-        ("event[0]", "[[event]]", !scene.events.is_empty()),
-        ("stage[0]", "[[stage]]", !scene.stages.is_empty()),
     ];
     let found: Vec<_> = tables.into_iter().filter(|&(_, _, there)| there).collect();
     let &(key, ..) = found.first()?;

@@ -62,6 +62,10 @@ pub struct ResultFolder {
 /// What a folder needs to know of the scene.
 #[derive(Clone, Debug)]
 pub struct FolderSettings {
+    /// Names of the joints and their places in the model's contacts.
+    pub joints: Vec<(String, usize)>,
+    /// Stages of the run.
+    pub schedule: crate::build::Schedule,
     /// What frames show beside the solids.
     pub drawing: super::Drawing,
     /// Title of the scene.
@@ -149,9 +153,14 @@ impl ResultFolder {
             );
             return Err(RunError::Resume { path: file, reason });
         }
-        let attachments = simulation
-            .restore(checkpoint, &settings.identity.hash())
-            .map_err(|e| RunError::Resume { path: file.clone(), reason: e.to_string() })?;
+        let tag = settings.identity.hash();
+        // A new simulation is in the first stage.
+        let stage = settings.schedule.stage(checkpoint.stage).filter(|_| checkpoint.stage > 1);
+        let restored = match stage {
+            Some(stage) => simulation.restore_in(stage, checkpoint, &tag),
+            None => simulation.restore(checkpoint, &tag),
+        };
+        let attachments = restored.map_err(|e| RunError::Resume { path: file.clone(), reason: e.to_string() })?;
         let damaged = |reason: String| OutputError::Damaged { path: file.clone(), reason };
         let bytes = attachments.get("folder").ok_or_else(|| damaged("it was not written by this program".into()))?;
         let memo: Memo = serde_json::from_slice(bytes).map_err(|e| damaged(e.to_string()))?;

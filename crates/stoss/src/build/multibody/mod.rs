@@ -63,11 +63,8 @@ impl Parts {
 
 /// Adds the constraints of the parts: rigidity, joints.
 pub(super) fn constraints(scene: &Scene, parts: &mut Parts, model: &mut Model, problems: &mut Problems<'_>) {
-    for (item, body) in scene.rigids.iter().zip(&parts.rigids) {
-        // Nothing is left to constrain where all coordinates are prescribed.
-        if !motion::is_prescribed(scene, item) {
-            push(model, body.constraints());
-        }
+    for body in &parts.rigids {
+        push(model, body.constraints());
     }
     for beam in &parts.beams {
         push(model, beam.constraints());

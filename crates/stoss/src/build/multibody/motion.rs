@@ -2,13 +2,8 @@
 
 use super::Parts;
 use crate::build::condition::RigidMotion;
-use crate::scene::{Prescribe, Rigid, Scene};
+use crate::scene::{Prescribe, Scene};
 use crate::solver::{Model, Prescription, Table};
-
-/// Whether all coordinates of a rigid body have a prescribed motion.
-pub(super) fn is_prescribed(scene: &Scene, item: &Rigid) -> bool {
-    item.fixed || scene.prescriptions.iter().any(|p| p.rigid.as_deref() == Some(item.name.as_str()))
-}
 
 /// Holds the bodies that are fixed.
 pub(in crate::build) fn fix(scene: &Scene, parts: &Parts, model: &mut Model) {

@@ -1,0 +1,29 @@
+//! In the place of [`super::multibody`] where the feature is not built in: there are no parts. Scenes with some are refused before.
+
+use super::condition::RigidMotion;
+use super::placed::Placed;
+use super::{Drawing, Problems};
+use crate::scene::{Prescribe, Scene};
+use crate::solver::Model;
+use std::path::Path;
+
+/// Nothing.
+#[derive(Default)]
+pub(super) struct Parts {
+    pub placed: Vec<Placed>,
+    pub lines: Vec<String>,
+    pub drawing: Drawing,
+    pub joints: Vec<Option<usize>>,
+}
+
+pub(super) fn parts(_: &Scene, _: &Path, _: &mut Model, _: &mut Vec<Vec<u8>>, _: &mut Problems<'_>) -> Parts {
+    Parts::default()
+}
+
+pub(super) fn fix(_: &Scene, _: &Parts, _: &mut Model) {}
+
+pub(super) fn prescribe_rigid(_: &Prescribe, _: &Parts) -> Option<RigidMotion> {
+    None
+}
+
+pub(super) fn constraints(_: &Scene, _: &mut Parts, _: &mut Model, _: &mut Problems<'_>) {}
