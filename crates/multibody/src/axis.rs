@@ -172,8 +172,9 @@ pub(crate) fn check_lengths(positions: &[[f64; 3]], order: usize) -> Result<(), 
         for i in 0..=2 * order {
             let slope = combine(&shapes(order, i as f64 / order as f64 - 1.0).slopes[..=order], nodes);
             let folded = before.is_some_and(|b| dot(b, slope) <= 0.0);
-            // `>` is false for NaN.
-            if folded || !(norm(slope) > 1e-6 * chord) {
+            // False for NaN.
+            let has_length = norm(slope) > 1e-6 * chord;
+            if folded || !has_length {
                 return Err(PartDataError::NoLength { element });
             }
             before = Some(slope);

@@ -72,7 +72,7 @@ impl Beam {
     /// # Errors
     /// [`PartDataError`].
     pub fn new(name: &str, first: u32, axis: BeamAxis, section: Section) -> Result<Self, PartDataError> {
-        let length = Self::default_director_length(&axis, &section);
+        let length = Self::default_director_length(&axis);
         Self::with_director_length(name, first, axis, section, length)
     }
 
@@ -99,7 +99,7 @@ impl Beam {
 
     /// Mean distance of the nodes. Measured (`tests/beam_condition.rs`): with it shear puts entries of the size of those of the axial stiffness on the directors;
     /// with the radius of gyration they are larger by the square of the slenderness of an element, and so is the condition number.
-    pub fn default_director_length(axis: &BeamAxis, _section: &Section) -> f64 {
+    pub fn default_director_length(axis: &BeamAxis) -> f64 {
         axis_length(axis) / (axis.positions().len() - 1) as f64
     }
 
@@ -288,8 +288,13 @@ impl Beam {
 
     /// Rigidity of the directors of all nodes, six equations each as of a rigid body.
     pub fn constraints(&self) -> ConstraintSet {
+        self.constraints_except(&[])
+    }
+
+    /// Rigidity of all nodes but some: of nodes whose directors are prescribed the equations would determine nothing.
+    pub fn constraints_except(&self, held: &[usize]) -> ConstraintSet {
         let node = |i: usize| director_equations([1, 2, 3].map(|k| self.vector(i, k)), self.length);
-        let equations = (0..self.node_count()).map(node).collect();
+        let equations = (0..self.node_count()).filter(|i| !held.contains(i)).map(node).collect();
         ConstraintSet::new(&format!("{} (rigidity)", self.name), self.length, equations)
     }
 

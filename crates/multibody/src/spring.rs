@@ -210,14 +210,11 @@ impl Response for SpringData {
                 }
             }
             (a_slack, _) => {
-                // Across the kink only the taut part of the way has a force; `a` and `b` are apart, on different sides of `L`.
-                let taut = if a_slack {
-                    (b - rest) * self.quotient(rest, b) * (b + rest)
-                } else {
-                    -(a - rest) * self.quotient(a, rest) * (a + rest)
-                };
+                // Across the kink: `a` and `b` are on different sides of `L`, thus apart; the taut end alone has an energy, of second order in its distance from `L`.
+                let energy = |l: f64| 0.5 * self.stiffness * (l - rest) * (l - rest);
+                let work = if a_slack { energy(b) } else { -energy(a) };
                 let difference = (b - a) * (b + a);
-                gradient[0] = taut / difference;
+                gradient[0] = work / difference;
                 derivative[0] = (self.slope(b) - gradient[0]) / difference;
             }
         }
