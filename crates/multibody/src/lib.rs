@@ -15,16 +15,19 @@
 
 mod compliance;
 mod constraint;
+mod coupling;
 mod embedded;
 mod frame;
 mod joint;
 mod kernel;
 mod quadratic;
+mod redundancy;
 mod response;
 mod rigid;
 
 pub use compliance::Weights;
 pub use constraint::{ConstraintSet, Equation};
+pub use coupling::{CouplingError, distributing_coupling, kinematic_coupling};
 pub use embedded::Embedded;
 pub use frame::{Frame, axes_along};
 pub use joint::{
@@ -33,5 +36,6 @@ pub use joint::{
 };
 pub use kernel::{GradientAt, Kernel};
 pub use quadratic::{Evaluation, FormId, Quadratics, QuadraticsBuilder};
+pub use redundancy::{Equations, Redundancy, RedundancyError, analyse};
 pub use response::{Identity, QuadraticEnergy, Response};
 pub use rigid::{RigidBody, RigidError, RigidMass};
