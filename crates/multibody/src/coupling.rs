@@ -30,7 +30,9 @@ pub enum CouplingError {
         coupling: String,
     },
     /// The body is not where the nodes have their centre.
-    #[error("coupling {coupling}: the point of the body is {distance:e} from the weighted centre of the nodes; it has to be there")]
+    #[error(
+        "coupling {coupling}: the point of the body is {distance:e} from the weighted centre of the nodes; it has to be there"
+    )]
     Centre {
         /// The coupling.
         coupling: String,
@@ -104,13 +106,12 @@ pub fn distributing_coupling(
     }
     let square = spread.trace();
     let distance = (centre - own).norm();
-    // Not `>`: what is NaN is not there.
-    if !(distance <= 1e-8 * square.sqrt()) && square > 0.0 {
+    if square > 0.0 && distance > 1e-8 * square.sqrt() {
         return Err(CouplingError::Centre { coupling: coupling(), distance });
     }
     let mut principal: [f64; 3] = spread.symmetric_eigenvalues().into();
     principal.sort_by(f64::total_cmp);
-    if !(principal[1] > 1e-12 * principal[2]) {
+    if principal[1] <= 1e-12 * principal[2] {
         return Err(CouplingError::OnALine { coupling: coupling() });
     }
     let mut mean = Embedded::default();

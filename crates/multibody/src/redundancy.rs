@@ -185,7 +185,12 @@ fn collect(
 }
 
 /// The row less what pivots have of it, and the component of its own pivot.
-fn eliminate(mut row: Row, pivots: &BTreeMap<u32, Row>, order: &BTreeMap<u32, usize>, work: &mut [f64]) -> (Row, Option<u32>) {
+fn eliminate(
+    mut row: Row,
+    pivots: &BTreeMap<u32, Row>,
+    order: &BTreeMap<u32, usize>,
+    work: &mut [f64],
+) -> (Row, Option<u32>) {
     // Components by the order in which they became pivots, those still to be eliminated; others in `touched`.
     let mut queue: BTreeMap<usize, u32> = BTreeMap::new();
     let mut touched: Vec<u32> = Vec::new();

@@ -118,7 +118,13 @@ impl RigidBody {
     ///
     /// # Errors
     /// [`RigidError`] if the length is not positive, or something is not finite.
-    pub fn massless(name: &str, first: u32, point: [f64; 3], axes: [[f64; 3]; 3], length: f64) -> Result<Self, RigidError> {
+    pub fn massless(
+        name: &str,
+        first: u32,
+        point: [f64; 3],
+        axes: [[f64; 3]; 3],
+        length: f64,
+    ) -> Result<Self, RigidError> {
         if !(length > 0.0 && length.is_finite()) {
             return Err(RigidError::NotPositive { what: "length of a body without mass", value: length });
         }

@@ -5,7 +5,8 @@ mod common;
 use common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, finish, rod, run, run_with};
 use std::sync::Arc;
 use stoss_multibody::{
-    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, PiecewiseLinear, RigidMass,
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, PiecewiseLinear,
+    RigidMass,
 };
 use stoss_solver::{Model, Simulation};
 
@@ -37,7 +38,8 @@ fn torsion_pendulum() {
     let (j, k) = (0.5, 8.0_f64);
     let period = std::f64::consts::TAU * (j / k).sqrt();
     let measured = |dt: f64| {
-        let options = CoordinateOptions { spring: Some(CoordinateSpring { stiffness: k, rest: 0.0 }), ..Default::default() };
+        let options =
+            CoordinateOptions { spring: Some(CoordinateSpring { stiffness: k, rest: 0.0 }), ..Default::default() };
         let mut simulation = run(wheel(j, 0.0, 0.7, options), dt, 5.3 * period);
         let first = *simulation.balance();
         assert!((first.contact - 0.5 * k * 0.49).abs() < 1e-12, "{}", first.contact);
@@ -65,10 +67,8 @@ fn torsion_pendulum() {
 #[test]
 fn a_bearing_with_friction_stops() {
     let (j, w, bound) = (0.5, 6.0, 1.5);
-    let options = CoordinateOptions {
-        friction: Some(CoordinateFriction { bound, ..Default::default() }),
-        ..Default::default()
-    };
+    let options =
+        CoordinateOptions { friction: Some(CoordinateFriction { bound, ..Default::default() }), ..Default::default() };
     // Not a whole number of steps.
     let mut simulation = run(wheel(j, w, 0.0, options), 0.0123, 3.0);
     let first = *simulation.balance();
@@ -77,7 +77,8 @@ fn a_bearing_with_friction_stops() {
     while !simulation.finished() {
         let record = simulation.advance().unwrap();
         let now = angle(&simulation);
-        let change = (now - before + 9.0 * std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+        let change =
+            (now - before + 9.0 * std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
         turned += change;
         before = now;
         assert!((record.balance.total() / first.total() - 1.0).abs() < 1e-10);
@@ -147,7 +148,8 @@ fn viscous_decay() {
 fn work_of_a_motor() {
     let (j, a) = (0.5, 1.7);
     let motor = DriveFunction(move |t: f64| 0.5 * a * t * t);
-    let mut simulation = run(wheel(j, 0.0, 0.0, CoordinateOptions { motor: Some(Arc::new(motor)), ..Default::default() }), 0.01, 2.0);
+    let mut simulation =
+        run(wheel(j, 0.0, 0.0, CoordinateOptions { motor: Some(Arc::new(motor)), ..Default::default() }), 0.01, 2.0);
     let first = *simulation.balance();
     finish(&mut simulation);
     let last = simulation.balance();
@@ -170,7 +172,14 @@ fn a_slider_between_limits() {
     let body = add_body(&mut model, "block", rod(1.2, [0.0; 3], 0.1), [2.0, 0.0, 0.0], [0.0; 3]);
     add_weight(&mut model, &[&body], [0.0, 0.0, -9.81]);
     let options = CoordinateOptions { limits: Some([-0.2, 0.3]), ..Default::default() };
-    let guide = Joint::new("guide", JointKind::Slider, &Frame::ground([0.0; 3], AXES), &body.frame([0.0; 3], AXES), 0.2, &model.reference);
+    let guide = Joint::new(
+        "guide",
+        JointKind::Slider,
+        &Frame::ground([0.0; 3], AXES),
+        &body.frame([0.0; 3], AXES),
+        0.2,
+        &model.reference,
+    );
     let guide = guide.unwrap().with_options(options).unwrap();
     add_constraint(&mut model, "guide", guide);
     let mut simulation = run(model, 0.0173, 2.0);
@@ -180,7 +189,11 @@ fn a_slider_between_limits() {
         let record = simulation.advance().unwrap();
         let x = simulation.state().q[0];
         assert!((-0.2 - 1e-9..=0.3 + 1e-9).contains(&x), "{x}");
-        assert!((record.balance.total() / first.total() - 1.0).abs() < 1e-9, "{:e}", record.balance.total() - first.total());
+        assert!(
+            (record.balance.total() / first.total() - 1.0).abs() < 1e-9,
+            "{:e}",
+            record.balance.total() - first.total()
+        );
         assert!(record.balance.dissipation >= dissipated);
         assert!(record.iterations <= 6, "{}", record.iterations);
         touched += usize::from(record.balance.dissipation > dissipated);
@@ -209,7 +222,8 @@ fn statics() {
             ..Default::default()
         };
         let ground = Frame::ground([0.0; 3], ABOUT_Z);
-        let hinge = Joint::new("hinge", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z), 0.4, &model.reference);
+        let hinge =
+            Joint::new("hinge", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z), 0.4, &model.reference);
         add_constraint(&mut model, "hinge", hinge.unwrap().with_options(options).unwrap());
         let mut simulation = run_with(model, 0.1, 1.0, None);
         finish(&mut simulation);
@@ -238,7 +252,14 @@ fn everything_at_once_is_balanced() {
         limits: Some([-2.2, 0.4]),
         ..Default::default()
     };
-    let hinge = Joint::new("hinge", JointKind::Hinge, &Frame::ground([0.0; 3], ABOUT_Z), &body.frame([0.0; 3], ABOUT_Z), 0.4, &model.reference);
+    let hinge = Joint::new(
+        "hinge",
+        JointKind::Hinge,
+        &Frame::ground([0.0; 3], ABOUT_Z),
+        &body.frame([0.0; 3], ABOUT_Z),
+        0.4,
+        &model.reference,
+    );
     add_constraint(&mut model, "hinge", hinge.unwrap().with_options(options).unwrap());
     let mut simulation = run(model, 0.01, 4.0);
     let first = *simulation.balance();

@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use stoss_contact::{Constraint, ContactRule, History, LocalContribution, StepConfiguration};
 use stoss_multibody::{
-    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, RigidBody, RigidMass,
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, RigidBody,
+    RigidMass,
 };
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -292,7 +293,10 @@ fn angles_are_followed_and_restored() {
     let mut second = joint(JointKind::Hinge, false);
     second.load_history(&first.save_history()).unwrap();
     assert_eq!(second.save_history(), first.save_history());
-    assert_eq!(second.coordinate(&q(angle + 0.1)).unwrap().to_bits(), first.coordinate(&q(angle + 0.1)).unwrap().to_bits());
+    assert_eq!(
+        second.coordinate(&q(angle + 0.1)).unwrap().to_bits(),
+        first.coordinate(&q(angle + 0.1)).unwrap().to_bits()
+    );
     assert!(second.load_history(&[0; 7]).is_err());
 }
 

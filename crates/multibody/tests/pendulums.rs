@@ -22,7 +22,13 @@ fn double_pendulum_keeps_its_energy() {
     add_weight(&mut model, &[&upper, &lower], GRAVITY);
     joint(&mut model, "shoulder", JointKind::Hinge, &Frame::ground([0.0; 3], ABOUT_Z), &upper.frame([0.0; 3], ABOUT_Z));
     let skew = stoss_multibody::axes_along([0.3, 0.2, 1.0]).unwrap();
-    joint(&mut model, "elbow", JointKind::Hinge, &upper.frame([1.0, 0.0, 0.0], skew), &lower.frame([1.0, 0.0, 0.0], skew));
+    joint(
+        &mut model,
+        "elbow",
+        JointKind::Hinge,
+        &upper.frame([1.0, 0.0, 0.0], skew),
+        &lower.frame([1.0, 0.0, 0.0], skew),
+    );
     let mut simulation = run(model, 0.005, 5.0);
     let first = *simulation.balance();
     let (mut most, mut all, mut kinetic) = (0, 0, 0.0_f64);
@@ -108,7 +114,8 @@ fn an_angle_is_followed_over_50_turns() {
     let body = add_body(&mut model, "wheel", rod(1.0, [0.0; 3], 0.5), [0.0; 3], [0.0, 0.0, w]);
     let ground = Frame::ground([0.0; 3], ABOUT_Z);
     let at = joint(&mut model, "axle", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z));
-    let copy = Joint::new("copy", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z), 0.5, &model.reference).unwrap();
+    let copy =
+        Joint::new("copy", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z), 0.5, &model.reference).unwrap();
     let mut simulation = run(model, 0.02, 50.0);
     let first = *simulation.balance();
     finish(&mut simulation);
@@ -133,15 +140,28 @@ fn slider_crank() {
     let crank = add_body(&mut model, "crank", rod(1.0, [0.15, 0.0, 0.0], 0.02), [0.0, 0.15 * w, 0.0], [0.0, 0.0, w]);
     // At the dead centre the rod turns by -r w / l about the slider, which does not move.
     let turn = -r * w / l;
-    let conrod = add_body(&mut model, "rod", rod(0.6, [0.8, 0.0, 0.0], 0.06), [0.0, turn * (0.8 - 1.3), 0.0], [0.0, 0.0, turn]);
+    let conrod =
+        add_body(&mut model, "rod", rod(0.6, [0.8, 0.0, 0.0], 0.06), [0.0, turn * (0.8 - 1.3), 0.0], [0.0, 0.0, turn]);
     let slider = add_body(&mut model, "slider", rod(0.5, [1.3, 0.0, 0.0], 0.01), [0.0; 3], [0.0; 3]);
     joint(&mut model, "main", JointKind::Hinge, &Frame::ground([0.0; 3], ABOUT_Z), &crank.frame([0.0; 3], ABOUT_Z));
     // A plane loop of hinges would have redundant equations: the pins are balls and a cardan joint.
-    joint(&mut model, "big end", JointKind::Ball, &crank.frame([0.3, 0.0, 0.0], AXES), &conrod.frame([0.3, 0.0, 0.0], AXES));
+    joint(
+        &mut model,
+        "big end",
+        JointKind::Ball,
+        &crank.frame([0.3, 0.0, 0.0], AXES),
+        &conrod.frame([0.3, 0.0, 0.0], AXES),
+    );
     let pins = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
     let at = [1.3, 0.0, 0.0];
     joint(&mut model, "small end", JointKind::Universal, &slider.frame(at, pins), &conrod.frame(at, pins));
-    joint(&mut model, "guide", JointKind::Slider, &Frame::ground([1.3, 0.0, 0.0], AXES), &slider.frame([1.3, 0.0, 0.0], AXES));
+    joint(
+        &mut model,
+        "guide",
+        JointKind::Slider,
+        &Frame::ground([1.3, 0.0, 0.0], AXES),
+        &slider.frame([1.3, 0.0, 0.0], AXES),
+    );
     let mut simulation = run(model, 0.002, 2.0);
     let first = *simulation.balance();
     let (most, _) = finish(&mut simulation);

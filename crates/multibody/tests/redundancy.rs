@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 use stoss_contact::{Constraint, ContactRule, StepConfiguration};
 use stoss_multibody::{
-    ConstraintSet, CoordinateOptions, Equations, Frame, Joint, JointKind, PiecewiseLinear, RigidBody, RigidMass, Weights,
-    analyse,
+    ConstraintSet, CoordinateOptions, Equations, Frame, Joint, JointKind, PiecewiseLinear, RigidBody, RigidMass,
+    Weights, analyse,
 };
 use stoss_solver::{Model, Simulation};
 
@@ -75,7 +75,8 @@ fn gradients(sets: &[Joint], bodies: &[&RigidBody], q_n: &[f64], q_np1: &[f64], 
 /// Orthonormal combinations of the columns that vanish.
 fn null_space(g: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = (g.transpose() * g).symmetric_eigen();
-    let columns: Vec<_> = (0..g.ncols()).filter(|&k| eigen.eigenvalues[k] < 1e-8).map(|k| eigen.eigenvectors.column(k)).collect();
+    let columns: Vec<_> =
+        (0..g.ncols()).filter(|&k| eigen.eigenvalues[k] < 1e-8).map(|k| eigen.eigenvectors.column(k)).collect();
     DMatrix::from_columns(&columns)
 }
 
@@ -102,7 +103,7 @@ fn distance_to_least_norm(
     (&found - &least).amax() / found.amax()
 }
 
-fn door(hinges: usize) -> (Model, RigidBody, Vec<Joint>) {
+fn door(hinges: u8) -> (Model, RigidBody, Vec<Joint>) {
     let mut model = Model::default();
     let mass = RigidMass::new(2.0, [0.4, 0.1, 1.0], [0.1, 0.03, 0.3], AXES).unwrap();
     let door = add_body(&mut model, "door", mass, [0.0; 3], [0.0; 3]);
@@ -110,7 +111,7 @@ fn door(hinges: usize) -> (Model, RigidBody, Vec<Joint>) {
     let axis = stoss_multibody::axes_along([0.3, -0.5, 1.0]).unwrap();
     let joints = (0..hinges)
         .map(|k| {
-            let at: [f64; 3] = std::array::from_fn(|i| f64::from(k as u8) * 0.7 * axis[0][i]);
+            let at: [f64; 3] = std::array::from_fn(|i| f64::from(k) * 0.7 * axis[0][i]);
             joint(&format!("door-{}", k + 1), JointKind::Hinge, &Frame::ground(at, axis), &door.frame(at, axis), &model)
         })
         .collect();
@@ -124,10 +125,13 @@ fn a_door_on_three_hinges() {
     let (mut model, body, joints) = door(3);
     let (first, found) = add_joints(&mut model, &[&body], &joints);
     assert_eq!((found.equations, found.rank), (21, 11));
-    assert_eq!(found.messages, [
-        "hinge door-2: 5 of its 5 equations follow from others",
-        "hinge door-3: 5 of its 5 equations follow from others"
-    ]);
+    assert_eq!(
+        found.messages,
+        [
+            "hinge door-2: 5 of its 5 equations follow from others",
+            "hinge door-3: 5 of its 5 equations follow from others"
+        ]
+    );
     assert_eq!(found.involved, [1, 2, 3]);
     let mut simulation = run(model, 0.01, 4.0);
     let (mut single, body_1, joints_1) = door(1);
@@ -140,7 +144,8 @@ fn a_door_on_three_hinges() {
         let record = simulation.advance().unwrap();
         single.advance().unwrap();
         most = most.max(record.iterations);
-        worst = worst.max(distance_to_least_norm(&simulation, first, &q_n, &[&body], &joints, ContactRule::EnergyMomentum));
+        worst =
+            worst.max(distance_to_least_norm(&simulation, first, &q_n, &[&body], &joints, ContactRule::EnergyMomentum));
         let both = simulation.state().q.iter().zip(&single.state().q);
         apart = apart.max(both.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max));
     }
@@ -150,6 +155,37 @@ fn a_door_on_three_hinges() {
     assert!(apart < 1e-9, "{apart:e}");
     assert!(energy.abs() < 1e-9, "{energy:e}");
     assert!(most <= 6);
+}
+
+/// Three bearings of a door that stick, all on the same angle, and slide together: the door falls as with one bearing that has all of the friction.
+#[test]
+fn friction_in_redundant_bearings() {
+    use stoss_multibody::CoordinateFriction;
+    let run_door = |bounds: &[f64]| {
+        let (mut model, body, joints) = door(bounds.len() as u8);
+        let joints: Vec<_> = (joints.into_iter().zip(bounds))
+            .map(|(joint, &bound)| {
+                let friction = Some(CoordinateFriction { bound, ..Default::default() });
+                joint.with_options(CoordinateOptions { friction, ..Default::default() }).unwrap()
+            })
+            .collect();
+        add_joints(&mut model, &[&body], &joints);
+        let mut simulation = run(model, 0.01, 2.0);
+        let start = *simulation.balance();
+        let mut path = Vec::new();
+        while !simulation.finished() {
+            let record = simulation.advance().unwrap();
+            assert!((record.balance.total() - start.total()).abs() < 1e-9);
+            path.push(simulation.state().q[0]);
+        }
+        path
+    };
+    let largest = |path: &[f64]| path.iter().map(|x| (x - 0.4).abs()).fold(0.0, f64::max);
+    let (three, one) = (run_door(&[0.3, 0.2, 0.1]), run_door(&[0.6]));
+    let apart = three.iter().zip(&one).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    println!("bearings: {apart:e}, moved by {}", largest(&one));
+    assert!(apart < 1e-8 && largest(&one) > 0.01);
+    assert!(largest(&run_door(&[5.0, 5.0, 5.0])) < 1e-9);
 }
 
 /// A plane loop of four links on four parallel hinges has three redundant equations. It turns freely in space: momenta and energy stay.
@@ -183,12 +219,17 @@ fn a_loop_of_four_links() {
     while !simulation.finished() {
         let q_n = simulation.state().q.clone();
         most = most.max(simulation.advance().unwrap().iterations);
-        worst = worst.max(distance_to_least_norm(&simulation, first, &q_n, &bodies, &joints, ContactRule::EnergyMomentum));
+        worst =
+            worst.max(distance_to_least_norm(&simulation, first, &q_n, &bodies, &joints, ContactRule::EnergyMomentum));
     }
     let end = *simulation.balance();
     let apart = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max);
-    let momenta = [apart(start.linear_momentum, end.linear_momentum), apart(start.angular_momentum, end.angular_momentum)];
-    println!("loop: {most} iterations, least norm {worst:e}, momenta {momenta:?}, energy {:e}", end.total() - start.total());
+    let momenta =
+        [apart(start.linear_momentum, end.linear_momentum), apart(start.angular_momentum, end.angular_momentum)];
+    println!(
+        "loop: {most} iterations, least norm {worst:e}, momenta {momenta:?}, energy {:e}",
+        end.total() - start.total()
+    );
     println!("{:?}", simulation.solver_statistics());
     assert!(momenta[0] < 1e-10 && momenta[1] < 1e-10);
     assert!((end.total() / start.total() - 1.0).abs() < 1e-9);
@@ -221,7 +262,8 @@ fn a_hundred_redundant_equations() {
     while !simulation.finished() {
         let q_n = simulation.state().q.clone();
         most = most.max(simulation.advance().unwrap().iterations);
-        worst = worst.max(distance_to_least_norm(&simulation, first, &q_n, &bodies, &joints, ContactRule::EnergyMomentum));
+        worst =
+            worst.max(distance_to_least_norm(&simulation, first, &q_n, &bodies, &joints, ContactRule::EnergyMomentum));
     }
     let end = *simulation.balance();
     println!("welds: {most} iterations, least norm {worst:e}, energy {:e}", end.total() / start.total() - 1.0);
@@ -238,7 +280,8 @@ fn contradictions() {
     let (model, body, _) = door(1);
     let ground = |at: f64| Frame::ground([0.0, 0.0, at], ABOUT_Z);
     let motor = |at: f64, target: f64| {
-        let options = CoordinateOptions { motor: Some(Arc::new(PiecewiseLinear(vec![(0.0, target)]))), ..Default::default() };
+        let options =
+            CoordinateOptions { motor: Some(Arc::new(PiecewiseLinear(vec![(0.0, target)]))), ..Default::default() };
         joint(&format!("motor at {at}"), JointKind::Hinge, &ground(at), &body.frame([0.0, 0.0, at], ABOUT_Z), &model)
             .with_options(options)
             .unwrap()

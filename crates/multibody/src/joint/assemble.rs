@@ -202,9 +202,7 @@ impl Joint {
     fn limit_row(&self, c: &CoordinateStep, multipliers: &[f64], slot: usize) -> Row {
         let factor = self.step.stiffness;
         match self.closed_limit(c, multipliers) {
-            Some((value, _)) => {
-                Row { value, by_coordinate: self.scale(), by_own: 0.0, by_reaction: 0.0, holds: true }
-            }
+            Some((value, _)) => Row { value, by_coordinate: self.scale(), by_own: 0.0, by_reaction: 0.0, holds: true },
             None => Row {
                 value: -multipliers[slot] / factor,
                 by_coordinate: 0.0,
@@ -215,7 +213,14 @@ impl Joint {
         }
     }
 
-    fn add_equations(&self, step: StepConfiguration<'_>, multipliers: &[f64], e: &Evaluations, want: bool, local: &mut LocalContribution) {
+    fn add_equations(
+        &self,
+        step: StepConfiguration<'_>,
+        multipliers: &[f64],
+        e: &Evaluations,
+        want: bool,
+        local: &mut LocalContribution,
+    ) {
         let theta = gradient_fraction(step.rule);
         let (n, dim) = (3 * local.nodes.len(), local.dim());
         for k in 0..local.slots.len() {
@@ -239,7 +244,14 @@ impl Joint {
         }
     }
 
-    fn add_coordinate(&self, step: StepConfiguration<'_>, multipliers: &[f64], e: &Evaluations, want: bool, local: &mut LocalContribution) -> Result<(), ContactError> {
+    fn add_coordinate(
+        &self,
+        step: StepConfiguration<'_>,
+        multipliers: &[f64],
+        e: &Evaluations,
+        want: bool,
+        local: &mut LocalContribution,
+    ) -> Result<(), ContactError> {
         let Some(c) = self.coordinate_step(step.rule, e)? else { return Ok(()) };
         let theta = gradient_fraction(step.rule);
         let (n, dim, first, scale) = (3 * local.nodes.len(), local.dim(), self.kind.equations(), self.scale());

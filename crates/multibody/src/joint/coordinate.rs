@@ -41,7 +41,10 @@ impl CoordinateKind {
                 let [s, c] = phi;
                 let square = s * s + c * c;
                 let (quartic, mixed) = (square * square, s * s - c * c);
-                ([c / square, -s / square], [[-2.0 * s * c / quartic, mixed / quartic], [mixed / quartic, 2.0 * s * c / quartic]])
+                (
+                    [c / square, -s / square],
+                    [[-2.0 * s * c / quartic, mixed / quartic], [mixed / quartic, 2.0 * s * c / quartic]],
+                )
             }
             Self::Displacement => ([1.0, 0.0], [[0.0; 2]; 2]),
         }
@@ -58,7 +61,8 @@ impl CoordinateKind {
                 let mean = [0.5 * (start[1] + end[1]), -0.5 * (start[0] + end[0])];
                 // With respect to s_np1 and c_np1.
                 let change = [by_x * start[1] + by_y * start[0], -by_x * start[0] + by_y * start[1]];
-                let mut second = [[mean[0] * change[0], mean[0] * change[1]], [mean[1] * change[0], mean[1] * change[1]]];
+                let mut second =
+                    [[mean[0] * change[0], mean[0] * change[1]], [mean[1] * change[0], mean[1] * change[1]]];
                 second[0][1] += 0.5 * ratio;
                 second[1][0] -= 0.5 * ratio;
                 (mean.map(|m| ratio * m), second)

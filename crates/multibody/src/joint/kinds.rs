@@ -94,7 +94,8 @@ impl JointKind {
     pub(crate) fn functions(self, length: f64) -> Vec<Function> {
         let point = || E.map(|e| Function::of(1.0, ARM, e)).to_vec();
         let along = |axes: &[usize]| axes.iter().map(|&k| Function::of(1.0, ARM, A[k])).collect::<Vec<_>>();
-        let right = |pairs: &[(usize, usize)]| pairs.iter().map(|&(i, j)| Function::of(length, A[i], B[j])).collect::<Vec<_>>();
+        let right =
+            |pairs: &[(usize, usize)]| pairs.iter().map(|&(i, j)| Function::of(length, A[i], B[j])).collect::<Vec<_>>();
         let axis: &[(usize, usize)] = &[(0, 1), (0, 2)];
         let all: &[(usize, usize)] = &[(0, 1), (0, 2), (1, 2)];
         let (mut functions, directions) = match self {
