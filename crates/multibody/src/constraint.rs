@@ -42,6 +42,7 @@ pub struct ConstraintSet {
     length: f64,
     equations: Vec<Equation>,
     slots: usize,
+    rigidity: bool,
     compliance: Compliance,
 }
 
@@ -49,7 +50,19 @@ impl ConstraintSet {
     /// With a length against which violations are judged.
     pub fn new(name: &str, length: f64, equations: Vec<Equation>) -> Self {
         let slots = equations.iter().map(|e| e.functions.len()).sum();
-        Self { name: name.to_owned(), length, equations, slots, compliance: Compliance::default() }
+        Self { name: name.to_owned(), length, equations, slots, rigidity: false, compliance: Compliance::default() }
+    }
+
+    /// As rigidity of a body or of the nodes of a beam: what determines the shape of one thing and joins it to nothing.
+    #[must_use]
+    pub fn as_rigidity(mut self) -> Self {
+        self.rigidity = true;
+        self
+    }
+
+    /// See [`Self::as_rigidity`].
+    pub fn is_rigidity(&self) -> bool {
+        self.rigidity
     }
 
     /// The equations; their functions are the slots, in this order.

@@ -113,11 +113,26 @@ impl RigidBody {
         Self { name: name.to_owned(), first, mass, length }
     }
 
-    /// A body without mass, whose motion is prescribed or follows from joints. `length` is a size of the body.
-    pub fn massless(name: &str, first: u32, centre: [f64; 3], length: f64) -> Self {
-        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let mass = RigidMass { mass: 0.0, centre, euler: [0.0; 3], axes };
-        Self { name: name.to_owned(), first, mass, length }
+    /// A body without mass, to which nodes of a solid are coupled ([`crate::kinematic_coupling`], [`crate::distributing_coupling`]). What is coupled to it
+    /// must determine its motion, for it has no inertia. Velocities at the start must be those that the couplings say.
+    ///
+    /// # Errors
+    /// [`RigidError`] if the length is not positive, or something is not finite.
+    pub fn massless(
+        name: &str,
+        first: u32,
+        point: [f64; 3],
+        axes: [[f64; 3]; 3],
+        length: f64,
+    ) -> Result<Self, RigidError> {
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(RigidError::NotPositive { what: "length of a body without mass", value: length });
+        }
+        if !point.iter().chain(axes.iter().flatten()).all(|x| x.is_finite()) {
+            return Err(RigidError::NotFinite { what: "the point or an axis" });
+        }
+        let mass = RigidMass { mass: 0.0, centre: point, euler: [0.0; 3], axes };
+        Ok(Self { name: name.to_owned(), first, mass, length })
     }
 
     /// Length `l` of the directors.
@@ -151,6 +166,11 @@ impl RigidBody {
         self.first..self.first + Self::VECTORS
     }
 
+    /// Number of the first of its vectors, the centre.
+    pub fn first(&self) -> u32 {
+        self.first
+    }
+
     /// The centre of mass.
     pub fn centre(&self) -> Embedded {
         Embedded::vector(self.first)
@@ -179,6 +199,7 @@ impl RigidBody {
             self.length,
             vec![director_equations([1, 2, 3].map(|k| self.first + k), self.length)],
         )
+        .as_rigidity()
     }
 
     /// Rotation of the body from the reference configuration at `q`: the orthogonal matrix nearest to `sum_k D_k / l (x) d_k0`, rows.

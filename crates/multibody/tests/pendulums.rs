@@ -215,3 +215,41 @@ fn a_hub_with_ten_hinges() {
         assert!(most <= 5);
     }
 }
+
+/// A chain of 30 links of which each carries three pendants and names itself as side a of all four joints, 20 equations on 12 components: the fronts have their pivots.
+#[test]
+fn a_chain_with_pendants() {
+    let mut model = Model::default();
+    let mut joints = Vec::new();
+    let mut previous: Option<stoss_multibody::RigidBody> = None;
+    for k in 0..30 {
+        let x = f64::from(k);
+        let link = add_body(&mut model, "link", rod(1.0, [x + 0.5, 0.0, 0.0], 0.1), [0.0; 3], [0.0; 3]);
+        let frame = |x: f64, y: f64, body: &stoss_multibody::RigidBody| body.frame([x, y, 0.0], ABOUT_Z);
+        for p in 0..3 {
+            let at = x + 0.25 * f64::from(p + 1);
+            let pendant = add_body(&mut model, "pendant", rod(0.2, [at, -0.3, 0.1], 0.01), [0.0; 3], [0.0; 3]);
+            joints.push((frame(at, 0.0, &link), frame(at, 0.0, &pendant)));
+        }
+        if let Some(previous) = &previous {
+            joints.push((frame(x, 0.0, &link), frame(x, 0.0, previous)));
+        }
+        previous = Some(link);
+    }
+    let weight = (0..model.node_count() as u32 / 4).map(|body| (12 * body + 1, -1.0)).collect();
+    for (a, b) in &joints {
+        joint(&mut model, "hinge", JointKind::Hinge, a, b);
+    }
+    model.loads.push(stoss_solver::Load {
+        name: "weight".into(),
+        kind: stoss_solver::LoadKind::Dead { patterns: vec![weight] },
+        magnitude: stoss_solver::Table::constant(&[1.0]),
+    });
+    let mut simulation = run(model, 0.02, 0.2);
+    let start = *simulation.balance();
+    let (most, _) = finish(&mut simulation);
+    let statistics = simulation.solver_statistics();
+    println!("chain: {most} iterations, {} equations, {statistics:?}", simulation.equations());
+    assert_eq!(statistics.pivoting_fallbacks, 0);
+    assert!((simulation.balance().total() - start.total()).abs() < 1e-9);
+}

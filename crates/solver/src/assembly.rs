@@ -7,7 +7,6 @@ use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
 use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_contact::Auxiliary;
 use stoss_fe_solid::{TangentTarget, Workspace};
@@ -470,7 +469,23 @@ impl System {
             }
         }
         let n = next as usize;
-        let groups = self.slot_groups(&contributions, n);
+        // A pressure and its auxiliaries belong to the node of the slot, the first one of the contribution that names the slot first. Others may depend on
+        // it, and name it later.
+        let label = |node| label(&self.groups, self.first_grouped, node);
+        let mut groups = self.numbering.groups(label);
+        groups.resize(n, NONE);
+        for own in [true, false] {
+            for (pair, nodes, slots) in contributions.iter() {
+                for &slot in if own { &slots[..slots.len().min(1)] } else { slots } {
+                    let first = self.slot_equation[pair][slot as usize] as usize;
+                    for group in &mut groups[first..first + self.slot_width[pair] as usize] {
+                        if *group == NONE {
+                            *group = nodes.first().map_or(NONE, |&node| label(node));
+                        }
+                    }
+                }
+            }
+        }
         let contact = contributions.stencils(self);
         let pattern = SparsityPattern::from_stencils(n, self.stencils.iter().chain(contact.iter()))?;
         let pattern = Arc::new(pattern.with_groups(groups)?);
@@ -492,55 +507,6 @@ impl System {
         self.pattern = pattern;
         self.contributions = contributions;
         Ok(())
-    }
-
-    /// Group of each equation. A pressure and its auxiliaries belong to the node of the slot, the first one of the contribution that names the slot first. Others may
-    /// depend on it, and name it later.
-    ///
-    /// Parts have more constraints on one of them than it has components: a hub with many joints. Those that have a choice go to the first of their
-    /// groups that has room, after those that have none.
-    fn slot_groups(&self, contributions: &Contributions, n: usize) -> Vec<u32> {
-        let label = |node| label(&self.groups, self.first_grouped, node);
-        let mut groups = self.numbering.groups(label);
-        let mut room: BTreeMap<u32, i64> = BTreeMap::new();
-        for &group in groups.iter().filter(|&&group| group >= self.first_grouped) {
-            *room.entry(group).or_default() += 1;
-        }
-        groups.resize(n, NONE);
-        for (own, choice) in [(true, false), (true, true), (false, true)] {
-            for (pair, nodes, slots) in contributions.iter() {
-                let first = nodes.first().map_or(NONE, |&node| label(node));
-                let of_part = first >= self.first_grouped && first != NONE;
-                // Slots of parts belong to one contribution.
-                let own_slots = if own && !of_part { &slots[..slots.len().min(1)] } else { slots };
-                if own
-                    && !choice
-                    && of_part
-                    && nodes.iter().any(|&node| label(node) != first && room.contains_key(&label(node)))
-                {
-                    continue;
-                }
-                let free = |&slot: &u32| groups[self.slot_equation[pair][slot as usize] as usize] == NONE;
-                let needed = self.slot_width[pair] as i64 * own_slots.iter().filter(|slot| free(slot)).count() as i64;
-                let has_room = |group: &u32| room.get(group).is_some_and(|&room| room >= needed);
-                let group = match of_part && !has_room(&first) {
-                    true => nodes.iter().map(|&node| label(node)).find(has_room).unwrap_or(first),
-                    false => first,
-                };
-                if let Some(room) = room.get_mut(&group) {
-                    *room -= needed;
-                }
-                for &slot in own_slots {
-                    let first = self.slot_equation[pair][slot as usize] as usize;
-                    for entry in
-                        groups[first..first + self.slot_width[pair] as usize].iter_mut().filter(|g| **g == NONE)
-                    {
-                        *entry = group;
-                    }
-                }
-            }
-        }
-        groups
     }
 
     /// Where the entries of the active contributions go; [`LinalgError::EntryNotInPattern`] if the pattern has no room for them.

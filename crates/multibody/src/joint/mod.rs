@@ -187,8 +187,7 @@ impl Joint {
         for &k in self.kind.common_axes() {
             let (u, v) = (at(kinds::A[k]), at(kinds::B[k]));
             let apart = (0..3).map(|i| (u[i] - v[i]).powi(2)).sum::<f64>().sqrt();
-            // Not `>`: a distance that is NaN is none.
-            if !(apart <= TOLERANCE) {
+            if apart > TOLERANCE || apart.is_nan() {
                 return Err(fault("an axis of side b is", apart));
             }
         }
@@ -196,10 +195,10 @@ impl Joint {
         let points = self.kind.point_equations();
         let norm = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
         let (points, axes) = (norm(&values[..points]), norm(&values[points..self.kind.equations()]));
-        if !(points <= TOLERANCE * self.length) {
+        if points > TOLERANCE * self.length || points.is_nan() {
             return Err(fault("the point of side b is", points));
         }
-        if !(axes <= TOLERANCE * self.length) {
+        if axes > TOLERANCE * self.length || axes.is_nan() {
             return Err(fault("an axis of side b is", axes / self.length));
         }
         Ok(())

@@ -93,7 +93,8 @@ impl CoordinateOptions {
                 .or(not_negative("the coefficient of friction", f.coefficient))
                 .or(not_negative("the radius", f.radius))
         };
-        let of_limits = |[low, high]: [f64; 2]| (!(low < high)).then_some(("the upper limit", high));
+        let of_limits =
+            |[low, high]: [f64; 2]| (low >= high || low.is_nan() || high.is_nan()).then_some(("the upper limit", high));
         (self.spring.and_then(of_spring))
             .or(not_negative("the viscous coefficient", self.viscous))
             .or(self.friction.and_then(of_friction))

@@ -68,8 +68,8 @@ pub fn finish(simulation: &mut Simulation) -> (u32, u32) {
     let (mut most, mut all) = (0, 0);
     while !simulation.finished() {
         let record = simulation.advance().unwrap();
-        most = most.max(record.iterations as u32);
-        all += record.iterations as u32;
+        most = most.max(record.iterations);
+        all += record.iterations;
     }
     (most, all)
 }

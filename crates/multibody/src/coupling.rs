@@ -1,0 +1,140 @@
+//! Couplings of nodes, for instance of the surface of a solid, to a rigid body, mostly one without mass: what is joined to that acts on the nodes.
+
+use crate::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody};
+use nalgebra::{Matrix3, Vector3};
+
+/// Why nodes cannot be coupled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CouplingError {
+    /// There is none.
+    #[error("coupling {coupling} has no nodes")]
+    NoNodes {
+        /// The coupling.
+        coupling: String,
+    },
+    /// A number is out of its range.
+    #[error("coupling {coupling}: the weight {weight:e} of node {node} must be positive and finite")]
+    Weight {
+        /// The coupling.
+        coupling: String,
+        /// Global node.
+        node: u32,
+        /// Its weight.
+        weight: f64,
+    },
+    /// Nodes on a line, or all at one point, do not determine a rotation.
+    #[error("coupling {coupling}: the nodes are on a line, or all at one point, so that they have no rotation")]
+    OnALine {
+        /// The coupling.
+        coupling: String,
+    },
+    /// The body is not where the nodes have their centre.
+    #[error(
+        "coupling {coupling}: the point of the body is {distance:e} from the weighted centre of the nodes; it has to be there"
+    )]
+    Centre {
+        /// The coupling.
+        coupling: String,
+        /// The distance.
+        distance: f64,
+    },
+}
+
+fn position(q: &[f64], node: u32) -> Vector3<f64> {
+    let at = 3 * node as usize;
+    Vector3::new(q[at], q[at + 1], q[at + 2])
+}
+
+/// Each node is a point of the body: `x_a - c - sum_k X_ak D_k / l = 0`, 3 equations a node, linear.
+///
+/// # Errors
+/// [`CouplingError::NoNodes`].
+pub fn kinematic_coupling(
+    name: &str,
+    body: &RigidBody,
+    nodes: &[u32],
+    reference: &[f64],
+) -> Result<ConstraintSet, CouplingError> {
+    if nodes.is_empty() {
+        return Err(CouplingError::NoNodes { coupling: name.to_owned() });
+    }
+    let equations = nodes.iter().map(|&node| {
+        let at = position(reference, node);
+        let apart = Embedded::vector(node).plus(-1.0, &body.point([at.x, at.y, at.z]));
+        let mut builder = QuadraticsBuilder::new();
+        let apart = builder.form(&apart);
+        for i in 0..3 {
+            let unit = builder.form(&Embedded::ground(std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 })));
+            builder.function(0.0, &[(1.0, apart, unit)]);
+        }
+        Equation::each(builder.build())
+    });
+    Ok(ConstraintSet::new(name, body.director_length(), equations.collect()))
+}
+
+/// The body moves as the nodes do in the weighted mean: `sum w_a x_a - c = 0` with weights that are scaled to the sum 1, and `sum w_a (R X_a) x (x_a - c) = 0`, in the body's
+/// axes: `(S_j . D_k - S_k . D_j) / L = 0`, `S_j = sum w_a X_aj x_a`, with the square `L` of the radius of gyration of the nodes over a length. 6 equations; the centre `c` of the body
+/// is at the weighted centre of the nodes.
+///
+/// Forces and moments on the body go to the nodes, `w_a (f + t x R X_a)` with some vector `t`; the nodes are as free to deform as they were. All nodes are one dense contribution: some hundred
+/// are as many as should be.
+///
+/// # Errors
+/// [`CouplingError`].
+pub fn distributing_coupling(
+    name: &str,
+    body: &RigidBody,
+    nodes: &[(u32, f64)],
+    reference: &[f64],
+) -> Result<ConstraintSet, CouplingError> {
+    let coupling = || name.to_owned();
+    if nodes.is_empty() {
+        return Err(CouplingError::NoNodes { coupling: coupling() });
+    }
+    if let Some(&(node, weight)) = nodes.iter().find(|(_, w)| !(*w > 0.0 && w.is_finite())) {
+        return Err(CouplingError::Weight { coupling: coupling(), node, weight });
+    }
+    let total: f64 = nodes.iter().map(|(_, w)| w).sum();
+    let weights: Vec<(u32, f64)> = nodes.iter().map(|&(node, w)| (node, w / total)).collect();
+    let centre = weights.iter().fold(Vector3::zeros(), |c, &(node, w)| c + w * position(reference, node));
+    let own = Vector3::from(body.mass().centre);
+    let mut spread = Matrix3::zeros();
+    for &(node, w) in &weights {
+        let arm = position(reference, node) - centre;
+        spread += w * arm * arm.transpose();
+    }
+    let square = spread.trace();
+    let distance = (centre - own).norm();
+    if square > 0.0 && distance > 1e-8 * square.sqrt() {
+        return Err(CouplingError::Centre { coupling: coupling(), distance });
+    }
+    let mut principal: [f64; 3] = spread.symmetric_eigenvalues().into();
+    principal.sort_by(f64::total_cmp);
+    if principal[1] <= 1e-12 * principal[2] {
+        return Err(CouplingError::OnALine { coupling: coupling() });
+    }
+    let mut mean = Embedded::default();
+    let mut moments = [Embedded::default(), Embedded::default(), Embedded::default()];
+    for &(node, w) in &weights {
+        mean.terms.push((node, w));
+        let arm = position(reference, node) - centre;
+        for (moment, axis) in moments.iter_mut().zip(body.mass().axes) {
+            moment.terms.push((node, w * arm.dot(&Vector3::from(axis))));
+        }
+    }
+    let mut builder = QuadraticsBuilder::new();
+    let apart = builder.form(&mean.plus(-1.0, &body.centre()));
+    for i in 0..3 {
+        let unit = builder.form(&Embedded::ground(std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 })));
+        builder.function(0.0, &[(1.0, apart, unit)]);
+    }
+    let moments = moments.each_ref().map(|moment| builder.form(moment));
+    let directors = [1, 2, 3].map(|k| builder.form(&Embedded::vector(body.first() + k)));
+    // `D` has the length l and `S` that of `square`: divided by `l sqrt(square)` the function is a length.
+    let factor = 1.0 / (square.sqrt() * body.director_length());
+    for (j, k) in [(1, 2), (2, 0), (0, 1)] {
+        builder.function(0.0, &[(factor, moments[j], directors[k]), (-factor, moments[k], directors[j])]);
+    }
+    Ok(ConstraintSet::new(name, body.director_length(), vec![Equation::each(builder.build())]))
+}
