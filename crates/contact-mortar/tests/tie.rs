@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_contact::FacetNodes;
-use stoss_contact::{Constraint, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, ContactRule, Report, StepConfiguration};
 use stoss_contact_mortar::tie::{Interface, MeshTie, TieForm, TieOptions};
 use stoss_contact_mortar::{MortarError, MultiplierSpace};
 use stoss_testkit::meshes::{Mesh, meshes};
