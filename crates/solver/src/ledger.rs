@@ -24,7 +24,7 @@ pub struct Balance {
     /// couplings are switched on or off and where a stage of dynamics gives velocities.
     pub external_work: f64,
     /// Work that friction has taken out of the bodies since the start, measured with its forces: `friction_stored + dissipation`, but for round-off and
-    /// what the iterations leave.
+    /// what the iterations leave; between changes of stage, which may drop energy of either kind.
     pub friction_work: f64,
     /// The part of `contact` that is in the tangential springs of friction.
     pub friction_stored: f64,

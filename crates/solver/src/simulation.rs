@@ -455,7 +455,7 @@ impl Simulation {
         let mut balance = Balance { strain, external_work, ..Balance::default() };
         let masses = &self.system.masses;
         // The velocities of a static stage are mean ones of the last step, for its predictor.
-        if self.system.has_rates || !self.system.has_mass() {
+        if self.system.has_rates {
             balance.kinetic = masses.kinetic_energy(&self.state.v);
             balance.linear_momentum = masses.linear_momentum(&self.state.v);
             balance.angular_momentum = masses.angular_momentum(&self.state.q, &self.state.v);

@@ -1,6 +1,7 @@
 //! Stages and releases in whole runs.
 
 use std::sync::Arc;
+use stoss_contact::{ContactError, ContactRule, LocalContribution, Potential, StepConfiguration};
 use stoss_contact_nts::{NodeToSurface, NodeToSurfaceOptions};
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::{EnergyMomentum, GeneralisedAlpha, Midpoint, Scheme, Trapezoidal};
@@ -319,8 +320,11 @@ fn bob() -> RigidMass {
 /// The pin goes: the centre flies along its parabola, and the energy stays.
 #[test]
 fn released_pin_is_a_parabola() {
-    let schemes: [Box<dyn Scheme>; 2] = [Box::new(EnergyMomentum), Box::new(Midpoint)];
+    let schemes: [Box<dyn Scheme>; 3] =
+        [Box::new(EnergyMomentum), Box::new(Midpoint), Box::new(GeneralisedAlpha::chung_hulbert(0.7))];
     for scheme in schemes {
+        // The third one keeps no energy, and is exact on the parabola only if the acceleration is made anew.
+        let conserves = scheme.name() != "generalised-alpha";
         let (model, _) = pendulum(bob(), [0.3, 2.0, -0.4]);
         let mut simulation = Simulation::new(model, settings(Some(scheme), 0.01, 2.0)).unwrap();
         for _ in 0..60 {
@@ -340,7 +344,7 @@ fn released_pin_is_a_parabola() {
         }
         let drift = simulation.balance().total() - energy.total();
         // Constraints of a rigid body are quadratic: the midpoint rule keeps the energy, too.
-        assert!(drift.abs() < 1e-10 * energy.kinetic.max(1.0), "{drift:e}");
+        assert!(!conserves || drift.abs() < 1e-10 * energy.kinetic.max(1.0), "{drift:e}");
     }
 }
 
@@ -510,4 +514,165 @@ fn variational_midpoint_under_constraints() {
     let (model, _) = pendulum(plate, [0.0; 3]);
     let refused = Simulation::new(model, settings(Some(Box::new(VariationalMidpoint::default())), 0.01, 1.0));
     assert!(matches!(refused, Err(SimulationError::Model(reason)) if reason.contains("vectors without mass")));
+}
+
+/// A spring from a node to a point of the ground, as a potential.
+#[derive(Debug)]
+struct Spring {
+    node: u32,
+    anchor: [f64; 3],
+    stiffness: f64,
+}
+
+impl Potential for Spring {
+    fn name(&self) -> &str {
+        "spring"
+    }
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+    fn begin_step(&mut self, _q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
+        Ok(())
+    }
+    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
+        visit(&[self.node]);
+    }
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let theta = if step.rule == ContactRule::EndPoint { 1.0 } else { 0.5 };
+        let mut local = LocalContribution { nodes: vec![self.node], ..LocalContribution::default() };
+        local.reset(want_tangent);
+        for i in 0..3 {
+            let at = 3 * self.node as usize + i;
+            let q = (1.0 - theta) * step.q_n[at] + theta * step.q_np1[at];
+            local.residual[i] = self.stiffness * (q - self.anchor[i]);
+            if want_tangent {
+                local.tangent[4 * i] = theta * self.stiffness;
+            }
+        }
+        visit(&local);
+        Ok(())
+    }
+    fn energy(&self, q: &[f64]) -> Result<f64, ContactError> {
+        let first = 3 * self.node as usize;
+        let square: f64 = (0..3).map(|i| (q[first + i] - self.anchor[i]).powi(2)).sum();
+        Ok(0.5 * self.stiffness * square)
+    }
+}
+
+/// The centre of a rigid body on a spring: it hangs, swings as `cos(omega t)`, and flies on when the spring is switched off.
+#[test]
+fn potentials_are_switched_with_their_energy() {
+    let body = RigidBody::new("body", 0, RigidMass::new(2.0, [0.0; 3], [0.1, 0.2, 0.3], AXES).unwrap());
+    let mut model = Model::default();
+    model.reference.extend(body.reference().iter().flatten());
+    model.velocity.extend([0.0; 12]);
+    let stiffness = 50.0;
+    let spring = Spring { node: 0, anchor: [0.3, 0.0, 0.0], stiffness };
+    let couplings = [("rigidity", Coupling::bilateral(body.constraints())), ("spring", Coupling::potential(spring))];
+    for (name, method) in couplings {
+        model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restores: false });
+    }
+    model.parts.push(Box::new(body));
+    let off = || Switches { contacts: vec![1], ..Switches::default() };
+    let dynamics = || -> Option<Box<dyn Scheme>> { Some(Box::new(EnergyMomentum)) };
+    let mut simulation = Simulation::staged(model, settings(dynamics(), 0.05, 0.1), later(off())).unwrap();
+    run(&mut simulation);
+    assert_eq!((simulation.balance().total(), simulation.state().q[0]), (0.0, 0.0));
+    // On: its energy is work from outside.
+    let scheme: Option<Box<dyn Scheme>> = Some(Box::new(GeneralisedAlpha::chung_hulbert(1.0)));
+    simulation.begin_stage(stage(scheme, 0.001, 0.3, Switches::default())).unwrap();
+    assert_eq!(simulation.balance().contact, 0.5 * stiffness * 0.09);
+    assert_eq!(simulation.balance().external_work, simulation.balance().contact);
+    // a = k x / m.
+    assert!((simulation.state().a[0] - stiffness * 0.3 / 2.0).abs() < 1e-12);
+    run(&mut simulation);
+    let omega = (stiffness / 2.0_f64).sqrt();
+    assert!((simulation.state().q[0] - 0.3 * (1.0 - (omega * 0.2).cos())).abs() < 1e-5);
+    // The method keeps the energy of linear systems; now the next scheme does.
+    let total = simulation.balance().total();
+    simulation.begin_stage(stage(dynamics(), 0.01, 0.5, off())).unwrap();
+    let balance = *simulation.balance();
+    assert_eq!(balance.contact, 0.0);
+    assert!((balance.total() - total).abs() < 1e-15);
+    let (x, v) = (simulation.state().q[0], simulation.state().v[0]);
+    run(&mut simulation);
+    assert!((simulation.state().q[0] - x - 0.2 * v).abs() < 1e-13);
+    assert!((simulation.balance().total() - total).abs() < 1e-13);
+}
+
+/// A contact that is off while the body is in the air, and on when it arrives.
+#[test]
+fn contact_comes_back() {
+    let mut model = Model::default();
+    let lower = add_block(&mut model, [-0.5, -0.5, -1.0], [1.5, 1.5, 0.0], [3, 3, 1]);
+    let count = model.node_count() as u32;
+    let upper = add_block(&mut model, [0.0, 0.0, 0.1], [1.0, 1.0, 1.1], [2, 2, 1]);
+    model.velocity[3 * count as usize..].iter_mut().skip(2).step_by(3).for_each(|v| *v = -1.0);
+    hold(&mut model, lower.nodes_of("bottom").unwrap().to_vec(), Table::constant(&[0.0; 3]));
+    let facets = |mesh: &Mesh, set: &str, first: u32| -> Vec<[u32; 4]> {
+        mesh.facets_of(set).unwrap().iter().map(|f| f.nodes.map(|n| n + first)).collect()
+    };
+    let (slave, master) = (facets(&upper, "bottom", count), facets(&lower, "top", 0));
+    let method =
+        NodeToSurface::new("floor", &slave, &master, &model.reference, NodeToSurfaceOptions::default()).unwrap();
+    let method = Coupling::contact(method);
+    model.contacts.push(ContactPair { name: "floor".into(), method, complementarity: 2000.0, restores: false });
+    let scheme = || -> Option<Box<dyn Scheme>> { Some(Box::new(EnergyMomentum)) };
+    let off = Switches { contacts: vec![0], ..Switches::default() };
+    let mut simulation = Simulation::staged(model, settings(scheme(), 0.01, 0.05), later(off)).unwrap();
+    let record = simulation.advance().unwrap();
+    assert!(record.contact.is_none());
+    run(&mut simulation);
+    assert!(simulation.contact_report(0).unwrap().is_empty());
+    simulation.begin_stage(stage(scheme(), 0.01, 0.4, Switches::default())).unwrap();
+    let total = simulation.balance().total();
+    let mut closed = 0;
+    while !simulation.finished() {
+        let contact = simulation.advance().unwrap().contact.unwrap();
+        closed = closed.max(contact.active);
+        assert!(contact.min_gap > -1e-10);
+    }
+    assert_eq!(closed, 9);
+    assert!(simulation.body_balance(1).linear_momentum[2] > 0.0, "it bounced");
+    let balance = simulation.balance();
+    assert!((balance.total() + balance.closing_loss - total).abs() < 1e-9);
+}
+
+/// A pin that is switched on far from where it has to be is refused, and nothing has changed; near to it, it pulls.
+#[test]
+fn a_pin_comes_back_only_where_it_belongs() {
+    let fallen = |end: f64| {
+        let (model, _) = pendulum(bob(), [0.0; 3]);
+        let off = Switches { contacts: vec![1], ..Switches::default() };
+        let scheme = Some(Box::new(EnergyMomentum) as Box<dyn Scheme>);
+        let mut simulation = Simulation::staged(model, settings(scheme, 0.01, end), later(off)).unwrap();
+        run(&mut simulation);
+        simulation
+    };
+    // After 5 m of fall; the length of the pin is 1.
+    let mut simulation = fallen(1.0);
+    let (state, balance) = (simulation.state().clone(), *simulation.balance());
+    let error = simulation.begin_stage(stage(None, 1.0, 2.0, Switches::default())).unwrap_err();
+    assert!(matches!(&error, SimulationError::Jump { what, .. } if what == "constraint pin"), "{error}");
+    assert_eq!((simulation.state(), simulation.balance(), simulation.stage()), (&state, &balance, 1));
+    assert!(simulation.active()[1].iter().all(|&active| !active));
+    let scheme = Some(Box::new(EnergyMomentum) as Box<dyn Scheme>);
+    let off = Switches { contacts: vec![1], ..Switches::default() };
+    simulation.begin_stage(stage(scheme, 0.01, 1.2, off)).unwrap();
+    run(&mut simulation);
+    assert!((simulation.state().q[2] + 0.5 * GRAVITY * 1.44).abs() < 1e-11);
+    // After 5 cm.
+    let mut simulation = fallen(0.1);
+    let scheme = Some(Box::new(EnergyMomentum) as Box<dyn Scheme>);
+    simulation.begin_stage(stage(scheme, 0.01, 0.11, Switches::default())).unwrap();
+    assert!(simulation.active()[1].iter().all(|&active| active));
+    run(&mut simulation);
+    let rows = RigidBody::new("body", 0, bob()).point([0.0; 3]);
+    let height: f64 = rows.terms.iter().map(|&(v, w)| w * simulation.state().q[3 * v as usize + 2]).sum();
+    assert!(height.abs() < 1e-12);
 }
