@@ -141,10 +141,7 @@ fn file(points: &[[f64; 3]], cells: &[(u8, &[i64])], field: &[f64], body: &[f64]
     text += &data_array("type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"", &floats(points.as_flattened()));
     text += "</Points>\n<Cells>\n";
     text += &data_array("type=\"Int64\" Name=\"connectivity\"", &nodes);
-    text += &data_array(
-        "type=\"Int64\" Name=\"offsets\"",
-        &ends.flat_map(i64::to_le_bytes).collect::<Vec<_>>(),
-    );
+    text += &data_array("type=\"Int64\" Name=\"offsets\"", &ends.flat_map(i64::to_le_bytes).collect::<Vec<_>>());
     text += &data_array("type=\"UInt8\" Name=\"types\"", &kinds);
     text + "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
 }
@@ -185,7 +182,9 @@ fn cells_of_all_kinds_are_written_and_read() {
     assert!(read(&cells).is_err());
     cells.swap(0, 2);
     assert!(read(&cells).is_ok());
-    for bad in [(10, [0, 1, 2, 3].as_slice()), (5, &[0, 1, 2, 3]), (9, &[0, 1, 2]), (4, &[0]), (1, &[0, 1]), (4, &[0, 12])] {
+    for bad in
+        [(10, [0, 1, 2, 3].as_slice()), (5, &[0, 1, 2, 3]), (9, &[0, 1, 2]), (4, &[0]), (1, &[0, 1]), (4, &[0, 12])]
+    {
         let last = std::mem::replace(&mut cells[6], bad);
         assert!(read(&cells).is_err(), "{bad:?}");
         cells[6] = last;
