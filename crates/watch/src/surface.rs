@@ -111,6 +111,8 @@ enum Inner {
     Element([u32; 8]),
     /// So far behind the centre of the facet: in a rigid body it is always the same point.
     Behind(f64),
+    /// Mean of the nodes.
+    Middle,
 }
 
 /// A surface of triangles and quadrilaterals; of the latter each is four triangles about its centre. That of hexahedra is closed.
@@ -183,7 +185,8 @@ impl Surface {
                 let mut inside = depths.filter(|&depth| surface.contains(&surface.behind(f, depth)));
                 inside.next().map(|depth| (Inner::Behind(depth), f as u32))
             };
-            let inner = (0..surface.facets.len()).filter_map(behind).collect();
+            let middle = surface.contains(&surface.middle()).then_some((Inner::Middle, 0));
+            let inner = (0..surface.facets.len()).filter_map(behind).chain(middle).collect();
             surface.cores_at(inner);
         }
         surface
@@ -265,6 +268,7 @@ impl Surface {
             self.cores[k] = match self.inner[k] {
                 (Inner::Element(nodes), _) => nodes.iter().fold(Vector3::zeros(), |sum, &node| sum + at(node)) / 8.0,
                 (Inner::Behind(depth), f) => self.behind(f as usize, depth),
+                (Inner::Middle, _) => self.middle(),
             };
         }
     }
@@ -275,6 +279,11 @@ impl Surface {
         let around = self.facets[facet].edges().map(|edge| edge.map(|k| self.points[k as usize] - centre));
         let normal = around.fold(Vector3::zeros(), |sum, [a, b]| sum + a.cross(&b));
         centre - normal.try_normalize(0.0).unwrap_or_default() * depth
+    }
+
+    /// The mean of the nodes.
+    fn middle(&self) -> Vector3<f64> {
+        self.points[..self.nodes.len()].iter().sum::<Vector3<f64>>() / self.nodes.len().max(1) as f64
     }
 
     /// Points inside, each with the facet before it.

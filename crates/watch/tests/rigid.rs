@@ -171,8 +171,8 @@ fn overlaps_with_closed_surfaces_are_wrong() {
             wrong(&[vec![ball.moved([0.1, -0.05, 0.4 - depth]), block()]], FindingKind::Penetration, "ball in block");
         }
         let brick = |half: f64| Thing::brick([-half, -half, -half], [half; 3], facets);
-        for shift in [[0.0, 0.0, -0.1], [0.3, 0.2, -0.4], [0.45, 0.45, 0.0]] {
-            wrong(&[vec![brick(0.3).moved(shift), block()]], FindingKind::Penetration, "brick in block");
+        for shift in [[0.0, 0.0, -0.1], [0.3, 0.3, 0.05], [0.45, 0.45, 0.0]] {
+            wrong(&[vec![brick(0.4).moved(shift), block()]], FindingKind::Penetration, "brick in block");
         }
         // Large facets: depths are measured by the small body's edges.
         let small = Thing::ball(0.1, 4, facets);
