@@ -4,14 +4,17 @@
 //! bodies are looked at, and every body against itself. What is inside is decided by counting crossings of a ray with exact
 //! predicates.
 //!
-//! The surface of a hexahedron's face is four triangles about its centre, the mean of its four nodes.
+//! The surface of a hexahedron's face is four triangles about its centre, the mean of its four nodes; so is that of a quadrilateral facet of a
+//! rigid body. A rigid surface that is closed is a body like the others. An open one has no inside: what is wrong there is an edge that runs through it,
+//! or a node that has passed it since the last look.
 //!
 //! [`Watch`] looks at one state, or at two states in a row; [`BalanceWatch`] compares momenta and energy with what is promised; what contacts
 //! report of their points is in [`ContactState`]; [`Judge`] keeps what was worst in a run and gives the [`Verdict`].
 //!
 //! # What it does not see
 //! Edges that pass through each other between two states that are looked at while no node does; what enters a body and leaves it
-//! on the same side between two states; a fold of a body that is not deep enough to reach an element that shares no node with it.
+//! on the same side between two states; a fold of a body that is not deep enough to reach an element that shares no node with it; a rigid body in itself; a
+//! body that creeps through an open surface between its facets' edges without an edge of its own in it.
 
 mod balance;
 mod contact;
@@ -32,15 +35,58 @@ pub use verdict::{Judge, Limits, Verdict};
 
 use std::ops::Range;
 
-/// A body of hexahedra.
+/// A body.
 #[derive(Clone, Debug)]
 pub struct WatchBody {
     /// Name for sentences.
     pub name: String,
     /// Global numbers of its nodes.
     pub nodes: Range<u32>,
+    /// What it consists of.
+    pub shape: WatchShape,
+}
+
+/// What a body consists of.
+#[derive(Clone, Debug)]
+pub enum WatchShape {
     /// Global node numbers of each hexahedron: the bottom counter-clockwise seen from the top, then the top.
-    pub hexahedra: Vec<[u32; 8]>,
+    Hexahedra(Vec<[u32; 8]>),
+    /// The surface of a rigid body.
+    Surface {
+        /// Its facets.
+        facets: Vec<WatchFacet>,
+        /// Whether it encloses a volume.
+        is_closed: bool,
+    },
+}
+
+/// A facet of a rigid surface: global node numbers, counter-clockwise seen from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WatchFacet {
+    /// A triangle.
+    Triangle([u32; 3]),
+    /// A quadrilateral.
+    Quadrilateral([u32; 4]),
+}
+
+impl WatchFacet {
+    /// The corners.
+    pub fn corners(&self) -> &[u32] {
+        match self {
+            Self::Triangle(corners) => corners,
+            Self::Quadrilateral(corners) => corners,
+        }
+    }
+}
+
+impl WatchBody {
+    /// Its elements; none of a rigid body.
+    pub(crate) fn hexahedra(&self) -> &[[u32; 8]] {
+        match &self.shape {
+            WatchShape::Hexahedra(hexahedra) => hexahedra,
+            WatchShape::Surface { .. } => &[],
+        }
+    }
 }
 
 /// Nodes that a tie holds together: they are no concern between these two bodies.
@@ -68,11 +114,11 @@ pub struct WatchModel {
 #[non_exhaustive]
 pub enum WatchError {
     /// A node that does not exist.
-    #[error("element {element} of `{body}` names node {node}, but there are {nodes}")]
+    #[error("element or facet {element} of `{body}` names node {node}, but there are {nodes}")]
     Node {
         /// The body.
         body: String,
-        /// Its element.
+        /// Its element or facet.
         element: usize,
         /// The node.
         node: u32,

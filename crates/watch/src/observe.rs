@@ -4,7 +4,7 @@ use crate::pairs::{Inside, TOUCHING, overlap};
 use crate::solids::{self, SolidObservation, scaled_jacobian};
 use crate::surface::{Surface, inside_hexahedron, nearest_point};
 use crate::sweep::{Sweep, passages};
-use crate::{WatchError, WatchModel};
+use crate::{WatchBody, WatchError, WatchFacet, WatchModel, WatchShape};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
@@ -21,9 +21,10 @@ pub struct Penetration {
     pub node: u32,
     /// The body that it is inside.
     pub into: usize,
-    /// Distance to the nearest point of that body's surface (a length).
+    /// Distance to the nearest point of that body's surface (a length); of an open surface how far the body reaches to the side where there is less of it.
     pub depth: f64,
-    /// The same over the mean edge length of the facet there.
+    /// The same over the mean edge length of the facet there; of the facets of a rigid body, which may be large, that of the point's own facet counts too if it
+    /// is smaller.
     pub relative: f64,
     /// Where.
     pub position: [f64; 3],
@@ -49,7 +50,7 @@ pub struct Observation {
     pub penetrations: Vec<Penetration>,
     /// Nodes inside another body or inside their own.
     pub nodes_inside: usize,
-    /// Edges that run through a body between two ends outside.
+    /// Edges that run through a body between two ends outside, or through an open surface.
     pub cutting: usize,
     /// Nodes that passed through a body since the state before.
     pub tunnelled: Vec<Tunnelling>,
@@ -89,18 +90,26 @@ impl Watch {
     /// Finds the surfaces of the bodies.
     ///
     /// # Errors
-    /// [`WatchError::Node`] if an element names a node that does not exist.
+    /// [`WatchError::Node`] if an element or a facet names a node that does not exist.
     pub fn new(model: WatchModel) -> Result<Self, WatchError> {
         let nodes = model.reference.len() / 3;
         for body in &model.bodies {
-            for (element, hexahedron) in body.hexahedra.iter().enumerate() {
-                if let Some(&node) = hexahedron.iter().find(|&&node| node as usize >= nodes) {
+            let all: Vec<&[u32]> = match &body.shape {
+                WatchShape::Hexahedra(hexahedra) => hexahedra.iter().map(|corners| corners.as_slice()).collect(),
+                WatchShape::Surface { facets, .. } => facets.iter().map(WatchFacet::corners).collect(),
+            };
+            for (element, corners) in all.into_iter().enumerate() {
+                if let Some(&node) = corners.iter().find(|&&node| node as usize >= nodes) {
                     return Err(WatchError::Node { body: body.name.clone(), element, node, nodes });
                 }
             }
         }
-        let surfaces: Vec<Surface> = model.bodies.iter().map(|body| Surface::new(&body.hexahedra)).collect();
-        let skins = model.bodies.iter().zip(&surfaces).map(|(body, surface)| Skin::new(&body.hexahedra, surface));
+        let surface = |body: &WatchBody| match &body.shape {
+            WatchShape::Hexahedra(hexahedra) => Surface::of_hexahedra(hexahedra),
+            WatchShape::Surface { facets, is_closed } => Surface::of_facets(facets, *is_closed, &model.reference),
+        };
+        let surfaces: Vec<Surface> = model.bodies.iter().map(surface).collect();
+        let skins = model.bodies.iter().zip(&surfaces).map(|(body, surface)| Skin::new(body.hexahedra(), surface));
         let skins = skins.collect();
         let both = |tie: &crate::TiedPair| {
             let nodes: BTreeSet<u32> = tie.nodes.iter().copied().collect();
@@ -109,7 +118,7 @@ impl Watch {
         };
         let tied = model.ties.iter().flat_map(both).collect();
         let corner = |node: u32| Vector3::from_column_slice(&model.reference[3 * node as usize..3 * node as usize + 3]);
-        let elements = model.bodies.iter().flat_map(|body| &body.hexahedra);
+        let elements = model.bodies.iter().flat_map(WatchBody::hexahedra);
         let rest = elements.map(|hexahedron| scaled_jacobian(&hexahedron.map(corner))).collect();
         Ok(Self { model, surfaces, skins, tied, rest, placed: false, inside: Vec::new() })
     }
@@ -117,7 +126,7 @@ impl Watch {
     /// How many steps there should be from one look to the next. It follows from the number of facets alone, so that verdicts repeat:
     /// a look costs about in proportion to the facets, a step more than that.
     pub fn default_every(&self) -> u64 {
-        let facets: usize = self.surfaces.iter().map(|surface| surface.quads.len()).sum();
+        let facets: usize = self.surfaces.iter().map(|surface| surface.facets.len()).sum();
         1 + (facets / FACETS_EVERY_STEP) as u64
     }
 
@@ -187,7 +196,10 @@ impl Watch {
 
     /// Nodes and centres of faces of a body inside elements of its own that share no node with the elements around it.
     fn own(&mut self, b: usize, q: &[f64], seen: &mut Observation) {
-        let hexahedra = &self.model.bodies[b].hexahedra;
+        let hexahedra = self.model.bodies[b].hexahedra();
+        if hexahedra.is_empty() {
+            return;
+        }
         let corner = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
         let skin = &mut self.skins[b];
         let elements = &skin.elements;
@@ -205,7 +217,7 @@ impl Watch {
                     return;
                 }
                 // The nearest face of that element on the outside; it has one.
-                let own = (0..surface.triangle_count()).filter(|t| surface.elements[t / 4] == element);
+                let own = (0..surface.triangle_count()).filter(|&t| surface.element(t) == Some(element));
                 let distance = |t: usize| (x - nearest_point(x, surface.triangle(t))).norm();
                 let nearest = own.map(|t| (distance(t), t)).min_by(|a, b| a.0.total_cmp(&b.0));
                 let Some((depth, t)) = nearest else { return };

@@ -23,7 +23,7 @@ pub(crate) struct Inside {
 pub(crate) struct Overlap {
     pub deepest: Option<Inside>,
     pub nodes: usize,
-    /// Edges that run through the other body between two nodes outside.
+    /// Edges that run through the other body between two nodes outside, or through an open surface.
     pub edges: usize,
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn overlap(
     inside.resize(body.points.len(), false);
     let measure = |point: u32, position: Vector3<f64>| {
         let (depth, triangle) = other.nearest(&position);
-        Inside { point, position, depth, relative: depth / other.edge_length(triangle) }
+        Inside { point, position, depth, relative: depth / other.unit(triangle, body, point) }
     };
     for (k, x) in body.points.iter().enumerate() {
         if exempt(k as u32) || !other.contains(x) {
@@ -64,8 +64,8 @@ pub(crate) fn overlap(
         }
     }
     // Of bodies in the same place all nodes are near the surface of the other, but the insides are not.
-    for (core, (_, quad)) in body.cores.iter().zip(&body.skin) {
-        let point = body.nodes.len() as u32 + quad;
+    for (core, facet) in body.cores() {
+        let point = body.nodes.len() as u32 + facet;
         if !exempt(point) && other.contains(core) {
             found.add(measure(point, *core));
         }
@@ -89,6 +89,11 @@ pub(crate) fn overlap(
                 crossings.push(from / (from - to));
             }
         });
+        if !other.is_closed {
+            let reaches = |end: u32, x: &Vector3<f64>| measure(end, *x).relative > TOUCHING;
+            found.edges += usize::from(!crossings.is_empty() && reaches(a, x) && reaches(b, y));
+            continue;
+        }
         crossings.sort_unstable_by(f64::total_cmp);
         let mut through = false;
         for pair in crossings.windows(2) {
@@ -104,5 +109,32 @@ pub(crate) fn overlap(
         }
         found.edges += usize::from(through);
     }
+    if !other.is_closed && found.edges > 0 {
+        found.deepest = astride(body, other, exempt);
+    }
     found
+}
+
+/// Of a body with edges through an open surface, the point that is farthest from it on the side where the body reaches less far.
+fn astride(body: &Surface, other: &Surface, exempt: impl Fn(u32) -> bool) -> Option<Inside> {
+    /// Points that are seen from the surface at a lower angle (its sine) are beside it.
+    const BESIDE: f64 = 0.5;
+    let mut farthest: [Option<Inside>; 2] = [None, None];
+    for (k, position) in body.points.iter().enumerate().filter(|&(k, _)| !exempt(k as u32)) {
+        let (depth, triangle) = other.nearest(position);
+        let [a, b, c] = other.triangle(triangle);
+        let normal = (b - a).cross(&(c - a));
+        let height = normal.dot(&(position - a)) / normal.norm();
+        if depth > 0.0 && height.abs() > BESIDE * depth {
+            let point = k as u32;
+            let here =
+                Inside { point, position: *position, depth, relative: depth / other.unit(triangle, body, point) };
+            let side = &mut farthest[usize::from(height < 0.0)];
+            if side.is_none_or(|worst| here.depth > worst.depth) {
+                *side = Some(here);
+            }
+        }
+    }
+    let [Some(before), Some(behind)] = farthest else { return None };
+    Some(if before.depth < behind.depth { before } else { behind })
 }

@@ -49,7 +49,7 @@ pub(crate) fn observe(model: &WatchModel, rest: &[f64], q: &[f64]) -> SolidObser
     }
     let mut e = 0;
     for (b, body) in model.bodies.iter().enumerate() {
-        for (k, hexahedron) in body.hexahedra.iter().enumerate() {
+        for (k, hexahedron) in body.hexahedra().iter().enumerate() {
             let x = hexahedron.map(|node| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]));
             let scaled = scaled_jacobian(&x);
             if scaled < POOR && scaled < 0.5 * rest[e] {

@@ -1,5 +1,6 @@
 //! The surface of a body as triangles, and exact answers to what is inside.
 
+use crate::WatchFacet;
 use nalgebra::Vector3;
 use robust::{Coord3D, orient3d};
 use std::collections::{BTreeMap, HashMap};
@@ -78,24 +79,68 @@ pub fn nearest_point(x: &Vector3<f64>, [a, b, c]: [&Vector3<f64>; 3]) -> Vector3
     nearer(nearer(all[0], all[1]), all[2])
 }
 
-/// A closed surface of quadrilaterals, four triangles each.
+/// A facet: places of its corners in `nodes`, counter-clockwise seen from outside.
+#[derive(Clone, Copy, Debug)]
+pub struct Facet {
+    corners: [u32; 4],
+    count: usize,
+}
+
+impl Facet {
+    /// Of three or four corners.
+    fn new(corners: &[u32], place: impl Fn(u32) -> u32) -> Self {
+        let count = corners.len().min(4);
+        Self { corners: std::array::from_fn(|k| place(corners[k % count])), count }
+    }
+
+    /// The corners.
+    pub fn corners(&self) -> &[u32] {
+        &self.corners[..self.count]
+    }
+
+    /// The edges, from corner to corner.
+    fn edges(&self) -> impl Iterator<Item = [u32; 2]> {
+        (0..self.count).map(|k| [self.corners[k], self.corners[(k + 1) % self.count]])
+    }
+}
+
+/// A point inside of a body, behind a facet.
+#[derive(Clone, Copy, Debug)]
+enum Inner {
+    /// Centre of the element of these nodes.
+    Element([u32; 8]),
+    /// So far behind the centre of the facet: in a rigid body it is always the same point.
+    Behind(f64),
+    /// Mean of the nodes.
+    Middle,
+}
+
+/// A surface of triangles and quadrilaterals; of the latter each is four triangles about its centre. That of hexahedra is closed.
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// Global numbers of the nodes on it.
     pub nodes: Vec<u32>,
     /// The numbers 0, 1, ... as many as there are nodes.
     places: Vec<u32>,
-    /// Corners of each quadrilateral, as places in `nodes`, counter-clockwise seen from outside.
-    pub quads: Vec<[u32; 4]>,
-    /// The element behind each quadrilateral.
+    /// The facets.
+    pub facets: Vec<Facet>,
+    /// A facet of each node.
+    facet_at: Vec<u32>,
+    /// Whether it encloses a volume.
+    pub is_closed: bool,
+    /// Whether it is that of a rigid body, whose facets may be much larger than those of the others.
+    is_rigid: bool,
+    /// Corners of the triangles as places in `points`, and their facets.
+    triangles: Vec<([u32; 3], u32)>,
+    /// The element behind each facet; none of a rigid body.
     pub elements: Vec<u32>,
-    /// The elements behind the quadrilaterals, each once: its nodes, and the first of its quadrilaterals.
-    pub skin: Vec<([u32; 8], u32)>,
-    /// Present centres of these elements.
-    pub cores: Vec<Vector3<f64>>,
+    /// Points inside, with a facet before each.
+    inner: Vec<(Inner, u32)>,
+    /// Their present positions.
+    cores: Vec<Vector3<f64>>,
     /// Edges of the triangles, as places in `points`, each once.
     pub edges: Vec<[u32; 2]>,
-    /// Present positions: nodes, then centres of the quadrilaterals.
+    /// Present positions: nodes, then centres of the facets.
     pub points: Vec<Vector3<f64>>,
     /// Boxes of the triangles.
     pub tree: BoundingVolumeTree,
@@ -105,7 +150,7 @@ pub struct Surface {
 
 impl Surface {
     /// The outside of hexahedra: faces that belong to one of them only.
-    pub fn new(hexahedra: &[[u32; 8]]) -> Self {
+    pub fn of_hexahedra(hexahedra: &[[u32; 8]]) -> Self {
         let mut seen: HashMap<[u32; 4], (u32, u32)> = HashMap::new();
         let corners = |e: usize, f: usize| FACES[f].map(|k| hexahedra[e][k]);
         for e in 0..hexahedra.len() {
@@ -117,53 +162,91 @@ impl Surface {
         }
         let mut faces: Vec<u32> = seen.into_values().filter(|&(_, count)| count == 1).map(|(face, _)| face).collect();
         faces.sort_unstable();
-        let all = faces.iter().flat_map(|&face| corners(face as usize / 6, face as usize % 6));
-        let mut nodes: Vec<u32> = all.collect();
+        let quads: Vec<[u32; 4]> = faces.iter().map(|&face| corners(face as usize / 6, face as usize % 6)).collect();
+        let elements: Vec<u32> = faces.iter().map(|face| face / 6).collect();
+        // Each element once, with the first of its faces; they are in the order of the elements.
+        let first = (0..elements.len()).filter(|&k| k == 0 || elements[k] != elements[k - 1]);
+        let inner = first.map(|k| (Inner::Element(hexahedra[elements[k] as usize]), k as u32)).collect();
+        let mut surface = Self::of(quads.iter().map(|quad| quad.as_slice()));
+        surface.cores_at(inner);
+        Self { elements, ..surface }
+    }
+
+    /// The surface of a rigid body, with its positions in the reference.
+    pub fn of_facets(facets: &[WatchFacet], is_closed: bool, reference: &[f64]) -> Self {
+        /// Halvings of an edge length on the way to a point inside.
+        const HALVINGS: i32 = 20;
+        let mut surface = Self::of(facets.iter().map(WatchFacet::corners));
+        (surface.is_rigid, surface.is_closed) = (true, is_closed);
+        if is_closed {
+            surface.place(reference, true);
+            let behind = |f: usize| {
+                let depths = (1..HALVINGS).map(|k| surface.length(f) * 0.5_f64.powi(k));
+                let mut inside = depths.filter(|&depth| surface.contains(&surface.behind(f, depth)));
+                inside.next().map(|depth| (Inner::Behind(depth), f as u32))
+            };
+            let middle = surface.contains(&surface.middle()).then_some((Inner::Middle, 0));
+            let inner = (0..surface.facets.len()).filter_map(behind).chain(middle).collect();
+            surface.cores_at(inner);
+        }
+        surface
+    }
+
+    /// Of facets by global node numbers.
+    fn of<'a>(list: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+        let mut nodes: Vec<u32> = list.clone().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
         let place: BTreeMap<u32, u32> = nodes.iter().enumerate().map(|(k, &node)| (node, k as u32)).collect();
-        let quads: Vec<[u32; 4]> =
-            faces.iter().map(|&face| corners(face as usize / 6, face as usize % 6).map(|node| place[&node])).collect();
-        let mut edges = Vec::new();
-        for (q, quad) in quads.iter().enumerate() {
-            for k in 0..4 {
-                let (a, b) = (quad[k], quad[(k + 1) % 4]);
+        let facets: Vec<Facet> = list.map(|corners| Facet::new(corners, |node| place[&node])).collect();
+        let (mut edges, mut triangles, mut facet_at) = (Vec::new(), Vec::new(), vec![0; nodes.len()]);
+        for (f, facet) in facets.iter().enumerate() {
+            let centre = (nodes.len() + f) as u32;
+            for [a, b] in facet.edges() {
+                facet_at[a as usize] = f as u32;
                 edges.push([a.min(b), a.max(b)]);
-                edges.push([a, (nodes.len() + q) as u32]);
+                if facet.count == 4 {
+                    edges.push([a, centre]);
+                    triangles.push(([a, b, centre], f as u32));
+                }
+            }
+            if let [a, b, c] = *facet.corners() {
+                triangles.push(([a, b, c], f as u32));
             }
         }
         edges.sort_unstable();
         edges.dedup();
-        let points = vec![Vector3::zeros(); nodes.len() + quads.len()];
-        let elements: Vec<u32> = faces.iter().map(|face| face / 6).collect();
-        // Faces are in the order of their elements.
-        let first = (0..elements.len()).filter(|&k| k == 0 || elements[k] != elements[k - 1]);
-        let skin: Vec<_> = first.map(|k| (hexahedra[elements[k] as usize], k as u32)).collect();
-        let mut surface = Self {
+        let boxes = vec![Aabb::from_points([&Vector3::zeros()]); triangles.len()];
+        Self {
             places: (0..nodes.len() as u32).collect(),
+            points: vec![Vector3::zeros(); nodes.len() + facets.len()],
             nodes,
-            quads,
-            elements,
-            cores: vec![Vector3::zeros(); skin.len()],
-            skin,
+            facets,
+            facet_at,
+            is_closed: true,
+            is_rigid: false,
+            triangles,
+            elements: Vec::new(),
+            inner: Vec::new(),
+            cores: Vec::new(),
             edges,
-            points,
-            tree: BoundingVolumeTree::default(),
+            tree: BoundingVolumeTree::build(&boxes),
             bounds: Aabb::empty(),
-        };
-        let boxes: Vec<Aabb> = (0..surface.triangle_count()).map(|_| Aabb::from_points([&Vector3::zeros()])).collect();
-        surface.tree = BoundingVolumeTree::build(&boxes);
-        surface
+        }
+    }
+
+    fn cores_at(&mut self, inner: Vec<(Inner, u32)>) {
+        self.cores = vec![Vector3::zeros(); inner.len()];
+        self.inner = inner;
     }
 
     /// Takes over positions; the first time the tree is built anew.
     pub fn place(&mut self, q: &[f64], build: bool) {
         self.points_at(q);
-        let Self { nodes, quads, points, tree, bounds, .. } = self;
-        let corner = |t: usize| corners_of(t, nodes.len(), quads);
-        let box_of = |t: usize| Aabb::from_points(corner(t).map(|k| &points[k as usize]));
+        let Self { triangles, points, tree, bounds, .. } = self;
+        let box_of = |t: usize| Aabb::from_points(triangles[t].0.map(|k| &points[k as usize]));
         if build {
-            let boxes: Vec<Aabb> = (0..4 * quads.len()).map(box_of).collect();
+            let boxes: Vec<Aabb> = (0..triangles.len()).map(box_of).collect();
             *tree = BoundingVolumeTree::build(&boxes);
         } else {
             tree.refit(box_of);
@@ -172,37 +255,59 @@ impl Surface {
     }
 
     fn points_at(&mut self, q: &[f64]) {
-        let Self { nodes, quads, points, skin, cores, .. } = self;
         let at = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
+        let Self { nodes, facets, points, .. } = self;
         for (point, &node) in points.iter_mut().zip(nodes.iter()) {
             *point = at(node);
         }
-        for (core, (nodes, _)) in cores.iter_mut().zip(skin.iter()) {
-            *core = nodes.iter().fold(Vector3::zeros(), |sum, &node| sum + at(node)) / 8.0;
+        for (f, facet) in facets.iter().enumerate() {
+            let sum = facet.corners().iter().fold(Vector3::zeros(), |sum, &k| sum + points[k as usize]);
+            points[nodes.len() + f] = sum / facet.count as f64;
         }
-        for (c, quad) in quads.iter().enumerate() {
-            let sum = quad.iter().fold(Vector3::zeros(), |sum, &k| sum + points[k as usize]);
-            points[nodes.len() + c] = sum / 4.0;
+        for k in 0..self.inner.len() {
+            self.cores[k] = match self.inner[k] {
+                (Inner::Element(nodes), _) => nodes.iter().fold(Vector3::zeros(), |sum, &node| sum + at(node)) / 8.0,
+                (Inner::Behind(depth), f) => self.behind(f as usize, depth),
+                (Inner::Middle, _) => self.middle(),
+            };
         }
+    }
+
+    /// The point so far behind the centre of a facet.
+    fn behind(&self, facet: usize, depth: f64) -> Vector3<f64> {
+        let centre = self.points[self.nodes.len() + facet];
+        let around = self.facets[facet].edges().map(|edge| edge.map(|k| self.points[k as usize] - centre));
+        let normal = around.fold(Vector3::zeros(), |sum, [a, b]| sum + a.cross(&b));
+        centre - normal.try_normalize(0.0).unwrap_or_default() * depth
+    }
+
+    /// The mean of the nodes.
+    fn middle(&self) -> Vector3<f64> {
+        self.points[..self.nodes.len()].iter().sum::<Vector3<f64>>() / self.nodes.len().max(1) as f64
+    }
+
+    /// Points inside, each with the facet before it.
+    pub fn cores(&self) -> impl Iterator<Item = (&Vector3<f64>, u32)> {
+        self.cores.iter().zip(&self.inner).map(|(core, (_, facet))| (core, *facet))
     }
 
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
-        4 * self.quads.len()
+        self.triangles.len()
     }
 
-    /// The nodes that a place in `points` belongs to: itself, or the corners of the quadrilateral whose centre it is.
+    /// The nodes that a place in `points` belongs to: itself, or the corners of the facet whose centre it is.
     pub fn nodes_of(&self, point: u32) -> &[u32] {
         let k = point as usize;
         match k.checked_sub(self.nodes.len()) {
             None => &self.places[k..=k],
-            Some(quad) => &self.quads[quad],
+            Some(facet) => self.facets[facet].corners(),
         }
     }
 
     /// Corners of a triangle as places in `points`.
     pub fn corners(&self, triangle: usize) -> [u32; 3] {
-        corners_of(triangle, self.nodes.len(), &self.quads)
+        self.triangles[triangle].0
     }
 
     /// Corners of a triangle.
@@ -210,16 +315,40 @@ impl Surface {
         self.corners(triangle).map(|k| &self.points[k as usize])
     }
 
-    /// Mean edge length of the quadrilateral of a triangle.
-    pub fn edge_length(&self, triangle: usize) -> f64 {
-        let quad = self.quads[triangle / 4];
-        (0..4).map(|k| (self.points[quad[k] as usize] - self.points[quad[(k + 1) % 4] as usize]).norm()).sum::<f64>()
-            / 4.0
+    /// The element behind a triangle; only of hexahedra.
+    pub fn element(&self, triangle: usize) -> Option<u32> {
+        self.elements.get(self.triangles[triangle].1 as usize).copied()
     }
 
-    /// Whether a point is inside: how often the surface winds about it is not zero. A point on the surface is not inside.
+    /// Mean edge length of a facet.
+    fn length(&self, facet: usize) -> f64 {
+        let facet = &self.facets[facet];
+        let lengths = facet.edges().map(|[a, b]| (self.points[a as usize] - self.points[b as usize]).norm());
+        lengths.sum::<f64>() / facet.count as f64
+    }
+
+    /// Mean edge length of the facet of a triangle.
+    pub fn edge_length(&self, triangle: usize) -> f64 {
+        self.length(self.triangles[triangle].1 as usize)
+    }
+
+    /// What a depth below a triangle is measured by, for a point of another body: the mean edge length of the facet, of a rigid body that of the other's
+    /// facet if it is smaller.
+    pub fn unit(&self, triangle: usize, body: &Self, point: u32) -> f64 {
+        let own = self.edge_length(triangle);
+        if !self.is_rigid {
+            return own;
+        }
+        let facet = (point as usize)
+            .checked_sub(body.nodes.len())
+            .unwrap_or(body.facet_at[body.nodes_of(point)[0] as usize] as usize);
+        own.min(body.length(facet))
+    }
+
+    /// Whether a point is inside: how often the surface winds about it is not zero. A point on the surface is not inside, and none is
+    /// inside of a surface that is open.
     pub fn contains(&self, x: &Vector3<f64>) -> bool {
-        if !self.bounds.contains(x) {
+        if !self.is_closed || !self.bounds.contains(x) {
             return false;
         }
         let size = (self.bounds.max - self.bounds.min).norm();
@@ -255,11 +384,6 @@ impl Surface {
         });
         (distance, best)
     }
-}
-
-fn corners_of(triangle: usize, nodes: usize, quads: &[[u32; 4]]) -> [u32; 3] {
-    let (quad, k) = (quads[triangle / 4], triangle % 4);
-    [quad[k], quad[(k + 1) % 4], (nodes + triangle / 4) as u32]
 }
 
 /// Whether a point is inside a hexahedron, its faces taken as four triangles each; not if it is on its surface.
@@ -304,9 +428,9 @@ mod tests {
             .into_iter()
             .map(f64::from)
             .collect();
-        let mut cube = Surface::new(&[[0, 1, 2, 3, 4, 5, 6, 7]]);
+        let mut cube = Surface::of_hexahedra(&[[0, 1, 2, 3, 4, 5, 6, 7]]);
         cube.place(&q, true);
-        assert_eq!((cube.quads.len(), cube.nodes.len(), cube.edges.len()), (6, 8, 12 + 24));
+        assert_eq!((cube.facets.len(), cube.nodes.len(), cube.edges.len()), (6, 8, 12 + 24));
         assert!(cube.contains(&Vector3::new(0.5, 0.5, 0.5)) && cube.contains(&Vector3::new(1e-12, 0.5, 0.25)));
         for outside in [[1.5, 0.5, 0.5], [0.0, 0.3, 0.4], [1.0, 1.0, 1.0], [0.5, 0.0, 0.5], [-1e-12, 0.5, 0.25]] {
             assert!(!cube.contains(&Vector3::from(outside)), "{outside:?}");

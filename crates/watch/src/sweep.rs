@@ -67,7 +67,7 @@ impl Sweep {
     }
 }
 
-/// Nodes of `body`, at `before` until now, that passed through `other`; not those for which `exempt` holds.
+/// Nodes of `body`, at `before` until now, that passed through `other`, or from one side of an open surface to the other; not those for which `exempt` holds.
 pub(crate) fn passages(
     (body, before): (&Surface, &[Vector3<f64>]),
     (other, other_before, sweep): (&Surface, &[Vector3<f64>], &Sweep),
@@ -85,12 +85,18 @@ pub(crate) fn passages(
         sweep.tree.query(&region, |t| {
             let corners = other.corners(t).map(|k| k as usize);
             let moving = corners.map(|k| (&other_before[k], &other.points[k]));
-            crossings.extend(crossing(x0, x1, moving, other.edge_length(t)));
+            crossings.extend(crossing(x0, x1, moving, other.unit(t, body, k as u32)));
         });
-        if crossings.len() < 2 {
+        if crossings.len() < 2 && other.is_closed {
             continue;
         }
         crossings.sort_unstable_by(|a, b| a.time.total_cmp(&b.time));
+        if let Some(passage) = crossings.first().zip(crossings.last()).filter(|_| !other.is_closed) {
+            if is_through(passage) {
+                found.push(Passage { node: k as u32, position: x0 + (x1 - x0) * passage.0.time });
+            }
+            continue;
+        }
         let entry = crossings.iter().find(|crossing| crossing.inwards);
         let exit = crossings.iter().rfind(|crossing| !crossing.inwards);
         let (Some(entry), Some(exit)) = (entry, exit) else { continue };
@@ -107,6 +113,14 @@ pub(crate) fn passages(
         }
     }
     found
+}
+
+/// Whether a point that met an open surface first and last so has passed it: to the other side, and deep. Who comes from behind has to have been deep there,
+/// too: a node in contact may be a little behind the surface before it leaves it.
+fn is_through((first, last): (&Crossing, &Crossing)) -> bool {
+    let way = |crossing: &Crossing, time: f64| (crossing.relative * time).dot(&crossing.normal).abs();
+    let after = way(last, 1.0 - last.time) > DEEP * last.edge;
+    first.inwards == last.inwards && after && (first.inwards || way(first, first.time) > DEEP * first.edge)
 }
 
 /// Where a moving point meets a moving triangle.

@@ -4,6 +4,7 @@ use crate::contact;
 use crate::{ContactState, Finding, FindingKind, Level, Observation, SolidObservation};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::ops::Range;
 
 /// What a run comes to.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -48,8 +49,8 @@ impl Default for Limits {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judge {
     names: Vec<String>,
-    /// First node of each body: sentences count nodes within their body.
-    first: Vec<u32>,
+    /// Nodes of each body: sentences count nodes within their body.
+    nodes: Vec<Range<u32>>,
     /// Pairs of bodies between which a contact is named.
     contacts: Vec<[usize; 2]>,
     limits: Limits,
@@ -57,10 +58,14 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// For bodies of these names with these first nodes, and contacts between these pairs of them.
-    pub fn new(bodies: impl IntoIterator<Item = (String, u32)>, contacts: Vec<[usize; 2]>, limits: Limits) -> Self {
-        let (names, first) = bodies.into_iter().unzip();
-        Self { names, first, contacts, limits, findings: Vec::new() }
+    /// For bodies of these names with these nodes, and contacts between these pairs of them.
+    pub fn new(
+        bodies: impl IntoIterator<Item = (String, Range<u32>)>,
+        contacts: Vec<[usize; 2]>,
+        limits: Limits,
+    ) -> Self {
+        let (names, nodes) = bodies.into_iter().unzip();
+        Self { names, nodes, contacts, limits, findings: Vec::new() }
     }
 
     /// What to add to a sentence about two bodies.
@@ -72,8 +77,12 @@ impl Judge {
         }
     }
 
-    fn node(&self, body: usize, node: u32) -> String {
-        format!("node {} of `{}`", node - self.first[body], self.names[body])
+    /// A node in words; those of no body are counted with all others.
+    fn node(&self, node: u32) -> String {
+        match self.nodes.iter().position(|nodes| nodes.contains(&node)) {
+            Some(body) => format!("node {} of `{}`", node - self.nodes[body].start, self.names[body]),
+            None => format!("node {node} of the model"),
+        }
     }
 
     /// Takes note of what was seen in a step.
@@ -98,7 +107,7 @@ impl Judge {
             };
             let sentence = format!(
                 "at t = {time:.4} {} is {} ({} edges) inside {into}{}",
-                self.node(deepest.body, deepest.node),
+                self.node(deepest.node),
                 short(deepest.depth),
                 short(deepest.relative),
                 self.remark(deepest.body, deepest.into)
@@ -110,7 +119,7 @@ impl Judge {
         for passage in &seen.tunnelled {
             let sentence = format!(
                 "at t = {time:.4} {} has passed through `{}` since the last look{}",
-                self.node(passage.body, passage.node),
+                self.node(passage.node),
                 self.names[passage.through],
                 self.remark(passage.body, passage.through)
             );
@@ -136,17 +145,12 @@ impl Judge {
             let bodies = Some([body, body]);
             found.push(finding(Level::Doubtful, FindingKind::PoorElement, bodies, sentence, None, -jacobian));
         }
-        let body_of = |node: u32| self.first.iter().rposition(|&first| first <= node).unwrap_or_default();
         if let Some(node) = solids.not_finite {
-            let sentence = format!("at t = {time:.4} the position of {} is no number", self.node(body_of(node), node));
+            let sentence = format!("at t = {time:.4} the position of {} is no number", self.node(node));
             found.push(finding(Level::Wrong, FindingKind::NotFinite, None, sentence, None, 0.0));
         }
         if let Some((node, sizes)) = solids.far {
-            let sentence = format!(
-                "at t = {time:.4} {} is {} sizes of the model away",
-                self.node(body_of(node), node),
-                short(sizes)
-            );
+            let sentence = format!("at t = {time:.4} {} is {} sizes of the model away", self.node(node), short(sizes));
             found.push(finding(Level::Wrong, FindingKind::FarAway, None, sentence, None, sizes));
         }
         for finding in found {
@@ -156,10 +160,7 @@ impl Judge {
 
     /// Takes note of what a contact reports.
     pub fn observe_contact(&mut self, step: u64, time: f64, contact: &ContactState<'_>) {
-        let body_of = |node: u32| self.first.iter().rposition(|&first| first <= node).unwrap_or_default();
-        for finding in
-            contact::observe(step, time, contact, self.limits.doubtful, |node| self.node(body_of(node), node))
-        {
+        for finding in contact::observe(step, time, contact, self.limits.doubtful, |node| self.node(node)) {
             self.add(finding);
         }
     }

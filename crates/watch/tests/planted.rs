@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
-use stoss_watch::{FindingKind, Judge, Level, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel};
+use stoss_watch::{FindingKind, Judge, Level, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel, WatchShape};
 
 /// A block of hexahedra whose points are mapped.
 struct Block {
@@ -68,7 +68,11 @@ fn model(bodies: &[Block]) -> WatchModel {
     let mut list = Vec::new();
     for (k, body) in bodies.iter().enumerate() {
         let nodes = first..first + body.points.len() as u32;
-        list.push(WatchBody { name: format!("b{k}"), nodes: nodes.clone(), hexahedra: body.hexahedra(first) });
+        list.push(WatchBody {
+            name: format!("b{k}"),
+            nodes: nodes.clone(),
+            shape: WatchShape::Hexahedra(body.hexahedra(first)),
+        });
         first = nodes.end;
     }
     WatchModel { bodies: list, reference: positions(bodies), ties: Vec::new() }
@@ -80,7 +84,7 @@ fn positions(bodies: &[Block]) -> Vec<f64> {
 
 fn judge(model: WatchModel, states: &[Vec<f64>]) -> Verdict {
     let mut judge =
-        Judge::new(model.bodies.iter().map(|b| (b.name.clone(), b.nodes.start)), Vec::new(), Limits::default());
+        Judge::new(model.bodies.iter().map(|b| (b.name.clone(), b.nodes.clone())), Vec::new(), Limits::default());
     let mut watch = Watch::new(model).unwrap();
     for (step, q) in states.iter().enumerate() {
         let previous = step.checked_sub(1).map(|k| states[k].as_slice());
