@@ -295,7 +295,7 @@ impl Beam {
     pub fn constraints_except(&self, held: &[usize]) -> ConstraintSet {
         let node = |i: usize| director_equations([1, 2, 3].map(|k| self.vector(i, k)), self.length);
         let equations = (0..self.node_count()).filter(|i| !held.contains(i)).map(node).collect();
-        ConstraintSet::new(&format!("{} (rigidity)", self.name), self.length, equations)
+        ConstraintSet::new(&format!("{} (rigidity)", self.name), self.length, equations).as_rigidity()
     }
 
     /// Rotation of the section of a node from the reference configuration at `q`, rows: the orthogonal matrix nearest to `sum_k d_k (x) d_k0`.

@@ -130,7 +130,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties.pairs);
-        multibody::constraints(scene, &mut parts, &mut model, &mut problems);
+        multibody::constraints(scene, &placed, &mut parts, &mut model, &mut problems, &mut warnings);
         warnings.extend(supports::warnings(scene, &model));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
         // Places in the model are known only if nothing was left out.

@@ -26,4 +26,12 @@ pub(super) fn prescribe_rigid(_: &Prescribe, _: &Parts) -> Option<RigidMotion> {
     None
 }
 
-pub(super) fn constraints(_: &Scene, _: &mut Parts, _: &mut Model, _: &mut Problems<'_>) {}
+pub(super) fn constraints(
+    _: &Scene,
+    _: &[Placed],
+    _: &mut Parts,
+    _: &mut Model,
+    _: &mut Problems<'_>,
+    _: &mut Vec<String>,
+) {
+}

@@ -1,6 +1,6 @@
 //! Joints and springs: what they hold on each side.
 
-use super::{Parts, push};
+use super::Parts;
 use crate::build::Problems;
 use crate::scene::{Coupling, GROUND, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series, split_set};
 use crate::solver::Model;
@@ -92,23 +92,10 @@ impl Sides<'_> {
     }
 }
 
-/// Adds the joints of a scene; returns their places in `model.contacts`, in the order of the scene.
-pub(super) fn joints(
-    scene: &Scene,
-    parts: &Parts,
-    model: &mut Model,
-    problems: &mut Problems<'_>,
-) -> Vec<Option<usize>> {
-    let mut places = Vec::new();
-    for (j, item) in scene.joints.iter().enumerate() {
-        let key = format!("joint[{j}]");
-        let made = joint(scene, parts, model, item, &key, problems);
-        places.push(made.map(|joint| {
-            push(model, joint);
-            model.contacts.len() - 1
-        }));
-    }
-    places
+/// The joints of a scene in its order; `None` for those with problems.
+pub(super) fn joints(scene: &Scene, parts: &Parts, model: &Model, problems: &mut Problems<'_>) -> Vec<Option<Joint>> {
+    let joint = |(j, item): (usize, &SceneJoint)| joint(scene, parts, model, item, &format!("joint[{j}]"), problems);
+    scene.joints.iter().enumerate().map(joint).collect()
 }
 
 fn joint(

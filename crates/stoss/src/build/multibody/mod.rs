@@ -1,8 +1,10 @@
 //! Rigid bodies, beams, strings, joints and springs of a scene.
 
+mod coupling;
 mod joint;
 mod line;
 mod motion;
+mod redundant;
 mod rigid;
 
 use super::placed::Placed;
@@ -12,7 +14,7 @@ use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
 use std::path::Path;
 use stoss_contact::Bilateral;
-use stoss_multibody::{Beam, ElasticString, PointMass, RigidBody};
+use stoss_multibody::{Beam, ConstraintSet, ElasticString, PointMass, RigidBody};
 use stoss_part::Part as _;
 
 pub(super) use motion::{fix, prescribe_rigid};
@@ -61,15 +63,30 @@ impl Parts {
     }
 }
 
-/// Adds the constraints of the parts: rigidity, joints.
-pub(super) fn constraints(scene: &Scene, parts: &mut Parts, model: &mut Model, problems: &mut Problems<'_>) {
-    for body in &parts.rigids {
-        push(model, body.constraints());
+/// Adds the constraints of the parts: rigidity, couplings of sets, joints; and springs, which hold on the same things.
+pub(super) fn constraints(
+    scene: &Scene,
+    placed: &[Placed],
+    parts: &mut Parts,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) {
+    let mut couplings = coupling::couplings(scene, placed, model, parts, problems);
+    let mut joints = joint::joints(scene, parts, model, problems);
+    let bodies = parts.rigids.iter().chain(parts.couplings.values());
+    let mut rigidity: Vec<ConstraintSet> = bodies.map(RigidBody::constraints).collect();
+    rigidity.extend(parts.beams.iter().map(Beam::constraints));
+    if problems.list.is_empty() && !(couplings.is_empty() && joints.is_empty()) {
+        redundant::examine(scene, &rigidity, &mut couplings, &mut joints, model, problems, warnings);
     }
-    for beam in &parts.beams {
-        push(model, beam.constraints());
+    rigidity.into_iter().chain(couplings).for_each(|set| push(model, set));
+    for joint in joints {
+        parts.joints.push(joint.map(|joint| {
+            push(model, joint);
+            model.contacts.len() - 1
+        }));
     }
-    parts.joints = joint::joints(scene, parts, model, problems);
     joint::springs(scene, parts, model, problems);
 }
 

@@ -199,7 +199,12 @@ fn body(
             let euler = item.principal_euler().unwrap_or([mass * size * size / 5.0; 3]);
             RigidMass::new(mass, centre, euler, item.axes.unwrap_or(UNIT))
         }
-        _ => return Some(RigidBody::massless(&item.name, first, item.centre.unwrap_or(middle), size)),
+        _ => {
+            let made = RigidBody::massless(&item.name, first, item.centre.unwrap_or(middle), UNIT, size);
+            return made
+                .map_err(|error| problems.add(key.to_owned(), &item.name, error.to_string(), "mend the body's place"))
+                .ok();
+        }
     };
     match given {
         Ok(mass) => Some(RigidBody::new(&item.name, first, mass)),

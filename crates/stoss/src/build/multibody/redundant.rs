@@ -1,0 +1,81 @@
+//! Equations of joints that follow from others, or contradict them.
+
+use crate::build::Problems;
+use crate::build::condition::prescribed;
+use crate::scene::Scene;
+use crate::solver::Model;
+use std::collections::BTreeSet;
+use stoss_multibody::{ConstraintSet, Equations, Joint, Weights, analyse};
+
+/// Warns of redundant joints and makes their multipliers determined; reports contradictions. Once with all prescribed motions, and once without, if some end or are
+/// off at times.
+pub(super) fn examine(
+    scene: &Scene,
+    rigidity: &[ConstraintSet],
+    couplings: &mut [ConstraintSet],
+    joints: &mut [Option<Joint>],
+    model: &Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) {
+    let held = prescribed(model);
+    let varies = scene.prescriptions.iter().any(|item| item.name.is_some())
+        && !(scene.stages.is_empty() && scene.events.is_empty());
+    let mut involved = BTreeSet::new();
+    for without_supports in if varies { &[false, true][..] } else { &[false] } {
+        let made = joints.iter().flatten().map(|joint| joint as &dyn Equations);
+        let sets: Vec<&dyn Equations> = rigidity
+            .iter()
+            .map(|set| set as &dyn Equations)
+            .chain(couplings.iter().map(|set| set as &dyn Equations))
+            .chain(made)
+            .collect();
+        let is_free = |component: u32| *without_supports || !held[component as usize];
+        match analyse(&sets, &model.reference, is_free) {
+            Ok(found) => {
+                involved.extend(found.involved);
+                for message in found.messages {
+                    let note = format!(
+                        "{message}; the multipliers of least norm are taken, forces and moments of all together are exact"
+                    );
+                    if !warnings.contains(&note) {
+                        warnings.push(note);
+                    }
+                }
+            }
+            Err(error) => {
+                let remedy = "remove one of the joints or motors that contradict each other, or mend their places";
+                problems.add("joint[0]".into(), "", error.to_string(), remedy);
+                return;
+            }
+        }
+    }
+    let weights = weights(model);
+    let first = rigidity.len();
+    for (k, set) in couplings.iter_mut().enumerate() {
+        if involved.contains(&(first + k)) {
+            set.set_redundant(Some(weights));
+        }
+    }
+    let first = first + couplings.len();
+    for (k, joint) in joints.iter_mut().flatten().enumerate() {
+        if involved.contains(&(first + k)) {
+            joint.set_redundant(Some(weights));
+        }
+    }
+}
+
+/// A mass that is typical of the model; only its order of magnitude matters.
+fn weights(model: &Model) -> Weights {
+    let (mut total, mut count) = (0.0, 0_u32);
+    for part in &model.parts {
+        part.mass(&mut |i, j, m| {
+            if i == j && !part.is_direction(i) && m > 0.0 {
+                total += m;
+                count += 1;
+            }
+        });
+    }
+    let mass = if count > 0 { total / f64::from(count) } else { 1.0 };
+    Weights { mass, stiffness: 0.0 }
+}
