@@ -29,6 +29,8 @@ named! {
         JointMoment = "joint_moment",
         /// Relative angle of a hinge or cylindrical joint in degrees, not limited to a turn.
         JointAngle = "joint_angle",
+        /// Angle of the velocity above the plane of x and y in degrees, positive where it points to z; of a set of the mean velocity. Dynamic scenes only.
+        Elevation = "elevation",
         /// Angular velocity of a rigid body (1/time). Dynamic scenes only.
         AngularVelocity = "angular_velocity",
         /// Kinetic plus strain energy of a body, or of all.
@@ -52,6 +54,7 @@ impl Quantity {
             Self::Displacement
                 | Self::Position
                 | Self::Velocity
+                | Self::Elevation
                 | Self::Reaction
                 | Self::ReactionMoment
                 | Self::ContactForce
@@ -68,14 +71,14 @@ impl Quantity {
     pub fn is_dynamic(self) -> bool {
         matches!(
             self,
-            Self::Velocity | Self::AngularVelocity | Self::KineticEnergy | Self::LinearMomentum | Self::AngularMomentum
+            Self::Velocity | Self::Elevation | Self::AngularVelocity | Self::KineticEnergy | Self::LinearMomentum | Self::AngularMomentum
         )
     }
 
     /// Number of values: 1 for energies and angles of joints, otherwise 3.
     pub fn columns(self) -> usize {
         match self {
-            Self::Energy | Self::KineticEnergy | Self::StrainEnergy | Self::JointAngle => 1,
+            Self::Energy | Self::KineticEnergy | Self::StrainEnergy | Self::JointAngle | Self::Elevation => 1,
             _ => 3,
         }
     }

@@ -71,6 +71,12 @@ impl Probe {
             Quantity::AngularVelocity => self.angular_velocity(simulation),
             Quantity::Position => self.mean(&simulation.state().q),
             Quantity::Velocity => self.mean(&simulation.state().v),
+            Quantity::Elevation => {
+                let [x, y, z] = self.mean(&simulation.state().v);
+                // What is at rest points nowhere.
+                let angle = if [x, y, z] == [0.0; 3] { f64::NAN } else { z.atan2(x.hypot(y)).to_degrees() };
+                [angle, 0.0, 0.0]
+            }
             Quantity::Displacement => {
                 let (q, x) = (self.mean(&simulation.state().q), self.mean(&simulation.model().reference));
                 std::array::from_fn(|i| q[i] - x[i])
