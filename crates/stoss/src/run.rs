@@ -2,8 +2,8 @@
 
 use crate::build::{Built, OwnLaws, build_with};
 use crate::output::{
-    FolderSettings, Outcome, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies, judge_start,
-    promises,
+    Drawing, FolderSettings, Outcome, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies,
+    judge_start, promises,
 };
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -104,6 +104,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     for warning in &warnings {
         report(Event::Warning(warning));
     }
+    let drawing = Drawing::default();
     let settings = FolderSettings {
         title: scene.header.title.clone(),
         identity,
@@ -115,12 +116,12 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         scales: scene.expect.as_ref().map_or([None; 3], |expect| {
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
-        contact_bodies: contact_bodies(&scene),
+        contact_bodies: contact_bodies(&scene, &drawing),
         promises: promises(&scene, &simulation),
         changed_by: changed_by(&scene, simulation.model()),
         contacts,
         watch: scene.watch.clone(),
-        drawing: crate::output::Drawing::default(),
+        drawing,
     };
     report(Event::Start {
         title: &scene.header.title,
@@ -248,7 +249,7 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
     ));
     lines.push(format!("  steps: {} of {} to t = {}", plan.steps, scene.time.step, scene.time.end));
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
-    let start = judge_start(&built.simulation, &scene)?;
+    let start = judge_start(&built.simulation, &scene, &Drawing::default())?;
     lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
     lines.push("no problems found".to_owned());
     Ok(PlanReport { lines })
