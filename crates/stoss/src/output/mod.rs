@@ -16,6 +16,9 @@ mod systems;
 mod table;
 mod watch;
 
+#[cfg(test)]
+mod tests;
+
 pub use crate::error::OutputError;
 pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
 pub use drift::Drift;
