@@ -33,7 +33,7 @@ mod vtu_read;
 mod xml;
 
 pub use error::MeshIoError;
-pub use pvd::{PvdEntry, PvdWriter};
+pub use pvd::{PvdEntry, PvdWriter, read_pvd_from_str};
 pub use registry::{FORMATS, Format, read_mesh, read_mesh_from_str};
 pub use stl::{SurfaceFile, read_surface, read_surface_counted, read_surface_from_bytes};
 pub use vtu::{Field, VtuFrame, write_vtu, write_vtu_to};

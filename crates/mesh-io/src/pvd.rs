@@ -103,9 +103,17 @@ impl PvdWriter {
 
 fn read(path: &Path) -> Result<Vec<PvdEntry>, MeshIoError> {
     let bytes = std::fs::read(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
-    let text = String::from_utf8_lossy(&bytes);
+    read_pvd_from_str(path, &String::from_utf8_lossy(&bytes))
+}
+
+/// The frames of a collection in memory; `path` stands in messages only.
+///
+/// # Errors
+/// [`MeshIoError::Syntax`].
+pub fn read_pvd_from_str(path: impl AsRef<Path>, text: &str) -> Result<Vec<PvdEntry>, MeshIoError> {
+    let path = path.as_ref();
     let (mut entries, mut position) = (Vec::new(), 0);
-    while let Some(tag) = xml::next_tag(&text, position) {
+    while let Some(tag) = xml::next_tag(text, position) {
         position = tag.end;
         if tag.name() == "DataSet" {
             let time = tag.attribute("timestep").and_then(|t| t.parse().ok());

@@ -1,12 +1,11 @@
 //! Charts and pictures of results as SVG texts, and reading the files that a run leaves.
 //!
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
-//! - [`paint`]: surfaces of bodies, coloured by a field;
+//! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
 //! - [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
 //! An SVG text refers to nothing outside of itself. Not here: running anything, and which scene is drawn how.
 
-mod base64;
 pub mod paint;
 pub mod plot;
 pub mod table;

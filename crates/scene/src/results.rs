@@ -71,7 +71,12 @@ impl Quantity {
     pub fn is_dynamic(self) -> bool {
         matches!(
             self,
-            Self::Velocity | Self::Elevation | Self::AngularVelocity | Self::KineticEnergy | Self::LinearMomentum | Self::AngularMomentum
+            Self::Velocity
+                | Self::Elevation
+                | Self::AngularVelocity
+                | Self::KineticEnergy
+                | Self::LinearMomentum
+                | Self::AngularMomentum
         )
     }
 

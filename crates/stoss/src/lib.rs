@@ -46,6 +46,8 @@ pub mod build;
 mod error;
 #[cfg(feature = "output")]
 pub mod output;
+#[cfg(any(feature = "output", all(feature = "scene", any(feature = "nts", feature = "mortar"))))]
+mod points;
 #[cfg(any(feature = "output", all(feature = "scene", feature = "mesh-files")))]
 mod regular;
 #[cfg(feature = "output")]

@@ -115,7 +115,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         scales: scene.expect.as_ref().map_or([None; 3], |expect| {
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
-        contact_bodies: contact_bodies(&scene),
+        contact_bodies: contact_bodies(&scene, &drawing),
         promises: promises(&scene, &simulation),
         changed_by: changed_by(&scene, simulation.model()),
         contacts,
@@ -267,7 +267,7 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
         lines.push(format!("  steps: {steps} in {} stages to t = {}", scene.stages.len(), scene.time.end));
     }
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
-    let start = judge_start(&built.simulation, &scene)?;
+    let start = judge_start(&built.simulation, &scene, &built.drawing)?;
     lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
     lines.push("no problems found".to_owned());
     Ok(PlanReport { lines })

@@ -1,10 +1,11 @@
-//! Snapshots side by side, in rows if there are many, as SVG: visible faces from back to front, coloured, lightly shaded, with thin edges.
+//! Snapshots side by side, in rows if there are many, as SVG: visible faces, lines and points from back to front,
+//! coloured, faces lightly shaded and with thin edges.
 
 use std::fmt::Write;
 
 use super::camera::{Camera, View, cross, dot};
 use super::colour;
-use super::surface::Surface;
+use super::surface::{Quad, Surface};
 
 /// One snapshot.
 #[derive(Clone, Debug)]
@@ -32,6 +33,18 @@ const PARTS: usize = 2;
 /// Pieces are drawn this much wider, in pixels, so that no seams show between them.
 const OVERLAP: f64 = 0.35;
 
+/// Facets of rigid bodies and lines are drawn in parts of this length in pixels at most, so that what is behind one end and before the other comes in the right
+/// order.
+const LONGEST: f64 = 24.0;
+
+/// Most parts of an edge of a facet.
+const MOST_PARTS: usize = 40;
+
+/// Width of lines, diameter of points and width of the dark rims around both, in pixels.
+const LINE: f64 = 3.2;
+const DOT: f64 = 9.0;
+const RIM: f64 = 0.7;
+
 const MARGIN: f64 = 14.0;
 const TITLE: f64 = 38.0;
 const CAPTION: f64 = 26.0;
@@ -43,6 +56,21 @@ struct Face {
     corners: [[f64; 2]; 4],
     values: [f64; 4],
     light: f64,
+    /// Which of the edges are drawn: those that are no division of a facet.
+    edges: [bool; 4],
+}
+
+/// A part of a line, or a point if both ends are the same.
+struct Stroke {
+    nearness: f64,
+    ends: [[f64; 2]; 2],
+    value: f64,
+}
+
+/// What is drawn of a snapshot, from back to front each.
+struct Visible {
+    faces: Vec<Face>,
+    strokes: Vec<Stroke>,
 }
 
 /// Colour and corners of a part of a face.
@@ -56,13 +84,19 @@ pub fn columns(shots: usize) -> usize {
 /// Draws the snapshots to one scale and with one colour range.
 pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
     let view = camera.view();
-    let corners = shots.iter().flat_map(|shot| &shot.surface.quads).flat_map(|quad| quad.corners);
+    let corners = shots.iter().flat_map(|shot| shot.surface.places());
     let ([left, low], [right, high]) = bounds(corners.map(|corner| view.project(corner)).map(|[x, y, _]| [x, y]));
     let scale = style.width / (right - left).max(1e-300);
     let height = (high - low) * scale;
     let screen = |x: f64, y: f64| [(x - left) * scale, (high - y) * scale];
-    let visible: Vec<Vec<Face>> = shots.iter().map(|shot| uncovered(faces(&shot.surface, &view, screen))).collect();
-    let (least, most) = range(visible.iter().flatten().flat_map(|face| face.values));
+    let visible = |shot: &Shot| Visible {
+        faces: uncovered(faces(&shot.surface, &view, screen)),
+        strokes: strokes(&shot.surface, &view, screen, scale),
+    };
+    let visible: Vec<Visible> = shots.iter().map(visible).collect();
+    let of_faces = visible.iter().flat_map(|shot| &shot.faces).flat_map(|face| face.values);
+    let of_strokes = visible.iter().flat_map(|shot| &shot.strokes).map(|stroke| stroke.value);
+    let (least, most) = range(of_faces.chain(of_strokes));
     let columns = columns(shots.len());
     let rows = shots.len().div_ceil(columns) as f64;
     let total = [MARGIN + columns as f64 * (style.width + MARGIN), TITLE + rows * (height + CAPTION) + BAR + MARGIN];
@@ -75,11 +109,11 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
          <text x=\"{MARGIN}\" y=\"25\" font-size=\"18\">{}</text>",
         total[0], total[1], total[0], total[1], style.title
     );
-    for (number, (shot, faces)) in shots.iter().zip(&visible).enumerate() {
+    for (number, (shot, visible)) in shots.iter().zip(&visible).enumerate() {
         let x = MARGIN + (number % columns) as f64 * (style.width + MARGIN);
         let y = TITLE + (number / columns) as f64 * (height + CAPTION);
         let _ = writeln!(out, "<g transform=\"translate({x:.1} {y:.1})\">");
-        snapshot(&mut out, faces, (least, most));
+        snapshot(&mut out, visible, (least, most));
         let _ = writeln!(
             out,
             "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"14\" text-anchor=\"middle\">{}</text>\n</g>",
@@ -93,28 +127,89 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
     out
 }
 
-/// Faces turned towards the eye, from back to front.
+/// Faces turned towards the eye, of open surfaces all, from back to front.
 fn faces(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2]) -> Vec<Face> {
     let mut faces = Vec::new();
     for quad in &surface.quads {
         let [a, b, c, d] = quad.corners;
         let normal = cross(difference(c, a), difference(d, b));
         let length = dot(normal, normal).sqrt();
-        if dot(normal, view.eye) <= 0.0 || length == 0.0 {
+        let towards = dot(normal, view.eye);
+        if length == 0.0 || towards == 0.0 || towards < 0.0 && !quad.has_back {
             continue;
         }
-        faces.push(Face {
-            nearness: view.project(blend((0.5, 0.5), quad.corners))[2],
-            corners: quad.corners.map(|corner| {
-                let [x, y, _] = view.project(corner);
-                screen(x, y)
-            }),
-            values: quad.values,
-            light: shade(normal.map(|entry| entry / length), view),
-        });
+        let light = shade(normal.map(|entry| entry / length.copysign(towards)), view);
+        for (quad, edges) in divided(quad, view, &screen) {
+            faces.push(Face {
+                nearness: view.project(blend((0.5, 0.5), quad.corners))[2],
+                corners: on_screen(quad.corners, view, &screen),
+                values: quad.values,
+                light,
+                edges,
+            });
+        }
     }
     faces.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
     faces
+}
+
+fn on_screen<const N: usize>(
+    places: [[f64; 3]; N],
+    view: &View,
+    screen: &impl Fn(f64, f64) -> [f64; 2],
+) -> [[f64; 2]; N] {
+    places.map(|place| {
+        let [x, y, _] = view.project(place);
+        screen(x, y)
+    })
+}
+
+/// Parts of a facet of a rigid body, with the edges that are edges of the facet; other faces are left whole.
+fn divided(quad: &Quad, view: &View, screen: &impl Fn(f64, f64) -> [f64; 2]) -> Vec<(Quad, [bool; 4])> {
+    let [a, b, c, d] = on_screen(quad.corners, view, screen);
+    let parts = |one: f64, other: f64| match quad.is_rigid {
+        true => ((one.max(other) / LONGEST).ceil() as usize).clamp(1, MOST_PARTS),
+        false => 1,
+    };
+    let apart = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+    let (n, m) = (parts(apart(a, b), apart(c, d)), parts(apart(b, c), apart(d, a)));
+    if (n, m) == (1, 1) {
+        return vec![(*quad, [true; 4])];
+    }
+    let part = |i: usize, j: usize| {
+        let at = |x: usize, y: usize| ((i + x) as f64 / n as f64, (j + y) as f64 / m as f64);
+        let places = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+        let corners = places.map(|at| blend(at, quad.corners));
+        let values = places.map(|at| blend(at, quad.values.map(|value| [value]))[0]);
+        (Quad { corners, values, ..*quad }, [j == 0, i + 1 == n, j + 1 == m, i == 0])
+    };
+    (0..n).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| part(i, j)).collect()
+}
+
+/// Lines in parts, and points, from back to front; all a little nearer than they are, so that faces on which they lie do not cover them.
+fn strokes(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2], scale: f64) -> Vec<Stroke> {
+    let mut strokes = Vec::new();
+    let mut add = |ends: [[f64; 3]; 2], value: f64, width: f64| {
+        let near = ends.map(|end| view.project(end)[2]);
+        let nearness = 0.5 * (near[0] + near[1]) + width / scale;
+        strokes.push(Stroke { nearness, ends: on_screen(ends, view, &screen), value });
+    };
+    for line in &surface.lines {
+        for (ends, values) in line.points.windows(2).zip(line.values.windows(2)) {
+            let along = difference(ends[1], ends[0]);
+            let count = (dot(along, along).sqrt() * scale / LONGEST).ceil().clamp(1.0, MOST_PARTS as f64);
+            let at = |k: f64| std::array::from_fn(|i| ends[0][i] + k / count * along[i]);
+            for k in (0..count as usize).map(|k| k as f64) {
+                let value = values[0] + (k + 0.5) / count * (values[1] - values[0]);
+                add([at(k), at(k + 1.0)], value, LINE);
+            }
+        }
+    }
+    for (place, value) in &surface.points {
+        add([*place, *place], *value, DOT);
+    }
+    strokes.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
+    strokes
 }
 
 /// Parts of a face, or the whole face if they all have the same colour.
@@ -181,21 +276,64 @@ fn shade(normal: [f64; 3], view: &View) -> f64 {
     0.62 + 0.42 * dot(normal, light).max(0.0)
 }
 
-fn snapshot(out: &mut String, faces: &[Face], range: (f64, f64)) {
+fn snapshot(out: &mut String, visible: &Visible, range: (f64, f64)) {
     out.push_str(
         "<g fill=\"none\" stroke=\"#222\" stroke-opacity=\".5\" stroke-width=\".5\" stroke-linejoin=\"round\">\n",
     );
-    for face in faces {
-        for (fill, corners) in &pieces(face, range) {
-            let _ = write!(out, "<path stroke=\"none\" fill=\"{fill}\" d=\"");
-            path(out, &widened(corners));
-            out.push_str("z\"/>");
+    let mut strokes = visible.strokes.iter().peekable();
+    for face in &visible.faces {
+        while let Some(behind) = strokes.next_if(|stroke| stroke.nearness < face.nearness) {
+            stroke(out, behind, range);
         }
+        draw_face(out, face, range);
+    }
+    strokes.for_each(|before| stroke(out, before, range));
+    out.push_str("</g>\n");
+}
+
+fn draw_face(out: &mut String, face: &Face, range: (f64, f64)) {
+    for (fill, corners) in &pieces(face, range) {
+        let _ = write!(out, "<path stroke=\"none\" fill=\"{fill}\" d=\"");
+        path(out, &widened(corners));
+        out.push_str("z\"/>");
+    }
+    if face.edges == [true; 4] {
         out.push_str("<path d=\"");
         path(out, &face.corners);
         out.push_str("z\"/>\n");
+    } else if face.edges.contains(&true) {
+        out.push_str("<path d=\"");
+        for k in (0..4).filter(|&k| face.edges[k]) {
+            path(out, &[face.corners[k], face.corners[(k + 1) % 4]]);
+        }
+        out.push_str("\"/>\n");
+    } else {
+        out.push('\n');
     }
-    out.push_str("</g>\n");
+}
+
+/// A part of a line, or a disc, with a dark rim.
+fn stroke(out: &mut String, stroke: &Stroke, range: (f64, f64)) {
+    let fill = colour::hex((stroke.value - range.0) / (range.1 - range.0), 1.0);
+    let [from, to] = stroke.ends;
+    if from == to {
+        let (x, y, radius) = (from[0], from[1], 0.5 * DOT);
+        let _ = writeln!(
+            out,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{fill}\" stroke-opacity=\"1\" stroke-width=\"{RIM}\"/>"
+        );
+        return;
+    }
+    // Round ends of the colour alone join the parts of a line without gaps.
+    for (colour, width, cap) in [("#222", LINE + 2.0 * RIM, "butt"), (fill.as_str(), LINE, "round")] {
+        let _ = write!(
+            out,
+            "<path stroke=\"{colour}\" stroke-opacity=\"1\" stroke-width=\"{width:.1}\" stroke-linecap=\"{cap}\" d=\""
+        );
+        path(out, &stroke.ends);
+        out.push_str("\"/>");
+    }
+    out.push('\n');
 }
 
 /// Corners moved away from the middle by [`OVERLAP`].
@@ -291,10 +429,8 @@ mod tests {
     const STYLE: Style = Style { title: "t", label: "l", width: 200.0 };
 
     fn cube() -> Surface {
-        use crate::vtu::{self, tests::CUBE};
-        let text =
-            vtu::tests::write(&CUBE, &[[0, 1, 2, 3, 4, 5, 6, 7]], &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], true);
-        Surface::new(&vtu::parse(&text).unwrap(), "speed").unwrap()
+        let grid = crate::vtu::tests::cube(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        Surface::new(&grid, "speed").unwrap()
     }
 
     #[test]
@@ -312,6 +448,7 @@ mod tests {
             corners: [[-half, -half], [half, -half], [half, half], [-half, half]],
             values: [0.0; 4],
             light: 1.0,
+            edges: [true; 4],
         };
         let left = uncovered(vec![square(0.0, 5.0), square(1.0, 20.0), square(2.0, 5.0)]);
         assert_eq!(left.iter().map(|face| face.nearness).collect::<Vec<_>>(), [1.0, 2.0]);

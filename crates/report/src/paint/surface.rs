@@ -1,41 +1,103 @@
-//! The outer surface of a frame in its deformed place, with one number on every corner.
+//! What a frame shows in its deformed place: outer surfaces, lines and points, with one number on every corner.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::vtu::Grid;
+use crate::vtu::{Array, Grid};
 
 /// Faces of a hexahedron in VTK's numbering, seen counter-clockwise from outside.
 const FACES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
-/// Corner places and values of a quadrilateral.
+/// Corner places and values of a quadrilateral; the last two corners of a triangle are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quad {
     /// Corners, counter-clockwise from outside.
     pub corners: [[f64; 3]; 4],
     /// Value at each corner.
     pub values: [f64; 4],
+    /// Whether it is a facet of a rigid body, which may be as large as the picture.
+    pub is_rigid: bool,
+    /// Whether it is seen from behind, too: its surface is open.
+    pub has_back: bool,
 }
 
-/// All faces that belong to one hexahedron only.
+/// A line from point to point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Line {
+    /// Its points.
+    pub points: Vec<[f64; 3]>,
+    /// Value at each point.
+    pub values: Vec<f64>,
+}
+
+/// What is drawn of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// The faces in the order of the hexahedra.
+    /// Faces that belong to one hexahedron only, in the order of the hexahedra, and facets.
     pub quads: Vec<Quad>,
+    /// Lines.
+    pub lines: Vec<Line>,
+    /// Single points with their values.
+    pub points: Vec<([f64; 3], f64)>,
 }
 
 impl Surface {
     /// Takes the surface of a frame; the value is the array's entry, or its length if it is a vector.
+    ///
+    /// # Errors
+    /// If there is no such array, with the names of those that there are.
     pub fn new(grid: &Grid, field: &str) -> Result<Self, String> {
         let array = grid.point_data.get(field).ok_or_else(|| {
             let known: Vec<&str> = grid.point_data.keys().map(String::as_str).collect();
             format!("no point array {field:?}; there are {known:?}")
         })?;
         let place = |point: usize| deformed(grid, point);
-        let quads = boundary(&grid.hexahedra)
-            .into_iter()
-            .map(|face| Quad { corners: face.map(place), values: face.map(|point| array.magnitude(point)) });
-        Ok(Self { quads: quads.collect() })
+        let value = |point: usize| array.magnitude(point);
+        let quad = |face: [usize; 4]| Quad {
+            corners: face.map(place),
+            values: face.map(value),
+            is_rigid: false,
+            has_back: false,
+        };
+        let solids = boundary(&grid.hexahedra).into_iter().map(quad);
+        let open = open_bodies(grid);
+        let facets = grid.facets.iter().enumerate().map(|(k, facet)| {
+            let corner = |k: usize| facet[k.min(facet.len() - 1)];
+            let has_back = open.contains(&body_of_facet(grid, k));
+            Quad { is_rigid: true, has_back, ..quad([0, 1, 2, 3].map(corner)) }
+        });
+        let line = |line: &Vec<usize>| Line {
+            points: line.iter().map(|&point| place(point)).collect(),
+            values: line.iter().map(|&point| value(point)).collect(),
+        };
+        Ok(Self {
+            quads: solids.chain(facets).collect(),
+            lines: grid.lines.iter().map(line).collect(),
+            points: grid.vertices.iter().map(|&point| (place(point), value(point))).collect(),
+        })
     }
+
+    /// All places.
+    pub(super) fn places(&self) -> impl Iterator<Item = [f64; 3]> {
+        let quads = self.quads.iter().flat_map(|quad| quad.corners);
+        let lines = self.lines.iter().flat_map(|line| line.points.iter().copied());
+        quads.chain(lines).chain(self.points.iter().map(|(place, _)| *place))
+    }
+}
+
+/// Number of the body of a facet; zero in frames that do not tell.
+fn body_of_facet(grid: &Grid, facet: usize) -> u64 {
+    let number = |bodies: &Array| bodies.values.get(grid.hexahedra.len() + facet).map(|body| *body as u64);
+    grid.cell_data.get("body").and_then(number).unwrap_or(0)
+}
+
+/// Bodies of facets that have an edge without a facet on its other side.
+fn open_bodies(grid: &Grid) -> BTreeSet<u64> {
+    let edges = grid.facets.iter().enumerate().flat_map(|(k, facet)| {
+        let next = facet.iter().cycle().skip(1);
+        facet.iter().zip(next).map(move |(&a, &b)| (body_of_facet(grid, k), a, b))
+    });
+    let edges: BTreeSet<(u64, usize, usize)> = edges.collect();
+    edges.iter().filter(|&&(body, a, b)| !edges.contains(&(body, b, a))).map(|&(body, ..)| body).collect()
 }
 
 /// Place of a point: frames store reference coordinates and the displacement beside them.
@@ -67,11 +129,10 @@ pub fn boundary(hexahedra: &[[usize; 8]]) -> Vec<[usize; 4]> {
 mod tests {
     use super::*;
     use crate::paint::camera::{cross, dot};
-    use crate::vtu::tests::CUBE;
-    use crate::vtu::{self, Array};
+    use crate::vtu::tests::{CUBE, cube as grid};
 
     fn cube() -> Grid {
-        vtu::parse(&vtu::tests::write(&CUBE, &[[0, 1, 2, 3, 4, 5, 6, 7]], &[1.0; 8], true)).unwrap()
+        grid(&[1.0; 8])
     }
 
     /// Divergence theorem: a closed surface with outward normals encloses a positive volume.
@@ -101,5 +162,25 @@ mod tests {
         let stretch = CUBE.iter().flat_map(|point| [point[0], 0.0, 0.0]).collect();
         grid.point_data.insert("displacement".into(), Array { components: 3, values: stretch });
         assert!((volume(&Surface::new(&grid, "speed").unwrap()) - 2.0).abs() < 1e-14);
+    }
+
+    /// The sides of the cube as facets, one of them as two triangles, and then without that side.
+    #[test]
+    fn facets_point_outwards_and_open_surfaces_have_a_back() {
+        let mut grid = Grid { hexahedra: Vec::new(), ..cube() };
+        grid.facets = FACES[..5].iter().map(|face| face.to_vec()).collect();
+        let [a, b, c, d] = FACES[5];
+        grid.facets.extend([vec![a, b, c], vec![a, c, d]]);
+        let closed = Surface::new(&grid, "speed").unwrap();
+        assert!((volume(&closed) - 1.0).abs() < 1e-14);
+        assert!(closed.quads.len() == 7 && closed.quads.iter().all(|quad| quad.is_rigid && !quad.has_back));
+        grid.facets.truncate(5);
+        assert!(Surface::new(&grid, "speed").unwrap().quads.iter().all(|quad| quad.has_back));
+        // Two bodies, the first of them open.
+        grid.facets.extend(FACES.iter().map(|face| face.to_vec()));
+        let values = (0..11).map(|k| if k < 5 { 0.0 } else { 1.0 }).collect();
+        grid.cell_data.insert("body".into(), Array { components: 1, values });
+        let backs: Vec<bool> = Surface::new(&grid, "speed").unwrap().quads.iter().map(|quad| quad.has_back).collect();
+        assert_eq!(backs, [[true; 5].as_slice(), &[false; 6]].concat());
     }
 }

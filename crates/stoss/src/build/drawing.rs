@@ -1,5 +1,6 @@
 //! What a frame shows beside the solids: surfaces of rigid bodies, lines of beams and strings, single points.
 
+use crate::points::Points;
 use std::ops::Range;
 use stoss_reference_element::FacetNodes;
 
@@ -34,7 +35,7 @@ pub struct DrawnPoint {
     pub node: u32,
 }
 
-/// What is drawn beside the solids; empty for a scene of solids alone.
+/// What is drawn beside the solids, by global numbers of nodes; empty for a scene of solids alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// Surfaces.
@@ -43,4 +44,30 @@ pub struct Drawing {
     pub lines: Vec<DrawnLine>,
     /// Points.
     pub points: Vec<DrawnPoint>,
+}
+
+impl Drawing {
+    /// The same with places among the points for nodes.
+    pub(crate) fn of_points(&self, points: &Points) -> Self {
+        let place = |node: u32| points.place(node);
+        let surface = |surface: &DrawnSurface| {
+            // The nodes of a surface are no directions: their places are in a row, too.
+            let first = place(surface.nodes.start);
+            DrawnSurface {
+                nodes: first..first.saturating_add(surface.nodes.len() as u32),
+                facets: surface.facets.iter().map(|facet| facet.map(place)).collect(),
+                ..surface.clone()
+            }
+        };
+        let line = |line: &DrawnLine| DrawnLine {
+            nodes: line.nodes.iter().map(|&node| place(node)).collect(),
+            ..line.clone()
+        };
+        let point = |point: &DrawnPoint| DrawnPoint { node: place(point.node), ..point.clone() };
+        Self {
+            surfaces: self.surfaces.iter().map(surface).collect(),
+            lines: self.lines.iter().map(line).collect(),
+            points: self.points.iter().map(point).collect(),
+        }
+    }
 }

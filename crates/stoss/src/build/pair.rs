@@ -1,6 +1,7 @@
 //! One contact of a scene, its surfaces found: what all methods look at and tell.
 
 use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
+use crate::points::Points;
 use crate::scene::{Constraint, ContactMethod, Enforcement, Scene};
 use crate::solver::Model;
 use std::collections::BTreeSet;
@@ -99,7 +100,7 @@ impl PairInput<'_> {
             warnings.extend(overlap(&item.label(), [(names[0], slave), (names[1], master)]));
         }
         // The first frame shows the gaps of the nodes that are in reach, as later ones do.
-        let speed = model.velocity.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        let speed = Points::of(model).largest(&model.velocity);
         let reach = 2.0 * speed * scene.time.step + 0.5 * method.length_scale();
         if let Err(error) = method.begin_step(&model.reference, reach) {
             problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces");

@@ -124,7 +124,7 @@ impl ResultFolder {
         let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
         let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
         folder.remove_other_frames()?;
-        folder.watch.write_file(path, simulation.model())?;
+        folder.watch.write_file(path)?;
         let record = simulation.initial_record();
         folder.write(simulation, &record)?;
         // A run that is killed before its first regular checkpoint can be resumed from the start.
@@ -214,6 +214,7 @@ impl ResultFolder {
                 settings.contact_bodies.clone(),
                 &settings.contacts,
                 settings.promises,
+                &settings.drawing,
             )?,
             watched: open(watch::TABLE, watch::COLUMNS)?,
             path: path.to_path_buf(),
@@ -317,7 +318,7 @@ impl ResultFolder {
     fn write_frame(&mut self, simulation: &Simulation, step: u64) -> Result<(), OutputError> {
         let time = simulation.state().time;
         let path = self.path.join("frames").join(frame::name(step));
-        frame::write(&path, simulation, self.settings.fields.as_deref())?;
+        frame::write(&path, simulation, self.settings.fields.as_deref(), &self.settings.drawing)?;
         self.memo.frames.push((time, step));
         self.write_collection()
     }

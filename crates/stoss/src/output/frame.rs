@@ -1,10 +1,15 @@
 //! Frames: reference positions, displacement, velocity, stress, and what contact has at the slave nodes.
+//!
+//! Points are all vectors of the model but directions, in their order. Cells are the hexahedra of the solids, then the facets of rigid bodies, then the
+//! lines of beams and strings, then single points; the cell field `body` counts the solids and goes on with surfaces, lines and points in this order.
 
-use super::OutputError;
+use super::{Drawing, OutputError};
+use crate::points::Points;
 use crate::scene::Field as SceneField;
 use std::path::{Path, PathBuf};
 use stoss_mesh_io::{Field, PvdWriter, VtuFrame, write_vtu};
-use stoss_solver::{Simulation, StepError};
+use stoss_reference_element::FacetNodes;
+use stoss_solver::{Model, Simulation, StepError};
 
 /// Which fields a frame has; all of them if the scene names none.
 pub(crate) fn wanted(fields: Option<&[SceneField]>, field: SceneField) -> bool {
@@ -71,27 +76,59 @@ impl ContactFields {
     }
 }
 
-/// Writes one frame (atomically).
-pub(crate) fn write(path: &Path, simulation: &Simulation, fields: Option<&[SceneField]>) -> Result<(), OutputError> {
-    let model = simulation.model();
-    let state = simulation.state();
-    let triples = |v: &[f64]| v.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect::<Vec<_>>();
-    let points = triples(&model.reference);
-    let hexahedra: Vec<[u32; 8]> = model.bodies.iter().flat_map(|b| b.solid.connectivity().iter().copied()).collect();
-    let bodies: Vec<f64> = (model.bodies.iter().enumerate())
-        .flat_map(|(k, b)| std::iter::repeat_n(k as f64, b.solid.element_count()))
-        .collect();
-    let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
-    let want = |field| wanted(fields, field);
-    let (mut stress, mut von_mises) = (Vec::new(), Vec::new());
-    if want(SceneField::CauchyStress) || want(SceneField::VonMises) {
-        for body in &model.bodies {
-            let mut nodal = vec![[0.0; 6]; body.nodes.len()];
-            body.solid.nodal_cauchy_stress(&state.q, &mut nodal).map_err(StepError::from)?;
-            von_mises.extend(nodal.iter().map(stoss_fe_solid::von_mises));
-            stress.extend(nodal.into_iter().flatten());
+/// The number of the body of each cell: solids, surfaces, lines, points.
+fn bodies(model: &Model, drawing: &Drawing) -> Vec<f64> {
+    let solids = model.bodies.iter().map(|body| body.solid.element_count());
+    let surfaces = drawing.surfaces.iter().map(|surface| surface.facets.len());
+    let single = std::iter::repeat_n(1, drawing.lines.len() + drawing.points.len());
+    let counts = solids.chain(surfaces).chain(single);
+    counts.enumerate().flat_map(|(k, count)| std::iter::repeat_n(k as f64, count)).collect()
+}
+
+/// Cauchy stress and its von Mises value at all nodes of solids; not a number elsewhere, which ParaView shows in a colour of its own and leaves out of
+/// the range. Empty without solids.
+fn stresses(simulation: &Simulation) -> Result<[Vec<f64>; 2], OutputError> {
+    let (model, state) = (simulation.model(), simulation.state());
+    if model.bodies.is_empty() {
+        return Ok([Vec::new(), Vec::new()]);
+    }
+    let nodes = model.node_count();
+    let (mut stress, mut von_mises) = (vec![f64::NAN; 6 * nodes], vec![f64::NAN; nodes]);
+    for body in &model.bodies {
+        let mut nodal = vec![[0.0; 6]; body.nodes.len()];
+        body.solid.nodal_cauchy_stress(&state.q, &mut nodal).map_err(StepError::from)?;
+        for (node, nodal) in body.nodes.clone().map(|node| node as usize).zip(&nodal) {
+            stress[6 * node..6 * node + 6].copy_from_slice(nodal);
+            von_mises[node] = stoss_fe_solid::von_mises(nodal);
         }
     }
+    Ok([stress, von_mises])
+}
+
+/// Writes one frame (atomically).
+pub(crate) fn write(
+    path: &Path,
+    simulation: &Simulation,
+    fields: Option<&[SceneField]>,
+    drawing: &Drawing,
+) -> Result<(), OutputError> {
+    let model = simulation.model();
+    let state = simulation.state();
+    let points = Points::of(model);
+    let drawing = drawing.of_points(&points);
+    let reference = points.of_all(&model.reference, 3);
+    let solids = model.bodies.iter().flat_map(|body| body.solid.connectivity());
+    let hexahedra: Vec<[u32; 8]> = solids.map(|nodes| nodes.map(|node| points.place(node))).collect();
+    let facets: Vec<FacetNodes> = drawing.surfaces.iter().flat_map(|surface| &surface.facets).copied().collect();
+    let lines: Vec<Vec<u32>> = drawing.lines.iter().map(|line| line.nodes.clone()).collect();
+    let vertices: Vec<u32> = drawing.points.iter().map(|point| point.node).collect();
+    let bodies = bodies(model, &drawing);
+    let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
+    let want = |field| wanted(fields, field);
+    let [stress, von_mises] = match want(SceneField::CauchyStress) || want(SceneField::VonMises) {
+        true => stresses(simulation)?,
+        false => [Vec::new(), Vec::new()],
+    };
     let contact =
         if CONTACT_FIELDS.into_iter().any(want) { ContactFields::of(simulation)? } else { ContactFields::default() };
     let candidates: [(SceneField, &str, usize, &[f64]); 9] = [
@@ -105,17 +142,16 @@ pub(crate) fn write(path: &Path, simulation: &Simulation, fields: Option<&[Scene
         (SceneField::FrictionTraction, "friction_traction", 1, &contact.friction),
         (SceneField::Slip, "slip", 1, &contact.slip),
     ];
-    let point_data = candidates
-        .into_iter()
-        .filter(|(field, _, _, values)| want(*field) && !values.is_empty())
-        .map(|(_, name, components, values)| Field { name, components, values })
-        .collect();
+    let wanted = candidates.into_iter().filter(|(field, _, _, values)| want(*field) && !values.is_empty());
+    let values: Vec<_> = wanted.map(|(_, name, n, values)| (name, n, points.of_all(values, n))).collect();
+    let point_data = values.iter().map(|(name, n, values)| Field { name, components: *n, values }).collect();
     let frame = VtuFrame {
-        points: &points,
+        // cannot fail: positions have three components.
+        points: reference.as_chunks().0,
         hexahedra: &hexahedra,
-        facets: &[],
-        lines: &[],
-        vertices: &[],
+        facets: &facets,
+        lines: &lines,
+        vertices: &vertices,
         point_data,
         cell_data: vec![Field { name: "body", components: 1, values: &bodies }],
         field_data: Vec::new(),

@@ -16,6 +16,9 @@ mod table;
 mod watch;
 
 pub use crate::build::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
+#[cfg(test)]
+mod tests;
+
 pub use crate::error::OutputError;
 pub use drift::Drift;
 pub use folder::{FolderSettings, ResultFolder};

@@ -21,21 +21,31 @@ fn driven(model: &Model) -> [bool; 3] {
     driven
 }
 
+/// Whether nothing that acts between the bodies takes linear momentum, or angular momentum: what is joined to the ground gives it a part.
+fn kept(model: &Model) -> [bool; 2] {
+    let (pairs, parts) = (|| model.contacts.iter().map(|pair| &pair.method), || model.parts.iter());
+    [
+        pairs().all(|method| method.conserves_linear_momentum())
+            && parts().all(|part| part.conserves_linear_momentum()),
+        pairs().all(|method| method.conserves_angular_momentum())
+            && parts().all(|part| part.conserves_angular_momentum()),
+    ]
+}
+
 /// The promises of a run; none in statics, where there is neither momentum nor kinetic energy.
 pub(crate) fn promises(scene: &Scene, simulation: &Simulation) -> Option<Promises> {
     let scheme = scene.time.integrator.as_ref().filter(|_| scene.is_dynamic())?.make().ok()?;
     let (claims, model) = (scheme.claims(), simulation.model());
     let driven = driven(model);
+    let [keeps_linear, keeps_angular] = kept(model);
     let moved = model.prescriptions.iter().any(|p| !p.displacement.is_constant() || p.rotation.is_some());
     let gives_nothing = |contact: &Contact| match contact.method {
         ContactMethod::Mortar => contact.integrals != Some(Integrals::Frozen),
         _ => contact.constraint == Some(Constraint::Modified),
     };
     Some(Promises {
-        linear: driven.map(|driven| claims.linear_momentum && !driven),
-        angular: claims.angular_momentum
-            && driven == [false; 3]
-            && model.contacts.iter().all(|pair| pair.method.conserves_angular_momentum()),
+        linear: driven.map(|driven| claims.linear_momentum && keeps_linear && !driven),
+        angular: claims.angular_momentum && driven == [false; 3] && keeps_linear && keeps_angular,
         energy: claims.energy,
         autonomous: !moved && model.loads.iter().all(stoss_solver::Load::is_conservative),
         contact_gives_nothing: claims.energy && scene.contacts.iter().all(gives_nothing),
@@ -52,6 +62,10 @@ pub(crate) fn changed_by(scene: &Scene, model: &Model) -> [Option<String>; 3] {
     }
     let axes: Vec<&str> =
         ["x", "y", "z"].into_iter().zip(driven(model)).filter(|(_, on)| *on).map(|(a, _)| a).collect();
+    if !kept(model)[0] {
+        let ground = || Some("what is joined to the ground changes it".to_owned());
+        return [ground(), ground(), None];
+    }
     if axes.is_empty() {
         return [None, None, None];
     }

@@ -1,0 +1,218 @@
+//! Frames and watch of a model with solids and rigid bodies, made by hand.
+
+use super::watch::{contact_bodies, judge_start};
+use super::{Drawing, DrawnLine, DrawnPoint, DrawnSurface, changed_by, frame, promises};
+use crate::points::Points;
+use crate::scene::{Scene, parse};
+use std::sync::Arc;
+use stoss_fe_solid::{MassKind, SolidBody};
+use stoss_integrators::EnergyMomentum;
+use stoss_linalg::AutoSolver;
+use stoss_materials::NeoHooke;
+use stoss_mesh::generate::Block;
+use stoss_mesh_io::{Field, VtuFrame, read_vtu, write_vtu_to};
+use stoss_newton::NewtonOptions;
+use stoss_part::Part;
+use stoss_solver::{Body, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_watch::{FindingKind, Level};
+
+/// Four vectors without forces: a place and three directions.
+#[derive(Debug)]
+struct Four {
+    first: u32,
+    grounded: bool,
+}
+
+impl Part for Four {
+    fn name(&self) -> &str {
+        "four"
+    }
+    fn own_vectors(&self) -> std::ops::Range<u32> {
+        self.first..self.first + 4
+    }
+    fn is_direction(&self, vector: u32) -> bool {
+        vector != self.first
+    }
+    fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
+        (self.first..self.first + 4).for_each(|vector| visit(vector, vector, 1.0));
+    }
+    fn conserves_linear_momentum(&self) -> bool {
+        !self.grounded
+    }
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+}
+
+fn add_block(model: &mut Model, name: &str, min: [f64; 3], max: [f64; 3]) {
+    let block = Block::new(min, max, [1, 1, 2]).generate().unwrap();
+    let law = Arc::new(NeoHooke::from_young_poisson(1000.0, 0.3).unwrap());
+    let first = model.node_count() as u32;
+    model.bodies.push(Body {
+        solid: SolidBody::new(name, &block, first, law).unwrap(),
+        nodes: first..first + block.nodes.len() as u32,
+        density: Some(1.0),
+        mass_kind: MassKind::Consistent,
+    });
+    model.reference.extend(block.nodes.iter().flatten());
+    // It stretches.
+    model.velocity.extend(block.nodes.iter().flatten().map(|x| 0.1 * x));
+}
+
+/// A part with its place at `at`, and a square plate of embedded nodes around it, side 2; the number of the place.
+fn add_plate(model: &mut Model, at: [f64; 3]) -> (u32, DrawnSurface) {
+    let first = model.node_count() as u32;
+    model.reference.extend(at.iter().chain([7.0, 0.0, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0, 7.0].iter()));
+    for (k, [x, y]) in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].into_iter().enumerate() {
+        model.reference.extend([at[0] + x, at[1] + y, at[2]]);
+        model.embedding.add(first + 4 + k as u32, &[(first, 1.0), (first + 1, x / 7.0), (first + 2, y / 7.0)]);
+    }
+    model.velocity.resize(model.reference.len(), 0.0);
+    model.parts.push(Box::new(Four { first, grounded: false }));
+    let nodes = first + 4..first + 8;
+    let facets = vec![[first + 4, first + 5, first + 6].into(), [first + 4, first + 6, first + 7].into()];
+    (first, DrawnSurface { name: "plate".into(), nodes, facets, is_closed: false })
+}
+
+fn simulation(model: Model) -> Simulation {
+    let settings = Settings {
+        control: StepControl { step: 0.1, end: 1.0, max_cuts: 0, grow_after: 1 },
+        scheme: Some(Box::new(EnergyMomentum)),
+        newton: NewtonOptions::default(),
+        inside_out: InsideOutRule::Refuse,
+        solver: Box::new(AutoSolver::new()),
+    };
+    Simulation::new(model, settings).unwrap()
+}
+
+/// A scene of solids alone has all nodes as points and all hexahedra as cells, and nothing else.
+#[test]
+fn a_frame_of_solids_is_that_of_the_plain_writer() {
+    let mut model = Model::default();
+    add_block(&mut model, "one", [0.0; 3], [1.0; 3]);
+    add_block(&mut model, "two", [0.0, 0.0, 1.5], [1.0, 1.0, 2.5]);
+    let mut simulation = simulation(model);
+    simulation.advance().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vtu");
+    frame::write(&path, &simulation, None, &Drawing::default()).unwrap();
+    let (model, state) = (simulation.model(), simulation.state());
+    let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
+    let hexahedra: Vec<[u32; 8]> = model.bodies.iter().flat_map(|b| b.solid.connectivity().to_vec()).collect();
+    let mut stress = vec![[0.0; 6]; model.node_count()];
+    for body in &model.bodies {
+        let nodes = body.nodes.start as usize..body.nodes.end as usize;
+        body.solid.nodal_cauchy_stress(&state.q, &mut stress[nodes]).unwrap();
+    }
+    let von_mises: Vec<f64> = stress.iter().map(stoss_fe_solid::von_mises).collect();
+    assert!(von_mises.iter().all(|&x| x > 1.0));
+    let field = |name, components, values| Field { name, components, values };
+    let plain = VtuFrame {
+        points: model.reference.as_chunks().0,
+        hexahedra: &hexahedra,
+        point_data: vec![
+            field("displacement", 3, &displacement),
+            field("velocity", 3, &state.v),
+            field("cauchy_stress", 6, stress.as_flattened()),
+            field("von_mises", 1, &von_mises),
+        ],
+        cell_data: vec![field("body", 1, &[0.0, 0.0, 1.0, 1.0])],
+        time: Some(state.time),
+        ..VtuFrame::default()
+    };
+    let mut text = Vec::new();
+    write_vtu_to(&mut text, &plain).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), text);
+}
+
+/// Directions are left out, whatever stands behind them; bodies are counted on; stress is no number where there is none.
+#[test]
+fn a_frame_has_surfaces_lines_and_points() {
+    let mut model = Model::default();
+    let (_, plate) = add_plate(&mut model, [5.0, 0.0, 0.0]);
+    add_block(&mut model, "block", [0.0; 3], [1.0; 3]);
+    let (single, other) = add_plate(&mut model, [5.0, 0.0, 3.0]);
+    let drawing = Drawing {
+        surfaces: vec![plate],
+        lines: vec![DrawnLine { name: "line".into(), nodes: other.nodes.clone().collect() }],
+        points: vec![DrawnPoint { name: "point".into(), node: single }],
+    };
+    let points = Points::of(&model);
+    // Speeds and distances are those of points: directors are as long as seven.
+    assert_eq!(points.largest(&model.reference), f64::sqrt(36.0 + 1.0 + 9.0));
+    let simulation = simulation(model);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vtu");
+    frame::write(&path, &simulation, None, &drawing).unwrap();
+    let data = read_vtu(&path).unwrap();
+    // One place and four corners, twelve nodes, one place and four corners.
+    assert_eq!(data.points.len(), 22);
+    assert!(data.points.iter().flatten().all(|x| x.abs() < 7.0));
+    assert_eq!((data.points[0], data.points[17]), ([5.0, 0.0, 0.0], [5.0, 0.0, 3.0]));
+    assert_eq!((data.facets.len(), &data.facets[1][..]), (2, &[1, 3, 4][..]));
+    assert_eq!(data.hexahedra.as_flattened().iter().min(), Some(&5));
+    assert_eq!((data.lines, data.vertices), (vec![vec![18, 19, 20, 21]], vec![17]));
+    assert_eq!(data.cell_data[0].values, [0.0, 0.0, 1.0, 1.0, 2.0, 3.0]);
+    let von_mises = &data.point_data.iter().find(|field| field.name == "von_mises").unwrap().values;
+    assert!((0..22).all(|k| von_mises[k].is_nan() != (5..17).contains(&k)), "{von_mises:?}");
+    // A direction is no point of a drawing.
+    let wrong = Drawing { points: vec![DrawnPoint { name: "d".into(), node: single + 1 }], ..Drawing::default() };
+    assert!(frame::write(&path, &simulation, None, &wrong).is_err());
+}
+
+/// A plate in a block is found, and named; one that lies on the block is sound.
+#[test]
+fn the_watch_looks_at_surfaces() {
+    let scene = scene();
+    for (height, level) in [(1.0, Level::Sound), (0.6, Level::Wrong)] {
+        let mut model = Model::default();
+        let (_, plate) = add_plate(&mut model, [0.3, 0.4, height]);
+        add_block(&mut model, "block", [0.0; 3], [1.0; 3]);
+        let drawing = Drawing { surfaces: vec![plate], ..Drawing::default() };
+        let verdict = judge_start(&simulation(model), &scene, &drawing).unwrap();
+        assert_eq!(verdict.level, level, "{verdict}");
+        if level == Level::Wrong {
+            let worst = &verdict.reasons[0];
+            assert_eq!(worst.kind, FindingKind::Penetration);
+            assert!(worst.sentence.contains("`block`") && worst.sentence.contains("`plate`"), "{}", worst.sentence);
+        }
+    }
+    assert_eq!(contact_bodies(&scene, &Drawing::default()), Vec::<[usize; 2]>::new());
+}
+
+/// What a part takes to the ground is no promise, and no drift.
+#[test]
+fn a_part_on_the_ground_changes_momenta() {
+    let scene = scene();
+    for grounded in [false, true] {
+        let mut model = Model::default();
+        add_block(&mut model, "block", [0.0; 3], [1.0; 3]);
+        let first = model.node_count() as u32;
+        model.reference.extend([0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        model.velocity.resize(model.reference.len(), 0.0);
+        model.parts.push(Box::new(Four { first, grounded }));
+        let simulation = simulation(model);
+        let promised = promises(&scene, &simulation).unwrap();
+        assert_eq!((promised.linear, promised.angular), ([!grounded; 3], !grounded));
+        assert!(promised.energy && promised.autonomous);
+        assert_eq!(changed_by(&scene, simulation.model()).map(|reason| reason.is_some()), [grounded, grounded, false]);
+    }
+}
+
+fn scene() -> Scene {
+    let text = r#"
+        [scene]
+        title = "block"
+        kind = "dynamic"
+        [time]
+        end = 1.0
+        step = 0.1
+        integrator = { scheme = "energy-momentum" }
+        [[body]]
+        name = "block"
+        mesh = { generator = "block", size = [1.0, 1.0, 1.0], divisions = [1, 1, 2] }
+        material = { law = "ogden", mu = [6300.0, 12.0, -100.0], alpha = [1.3, 5.0, -2.0], kappa = 2000.0, beta = 9.0 }
+        density = 1.0
+    "#;
+    parse(text, "block.toml").unwrap()
+}

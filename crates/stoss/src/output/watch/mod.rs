@@ -1,0 +1,263 @@
+//! The watch of a run: it looks at accepted steps, keeps the verdict and writes `watch.csv`. What `stoss judge` needs beside the frames is
+//! in `watch.json`.
+//!
+//! How often the geometry is checked follows from the sizes of the model alone, never from the clock, so that verdicts repeat.
+
+mod file;
+mod model;
+
+pub use file::judge_folder;
+pub(crate) use model::contact_bodies;
+
+use super::table::CsvTable;
+use super::{Drawing, OutputError};
+use crate::build::ContactPlan;
+use crate::points::Points;
+use crate::scene::{OnFault, Scene, Watch as WatchTable};
+use file::WatchFile;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::time::{Duration, Instant};
+use stoss_solver::{Balance, Simulation, StepRecord};
+use stoss_watch::{
+    BalanceState, BalanceWatch, ContactPoint, ContactState, Judge, Limits, PointFriction, Promises, Verdict, Watch,
+    WatchModel,
+};
+
+/// Columns of `watch.csv`. Depth in the scene's length, and over the edge length of the facet that the node passed.
+pub(super) const COLUMNS: &str =
+    "step,time,depth,relative_depth,node,body,into,nodes_inside,cutting_edges,tunnelled,verdict";
+
+/// Name of the table.
+pub(super) const TABLE: &str = "watch.csv";
+
+/// Part of the limit of `wrong` from which a depth is doubtful.
+const DOUBTFUL: f64 = 1.0 / 6.0;
+
+/// What a checkpoint holds of the watch.
+#[derive(Debug, Serialize, Deserialize)]
+struct Memo {
+    judge: Judge,
+    balance: Option<BalanceWatch>,
+    last: u64,
+}
+
+/// The watch on a running simulation.
+#[derive(Debug)]
+pub(super) struct RunWatch {
+    watch: Watch,
+    judge: Judge,
+    balance: Option<BalanceWatch>,
+    file: WatchFile,
+    points: Points,
+    described: Vec<ContactPlan>,
+    every: u64,
+    on_fault: OnFault,
+    /// Positions that were looked at last, and their step.
+    previous: Vec<f64>,
+    last: Option<u64>,
+    spent: Duration,
+}
+
+impl RunWatch {
+    /// The watch on a simulation at its start, which has seen nothing yet.
+    pub(super) fn new(
+        simulation: &Simulation,
+        settings: &WatchTable,
+        contacts: Vec<[usize; 2]>,
+        described: &[ContactPlan],
+        promises: Option<Promises>,
+        drawing: &Drawing,
+    ) -> Result<Self, OutputError> {
+        let points = Points::of(simulation.model());
+        let balance = promises.map(|promises| {
+            BalanceWatch::new(promises, simulation.total_mass(), points.largest(&simulation.state().q))
+        });
+        let model = model::model(simulation.model(), &points, &drawing.of_points(&points));
+        let file = WatchFile::new(&model, limits(settings), contacts.clone(), balance.clone());
+        let judge = judge(&model, contacts, settings);
+        let watch = Watch::new(model)?;
+        let every = settings.every.map_or_else(|| watch.default_every(), u64::from);
+        Ok(Self {
+            watch,
+            judge,
+            balance,
+            file,
+            points,
+            described: described.to_vec(),
+            every,
+            on_fault: settings.on_fault,
+            previous: Vec::new(),
+            last: None,
+            spent: Duration::ZERO,
+        })
+    }
+
+    /// Writes what `stoss judge` needs.
+    pub(super) fn write_file(&self, folder: &Path) -> Result<(), OutputError> {
+        self.file.write(folder)
+    }
+
+    /// Looks at a completed step, if it is due, and writes a row.
+    pub(super) fn observe(
+        &mut self,
+        simulation: &Simulation,
+        record: &StepRecord,
+        table: &mut CsvTable,
+    ) -> Result<(), OutputError> {
+        if let Some(balance) = &mut self.balance {
+            for finding in balance.observe(record.step, record.time, &balance_state(&record.balance)) {
+                self.judge.add(finding);
+            }
+        }
+        let due = record.step.is_multiple_of(self.every.max(1)) || simulation.finished();
+        if !due || self.last == Some(record.step) {
+            return Ok(());
+        }
+        let started = Instant::now();
+        let q = self.points.of_all(&simulation.state().q, 3);
+        let previous = self.last.is_some().then_some(self.previous.as_slice());
+        let seen = self.watch.geometry(&q, previous);
+        let solids = self.watch.solids(&q);
+        self.judge.observe(record.step, record.time, &seen, &solids);
+        self.previous.clear();
+        self.previous.extend_from_slice(&q);
+        self.last = Some(record.step);
+        self.observe_contacts(simulation, record)?;
+        self.spent += started.elapsed();
+        table.integer(record.step).number(record.time);
+        match seen.deepest() {
+            Some(deepest) => {
+                table.numbers(&[deepest.depth, deepest.relative]).integer(u64::from(deepest.node));
+                table.text(self.file.name(deepest.body)).text(self.file.name(deepest.into));
+            }
+            None => {
+                table.numbers(&[0.0, 0.0]).text("").text("").text("");
+            }
+        }
+        for count in [seen.nodes_inside, seen.cutting, seen.tunnelled.len()] {
+            table.integer(count as u64);
+        }
+        table.text(&self.judge.verdict().level.to_string()).end_row()
+    }
+
+    /// Takes note of what the contacts report.
+    fn observe_contacts(&mut self, simulation: &Simulation, record: &StepRecord) -> Result<(), OutputError> {
+        // The initial state has no pressures yet.
+        if record.step == 0 {
+            return Ok(());
+        }
+        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.method.is_bilateral());
+        for (k, ((c, pair), described)) in pairs.zip(&self.described).enumerate() {
+            let (pressures, active) = (&simulation.pressures()[c], &simulation.active()[c]);
+            let points: Vec<ContactPoint> = (simulation.contact_report(c)?.iter().enumerate())
+                .map(|(slot, report)| ContactPoint {
+                    node: self.points.place(report.node),
+                    active: active[slot],
+                    pressure: pressures[slot],
+                    gap: report.gap,
+                    reference_gap: report.reference_gap,
+                    friction: report.friction.map(|friction| PointFriction {
+                        traction: friction.traction,
+                        slip: friction.slip,
+                        bound: friction.bound,
+                        sticks: friction.sticks,
+                    }),
+                })
+                .collect();
+            let edge = pair.method.length_scale();
+            let contact = ContactState {
+                name: &pair.name,
+                bodies: self.file.contact(k),
+                stiffness: pair.complementarity * edge,
+                edge,
+                exact: described.enforcement == "multiplier",
+                points: &points,
+            };
+            self.judge.observe_contact(record.step, record.time, &contact);
+        }
+        Ok(())
+    }
+
+    /// Verdict on what was seen so far.
+    pub(super) fn verdict(&self) -> Verdict {
+        self.judge.verdict()
+    }
+
+    /// Wall seconds that the watch took in this session.
+    pub(super) fn seconds(&self) -> f64 {
+        self.spent.as_secs_f64()
+    }
+
+    /// Steps between two looks at the geometry.
+    pub(super) fn every(&self) -> u64 {
+        self.every
+    }
+
+    /// What a verdict `wrong` does.
+    pub(super) fn on_fault(&self) -> OnFault {
+        self.on_fault
+    }
+
+    /// What a checkpoint holds of the watch: its judgement, and the positions that it saw last if they are not those of the checkpoint.
+    pub(super) fn save(&self, step: u64) -> Result<[(String, Vec<u8>); 2], serde_json::Error> {
+        let last = self.last.unwrap_or_default();
+        let memo = serde_json::to_vec(&Memo { judge: self.judge.clone(), balance: self.balance.clone(), last })?;
+        let positions = match last == step {
+            true => Vec::new(),
+            false => self.previous.iter().flat_map(|x| x.to_le_bytes()).collect(),
+        };
+        Ok([("watch".into(), memo), ("watch-positions".into(), positions)])
+    }
+
+    /// Continues from what [`Self::save`] gave, with the positions `q` of the checkpoint. The scene's own limit holds for what comes.
+    pub(super) fn load(&mut self, memo: &[u8], positions: &[u8], q: &[f64]) -> Result<(), String> {
+        let memo: Memo = serde_json::from_slice(memo).map_err(|e| e.to_string())?;
+        let q = self.points.of_all(q, 3);
+        let count = q.len();
+        self.previous = match positions.len() {
+            0 => q.into_owned(),
+            // cannot fail: chunks have eight bytes.
+            _ => positions.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default())).collect(),
+        };
+        if self.previous.len() != count {
+            return Err(format!("{} positions for {count}", self.previous.len()));
+        }
+        self.judge = memo.judge;
+        self.balance = memo.balance;
+        self.last = Some(memo.last);
+        Ok(())
+    }
+}
+
+/// What the watch looks at of a balance.
+fn balance_state(balance: &Balance) -> BalanceState {
+    BalanceState {
+        linear: balance.linear_momentum,
+        angular: balance.angular_momentum,
+        energy: balance.kinetic + balance.strain,
+        total: balance.total(),
+        closing_loss: balance.closing_loss - balance.restored,
+    }
+}
+
+fn limits(settings: &WatchTable) -> Limits {
+    Limits { doubtful: DOUBTFUL * settings.limit, wrong: settings.limit }
+}
+
+fn judge(model: &WatchModel, contacts: Vec<[usize; 2]>, settings: &WatchTable) -> Judge {
+    Judge::new(model.bodies.iter().map(|body| (body.name.clone(), body.nodes.clone())), contacts, limits(settings))
+}
+
+/// Verdict on the start of a simulation: bodies that lie in each other, bad elements.
+pub(crate) fn judge_start(simulation: &Simulation, scene: &Scene, drawing: &Drawing) -> Result<Verdict, OutputError> {
+    let points = Points::of(simulation.model());
+    let model = model::model(simulation.model(), &points, &drawing.of_points(&points));
+    let mut judge = judge(&model, contact_bodies(scene, drawing), &scene.watch);
+    let mut watch = Watch::new(model)?;
+    let state = simulation.state();
+    let q = points.of_all(&state.q, 3);
+    let seen = watch.geometry(&q, None);
+    judge.observe(0, state.time, &seen, &watch.solids(&q));
+    Ok(judge.verdict())
+}

@@ -1,0 +1,56 @@
+//! Which of a model's vectors are points in space: all but directions.
+
+use crate::solver::Model;
+use std::borrow::Cow;
+
+/// The points of a model, in the order of its vectors. Frames and the watch count points: in a scene of solids alone those are the nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct Points {
+    nodes: Vec<u32>,
+    /// Of each vector its place among the points, [`NONE`] of a direction.
+    places: Vec<u32>,
+}
+
+/// The place of a direction: there is no such point.
+const NONE: u32 = u32::MAX;
+
+impl Points {
+    /// Those of a model.
+    pub fn of(model: &Model) -> Self {
+        let mut places = vec![0; model.node_count()];
+        for part in &model.parts {
+            for vector in part.own_vectors().filter(|&vector| part.is_direction(vector)) {
+                places[vector as usize] = NONE;
+            }
+        }
+        let mut nodes = Vec::with_capacity(places.len());
+        for (node, place) in (0..).zip(&mut places) {
+            if *place != NONE {
+                *place = nodes.len() as u32;
+                nodes.push(node);
+            }
+        }
+        Self { nodes, places }
+    }
+
+    /// Place of a vector among the points; of a direction, and of a vector that does not exist, a number that is no point's.
+    #[cfg(feature = "output")]
+    pub fn place(&self, node: u32) -> u32 {
+        self.places.get(node as usize).copied().unwrap_or(NONE)
+    }
+
+    /// The rows of the points, of values with so many components a vector; no values stay none.
+    pub fn of_all<'a>(&self, values: &'a [f64], components: usize) -> Cow<'a, [f64]> {
+        if values.is_empty() || self.nodes.len() == self.places.len() {
+            return Cow::Borrowed(values);
+        }
+        let row = |&node: &u32| &values[node as usize * components..(node as usize + 1) * components];
+        self.nodes.iter().flat_map(row).copied().collect()
+    }
+
+    /// Largest length of a point's vector (position, velocity).
+    pub fn largest(&self, vectors: &[f64]) -> f64 {
+        let of = |x: &[f64]| x[0].hypot(x[1]).hypot(x[2]);
+        self.of_all(vectors, 3).chunks_exact(3).map(of).fold(0.0, f64::max)
+    }
+}
