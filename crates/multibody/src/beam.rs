@@ -97,8 +97,9 @@ impl Beam {
         Ok(beam)
     }
 
-    /// Mean distance of the nodes. Measured (`tests/beam_condition.rs`): with it shear puts entries of the size of those of the axial stiffness on the directors;
-    /// with the radius of gyration they are larger by the square of the slenderness of an element, and so is the condition number.
+    /// Mean distance of the nodes. `tests/beam_condition.rs` measures the condition of the linear equations of a clamped beam, multipliers scaled by `EA / h`: for
+    /// elements of order 2 that are 200 radii of gyration long it is 2.5e7 with half of the element length, within 5 % of the best; with the radius of gyration it is
+    /// 4.6e10, for the shear stiffness puts `kGA h / l^2` on the directors.
     pub fn default_director_length(axis: &BeamAxis) -> f64 {
         axis_length(axis) / (axis.positions().len() - 1) as f64
     }

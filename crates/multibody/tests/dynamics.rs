@@ -181,3 +181,51 @@ fn damped_oscillator() {
     // The total counts what was dissipated.
     assert!((last.total() - first.total()).abs() < 1e-12 && last.dissipation > 0.3, "{last:?}");
 }
+
+/// First bending vibration of a slender cantilever, about each axis of its section: started with the velocity of its mode, the tip is back after half of the period
+/// `2 pi L^2 sqrt(rho A / EI) / 1.8751^2` (Euler and Bernoulli).
+#[test]
+fn first_vibration_of_a_cantilever() {
+    let material = SectionMaterial { young: 1e6, poisson: 0.3, density: 2.0 };
+    let section = Section::rectangle([0.02, 0.01], material, 5.0 / 6.0, None).unwrap();
+    let (length, lambda) = (2.0, 1.875_104_068_711_961);
+    for (k, sideways) in [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().enumerate() {
+        let axis = BeamAxis::straight([0.0; 3], [length, 0.0, 0.0], [0.0, 1.0, 0.0], 8, 2).unwrap();
+        let beam = Beam::new("beam", 0, axis, section).unwrap();
+        let b = lambda / length;
+        let sigma = (lambda.cosh() + lambda.cos()) / (lambda.sinh() + lambda.sin());
+        let mode = |x: f64| (b * x).cosh() - (b * x).cos() - sigma * ((b * x).sinh() - (b * x).sin());
+        let slope = |x: f64| b * ((b * x).sinh() + (b * x).sin() - sigma * ((b * x).cosh() - (b * x).cos()));
+        let mut velocity = Vec::new();
+        for x in beam.axis().positions() {
+            // Sections turn about x cross sideways.
+            let turn = 1e-4 * slope(x[0]);
+            let l = beam.director_length();
+            let mut of_node = [[0.0; 3]; 4];
+            of_node[0] = sideways.map(|s| 1e-4 * mode(x[0]) * s);
+            of_node[1 + k] = [-l * turn, 0.0, 0.0];
+            of_node[3] = sideways.map(|s| l * turn * s);
+            velocity.extend(of_node.iter().flatten());
+        }
+        let tip = beam.node_vectors(beam.node_count() - 1)[0];
+        let mut model = Model::default();
+        common::beam(&mut model, beam, &[0]);
+        model.velocity = velocity;
+        let omega = lambda * lambda / (length * length) * (section.bending[1 - k] / section.mass).sqrt();
+        let half = PI / omega;
+        let mut run = common::simulation(model, true, half / 100.0, 1.1 * half);
+        let mut before = (0.0, 0.0);
+        let mut crossing = None;
+        while !run.finished() {
+            run.advance().unwrap();
+            let now = (run.state().time, common::place(&run.state().q, tip)[1 + k]);
+            if before.1 > 0.0 && now.1 <= 0.0 {
+                crossing = Some(before.0 + (now.0 - before.0) * before.1 / (before.1 - now.1));
+            }
+            before = now;
+        }
+        let error = crossing.unwrap() / half - 1.0;
+        println!("vibration along d_{}: error of the period {error:.1e}", k + 1);
+        assert!(error.abs() < 1e-3, "{error}");
+    }
+}

@@ -1,5 +1,5 @@
 //! Models of beams and strings for the tests.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "every test file uses some of it")]
 
 use stoss_integrators::{EnergyMomentum, Scheme};
 use stoss_linalg::AutoSolver;
