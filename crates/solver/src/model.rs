@@ -1,10 +1,11 @@
 //! What is to be simulated.
 
-use crate::switches::{Acting, Silent};
-use crate::{AxisRotation, Embedding, Load, SimulationError, Table};
+use crate::switches::Acting;
+use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, Table};
 use std::ops::Range;
 use stoss_contact::{
-    Bilateral, Constraint, ContactError, ContactMethod, ContactWork, History, Potential, WithoutSlots,
+    Auxiliary, Bilateral, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
+    LocalContribution, Potential, Report, SlotReport, StepConfiguration, WithoutSlots,
 };
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_part::Part;
@@ -200,6 +201,91 @@ impl std::ops::DerefMut for Coupling {
     }
 }
 
+/// A coupling that is switched off: it keeps its slots and what it carries from step to step, and does nothing.
+#[derive(Debug)]
+pub struct Silent(pub(crate) Box<Coupling>);
+
+impl Report for Silent {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+    fn length_scale(&self) -> f64 {
+        self.0.length_scale()
+    }
+    fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        Ok(Vec::new())
+    }
+}
+
+impl Constraint for Silent {
+    fn slot_count(&self) -> usize {
+        self.0.slot_count()
+    }
+    fn slot_weight(&self, slot: usize) -> f64 {
+        self.0.slot_weight(slot)
+    }
+    fn is_symmetric(&self, _rule: ContactRule) -> bool {
+        true
+    }
+    fn stencils(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
+    fn assemble(
+        &self,
+        _step: StepConfiguration<'_>,
+        _pressures: &[f64],
+        _active: &[bool],
+        _want_tangent: bool,
+        _visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        Ok(())
+    }
+    fn auxiliaries(&self) -> &[Auxiliary] {
+        self.0.auxiliaries()
+    }
+}
+
+impl Coupling {
+    /// Switches it on or off.
+    pub(crate) fn set_acting(&mut self, acting: bool) {
+        if acting != self.is_off() {
+            return;
+        }
+        // A potential of nothing takes its place for a moment; it holds no memory.
+        let old = std::mem::replace(self, Self::potential(Nothing));
+        *self = match old {
+            Self::Off(silent) => *silent.0,
+            other => Self::Off(Silent(Box::new(other))),
+        };
+    }
+}
+
+/// No forces.
+#[derive(Debug)]
+struct Nothing;
+
+impl Potential for Nothing {
+    fn name(&self) -> &str {
+        "nothing"
+    }
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+    fn begin_step(&mut self, _q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
+        Ok(())
+    }
+    fn stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
+    fn assemble(
+        &self,
+        _step: StepConfiguration<'_>,
+        _want_tangent: bool,
+        _visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        Ok(())
+    }
+    fn energy(&self, _q: &[f64]) -> Result<f64, ContactError> {
+        Ok(0.0)
+    }
+}
+
 /// A contact, a tie or a potential, with the factor of its complementarity function.
 #[derive(Debug)]
 pub struct ContactPair {
@@ -239,6 +325,11 @@ impl Model {
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.reference.len() / 3
+    }
+
+    /// What acts if `off` does not and `released` no longer; the words for what does not exist.
+    pub(crate) fn acting(&self, off: &Switches, released: &[Release]) -> Result<Acting, String> {
+        Acting::new([self.loads.len(), self.prescriptions.len(), self.contacts.len()], off, released)
     }
 
     /// True if constraints can open and close (mesh ties alone are no contact) and are not switched off.

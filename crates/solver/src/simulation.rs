@@ -9,7 +9,6 @@ pub use stage::Stage;
 
 use crate::assembly::System;
 use crate::control::Clock;
-use crate::switches::Acting;
 use crate::{
     Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, StepError, StepRecord, Switches, Timings,
 };
@@ -147,7 +146,7 @@ impl Simulation {
     /// Those of [`Self::new`]; [`SimulationError::Model`] also if `first.off` names what does not exist.
     pub fn staged(mut model: Model, settings: Settings, first: FirstStage) -> Result<Self, SimulationError> {
         let FirstStage { off, later_dynamics } = first;
-        let acting = Acting::new(&model, &off, &[]).map_err(SimulationError::Model)?;
+        let acting = model.acting(&off, &[]).map_err(SimulationError::Model)?;
         for (pair, &acts) in model.contacts.iter_mut().zip(&acting.contacts) {
             pair.method.set_acting(acts);
         }

@@ -1,7 +1,6 @@
 //! Checkpoints of a run, and going on from them.
 
 use super::{Simulation, Stage};
-use crate::switches::Acting;
 use crate::{Checkpoint, CheckpointError, Clock, ContactPair, SimulationError, StepControl, StepError};
 use std::collections::BTreeMap;
 use stoss_integrators::State;
@@ -85,7 +84,7 @@ impl Simulation {
         if *off != checkpoint.off {
             return Err(mismatch("what does not act in the stage differs".into()));
         }
-        let acting = Acting::new(&self.model, off, &checkpoint.released).map_err(mismatch)?;
+        let acting = self.model.acting(off, &checkpoint.released).map_err(mismatch)?;
         let mut clock = checkpoint.clock;
         let end = match &stage {
             Some(stage) => {

@@ -93,7 +93,7 @@ impl Simulation {
     pub fn begin_stage(&mut self, stage: Stage) -> Result<(), SimulationError> {
         self.check_stage(&stage, Some(self.state.time))?;
         let fault = |reason| SimulationError::Stage { stage: stage.name.clone(), reason };
-        let acting = Acting::new(&self.model, &stage.off, &self.released).map_err(fault)?;
+        let acting = self.model.acting(&stage.off, &self.released).map_err(fault)?;
         let Stage { name, scheme, step, end, off } = stage;
         let was_dynamic = self.scheme.is_some();
         let reason = self.describe(&name, scheme.as_deref(), &off);
@@ -140,7 +140,7 @@ impl Simulation {
         }
         let mut released = self.released.clone();
         released.push(what);
-        let acting = Acting::new(&self.model, &self.off, &released).map_err(SimulationError::Release)?;
+        let acting = self.model.acting(&self.off, &released).map_err(SimulationError::Release)?;
         let mut saved = self.save();
         if let Err(error) = self.switch(acting, &mut saved).and_then(|()| self.settle(false)) {
             self.undo(saved);
