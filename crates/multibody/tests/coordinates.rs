@@ -272,3 +272,31 @@ fn everything_at_once_is_balanced() {
     println!("everything: {most} iterations, dissipated {}", simulation.balance().dissipation);
     assert!(simulation.balance().dissipation > 0.5);
 }
+
+/// A run that is resumed from a checkpoint has the bits of the whole one: turns and the friction's reaction are history.
+#[test]
+fn a_resumed_run_has_the_same_bits() {
+    let model = || {
+        let options = CoordinateOptions {
+            spring: Some(CoordinateSpring { stiffness: 0.5, rest: 0.2 }),
+            friction: Some(CoordinateFriction { bound: 0.1, coefficient: 0.2, radius: 0.05 }),
+            ..Default::default()
+        };
+        wheel(0.5, 9.0, 0.0, options)
+    };
+    let mut whole = run(model(), 0.02, 2.0);
+    let mut checkpoint = None;
+    while !whole.finished() {
+        whole.advance().unwrap();
+        if whole.step() == 60 {
+            checkpoint = Some(whole.checkpoint("run", Default::default()));
+        }
+    }
+    let mut resumed = run(model(), 0.02, 2.0);
+    resumed.restore(checkpoint.unwrap(), "run").unwrap();
+    finish(&mut resumed);
+    let bits = |s: &Simulation| s.state().q.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&whole), bits(&resumed));
+    assert_eq!(whole.pressures(), resumed.pressures());
+    assert_eq!(whole.balance().dissipation.to_bits(), resumed.balance().dissipation.to_bits());
+}

@@ -320,7 +320,7 @@ impl Joint {
     }
 
     /// `T dg/dq_np1 + g (x) dT/dq_np1`.
-    #[allow(clippy::too_many_arguments)]
+    #[expect(clippy::too_many_arguments, reason = "all of them belong to one evaluation of the coordinate")]
     fn add_coordinate_tangent(
         &self,
         theta: f64,

@@ -1,5 +1,5 @@
 //! Models of rigid bodies and joints for whole runs.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test file uses its part")]
 
 use stoss_contact::Bilateral;
 use stoss_integrators::{EnergyMomentum, Scheme};
