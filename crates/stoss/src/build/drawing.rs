@@ -1,5 +1,6 @@
 //! What a frame shows beside the solids: surfaces of rigid bodies, lines of beams and strings, single points.
 
+#[cfg(feature = "output")]
 use crate::points::Points;
 use std::ops::Range;
 use stoss_reference_element::FacetNodes;
@@ -46,6 +47,7 @@ pub struct Drawing {
     pub points: Vec<DrawnPoint>,
 }
 
+#[cfg(feature = "output")]
 impl Drawing {
     /// The same with places among the points for nodes.
     pub(crate) fn of_points(&self, points: &Points) -> Self {
