@@ -187,7 +187,7 @@ fn parts_and_joints_arrive_where_they_belong() {
         (3, vec![vec![0.0; 4]])
     );
     assert_eq!(scene.events[1].when.as_ref().unwrap().component, Some(Component::Z));
-    assert_eq!((scene.stages[0].kind, scene.stages[0].off.len()), (StageKind::Static, 4));
+    assert_eq!((scene.stages[0].kind, scene.stages[0].off.len()), (StageKind::Static, 3));
 }
 
 #[test]
