@@ -160,6 +160,8 @@ pub struct JointReport {
     pub moment: [f64; 3],
     /// Angle (radians, followed over turns) or displacement that the joint leaves free, if it is one.
     pub coordinate: Option<f64>,
+    /// Whether the coordinate is an angle.
+    pub is_angle: bool,
     /// Torque or force of friction on the second side; zero without.
     pub friction: f64,
 }

@@ -209,16 +209,16 @@ fn first_vibration_of_a_cantilever() {
         }
         let tip = beam.node_vectors(beam.node_count() - 1)[0];
         let mut model = Model::default();
-        common::beam(&mut model, beam, &[0]);
+        lines::beam(&mut model, beam, &[0]);
         model.velocity = velocity;
         let omega = lambda * lambda / (length * length) * (section.bending[1 - k] / section.mass).sqrt();
         let half = PI / omega;
-        let mut run = common::simulation(model, true, half / 100.0, 1.1 * half);
+        let mut run = lines::simulation(model, true, half / 100.0, 1.1 * half);
         let mut before = (0.0, 0.0);
         let mut crossing = None;
         while !run.finished() {
             run.advance().unwrap();
-            let now = (run.state().time, common::place(&run.state().q, tip)[1 + k]);
+            let now = (run.state().time, lines::place(&run.state().q, tip)[1 + k]);
             if before.1 > 0.0 && now.1 <= 0.0 {
                 crossing = Some(before.0 + (now.0 - before.0) * before.1 / (before.1 - now.1));
             }

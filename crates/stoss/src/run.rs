@@ -116,7 +116,11 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
         contact_bodies: contact_bodies(&scene, &drawing),
-        promises: promises(&scene, &simulation),
+        promises: (1..=schedule.len() as u32)
+            .map(|number| {
+                schedule.stage(number).and_then(|stage| promises(&scene, &simulation, stage.scheme.as_deref()))
+            })
+            .collect(),
         changed_by: changed_by(&scene, simulation.model()),
         contacts,
         watch: scene.watch.clone(),

@@ -377,7 +377,8 @@ impl Report for Joint {
     fn joint(&self, q: &[f64], multipliers: &[f64]) -> Option<JointReport> {
         let (force, moment) = self.force(q, q, ContactRule::EndPoint, multipliers);
         let (coordinate, friction) = (self.coordinate(q), self.friction_torque(multipliers));
-        Some(JointReport { force, moment, coordinate, friction })
+        let is_angle = self.kind.coordinate() == Some(CoordinateKind::Angle);
+        Some(JointReport { force, moment, coordinate, is_angle, friction })
     }
 
     fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {

@@ -263,12 +263,6 @@ pub const CASES: &[Case] = &[
     ),
     multi(
         "between = [\"lever\", \"ground\"]",
-        "between = [\"mast\", \"ground\"]",
-        "\"mast\", \"ground\"",
-        "joint[1].between[0]",
-    ),
-    multi(
-        "between = [\"lever\", \"ground\"]",
         "between = [\"mast.all\", \"ground\"]",
         "\"mast.all\", \"ground\"",
         "joint[1].between[0]",

@@ -6,11 +6,12 @@ use std::path::Path;
 
 /// Every file that a run writes beside its frames, with what stands near its beginning if this program wrote it. An empty file is
 /// a table that a kill left.
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 10] = [
     ("balance.csv", "step,time,dt,lx,"),
     ("newton.csv", "step,time,iteration,"),
     ("contact.csv", "step,time,active,"),
     ("probes.csv", "step,time,"),
+    ("joints.csv", "step,time,"),
     ("watch.csv", "step,time,depth,"),
     ("watch.json", "\"limits\""),
     ("frames.pvd", "frames/frame_"),

@@ -26,6 +26,11 @@ const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
 contact_force_x,contact_force_y,contact_force_z,coverage_defect";
 
+/// Table of the joints: forces and moments on the second side, angle in degrees or displacement, torque or force of friction.
+const JOINTS: &str = "joints.csv";
+/// Columns of each joint.
+const JOINT: [&str; 8] = ["fx", "fy", "fz", "mx", "my", "mz", "coordinate", "friction"];
+
 /// Table of the probes, whose columns the scene names.
 const PROBES: &str = "probes.csv";
 /// Attachment of a checkpoint that says of which scene it is.
@@ -37,6 +42,8 @@ struct Memo {
     lengths: BTreeMap<String, u64>,
     frames: Vec<(f64, u64)>,
     drifts: Drifts,
+    /// Stage of the last step.
+    stage: u32,
     iterations: u64,
     max_iterations: u64,
     max_equations: u64,
@@ -52,6 +59,7 @@ pub struct ResultFolder {
     newton: CsvTable,
     probes: Option<CsvTable>,
     contact: Option<CsvTable>,
+    joints: Option<CsvTable>,
     watch: RunWatch,
     watched: CsvTable,
     started: Instant,
@@ -90,8 +98,8 @@ pub struct FolderSettings {
     pub contacts: Vec<ContactPlan>,
     /// Pairs of bodies between which a contact is named.
     pub contact_bodies: Vec<[usize; 2]>,
-    /// What must not change in the run.
-    pub promises: Option<Promises>,
+    /// What must not change, stage by stage.
+    pub promises: Vec<Option<Promises>>,
     /// What is checked, and what a verdict `wrong` does.
     pub watch: WatchTable,
 }
@@ -117,6 +125,7 @@ impl ResultFolder {
             lengths: BTreeMap::new(),
             frames: Vec::new(),
             drifts: Drifts::start(simulation.balance()),
+            stage: simulation.stage(),
             iterations: 0,
             max_iterations: 0,
             max_equations: simulation.equations() as u64,
@@ -208,12 +217,18 @@ impl ResultFolder {
             newton: open("newton.csv", NEWTON)?,
             probes: if heads.is_empty() { None } else { Some(open(PROBES, &probe_header)?) },
             contact: if has_contact { Some(open("contact.csv", CONTACT)?) } else { None },
+            joints: if settings.joints.is_empty() {
+                None
+            } else {
+                let heads = settings.joints.iter().flat_map(|(name, _)| JOINT.map(|column| format!("{name}.{column}")));
+                Some(open(JOINTS, &format!("step,time,{}", heads.collect::<Vec<_>>().join(",")))?)
+            },
             watch: RunWatch::new(
                 simulation,
                 &settings.watch,
                 settings.contact_bodies.clone(),
                 &settings.contacts,
-                settings.promises,
+                settings.promises.clone(),
                 &settings.drawing,
             )?,
             watched: open(watch::TABLE, watch::COLUMNS)?,
@@ -294,6 +309,30 @@ impl ResultFolder {
                 .number(c.coverage.defect)
                 .end_row()?;
         }
+        if let Some(table) = &mut self.joints {
+            table.integer(record.step).number(record.time);
+            for &(_, place) in &self.settings.joints {
+                let pair = &simulation.model().contacts[place];
+                match pair.method.joint(&simulation.state().q, &simulation.pressures()[place]) {
+                    Some(joint) => {
+                        let unit = if joint.is_angle { 1f64.to_degrees() } else { 1.0 };
+                        let coordinate = joint.coordinate.map_or(f64::NAN, |value| unit * value);
+                        table.numbers(&joint.force).numbers(&joint.moment).numbers(&[coordinate, joint.friction]);
+                    }
+                    // Released or switched off.
+                    None => {
+                        table.numbers(&[0.0; 6]).numbers(&[f64::NAN, 0.0]);
+                    }
+                }
+            }
+            table.end_row()?;
+        }
+        // What one scheme loses is no drift of the next.
+        let promised = |stage: u32| self.settings.promises.get(stage as usize - 1);
+        if promised(record.stage) != promised(self.memo.stage) {
+            self.memo.drifts = Drifts::start(b);
+        }
+        self.memo.stage = record.stage;
         self.memo.drifts.follow(b);
         self.memo.iterations += u64::from(record.iterations);
         self.memo.max_iterations = self.memo.max_iterations.max(u64::from(record.iterations));
@@ -309,6 +348,9 @@ impl ResultFolder {
             lengths.insert(PROBES.into(), table.flush()?);
         }
         lengths.insert(watch::TABLE.into(), self.watched.flush()?);
+        if let Some(table) = &mut self.joints {
+            lengths.insert(JOINTS.into(), table.flush()?);
+        }
         if let Some(table) = &mut self.contact {
             lengths.insert("contact.csv".into(), table.flush()?);
         }

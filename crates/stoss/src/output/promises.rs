@@ -1,6 +1,7 @@
 //! What scheme, loads, supports and contacts of a scene together promise of momenta and energy.
 
 use crate::scene::{Constraint, Contact, ContactMethod, Integrals, Scene};
+use stoss_integrators::Scheme;
 use stoss_solver::{Model, Simulation};
 use stoss_watch::Promises;
 
@@ -32,9 +33,9 @@ fn kept(model: &Model) -> [bool; 2] {
     ]
 }
 
-/// The promises of a run; none in statics, where there is neither momentum nor kinetic energy.
-pub(crate) fn promises(scene: &Scene, simulation: &Simulation) -> Option<Promises> {
-    let scheme = scene.time.integrator.as_ref().filter(|_| scene.is_dynamic())?.make().ok()?;
+/// The promises of a run, or stage, with this scheme; none in statics, where there is neither momentum nor kinetic energy.
+pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&dyn Scheme>) -> Option<Promises> {
+    let scheme = scheme?;
     let (claims, model) = (scheme.claims(), simulation.model());
     let driven = driven(model);
     let [keeps_linear, keeps_angular] = kept(model);

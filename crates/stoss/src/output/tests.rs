@@ -192,7 +192,8 @@ fn a_part_on_the_ground_changes_momenta() {
         model.velocity.resize(model.reference.len(), 0.0);
         model.parts.push(Box::new(Four { first, grounded }));
         let simulation = simulation(model);
-        let promised = promises(&scene, &simulation).unwrap();
+        let scheme = scene.time.integrator.as_ref().unwrap().make().unwrap();
+        let promised = promises(&scene, &simulation, Some(&*scheme)).unwrap();
         assert_eq!((promised.linear, promised.angular), ([!grounded; 3], !grounded));
         assert!(promised.energy && promised.autonomous);
         assert_eq!(changed_by(&scene, simulation.model()).map(|reason| reason.is_some()), [grounded, grounded, false]);

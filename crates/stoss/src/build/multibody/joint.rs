@@ -106,6 +106,11 @@ fn joint(
     key: &str,
     problems: &mut Problems<'_>,
 ) -> Option<Joint> {
+    if item.kind == SceneKind::Cylindrical && item.motor.as_ref().is_some_and(|motor| motor.displacement.is_some()) {
+        let message = "the coordinate of a cylindrical joint is its angle: a motor cannot push along the axis";
+        problems.add(format!("{key}.motor.displacement"), &item.name, message, "use a slider, or give `angle`");
+        return None;
+    }
     let [at_a, at_b] = item.at.both();
     let axes = match (item.axis, item.axes) {
         (Some(axis), _) => axes_along(axis)?,

@@ -39,6 +39,7 @@ const DOUBTFUL: f64 = 1.0 / 6.0;
 struct Memo {
     judge: Judge,
     balance: Option<BalanceWatch>,
+    stage: u32,
     last: u64,
 }
 
@@ -48,6 +49,10 @@ pub(super) struct RunWatch {
     watch: Watch,
     judge: Judge,
     balance: Option<BalanceWatch>,
+    /// What each stage promises, and the stage that was seen last.
+    promises: Vec<Option<Promises>>,
+    stage: u32,
+    mass: f64,
     file: WatchFile,
     points: Points,
     described: Vec<ContactPlan>,
@@ -66,15 +71,18 @@ impl RunWatch {
         settings: &WatchTable,
         contacts: Vec<[usize; 2]>,
         described: &[ContactPlan],
-        promises: Option<Promises>,
+        promises: Vec<Option<Promises>>,
         drawing: &Drawing,
     ) -> Result<Self, OutputError> {
         let points = Points::of(simulation.model());
-        let balance = promises.map(|promises| {
-            BalanceWatch::new(promises, simulation.total_mass(), points.largest(&simulation.state().q))
-        });
+        let (stage, mass) = (simulation.stage(), simulation.total_mass());
+        let radius = points.largest(&simulation.state().q);
+        let balance = promised(&promises, stage).map(|promises| BalanceWatch::new(promises, mass, radius));
         let model = model::model(simulation.model(), &points, &drawing.of_points(&points));
-        let file = WatchFile::new(&model, limits(settings), contacts.clone(), balance.clone());
+        // What is stored does not tell stages from each other.
+        let is_one = promises.iter().all(|of| *of == promised(&promises, stage));
+        let stored = balance.clone().filter(|_| is_one);
+        let file = WatchFile::new(&model, limits(settings), contacts.clone(), stored);
         let judge = judge(&model, contacts, settings);
         let watch = Watch::new(model)?;
         let every = settings.every.map_or_else(|| watch.default_every(), u64::from);
@@ -82,6 +90,9 @@ impl RunWatch {
             watch,
             judge,
             balance,
+            promises,
+            stage,
+            mass,
             file,
             points,
             described: described.to_vec(),
@@ -105,6 +116,12 @@ impl RunWatch {
         record: &StepRecord,
         table: &mut CsvTable,
     ) -> Result<(), OutputError> {
+        let [before, now] = [self.stage, record.stage].map(|stage| promised(&self.promises, stage));
+        if before != now {
+            let radius = self.points.largest(&simulation.state().q);
+            self.balance = now.map(|promises| BalanceWatch::new(promises, self.mass, radius));
+        }
+        self.stage = record.stage;
         if let Some(balance) = &mut self.balance {
             for finding in balance.observe(record.step, record.time, &balance_state(&record.balance)) {
                 self.judge.add(finding);
@@ -202,7 +219,8 @@ impl RunWatch {
     /// What a checkpoint holds of the watch: its judgement, and the positions that it saw last if they are not those of the checkpoint.
     pub(super) fn save(&self, step: u64) -> Result<[(String, Vec<u8>); 2], serde_json::Error> {
         let last = self.last.unwrap_or_default();
-        let memo = serde_json::to_vec(&Memo { judge: self.judge.clone(), balance: self.balance.clone(), last })?;
+        let (judge, balance, stage) = (self.judge.clone(), self.balance.clone(), self.stage);
+        let memo = serde_json::to_vec(&Memo { judge, balance, stage, last })?;
         let positions = match last == step {
             true => Vec::new(),
             false => self.previous.iter().flat_map(|x| x.to_le_bytes()).collect(),
@@ -225,9 +243,15 @@ impl RunWatch {
         }
         self.judge = memo.judge;
         self.balance = memo.balance;
+        self.stage = memo.stage;
         self.last = Some(memo.last);
         Ok(())
     }
+}
+
+/// What a stage, counted from 1, promises.
+fn promised(promises: &[Option<Promises>], stage: u32) -> Option<Promises> {
+    promises.get((stage as usize).checked_sub(1)?).copied().flatten()
 }
 
 /// What the watch looks at of a balance.
