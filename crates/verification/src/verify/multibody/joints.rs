@@ -95,7 +95,7 @@ fn parallelogram(findings: &mut Findings) -> Outcome<()> {
         add_joint(&mut model, "main", JointKind::Hinge, main, drive)?;
         let sides = [&first.frame(up(0.0), AXES), &coupler.frame(up(0.0), AXES)];
         add_joint(&mut model, "left", JointKind::Ball, sides, none())?;
-        let pins = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let pins = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
         let sides = [&second.frame(up(l), pins), &coupler.frame(up(l), pins)];
         add_joint(&mut model, "right", JointKind::Universal, sides, none())?;
         let bearing = [&Frame::ground([l, 0.0, 0.0], ABOUT_Z), &second.frame([l, 0.0, 0.0], ABOUT_Z)];

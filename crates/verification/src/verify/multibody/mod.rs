@@ -1,9 +1,11 @@
 //! Rigid bodies, joints, beams and strings: closed forms, momenta and energy, order, cost, extremes.
 
+mod beams;
 mod build;
 mod chain;
 mod joints;
 mod rigid;
+mod strings;
 
 use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
@@ -30,10 +32,12 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(bool, &mut Findings) -> Outcome<()>); 4] = [
+        let cases: [(&str, fn(bool, &mut Findings) -> Outcome<()>); 6] = [
             ("rigid bodies", rigid::measure),
             ("joints", joints::measure),
             ("chain", chain::measure),
+            ("beams", beams::measure),
+            ("strings", strings::measure),
             ("redundancy", joints::redundancy),
         ];
         for (name, measure) in cases {
