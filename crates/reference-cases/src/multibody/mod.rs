@@ -1,5 +1,6 @@
 //! Closed forms of multibody systems, and equations in minimal coordinates that are integrated by themselves.
 
+pub mod bend;
 pub mod elliptic;
 pub mod lines;
 pub mod mechanisms;

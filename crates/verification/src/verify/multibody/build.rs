@@ -148,16 +148,27 @@ pub fn quasi_static(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
     with_scheme(model, step, end, None)
 }
 
+/// In statics with a line search, for what has no stiffness across at first.
+pub fn quasi_static_searching(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
+    with_options(model, step, end, None, LineSearch::backtracking())
+}
+
 /// A run by any scheme; steps are not cut.
 pub fn with_scheme(model: Model, step: f64, end: f64, scheme: Option<Box<dyn Scheme>>) -> Outcome<Simulation> {
+    with_options(model, step, end, scheme, LineSearch::Off)
+}
+
+fn with_options(
+    model: Model,
+    step: f64,
+    end: f64,
+    scheme: Option<Box<dyn Scheme>>,
+    line_search: LineSearch,
+) -> Outcome<Simulation> {
     let settings = Settings {
         control: StepControl { step, end, max_cuts: 0, grow_after: 4 },
         scheme,
-        newton: NewtonOptions {
-            relative_tolerance: TOLERANCE,
-            line_search: LineSearch::Off,
-            ..NewtonOptions::default()
-        },
+        newton: NewtonOptions { relative_tolerance: TOLERANCE, line_search, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
         solver: Box::new(AutoSolver::new()),
     };

@@ -5,7 +5,9 @@ mod build;
 mod chain;
 mod joints;
 mod rigid;
+mod stiff;
 mod strings;
+mod work;
 
 use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
@@ -32,12 +34,14 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(bool, &mut Findings) -> Outcome<()>); 6] = [
+        let cases: [(&str, fn(bool, &mut Findings) -> Outcome<()>); 8] = [
             ("rigid bodies", rigid::measure),
             ("joints", joints::measure),
             ("chain", chain::measure),
             ("beams", beams::measure),
             ("strings", strings::measure),
+            ("stiff", stiff::measure),
+            ("work and precision", work::measure),
             ("redundancy", joints::redundancy),
         ];
         for (name, measure) in cases {
