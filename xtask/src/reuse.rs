@@ -19,6 +19,8 @@ const LEAVES: &[&str] = &[
     "segmentation",
     "contact-mortar",
     "integrators",
+    "part",
+    "multibody",
     "numerical-derivative",
     "mesh-io",
     "linalg",

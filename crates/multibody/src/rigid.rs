@@ -108,7 +108,7 @@ impl RigidBody {
 
     /// A body whose vectors are numbered from `first` on.
     pub fn new(name: &str, first: u32, mass: RigidMass) -> Self {
-        // The radius of gyration: directors are as heavy as the centre then.
+        // The radius of gyration: the three directors together are as heavy as the centre then.
         let length = (mass.euler.iter().sum::<f64>() / mass.mass).sqrt();
         Self { name: name.to_owned(), first, mass, length }
     }

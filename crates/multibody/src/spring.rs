@@ -144,6 +144,14 @@ impl Part for Spring {
         self.data.damping * change * change / step.dt
     }
 
+    fn conserves_linear_momentum(&self) -> bool {
+        self.ends.iter().all(|end| !end.terms.is_empty())
+    }
+
+    fn conserves_angular_momentum(&self) -> bool {
+        self.conserves_linear_momentum()
+    }
+
     fn length_scale(&self) -> f64 {
         if self.data.rest_length > 0.0 { self.data.rest_length } else { 1.0 }
     }

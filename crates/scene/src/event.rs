@@ -51,7 +51,7 @@ pub struct EventCondition {
 named! {
     /// What kind of analysis a stage is.
     StageKind {
-        /// A sequence of equilibria. Velocities are zero in it.
+        /// A sequence of equilibria. Probes of velocities show the motion of the last step over its time there.
         Static = "static",
         /// With inertia.
         Dynamic = "dynamic",
@@ -92,7 +92,7 @@ pub struct Stage {
     /// Time-stepping scheme of a dynamic stage; `[time] integrator` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
-    /// Names of joints, springs, contacts, prescribed motions and loads, and the word `gravity`, that do not act in this stage.
+    /// Names of joints, contacts, prescribed motions and loads, and the word `gravity`, that do not act in this stage.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub off: Vec<String>,
 }

@@ -13,6 +13,9 @@ use stoss_fe_solid::{TangentTarget, Workspace};
 use stoss_integrators::{Buffers, EndPoint};
 use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
 
+/// Part of what a mass moves in a step under a force.
+const RIGID_COMPLIANCE: f64 = 1e-3;
+
 /// Everything of fixed size that a step needs, allocated once (contact parts: once a change of the contact pattern).
 #[derive(Debug)]
 pub(crate) struct System {
@@ -89,6 +92,10 @@ pub(crate) struct System {
     pub auxiliary_increment: Vec<Vec<f64>>,
     /// Increment of all components, for pairs with condensed auxiliaries; else empty.
     pub full_increment: Vec<f64>,
+    /// Evaluations with a tangent since the step began.
+    pub tangents: u32,
+    /// Smallest mass of a part, zero if none has any.
+    part_mass: f64,
     /// Sum of nodal masses times an edge length, and of shear modulus times squared edge length, as force scales.
     pub mass_length: f64,
     pub stiffness_force: f64,
@@ -334,6 +341,10 @@ impl System {
                 }
             }
         }
+        let positions = model.parts.iter().zip(&masses.parts).flat_map(|(part, mass)| {
+            mass.entries.iter().filter(|&&(i, j, m)| i == j && m > 0.0 && !part.is_direction(i)).map(|&(_, _, m)| m)
+        });
+        let part_mass = Some(positions.fold(f64::INFINITY, f64::min)).filter(|m| m.is_finite()).unwrap_or(0.0);
         stiffness_force += model.parts.iter().map(|part| part.force_scale()).sum::<f64>();
         let slot_equation: Vec<Vec<u32>> =
             model.contacts.iter().map(|pair| vec![NONE; pair.method.slot_count()]).collect();
@@ -384,11 +395,19 @@ impl System {
             solver,
             has_followers,
             has_dead_loads,
+            tangents: 0,
+            part_mass,
             acting,
             has_rates: dynamic,
             mass_length,
             stiffness_force,
         })
+    }
+
+    /// Compliance of contact between rigid bodies, a length over a force. More nodes touch than three, and their multipliers are not determined: with this on the diagonals of
+    /// the tangent, and not in the residual, the gaps close exactly and the multipliers are those of least norm (docs/theory/multibody.md#redundancy).
+    pub fn rigid_compliance(&self, dt: f64) -> Option<f64> {
+        (self.part_mass > 0.0).then(|| RIGID_COMPLIANCE * if self.has_rates { dt * dt } else { 1.0 } / self.part_mass)
     }
 
     /// Number of equations at present: free components, active pressures with their auxiliaries.
@@ -427,6 +446,7 @@ impl System {
     /// Pattern and maps for a step that begins with this active set: with room for all candidates. What earlier steps left in the pattern is
     /// dropped, because it would show in the last bits, and a run that is resumed knows nothing of it.
     pub fn begin_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
+        self.tangents = 0;
         let present = Contributions::active(model, active);
         let mut all = Contributions::default();
         all.append(&present);

@@ -97,6 +97,11 @@ impl Embedding {
         !self.is_empty() && nodes.iter().any(|node| self.index.contains_key(node))
     }
 
+    /// True if all of the nodes are embedded.
+    pub(crate) fn has_all(&self, nodes: &[u32]) -> bool {
+        nodes.iter().all(|node| self.index.contains_key(node))
+    }
+
     /// A local matrix over the components of `nodes` and `rest` further unknowns as one over those of `expanded` ([`Self::expand`]) and the same
     /// further ones: `T^T K T`, row-major.
     pub(crate) fn transform(&self, nodes: &[u32], expanded: &[u32], rest: usize, k: &[f64], work: &mut Transform) {

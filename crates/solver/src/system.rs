@@ -9,6 +9,9 @@ use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfigur
 use stoss_linalg::vector;
 use stoss_part::PartStep;
 
+/// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
+const FROM_ZERO: u32 = 2;
+
 /// The stress rule of a scheme's force rule.
 pub(crate) fn stress_rule(rule: ForceRule) -> StressRule {
     match rule {
@@ -225,6 +228,9 @@ impl FeSystem<'_> {
         out: &mut [f64],
     ) -> Result<(), StepError> {
         let (model, s) = (self.model, &mut *self.system);
+        s.tangents = s.tangents.saturating_add(u32::from(tangent));
+        let rigid = s.rigid_compliance(step.dt);
+        let from_zero = s.tangents <= FROM_ZERO;
         let mut k = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
             let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule: contact_rule(rule) };
@@ -285,6 +291,17 @@ impl FeSystem<'_> {
                         let rest = local.dim() - coordinates;
                         model.embedding.expand(&local.nodes, expanded);
                         model.embedding.transform(&local.nodes, expanded, rest, &local.tangent, transform);
+                        if let Some(compliance) = rigid.filter(|_| model.embedding.has_all(&local.nodes)) {
+                            let dim = 3 * expanded.len() + rest;
+                            for (k, &slot) in local.slots.iter().enumerate() {
+                                let area = method.slot_weight(slot as usize);
+                                let (at, entry) = (3 * expanded.len() + k, compliance * area * area);
+                                transform.matrix[at * dim + at] -= entry;
+                                if from_zero {
+                                    rhs[equations[slot as usize] as usize] += entry * pressures[slot as usize];
+                                }
+                            }
+                        }
                         (&transform.matrix, 3 * expanded.len())
                     } else {
                         (&local.tangent, coordinates)

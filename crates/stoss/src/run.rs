@@ -202,7 +202,7 @@ fn constraint_unknowns(built: &Built, slots: usize) -> String {
     }
     let ties = slots as u64 - pressures;
     if ties > 0 {
-        text += &format!(", {ties} tie multipliers");
+        text += &format!(", {ties} multipliers of ties, joints and rigidity");
     }
     text
 }
@@ -237,6 +237,10 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
     let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
     lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));
     lines.extend(built.contacts.iter().map(|contact| format!("  contact {contact}")));
+    for joint in &scene.joints {
+        let [a, b] = &joint.between;
+        lines.push(format!("  joint {}: {} between {a} and {b}", joint.name, joint.kind));
+    }
     for tie in &scene.ties {
         lines.push(format!("  tie {}: {} form, {} multipliers", tie.label(), tie.form, tie.multipliers));
     }
@@ -254,7 +258,7 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
         used(plan.mass_matrix),
         used(plan.contact_search),
         used(plan.prescribed_components > 0),
-        used(!scene.loads.is_empty()),
+        used(!scene.loads.is_empty() || scene.gravity.is_some()),
     ));
     // Factors of hexahedral meshes fill in about fifteen to sixty times; the estimate says the order of magnitude.
     let fill = 20.0 * (plan.free_components as f64 / 3000.0).max(0.3).powf(0.33);

@@ -70,9 +70,7 @@ impl Thing {
             (0..n).flat_map(|i| (0..2 * n).map(move |j| (i, j))).map(|(i, j)| quad(i, j)).collect();
         for quad in &mut quads {
             // The pole twice, at places that `surface` knows.
-            if quad[0] == quad[3] {
-                *quad = [quad[3], quad[0], quad[1], quad[2]];
-            } else if quad[1] == quad[2] {
+            if quad[0] == quad[3] || quad[1] == quad[2] {
                 *quad = [quad[3], quad[0], quad[1], quad[2]];
             }
         }

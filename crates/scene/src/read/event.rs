@@ -190,18 +190,20 @@ fn off(node: &Node<'_>, world: &World<'_>, has_gravity: bool) -> Option<Vec<Stri
             return n.fail("the scene has no gravity", "remove it, or add [gravity]");
         }
         match world.actions.iter().find(|(other, _)| *other == name) {
-            Some((_, Action::Tie)) => n.fail("is a tie, which always acts", "remove it"),
+            Some((_, action @ (Action::Tie | Action::Spring))) => {
+                n.fail(format!("is {}, which always acts", action.noun()), "remove it")
+            }
             Some(_) => Some(name),
             None if !world.actions_complete => Some(name),
             None => {
                 let names: Vec<&str> = world
                     .actions
                     .iter()
-                    .filter(|(_, action)| *action != Action::Tie)
+                    .filter(|(_, action)| !matches!(action, Action::Tie | Action::Spring))
                     .map(|(name, _)| name.as_str())
                     .chain(has_gravity.then_some(GRAVITY))
                     .collect();
-                let message = format!("there is no joint, spring, contact, prescribed motion or load `{name}`");
+                let message = format!("there is no joint, contact, prescribed motion or load `{name}`");
                 if names.is_empty() {
                     return n.fail(message, "give it this `name`");
                 }

@@ -2,7 +2,7 @@
 
 use super::condition::RigidMotion;
 use super::placed::Placed;
-use super::{Drawing, Problems};
+use super::{Drawing, ProbeTarget, Problems};
 use crate::scene::{Prescribe, Scene};
 use crate::solver::Model;
 use std::path::Path;
@@ -14,6 +14,12 @@ pub(super) struct Parts {
     pub lines: Vec<String>,
     pub drawing: Drawing,
     pub joints: Vec<Option<usize>>,
+}
+
+impl Parts {
+    pub fn point(&self, _: &str, _: [f64; 3]) -> Option<ProbeTarget> {
+        None
+    }
 }
 
 pub(super) fn parts(_: &Scene, _: &Path, _: &mut Model, _: &mut Vec<Vec<u8>>, _: &mut Problems<'_>) -> Parts {

@@ -17,6 +17,8 @@ pub enum ProbeTarget {
     Body(usize),
     /// A rigid body, beam, string or point mass: its place among the parts of the model, and the nodes that stand for it, its centre or its surface.
     Part(usize, Vec<u32>),
+    /// A point that vectors of the model carry with these weights, and its reference position.
+    Point(Vec<(u32, f64)>, [f64; 3]),
     /// A joint, by its place among the contacts of the model.
     Joint(usize),
     /// The whole model.
@@ -87,7 +89,7 @@ impl Probe {
     fn nodes(&self) -> &[u32] {
         match &self.target {
             ProbeTarget::Nodes(nodes) | ProbeTarget::Part(_, nodes) => nodes,
-            ProbeTarget::Body(_) | ProbeTarget::Joint(_) | ProbeTarget::Model => &[],
+            ProbeTarget::Body(_) | ProbeTarget::Point(..) | ProbeTarget::Joint(_) | ProbeTarget::Model => &[],
         }
     }
 
@@ -144,6 +146,10 @@ impl Probe {
     }
 
     fn mean(&self, vector: &[f64]) -> [f64; 3] {
+        if let ProbeTarget::Point(terms, _) = &self.target {
+            let component = |i: usize| terms.iter().map(|&(node, w)| w * vector[3 * node as usize + i]).sum();
+            return std::array::from_fn(component);
+        }
         let count = self.nodes().len().max(1) as f64;
         self.sum(vector).map(|s| s / count)
     }
@@ -180,6 +186,10 @@ pub(super) fn probes(
         } else if let Some(joint) = item.joint.as_deref().and_then(|name| scene.joint_index(name)) {
             let Some(place) = parts.joints.get(joint).copied().flatten() else { continue };
             ProbeTarget::Joint(place)
+        } else if let Some(target) =
+            item.point.zip(item.body.as_deref()).and_then(|(point, body)| parts.point(body, point))
+        {
+            target
         } else if let (Some(point), Some(b)) = (item.point, item.body.as_deref().and_then(|b| index(placed, b))) {
             ProbeTarget::Nodes(vec![placed[b].nearest(point).0])
         } else if let Some(b) = item.body.as_deref().and_then(|b| scene.body_index(b)) {

@@ -38,6 +38,11 @@ pub(super) fn warnings(scene: &Scene, model: &Model) -> Vec<String> {
             .contacts
             .iter()
             .any(|contact| contact.surfaces().into_iter().filter_map(body).any(|b| members.contains(&b)));
+        // Joints and springs may hold it; whether they do, the solution tells.
+        let joined = scene.joints.iter().map(|joint| &joint.between).chain(scene.springs.iter().map(|s| &s.between));
+        if joined.flatten().filter_map(|side| body(side)).any(|b| members.contains(&b)) {
+            continue;
+        }
         let left = 6 - held_motions(&model.reference, &prescribed);
         let names: Vec<String> = members.iter().map(|&b| format!("`{}`", scene.bodies[b].name)).collect();
         let names = names.join(" with ");

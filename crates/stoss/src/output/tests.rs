@@ -56,7 +56,7 @@ fn add_block(model: &mut Model, name: &str, min: [f64; 3], max: [f64; 3]) {
     });
     model.reference.extend(block.nodes.iter().flatten());
     // It stretches.
-    model.velocity.extend(block.nodes.iter().flatten().map(|x| 0.1 * x));
+    model.velocity.extend(block.nodes.iter().flat_map(|x| [0.1 * x[0], 0.0, 0.0]));
 }
 
 /// A part with its place at `at`, and a square plate of embedded nodes around it, side 2; the number of the place.
@@ -105,7 +105,7 @@ fn a_frame_of_solids_is_that_of_the_plain_writer() {
         body.solid.nodal_cauchy_stress(&state.q, &mut stress[nodes]).unwrap();
     }
     let von_mises: Vec<f64> = stress.iter().map(stoss_fe_solid::von_mises).collect();
-    assert!(von_mises.iter().all(|&x| x > 1.0));
+    assert!(von_mises.iter().all(|&x| x > 0.0));
     let field = |name, components, values| Field { name, components, values };
     let plain = VtuFrame {
         points: model.reference.as_chunks().0,

@@ -69,7 +69,7 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
             Ok(mass) => {
                 add_vectors(scene, model, &[item.at], || vec![item.velocity]);
                 parts.drawing.points.push(DrawnPoint { name: item.name.clone(), node: vector });
-                parts.lines.push(format!("point mass {}: mass {:.6e}", item.name, item.mass));
+                parts.lines.push(format!("point {}: mass {:.6e}", item.name, item.mass));
                 let sets = BTreeMap::from([("all".to_owned(), vec![0])]);
                 let shape = Shape::Nodes { positions: vec![item.at], stride: 1, sets };
                 parts.placed.push(Placed { name: item.name.clone(), shape, first_node: vector });
@@ -113,7 +113,13 @@ fn nodes_of(name: &str, positions: Vec<[f64; 3]>, stride: u32, first_node: u32) 
 fn beam(item: &SceneBeam, first: u32) -> Result<Beam, PartDataError> {
     let (elements, order) = (item.elements as usize, item.order as usize);
     let axis = match &item.arc {
-        Some(arc) => BeamAxis::arc(arc.centre, arc.start, arc.axis, arc.degrees.to_radians(), elements, order)?,
+        Some(arc) => {
+            let axis = BeamAxis::arc(arc.centre, arc.start, arc.axis, arc.degrees.to_radians(), elements, order)?;
+            match item.up {
+                Some(up) => BeamAxis::new(order, axis.positions().to_vec(), upright(axis.triads(), up))?,
+                None => axis,
+            }
+        }
         None => {
             let counts = shares(&item.points, elements);
             // Where the section is the same in all directions any will do.
@@ -122,6 +128,22 @@ fn beam(item: &SceneBeam, first: u32) -> Result<Beam, PartDataError> {
         }
     };
     Beam::new(&item.name, first, axis, section(item)?)
+}
+
+/// Triads with the same normals and `d_1` along the part of `up` across them, which the scene has found not to vanish.
+fn upright(triads: &[[[f64; 3]; 3]], up: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
+    let turned = |&[.., d3]: &[[f64; 3]; 3]| {
+        let along: f64 = (0..3).map(|i| up[i] * d3[i]).sum();
+        let across: [f64; 3] = std::array::from_fn(|i| up[i] - along * d3[i]);
+        let length = across.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let d1 = across.map(|x| x / length);
+        let d2 = std::array::from_fn(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            d3[j] * d1[k] - d3[k] * d1[j]
+        });
+        [d1, d2, d3]
+    };
+    triads.iter().map(turned).collect()
 }
 
 /// Direction of the first piece.

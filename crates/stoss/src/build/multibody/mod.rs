@@ -8,7 +8,7 @@ mod redundant;
 mod rigid;
 
 use super::placed::Placed;
-use super::{Drawing, Problems};
+use super::{Drawing, ProbeTarget, Problems};
 use crate::scene::{Coupling, Scene};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
@@ -57,6 +57,11 @@ pub(super) fn parts(
 }
 
 impl Parts {
+    /// A point of a rigid body.
+    pub fn point(&self, name: &str, x: [f64; 3]) -> Option<ProbeTarget> {
+        self.rigid(name).map(|body| ProbeTarget::Point(body.point(x).terms, x))
+    }
+
     /// The rigid body of that name.
     pub fn rigid(&self, name: &str) -> Option<&RigidBody> {
         self.rigids.iter().find(|body| body.name() == name)

@@ -45,7 +45,12 @@ pub(super) fn examine(
             }
             Err(error) => {
                 let remedy = "remove one of the joints or motors that contradict each other, or mend their places";
-                problems.add("joint[0]".into(), "", error.to_string(), remedy);
+                let name = match &error {
+                    stoss_multibody::RedundancyError::Contradiction { name, .. } => name.as_str(),
+                    _ => "",
+                };
+                let key = format!("joint[{}]", scene.joint_index(name).unwrap_or_default());
+                problems.add(key, name, error.to_string(), remedy);
                 return;
             }
         }
@@ -65,8 +70,8 @@ pub(super) fn examine(
     }
 }
 
-/// A mass that is typical of the model; only its order of magnitude matters.
-fn weights(model: &Model) -> Weights {
+/// A mass that is typical of the model, and the largest stiffness in it; only their orders of magnitude matter.
+pub(super) fn weights(model: &Model) -> Weights {
     let (mut total, mut count) = (0.0, 0_u32);
     for part in &model.parts {
         part.mass(&mut |i, j, m| {
@@ -77,5 +82,10 @@ fn weights(model: &Model) -> Weights {
         });
     }
     let mass = if count > 0 { total / f64::from(count) } else { 1.0 };
-    Weights { mass, stiffness: 0.0 }
+    let solids = model
+        .bodies
+        .iter()
+        .map(|body| body.solid.law().small_strain_moduli().shear * body.solid.characteristic_length());
+    let parts = model.parts.iter().map(|part| part.force_scale() / part.length_scale());
+    Weights { mass, stiffness: solids.chain(parts).fold(0.0, f64::max) }
 }

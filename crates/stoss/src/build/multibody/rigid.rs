@@ -197,7 +197,15 @@ fn body(
             let centre = item.centre.unwrap_or(middle);
             // Statics have no rotary inertia: then any will do.
             let euler = item.principal_euler().unwrap_or([mass * size * size / 5.0; 3]);
-            RigidMass::new(mass, centre, euler, item.axes.unwrap_or(UNIT))
+            let axes = match item.axes {
+                Some(axes) => axes,
+                None => turned(item, UNIT)
+                    .map_err(|error| {
+                        problems.add(format!("{key}.rotation"), "", error.to_string(), "mend the placement");
+                    })
+                    .ok()?,
+            };
+            RigidMass::new(mass, centre, euler, axes)
         }
         _ => {
             let made = RigidBody::massless(&item.name, first, item.centre.unwrap_or(middle), UNIT, size);
@@ -213,6 +221,16 @@ fn body(
             None
         }
     }
+}
+
+/// Directions of the body's own coordinates in its place.
+fn turned(item: &Rigid, mut axes: [[f64; 3]; 3]) -> Result<[[f64; 3]; 3], MeshError> {
+    for SceneRotation { axis, degrees, about } in item.rotation.as_slice() {
+        let r = Rotation { axis: *axis, degrees: *degrees, about: *about }.matrix()?;
+        let turn = |v: [f64; 3]| std::array::from_fn(|i| r[i][0] * v[0] + r[i][1] * v[1] + r[i][2] * v[2]);
+        axes = axes.map(turn);
+    }
+    Ok(axes)
 }
 
 const UNIT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
