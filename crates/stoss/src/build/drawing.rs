@@ -1,5 +1,6 @@
 //! What a frame shows beside the solids: surfaces of rigid bodies, lines of beams and strings, single points.
 
+#[cfg(feature = "output")]
 use crate::points::Points;
 use std::ops::Range;
 use stoss_reference_element::FacetNodes;
@@ -48,6 +49,7 @@ pub struct Drawing {
 
 impl Drawing {
     /// The same with places among the points for nodes.
+    #[cfg(feature = "output")]
     pub(crate) fn of_points(&self, points: &Points) -> Self {
         let place = |node: u32| points.place(node);
         let surface = |surface: &DrawnSurface| {
