@@ -50,6 +50,7 @@ pub struct Drawing {
 #[cfg(feature = "output")]
 impl Drawing {
     /// The same with places among the points for nodes.
+    #[cfg(feature = "output")]
     pub(crate) fn of_points(&self, points: &Points) -> Self {
         let place = |node: u32| points.place(node);
         let surface = |surface: &DrawnSurface| {

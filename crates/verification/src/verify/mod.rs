@@ -17,6 +17,7 @@ mod lean;
 mod materials;
 mod models;
 mod mortar;
+mod multibody;
 mod newton;
 mod origin;
 mod patch;
@@ -68,6 +69,7 @@ const SUITES: &[&dyn Suite] = &[
     &patch::Patch,
     &friction::Friction,
     &mortar::Mortar,
+    &multibody::Multibody,
     &convergence::Convergence,
     &work_precision::WorkPrecision,
     &stability::Stability,

@@ -1,6 +1,6 @@
 //! Error against CPU time, step size and number of force evaluations, for every scheme.
 
-mod curve;
+pub(super) mod curve;
 mod solids;
 mod springs;
 

@@ -1,0 +1,69 @@
+//! Rigid bodies, joints, beams and strings: closed forms, momenta and energy, order, cost, extremes.
+
+mod beams;
+mod build;
+mod chain;
+mod joints;
+mod rigid;
+mod stiff;
+mod strings;
+mod work;
+
+use super::check::{Bound, Check};
+use super::{Bench, Findings, Suite};
+use crate::workspace::Outcome;
+
+/// Tops, pendulums, mechanisms, bearings, chains, beams, strings, redundancy, extremes, work and precision, trebuchet, rigid tools.
+pub struct Multibody;
+
+/// Drift of momenta over their size, in a step or of a run as the row says.
+const MOMENTUM: f64 = 1e-11;
+/// Drift of the energy over its size.
+const ENERGY: f64 = 1e-10;
+/// Least order that counts as two.
+const ORDER: f64 = 1.9;
+
+impl Suite for Multibody {
+    fn name(&self) -> &'static str {
+        "multibody"
+    }
+
+    fn about(&self) -> &'static str {
+        "Flexible multibody systems against closed forms and equations in minimal coordinates; momenta and energy, order, cost, extremes, a trebuchet, rigid tools."
+    }
+
+    fn measure(&self, bench: &Bench) -> Outcome<Findings> {
+        let mut findings = Findings::default();
+        let cases: [(&str, fn(bool, &mut Findings) -> Outcome<()>); 8] = [
+            ("rigid bodies", rigid::measure),
+            ("joints", joints::measure),
+            ("chain", chain::measure),
+            ("beams", beams::measure),
+            ("strings", strings::measure),
+            ("stiff", stiff::measure),
+            ("work and precision", work::measure),
+            ("redundancy", joints::redundancy),
+        ];
+        for (name, measure) in cases {
+            let start = cpu_time::ProcessTime::now();
+            // A group that cannot be measured falls short; the others still run.
+            if let Err(error) = measure(bench.quick, &mut findings) {
+                let failed = Check::new(name, "could be measured", f64::NAN, Bound::AtLeast(1.0));
+                findings.checks.push(failed.noted(error.to_string()));
+            }
+            let seconds = start.elapsed().as_secs_f64();
+            findings.checks.push(Check::new(name, "CPU seconds of these cases", seconds, Bound::Told));
+        }
+        Ok(findings)
+    }
+}
+
+/// Adds a row.
+fn check(findings: &mut Findings, case: &str, quantity: impl Into<String>, measured: f64, bound: Bound) {
+    findings.checks.push(Check::new(case, quantity, measured, bound));
+}
+
+/// Adds a row with a note.
+fn noted(findings: &mut Findings, case: &str, quantity: &str, measured: f64, bound: Bound, note: impl Into<String>) {
+    findings.checks.push(Check::new(case, quantity, measured, bound).noted(note));
+}
