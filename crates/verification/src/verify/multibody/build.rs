@@ -150,23 +150,29 @@ pub fn quasi_static(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
 
 /// In statics with a line search, for what has no stiffness across at first.
 pub fn quasi_static_searching(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
-    with_options(model, step, end, None, LineSearch::backtracking())
+    with_options(model, step, end, 0, None, LineSearch::backtracking())
+}
+
+/// As [`dynamic`], with so many halvings of a step.
+pub fn dynamic_cutting(model: Model, step: f64, end: f64, cuts: u32) -> Outcome<Simulation> {
+    with_options(model, step, end, cuts, Some(Box::new(EnergyMomentum)), LineSearch::Off)
 }
 
 /// A run by any scheme; steps are not cut.
 pub fn with_scheme(model: Model, step: f64, end: f64, scheme: Option<Box<dyn Scheme>>) -> Outcome<Simulation> {
-    with_options(model, step, end, scheme, LineSearch::Off)
+    with_options(model, step, end, 0, scheme, LineSearch::Off)
 }
 
 fn with_options(
     model: Model,
     step: f64,
     end: f64,
+    max_cuts: u32,
     scheme: Option<Box<dyn Scheme>>,
     line_search: LineSearch,
 ) -> Outcome<Simulation> {
     let settings = Settings {
-        control: StepControl { step, end, max_cuts: 0, grow_after: 4 },
+        control: StepControl { step, end, max_cuts, grow_after: 4 },
         scheme,
         newton: NewtonOptions { relative_tolerance: TOLERANCE, line_search, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,

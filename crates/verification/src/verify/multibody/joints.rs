@@ -1,7 +1,8 @@
 //! Mechanisms, bearings, redundant joints.
 
 use super::build::{
-    ABOUT_Z, AXES, add_body, add_constraint, add_gravity, add_joint, apart, dynamic, follow, larger, order, place,
+    ABOUT_Z, AXES, add_body, add_constraint, add_gravity, add_joint, apart, dynamic, dynamic_cutting, follow, larger,
+    order, place,
 };
 use super::{ENERGY, MOMENTUM, ORDER, check, noted};
 use crate::verify::Findings;
@@ -82,7 +83,12 @@ fn parallelogram(findings: &mut Findings) -> Outcome<()> {
     let case = "parallelogram";
     let (r, l) = (0.3_f64, 1.0);
     // From a right angle through the line at pi; steps that hit it and steps that do not.
-    for (name, step) in [("a step ends in line", 0.01), ("no step ends in line", 0.0113)] {
+    let cases = [
+        ("a step ends in line", 0.01, 0),
+        ("a step ends in line, may be cut", 0.01, 6),
+        ("no step ends in line", 0.0113, 0),
+    ];
+    for (name, step, cuts) in cases {
         let mut model = Model::default();
         let up = |x: f64| [x, r, 0.0];
         let first = add_body(&mut model, "first", rod(1.0, [0.0, 0.5 * r, 0.0], 0.02)?, [0.0; 3], [0.0; 3]);
@@ -100,7 +106,7 @@ fn parallelogram(findings: &mut Findings) -> Outcome<()> {
         add_joint(&mut model, "right", JointKind::Universal, sides, none())?;
         let bearing = [&Frame::ground([l, 0.0, 0.0], ABOUT_Z), &second.frame([l, 0.0, 0.0], ABOUT_Z)];
         add_joint(&mut model, "bearing", JointKind::Hinge, bearing, none())?;
-        let mut simulation = dynamic(model, step, 2.4)?;
+        let mut simulation = dynamic_cutting(model, step, 2.4, cuts)?;
         let (mut violation, mut last, mut most) = (0.0, 0.0, 0);
         let stop = loop {
             if simulation.finished() {

@@ -5,8 +5,11 @@ mod build;
 mod chain;
 mod joints;
 mod rigid;
+mod scene;
 mod stiff;
 mod strings;
+mod tools;
+mod trebuchet;
 mod work;
 
 use super::check::{Bound, Check};
@@ -34,20 +37,22 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(bool, &mut Findings) -> Outcome<()>); 8] = [
-            ("rigid bodies", rigid::measure),
-            ("joints", joints::measure),
-            ("chain", chain::measure),
-            ("beams", beams::measure),
-            ("strings", strings::measure),
-            ("stiff", stiff::measure),
-            ("work and precision", work::measure),
-            ("redundancy", joints::redundancy),
+        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 10] = [
+            ("rigid bodies", |bench, found| rigid::measure(bench.quick, found)),
+            ("joints", |bench, found| joints::measure(bench.quick, found)),
+            ("chain", |bench, found| chain::measure(bench.quick, found)),
+            ("beams", |bench, found| beams::measure(bench.quick, found)),
+            ("strings", |bench, found| strings::measure(bench.quick, found)),
+            ("stiff", |bench, found| stiff::measure(bench.quick, found)),
+            ("work and precision", |bench, found| work::measure(bench.quick, found)),
+            ("trebuchet", trebuchet::measure),
+            ("rigid tools", tools::measure),
+            ("redundancy", |bench, found| joints::redundancy(bench.quick, found)),
         ];
         for (name, measure) in cases {
             let start = cpu_time::ProcessTime::now();
             // A group that cannot be measured falls short; the others still run.
-            if let Err(error) = measure(bench.quick, &mut findings) {
+            if let Err(error) = measure(bench, &mut findings) {
                 let failed = Check::new(name, "could be measured", f64::NAN, Bound::AtLeast(1.0));
                 findings.checks.push(failed.noted(error.to_string()));
             }

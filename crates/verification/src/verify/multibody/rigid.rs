@@ -48,7 +48,8 @@ fn free_top(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let make = || -> Outcome<(Model, RigidBody)> {
         let mut model = Model::default();
         let mass = RigidMass::new(1.0, [0.0; 3], [0.4, 0.2, 0.1], AXES)?;
-        let body = add_body(&mut model, "top", mass, [-0.2, 0.1, 0.3], [top.start[0], 0.0, top.start[1]]);
+        // Its centre moves slowly: far from the origin angular momentum would have the round-off of the distance.
+        let body = add_body(&mut model, "top", mass, [-0.002, 0.001, 0.003], [top.start[0], 0.0, top.start[1]]);
         Ok((model, body))
     };
     let error = |dt: f64| -> Outcome<f64> {
