@@ -119,7 +119,7 @@ pub fn analyse(
     let mut work = vec![0.0; q.len()];
     let mut loose = Vec::new();
     for row in rows {
-        let (set, slot) = (row.set, row.slot);
+        let (set, slot, has_free) = (row.set, row.slot, !row.entries.is_empty());
         match eliminate(row, &pivots, &order, &mut work) {
             (row, Some(pivot)) => {
                 order.insert(pivot, order.len());
@@ -135,8 +135,11 @@ pub fn analyse(
                         value: row.value,
                     });
                 }
-                found.redundant.push((set, slot));
-                loose.push(set);
+                // Between components that cannot move there is nothing to solve for, and nothing that follows from others.
+                if has_free {
+                    found.redundant.push((set, slot));
+                    loose.push(set);
+                }
             }
         }
     }
@@ -179,10 +182,6 @@ fn collect(
             let size = entries.iter().fold(0.0, |m: f64, (_, e)| m.max(e.abs()));
             entries.retain(|&(c, _)| is_free(c));
             entries.sort_by_key(|&(c, _)| c);
-            // Between components that cannot move there is nothing to solve for.
-            if entries.is_empty() {
-                continue;
-            }
             rows.push(Row { set, slot: slot as usize, entries, value: local.residual[n + k], size });
         }
     })
