@@ -179,6 +179,10 @@ fn collect(
             let size = entries.iter().fold(0.0, |m: f64, (_, e)| m.max(e.abs()));
             entries.retain(|&(c, _)| is_free(c));
             entries.sort_by_key(|&(c, _)| c);
+            // Between components that cannot move there is nothing to solve for.
+            if entries.is_empty() {
+                continue;
+            }
             rows.push(Row { set, slot: slot as usize, entries, value: local.residual[n + k], size });
         }
     })

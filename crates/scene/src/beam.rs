@@ -80,27 +80,6 @@ impl Beam {
     fn default_order() -> u32 {
         Self::DEFAULT_ORDER
     }
-
-    /// Stiffnesses and inertias of the section: as given, or those of its shape, with `A` the area, `I_1`, `I_2` the second moments about `d1`, `d2`,
-    /// and `G = E / (2 (1 + nu))`: `E A`, `k G A`, `E I_1`, `E I_2`, `G J`, `rho A`, `rho I_1`, `rho I_2`.
-    pub fn stiffness(&self) -> SectionStiffness {
-        let shape = match &self.section {
-            Section::Stiffness(stiffness) => return *stiffness,
-            Section::Shape(shape) => shape,
-        };
-        let young = self.young.unwrap_or_default();
-        let shear = young / (2.0 * (1.0 + self.poisson.unwrap_or(Self::DEFAULT_POISSON)));
-        let (area, moments) = (shape.area(), shape.second_moments());
-        let torsion = self.torsion_constant.unwrap_or_else(|| shape.torsion_constant());
-        SectionStiffness {
-            axial: young * area,
-            shear: [self.shear_factor.unwrap_or(Self::DEFAULT_SHEAR_FACTOR) * shear * area; 2],
-            bending: moments.map(|moment| young * moment),
-            torsion: shear * torsion,
-            mass: self.density.map(|density| density * area),
-            rotary: self.density.map(|density| moments.map(|moment| density * moment)),
-        }
-    }
 }
 
 /// An arc of a circle: from `start` around the axis through `centre`.
@@ -125,26 +104,6 @@ impl Arc {
         let e1 = sub(self.start, self.centre);
         let axis = scaled(self.axis, 1.0 / norm(self.axis));
         [e1, cross(axis, e1)]
-    }
-
-    /// The point at a fraction of the angle, from 0 to 1.
-    pub fn point(&self, fraction: f64) -> [f64; 3] {
-        let [e1, e2] = self.basis();
-        let (sin, cos) = (fraction * self.degrees).to_radians().sin_cos();
-        std::array::from_fn(|i| self.centre[i] + cos * e1[i] + sin * e2[i])
-    }
-
-    /// Unit tangent at a fraction of the angle, in the direction of the way from the start.
-    pub fn tangent(&self, fraction: f64) -> [f64; 3] {
-        let [e1, e2] = self.basis();
-        let (sin, cos) = (fraction * self.degrees).to_radians().sin_cos();
-        let sign = self.degrees.signum() / norm(e1);
-        std::array::from_fn(|i| sign * (cos * e2[i] - sin * e1[i]))
-    }
-
-    /// Length of the arc.
-    pub fn length(&self) -> f64 {
-        norm(sub(self.start, self.centre)) * self.degrees.to_radians().abs()
     }
 
     /// The fraction of the angle at which the tangent is parallel to `up` to 1e-6, if there is one.
@@ -231,43 +190,6 @@ pub struct TubeSection {
 impl SectionShape {
     /// Names of all shapes.
     pub const NAMES: &'static [&'static str] = &["rectangle", "circle", "tube"];
-
-    /// Area.
-    pub fn area(&self) -> f64 {
-        let disc = |r: f64| std::f64::consts::PI * r * r;
-        match *self {
-            Self::Rectangle(RectangleSection { size: [b, h] }) => b * h,
-            Self::Circle(CircleSection { radius }) => disc(radius),
-            Self::Tube(TubeSection { radius, thickness }) => disc(radius) - disc(radius - thickness),
-        }
-    }
-
-    /// Second moments about `d1` and `d2` through the centroid: of a rectangle `b h^3 / 12` and `h b^3 / 12`.
-    pub fn second_moments(&self) -> [f64; 2] {
-        let disc = |r: f64| 0.25 * std::f64::consts::PI * r.powi(4);
-        match *self {
-            Self::Rectangle(RectangleSection { size: [b, h] }) => [b * h.powi(3) / 12.0, h * b.powi(3) / 12.0],
-            Self::Circle(CircleSection { radius }) => [disc(radius); 2],
-            Self::Tube(TubeSection { radius, thickness }) => [disc(radius) - disc(radius - thickness); 2],
-        }
-    }
-
-    /// Torsion constant of Saint-Venant's torsion: the polar moment of circles; of a rectangle with the sides `a >= b`
-    /// `a b^3 (1/3 - 64/pi^5 b/a sum_n tanh(n pi a / (2 b)) / n^5)` over odd `n` (Timoshenko and Goodier, Theory of Elasticity, Art. 109).
-    pub fn torsion_constant(&self) -> f64 {
-        let Self::Rectangle(RectangleSection { size }) = self else {
-            return self.second_moments().iter().sum();
-        };
-        let (a, b) = (size[0].max(size[1]), size[0].min(size[1]));
-        // After twenty terms the rest is below 1e-8 of the sum.
-        let sum: f64 = (0..20)
-            .map(|k| {
-                let n = f64::from(2 * k + 1);
-                (0.5 * n * std::f64::consts::PI * a / b).tanh() / n.powi(5)
-            })
-            .sum();
-        a * b.powi(3) * (1.0 / 3.0 - 64.0 / std::f64::consts::PI.powi(5) * b / a * sum)
-    }
 }
 
 /// Stiffnesses and inertias of a cross-section, constant along the beam. `d1` and `d2` are principal axes through the centroid.
@@ -295,64 +217,6 @@ pub struct SectionStiffness {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use approx::assert_relative_eq;
-
-    fn beam(section: Section) -> Beam {
-        Beam {
-            name: "b".into(),
-            points: vec![[0.0; 3], [1.0, 0.0, 0.0]],
-            arc: None,
-            elements: 1,
-            order: 1,
-            section,
-            young: Some(2.6),
-            poisson: None,
-            density: Some(10.0),
-            shear_factor: None,
-            torsion_constant: None,
-            up: None,
-            velocity: [0.0; 3],
-            angular_velocity: [0.0; 3],
-            velocity_about: [0.0; 3],
-        }
-    }
-
-    #[test]
-    fn stiffnesses_of_a_rectangle() {
-        // E = 2.6, nu = 0.3: G = 1
-        let s = beam(Section::Shape(SectionShape::Rectangle(RectangleSection { size: [2.0, 3.0] }))).stiffness();
-        assert_relative_eq!(s.axial, 15.6, max_relative = 1e-14);
-        assert_relative_eq!(s.shear[1], 5.0, max_relative = 1e-14);
-        assert_relative_eq!(s.bending[0], 2.6 * 4.5, max_relative = 1e-14);
-        assert_relative_eq!(s.bending[1], 2.6 * 2.0, max_relative = 1e-14);
-        assert_relative_eq!(s.mass.unwrap(), 60.0, max_relative = 1e-14);
-        assert_relative_eq!(s.rotary.unwrap()[0], 45.0, max_relative = 1e-14);
-    }
-
-    #[test]
-    fn torsion_constants_of_the_literature() {
-        // Timoshenko and Goodier, Theory of Elasticity, Art. 109, table: 0.1406, 0.196, 0.229, 0.312 for a/b = 1, 1.5, 2, 10
-        for (ratio, k) in [(1.0, 0.1406), (1.5, 0.196), (2.0, 0.229), (10.0, 0.312)] {
-            for size in [[ratio, 1.0], [1.0, ratio]] {
-                let j = SectionShape::Rectangle(RectangleSection { size }).torsion_constant();
-                assert_relative_eq!(j, k * ratio, max_relative = 3e-3);
-            }
-        }
-        let tube = SectionShape::Tube(TubeSection { radius: 2.0, thickness: 1.0 });
-        assert_relative_eq!(tube.torsion_constant(), 7.5 * std::f64::consts::PI, max_relative = 1e-14);
-        assert_relative_eq!(tube.area(), 3.0 * std::f64::consts::PI, max_relative = 1e-14);
-    }
-
-    #[test]
-    fn quarter_of_a_circle() {
-        let arc = Arc { centre: [1.0, 0.0, 0.0], start: [3.0, 0.0, 0.0], axis: [0.0, 0.0, 5.0], degrees: -90.0 };
-        let (end, tangent) = (arc.point(1.0), arc.tangent(1.0));
-        for i in 0..3 {
-            assert_relative_eq!(end[i], [1.0, -2.0, 0.0][i], epsilon = 1e-14);
-            assert_relative_eq!(tangent[i], [-1.0, 0.0, 0.0][i], epsilon = 1e-14);
-        }
-        assert_relative_eq!(arc.length(), std::f64::consts::PI, max_relative = 1e-14);
-    }
 
     #[test]
     fn tangents_parallel_to_a_direction() {
@@ -368,7 +232,8 @@ mod tests {
                 let found = arc.parallel_to([-3.0 * sin, 3.0 * cos, 0.0]);
                 assert_eq!(found.is_some(), meets, "{degrees} {angle}");
                 if let Some(fraction) = found {
-                    let tangent = arc.tangent(fraction);
+                    let ([e1, e2], (s, c)) = (arc.basis(), (fraction * degrees).to_radians().sin_cos());
+                    let tangent: [f64; 3] = std::array::from_fn(|i| (c * e2[i] - s * e1[i]) / norm(e1));
                     assert!((tangent[0] * cos + tangent[1] * sin).abs() < 1e-6, "{degrees} {angle} {tangent:?}");
                 }
             }

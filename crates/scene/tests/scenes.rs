@@ -163,7 +163,7 @@ fn parts_and_joints_arrive_where_they_belong() {
     assert!(rigid("tool").has_surface() && !rigid("lever").has_surface() && rigid("floor").fixed);
     let bow = &scene.beams[1];
     assert_eq!((bow.order, scene.beams[0].order, bow.shear_factor), (3, 2, Some(0.5)));
-    approx::assert_relative_eq!(bow.arc.unwrap().length(), std::f64::consts::PI, max_relative = 1e-14);
+    assert_eq!(bow.arc.unwrap().degrees, 90.0);
     assert!(matches!(scene.beams[2].section, Section::Stiffness(s) if s.rotary == Some([1e-3, 2e-3])));
     let [rope, wire] = &scene.strings[..] else { panic!("{:?}", scene.strings) };
     assert_eq!(
@@ -187,7 +187,7 @@ fn parts_and_joints_arrive_where_they_belong() {
         (3, vec![vec![0.0; 4]])
     );
     assert_eq!(scene.events[1].when.as_ref().unwrap().component, Some(Component::Z));
-    assert_eq!((scene.stages[0].kind, scene.stages[0].off.len()), (StageKind::Static, 4));
+    assert_eq!((scene.stages[0].kind, scene.stages[0].off.len()), (StageKind::Static, 3));
 }
 
 #[test]

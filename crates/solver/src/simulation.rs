@@ -236,12 +236,13 @@ impl Simulation {
                 continue;
             }
             active.fill(true);
-            let mut held = vec![false; active.len()];
+            // A constraint may hand out its nodes one by one.
+            let mut can_move = vec![false; active.len()];
             pair.method.stencils(active, &mut |nodes, slots| {
                 let moves = nodes.iter().any(|&node| numbering.moves(embedding, node));
-                slots.iter().for_each(|&slot| held[slot as usize] |= !moves);
+                slots.iter().for_each(|&slot| can_move[slot as usize] |= moves);
             });
-            active.iter_mut().zip(held).for_each(|(active, held)| *active &= !held);
+            active.copy_from_slice(&can_move);
         }
     }
 

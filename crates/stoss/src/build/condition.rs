@@ -13,6 +13,7 @@ fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> 
 }
 
 /// Which components of all nodes have a prescribed motion; an embedded node's are if those of all of its carriers are.
+#[cfg(any(feature = "nts", feature = "mortar", feature = "multibody"))]
 pub(super) fn prescribed(model: &Model) -> Vec<bool> {
     let mut prescribed = vec![false; model.reference.len()];
     for prescription in &model.prescriptions {

@@ -47,6 +47,7 @@ pub struct Drawing {
     pub points: Vec<DrawnPoint>,
 }
 
+#[cfg(feature = "output")]
 impl Drawing {
     /// The same with places among the points for nodes.
     #[cfg(feature = "output")]

@@ -2,7 +2,7 @@
 
 use super::condition::RigidMotion;
 use super::placed::Placed;
-use super::{Drawing, ProbeTarget, Problems};
+use super::{Drawing, Problems};
 use crate::scene::{Prescribe, Scene};
 use crate::solver::Model;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    pub fn point(&self, _: &str, _: [f64; 3]) -> Option<ProbeTarget> {
+    pub fn point(&self, _: &str, _: [f64; 3]) -> Option<Vec<(u32, f64)>> {
         None
     }
 }

@@ -169,6 +169,12 @@ fn part_target(placed: &[Placed], model: &Model, name: &str, quantity: Quantity)
     Some(ProbeTarget::Part(p, nodes))
 }
 
+/// Whether a quantity tells of a motion, which any point of a rigid body has; forces act on nodes.
+fn moves(quantity: Quantity) -> bool {
+    use Quantity::{Displacement, Elevation, Position, Velocity};
+    matches!(quantity, Displacement | Position | Velocity | Elevation)
+}
+
 pub(super) fn probes(
     scene: &Scene,
     placed: &[Placed],
@@ -186,10 +192,12 @@ pub(super) fn probes(
         } else if let Some(joint) = item.joint.as_deref().and_then(|name| scene.joint_index(name)) {
             let Some(place) = parts.joints.get(joint).copied().flatten() else { continue };
             ProbeTarget::Joint(place)
-        } else if let Some(target) =
-            item.point.zip(item.body.as_deref()).and_then(|(point, body)| parts.point(body, point))
-        {
-            target
+        } else if let (true, Some(point), Some(terms)) = (
+            moves(item.quantity),
+            item.point,
+            item.point.zip(item.body.as_deref()).and_then(|(x, b)| parts.point(b, x)),
+        ) {
+            ProbeTarget::Point(terms, point)
         } else if let (Some(point), Some(b)) = (item.point, item.body.as_deref().and_then(|b| index(placed, b))) {
             ProbeTarget::Nodes(vec![placed[b].nearest(point).0])
         } else if let Some(b) = item.body.as_deref().and_then(|b| scene.body_index(b)) {

@@ -3,9 +3,13 @@
 use super::Problems;
 #[cfg(feature = "mortar")]
 use super::condition::{prescribed, resolve};
-use super::placed::{Placed, Shape};
+use super::placed::Placed;
+#[cfg(feature = "mortar")]
+use super::placed::Shape;
 use crate::scene::Scene;
-use crate::solver::{ContactPair, Coupling, Model};
+#[cfg(feature = "mortar")]
+use crate::solver::Coupling;
+use crate::solver::{ContactPair, Model};
 use std::collections::BTreeSet;
 use stoss_reference_element::FacetNodes;
 

@@ -79,6 +79,13 @@ pub const PICTURES: &[Picture] = &[
         thesis: "6.6, 6.7, 6.9 and 6.10",
         ..report("ball-plate", "Hollow ball on plate", &[0.0, 0.16, 0.3, 0.6])
     },
+    // Steps 0, 50, 140 and 220 of the throw, which begins at 3.
+    Picture {
+        fields: &["displacement"],
+        camera: Camera { azimuth: -90.0, elevation: 0.0 },
+        gallery: Some(&[]),
+        ..report("trebuchet", "Trebuchet", &[3.0, 3.1, 3.28, 3.44])
+    },
     tori("tori", "Two tori without friction"),
     tori("tori-friction-01", "Two tori, coefficient of friction 0.1"),
     tori("tori-friction-03", "Two tori, coefficient of friction 0.3"),

@@ -8,7 +8,7 @@ mod redundant;
 mod rigid;
 
 use super::placed::Placed;
-use super::{Drawing, ProbeTarget, Problems};
+use super::{Drawing, Problems};
 use crate::scene::{Coupling, Scene};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
@@ -57,9 +57,9 @@ pub(super) fn parts(
 }
 
 impl Parts {
-    /// A point of a rigid body.
-    pub fn point(&self, name: &str, x: [f64; 3]) -> Option<ProbeTarget> {
-        self.rigid(name).map(|body| ProbeTarget::Point(body.point(x).terms, x))
+    /// Carriers and weights of a point of a rigid body.
+    pub fn point(&self, name: &str, x: [f64; 3]) -> Option<Vec<(u32, f64)>> {
+        self.rigid(name).map(|body| body.point(x).terms)
     }
 
     /// The rigid body of that name.
