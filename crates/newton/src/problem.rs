@@ -54,6 +54,11 @@ pub trait NewtonProblem {
         0.0
     }
 
+    /// Whether the linear equations that were solved last were those of the residual. If not, a small increment says nothing of round-off. True by default.
+    fn is_linearised(&self) -> bool {
+        true
+    }
+
     /// Whether a shorter step may help: true for an inadmissible trial (an inverted element), false for everything that
     /// no step length changes. By default false.
     fn is_recoverable(&self, _error: &Self::Error) -> bool {

@@ -132,6 +132,7 @@ impl Course<'_> {
             let at_round_off = norms.measure <= o.stagnation_residual * norms.scale
                 || (increment <= o.stagnation_increment * problem.iterate_norm()
                     && increment > 0.0
+                    && problem.is_linearised()
                     && norms.violation <= NO_ROUND_OFF);
             if !fell && at_round_off {
                 return Ok(StopReason::ConvergedToRoundOff);

@@ -92,6 +92,8 @@ pub(crate) struct System {
     pub auxiliary_increment: Vec<Vec<f64>>,
     /// Increment of all components, for pairs with condensed auxiliaries; else empty.
     pub full_increment: Vec<f64>,
+    /// Whether rows of constraints in the last linear equations were written for the multipliers and not for their increments.
+    pub shifts_rows: bool,
     /// Evaluations with a tangent since the step began.
     pub tangents: u32,
     /// Smallest mass of a part, zero if none has any.
@@ -396,6 +398,7 @@ impl System {
             has_followers,
             has_dead_loads,
             tangents: 0,
+            shifts_rows: false,
             part_mass,
             acting,
             has_rates: dynamic,

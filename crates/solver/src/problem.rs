@@ -29,6 +29,8 @@ pub(crate) struct StepProblem<'a> {
     pub timings: &'a mut Timings,
     /// Linear solves so far.
     pub solves: &'a mut u32,
+    /// Whether the linear equations that were solved last were shifted ([`System::shifts_rows`]).
+    pub solved_shifted: bool,
     /// Norms at the iterate, if residual and tangent are those of the iterate already.
     pub assembled: Option<ResidualNorms>,
 }
@@ -243,6 +245,7 @@ impl NewtonProblem for StepProblem<'_> {
         let timings = &mut *self.timings;
         let solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, timings);
         *self.solves += 1;
+        self.solved_shifted = s.shifts_rows;
         if let Err(error) = solved {
             return Err(linear_error(self.model, s, self.iterate, self.step.rule.has_inertia(), error));
         }
@@ -308,6 +311,10 @@ impl NewtonProblem for StepProblem<'_> {
 
     fn relative_violation(&self) -> f64 {
         self.system.gap_measure
+    }
+
+    fn is_linearised(&self) -> bool {
+        !self.solved_shifted
     }
 
     fn is_recoverable(&self, error: &StepError) -> bool {

@@ -179,7 +179,8 @@ pub(crate) fn attempt(
     }
     if !input.predict.is_empty() {
         let (iterate, assembled) = (&mut iterate, None);
-        StepProblem { model, system, step: input.step, iterate, timings, solves, assembled }.predict(&input.predict)?;
+        StepProblem { model, system, step: input.step, iterate, timings, solves, solved_shifted: false, assembled }
+            .predict(&input.predict)?;
         start_auxiliaries(model, &input.step, iterate)?;
     }
     // After a set came back, only accurate solutions are judged.
@@ -200,8 +201,16 @@ pub(crate) fn attempt(
         } else {
             input.newton
         };
-        let mut problem =
-            StepProblem { model, system, step: input.step, iterate: &mut iterate, timings, solves, assembled };
+        let mut problem = StepProblem {
+            model,
+            system,
+            step: input.step,
+            iterate: &mut iterate,
+            timings,
+            solves,
+            solved_shifted: false,
+            assembled,
+        };
         let result = solve(&mut problem, &options);
         let report = match &result {
             Ok(report) => report,

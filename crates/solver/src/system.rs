@@ -229,6 +229,9 @@ impl FeSystem<'_> {
     ) -> Result<(), StepError> {
         let (model, s) = (self.model, &mut *self.system);
         s.tangents = s.tangents.saturating_add(u32::from(tangent));
+        if tangent {
+            s.shifts_rows = false;
+        }
         let rigid = s.rigid_compliance(step.dt);
         let from_zero = s.tangents <= FROM_ZERO;
         let mut k = 0;
@@ -247,6 +250,7 @@ impl FeSystem<'_> {
                 auxiliary_square,
                 transform,
                 expanded,
+                shifts_rows,
                 ..
             } = s;
             let equations = &slot_equation[c];
@@ -266,6 +270,7 @@ impl FeSystem<'_> {
                         }
                     }
                 }
+                *shifts_rows |= local.shift.iter().skip(coordinates).take(local.slots.len()).any(|&shift| shift != 0.0);
                 for (k, (&slot, row)) in local.slots.iter().zip(&local.residual[coordinates..]).enumerate() {
                     rhs[equations[slot as usize] as usize] -= row + local.shift.get(coordinates + k).unwrap_or(&0.0);
                     *gap_measure = gap_measure.max(row.abs() / (method.slot_weight(slot as usize) * length));
@@ -298,6 +303,7 @@ impl FeSystem<'_> {
                                 let (at, entry) = (3 * expanded.len() + k, compliance * area * area);
                                 transform.matrix[at * dim + at] -= entry;
                                 if from_zero {
+                                    *shifts_rows = true;
                                     rhs[equations[slot as usize] as usize] += entry * pressures[slot as usize];
                                 }
                             }
