@@ -158,6 +158,8 @@ pub struct JointReport {
     pub force: [f64; 3],
     /// Moment of the first side on the second about the joint's point on the second.
     pub moment: [f64; 3],
+    /// From the joint's point on the first side to that on the second.
+    pub arm: [f64; 3],
     /// Angle (radians, followed over turns) or displacement that the joint leaves free, if it is one.
     pub coordinate: Option<f64>,
     /// Whether the coordinate is an angle.

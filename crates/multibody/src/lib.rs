@@ -48,7 +48,7 @@ pub use joint::{
 pub use kernel::{GradientAt, Kernel};
 pub use point_mass::PointMass;
 pub use quadratic::{Evaluation, FormId, Quadratics, QuadraticsBuilder};
-pub use redundancy::{Equations, Redundancy, RedundancyError, analyse};
+pub use redundancy::{Equations, Redundancy, RedundancyError, analyse, velocity_violation};
 pub use response::{Identity, QuadraticEnergy, Response};
 pub use rigid::{RigidBody, RigidError, RigidMass};
 pub use section::{Area, Section, SectionMaterial};

@@ -22,6 +22,10 @@ pub trait Equations: Constraint {
     fn is_rigidity(&self) -> bool {
         false
     }
+    /// Whether the slot is an equation that depends on time.
+    fn moves_by_itself(&self, _slot: usize) -> bool {
+        false
+    }
     /// What it is, for messages: "hinge".
     fn kind_name(&self) -> &str;
 }
@@ -43,6 +47,10 @@ impl Equations for ConstraintSet {
 impl Equations for Joint {
     fn is_equation(&self, slot: usize) -> bool {
         slot < self.kind().equations() || self.motor_slot() == Some(slot)
+    }
+
+    fn moves_by_itself(&self, slot: usize) -> bool {
+        self.motor_slot() == Some(slot)
     }
 
     fn kind_name(&self) -> &str {
@@ -157,6 +165,26 @@ pub fn analyse(
         found.messages.push(format!("{kind} {name}: {count} of its {all} equations {verb} from others"));
     }
     Ok(found)
+}
+
+/// Largest speed at which velocities `v` violate the equations of a set at `q`, a length over time; those of motors, which move by themselves, are left out.
+///
+/// # Errors
+/// If the set cannot be evaluated.
+pub fn velocity_violation(set: &dyn Equations, q: &[f64], v: &[f64]) -> Result<f64, ContactError> {
+    let slots = set.slot_count();
+    let (multipliers, active) = (vec![0.0; slots], (0..slots).map(|s| set.is_equation(s)).collect::<Vec<_>>());
+    let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+    let mut largest = 0.0_f64;
+    set.assemble(step, &multipliers, &active, true, &mut |local| {
+        let (n, dim) = (3 * local.nodes.len(), local.dim());
+        for (k, _) in local.slots.iter().enumerate().filter(|(_, slot)| !set.moves_by_itself(**slot as usize)) {
+            let row = &local.tangent[(n + k) * dim..(n + k) * dim + n];
+            let rate: f64 = row.iter().enumerate().map(|(i, g)| g * v[3 * local.nodes[i / 3] as usize + i % 3]).sum();
+            largest = largest.max(rate.abs());
+        }
+    })?;
+    Ok(largest)
 }
 
 /// Rows of a set: gradients at `q`, values.

@@ -92,6 +92,8 @@ pub(crate) struct System {
     pub auxiliary_increment: Vec<Vec<f64>>,
     /// Increment of all components, for pairs with condensed auxiliaries; else empty.
     pub full_increment: Vec<f64>,
+    /// Whether masses were made, if only of what cannot move at present.
+    has_mass: bool,
     /// Whether rows of constraints in the last linear equations were written for the multipliers and not for their increments.
     pub shifts_rows: bool,
     /// Evaluations with a tangent since the step began.
@@ -397,6 +399,7 @@ impl System {
             solver,
             has_followers,
             has_dead_loads,
+            has_mass: dynamic,
             tangents: 0,
             shifts_rows: false,
             part_mass,
@@ -443,7 +446,7 @@ impl System {
 
     /// True if a mass matrix exists.
     pub fn has_mass(&self) -> bool {
-        !self.mass_values.is_empty()
+        self.has_mass
     }
 
     /// Pattern and maps for a step that begins with this active set: with room for all candidates. What earlier steps left in the pattern is

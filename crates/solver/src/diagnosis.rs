@@ -10,7 +10,11 @@ pub(crate) fn node_name(model: &Model, node: u32, q: &[f64]) -> String {
     let place = q.get(at..at + 3).map_or(String::new(), |x| format!(" at ({:.4}, {:.4}, {:.4})", x[0], x[1], x[2]));
     match model.bodies.iter().find(|body| body.nodes.contains(&node)) {
         Some(body) => format!("node {} of body {}{place}", node - body.nodes.start, body.solid.name()),
-        None => format!("node {node}{place}"),
+        None => match model.parts.iter().find(|part| part.own_vectors().contains(&node)) {
+            Some(part) if part.is_direction(node) => format!("the rotation of {}", part.name()),
+            Some(part) => format!("{}{place}", part.name()),
+            None => format!("node {node}{place}"),
+        },
     }
 }
 

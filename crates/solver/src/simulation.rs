@@ -9,6 +9,7 @@ pub use stage::Stage;
 
 use crate::assembly::System;
 use crate::control::Clock;
+use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::{
     Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, StepError, StepRecord, Switches, Timings,
 };
@@ -478,6 +479,28 @@ impl Simulation {
     /// Mass of all bodies; zero in runs without a dynamic stage, which have none.
     pub fn total_mass(&self) -> f64 {
         self.system.masses.total(self.state.q.len())
+    }
+
+    /// Energy of motions that are not resolved: of small deformations against the stiffness, and of small parts of the way through the model against constant loads. Round-off of
+    /// energies is far below it.
+    pub fn unresolved_energy(&self) -> f64 {
+        let model = &self.model;
+        if model.parts.is_empty() {
+            return 0.0;
+        }
+        let lengths = model.parts.iter().map(|part| part.length_scale());
+        let length = lengths.chain(model.contacts.iter().map(|pair| pair.method.length_scale())).fold(0.0, f64::max);
+        let small = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION;
+        let mut force = 0.0;
+        for load in &model.loads {
+            let LoadKind::Dead { patterns } = &load.kind else { continue };
+            for (column, pattern) in patterns.iter().enumerate() {
+                let sum: f64 = pattern.iter().map(|(_, unit)| unit.abs()).sum();
+                force += sum * load.magnitude.value(self.state.time, column).abs();
+            }
+        }
+        let radius = self.state.q.iter().fold(length, |radius, x| radius.max(x.abs()));
+        small * self.system.stiffness_force * length + SMALLEST_RESOLVED_MOTION * force * radius
     }
 
     /// Momenta, kinetic and strain energy of one body at the last completed step (loads and contact belong to the model).

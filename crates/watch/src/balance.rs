@@ -54,11 +54,12 @@ pub struct BalanceWatch {
 }
 
 impl BalanceWatch {
-    /// For bodies of this `mass` whose nodes are at most `radius` from the origin.
-    pub fn new(promises: Promises, mass: f64, radius: f64) -> Self {
+    /// For bodies of this `mass` whose nodes are at most `radius` from the origin. Energies below `smallest` are those of motions that are not resolved: what is at
+    /// rest is measured against it.
+    pub fn new(promises: Promises, mass: f64, radius: f64, smallest: f64) -> Self {
         // Finite, for files.
         let (lowest, largest_loss) = (f64::MAX, f64::MIN);
-        Self { promises, mass, radius, first: None, scales: [0.0; 3], lowest, largest_loss }
+        Self { promises, mass, radius, first: None, scales: [0.0, 0.0, smallest], lowest, largest_loss }
     }
 
     /// What a step breaks. The first one is the start, with which all others are compared.
@@ -143,7 +144,7 @@ mod tests {
 
     /// Levels of what a second step breaks.
     fn second(promises: Promises, change: impl Fn(&mut BalanceState)) -> Vec<Level> {
-        let mut watch = BalanceWatch::new(promises, 1.0, 1.0);
+        let mut watch = BalanceWatch::new(promises, 1.0, 1.0, 0.0);
         assert_eq!(watch.observe(0, 0.0, &start()), []);
         let mut state = start();
         change(&mut state);
@@ -189,7 +190,7 @@ mod tests {
     #[test]
     fn a_gain_counts_from_the_lowest_state() {
         let loose = Promises { energy: false, ..promises() };
-        let mut watch = BalanceWatch::new(loose, 1.0, 1.0);
+        let mut watch = BalanceWatch::new(loose, 1.0, 1.0, 0.0);
         for (step, total, found) in [(0, 2.0, 0), (1, 1.0, 0), (2, 1.2, 1)] {
             assert_eq!(watch.observe(step, 0.1, &BalanceState { total, ..start() }).len(), found, "step {step}");
         }

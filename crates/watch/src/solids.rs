@@ -41,7 +41,9 @@ pub(crate) fn observe(model: &WatchModel, rest: &[f64], q: &[f64]) -> SolidObser
         }
     }
     let size = (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt();
-    for (node, x) in q.chunks_exact(3).enumerate() {
+    // Without bodies there is no size to compare with: a mass on a string may go anywhere.
+    let points = if model.bodies.is_empty() || size == 0.0 { &[] } else { q };
+    for (node, x) in points.chunks_exact(3).enumerate() {
         let beyond = (0..3).map(|i| (low[i] - x[i]).max(x[i] - high[i]).max(0.0)).fold(0.0, f64::max) / size;
         if beyond > FAR && seen.far.is_none_or(|(_, worst)| beyond > worst) {
             seen.far = Some((node as u32, beyond));

@@ -378,7 +378,8 @@ impl Report for Joint {
         let (force, moment) = self.force(q, q, ContactRule::EndPoint, multipliers);
         let (coordinate, friction) = (self.coordinate(q), self.friction_torque(multipliers));
         let is_angle = self.kind.coordinate() == Some(CoordinateKind::Angle);
-        Some(JointReport { force, moment, coordinate, is_angle, friction })
+        let arm = self.forms[super::kinds::ARM].at(q);
+        Some(JointReport { force, moment, arm, coordinate, is_angle, friction })
     }
 
     fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {

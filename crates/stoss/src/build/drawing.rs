@@ -45,6 +45,8 @@ pub struct Drawing {
     pub lines: Vec<DrawnLine>,
     /// Points.
     pub points: Vec<DrawnPoint>,
+    /// Parts that a joint holds together, by name: where they are joined they may lie in each other.
+    pub joined: Vec<[String; 2]>,
 }
 
 #[cfg(feature = "output")]
@@ -71,6 +73,7 @@ impl Drawing {
             surfaces: self.surfaces.iter().map(surface).collect(),
             lines: self.lines.iter().map(line).collect(),
             points: self.points.iter().map(point).collect(),
+            joined: self.joined.clone(),
         }
     }
 }

@@ -95,6 +95,12 @@ pub(super) fn contact(
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
         Ok(method) => {
             let prescribed = |n: u32| [0, 1, 2].map(|i| pair.tied.contains(&n) || fixed[3 * n as usize + i]);
+            let held = |&n: &u32| (0..3).all(|i| fixed[3 * n as usize + i]) && model.embedding.carriers(n).is_some();
+            if pair.is_rigid() && method.slave().nodes().iter().all(held) {
+                let message = "the slave is a rigid body all of whose motion is prescribed, and the master is rigid, too: no pressure is determined";
+                problems.add(pair.key.clone(), item.label(), message, "exchange slave and master");
+                return None;
+            }
             let mut slave_nodes = method.slave().nodes().iter().enumerate();
             if slave_nodes.all(|(a, &n)| method.is_held_along_normal(a, prescribed(n))) {
                 warnings.push(format!(
@@ -122,7 +128,7 @@ pub(super) fn contact(
                 let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
                 plan = Some(described);
                 method = match method.with_friction(friction, slip) {
-                    Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node)),
+                    Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node) || pair.is_rigid()),
                     Err(error) => {
                         let key = format!("{}.friction", pair.key);
                         problems.add(key, "", error.to_string(), "use the standard constraint");

@@ -41,7 +41,7 @@ pub(super) fn contact(
         let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
         plan = Some(described);
         method = match method.with_friction(friction) {
-            Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node)),
+            Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node) || pair.is_rigid()),
             Err(error) => {
                 let key = format!("{}.friction", pair.key);
                 problems.add(key, "", error.to_string(), "use the standard constraint");

@@ -127,6 +127,13 @@ impl PairInput<'_> {
     }
 }
 
+impl PairInput<'_> {
+    /// True for contact of two rigid bodies: of more than three nodes that stick their tractions are not determined.
+    pub fn is_rigid(&self) -> bool {
+        self.bodies.iter().all(|&b| self.placed[b].mesh().is_none())
+    }
+}
+
 /// Young's modulus of a deformable body at small strains; infinite for a rigid one.
 pub(super) fn young(model: &Model, body: usize) -> f64 {
     let modulus = |body: &crate::solver::Body| body.solid.law().small_strain_moduli().young_modulus();

@@ -65,7 +65,14 @@ impl Probe {
             Quantity::ContactForce => self.sum(simulation.contact_force()),
             Quantity::ContactMoment => self.moment(simulation.contact_force(), &simulation.state().q),
             Quantity::JointForce => self.joint(simulation).map_or([f64::NAN; 3], |joint| joint.force.map(|f| -f)),
-            Quantity::JointMoment => self.joint(simulation).map_or([f64::NAN; 3], |joint| joint.moment.map(|m| -m)),
+            Quantity::JointMoment => self.joint(simulation).map_or([f64::NAN; 3], |joint| {
+                // About the point of the first side, on which the opposite force acts.
+                let (r, f) = (joint.arm, joint.force);
+                std::array::from_fn(|i| {
+                    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                    -(joint.moment[i] + r[j] * f[k] - r[k] * f[j])
+                })
+            }),
             Quantity::JointAngle => {
                 let angle = self.joint(simulation).and_then(|joint| joint.coordinate);
                 [angle.map_or(f64::NAN, f64::to_degrees), 0.0, 0.0]

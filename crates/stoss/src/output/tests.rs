@@ -136,6 +136,7 @@ fn a_frame_has_surfaces_lines_and_points() {
         surfaces: vec![plate],
         lines: vec![DrawnLine { name: "line".into(), nodes: other.nodes.clone().collect() }],
         points: vec![DrawnPoint { name: "point".into(), node: single }],
+        ..Drawing::default()
     };
     let points = Points::of(&model);
     // Speeds and distances are those of points: directors are as long as seven.

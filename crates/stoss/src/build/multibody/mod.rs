@@ -9,7 +9,7 @@ mod rigid;
 
 use super::placed::Placed;
 use super::{Drawing, Problems};
-use crate::scene::{Coupling, Scene};
+use crate::scene::{Coupling, Scene, StageKind};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -85,7 +85,15 @@ pub(super) fn constraints(
     if problems.list.is_empty() && !(couplings.is_empty() && joints.is_empty()) {
         redundant::examine(scene, &rigidity, &mut couplings, &mut joints, model, problems, warnings);
     }
+    if scene.is_dynamic() && scene.stages.first().is_none_or(|stage| stage.kind == StageKind::Dynamic) {
+        warnings.extend(motion::velocities(scene, &couplings, &joints, model));
+    }
     rigidity.into_iter().chain(couplings).for_each(|set| push(model, set));
+    parts.drawing.joined = scene
+        .joints
+        .iter()
+        .map(|item| item.between.each_ref().map(|side| side.split('.').next().unwrap_or(side).to_owned()))
+        .collect();
     for joint in joints {
         parts.joints.push(joint.map(|joint| {
             push(model, joint);

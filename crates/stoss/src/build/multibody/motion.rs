@@ -4,6 +4,46 @@ use super::Parts;
 use crate::build::condition::RigidMotion;
 use crate::scene::{Prescribe, Scene};
 use crate::solver::{Model, Prescription, Table};
+use stoss_multibody::{ConstraintSet, Equations, Joint, velocity_violation};
+
+/// Part of the largest speed of the model that is round-off.
+const NO_SPEED: f64 = 1e-6;
+
+/// Warnings for initial velocities that joints do not allow, and for motors that do not begin where their joint is.
+pub(super) fn velocities(
+    scene: &Scene,
+    couplings: &[ConstraintSet],
+    joints: &[Option<Joint>],
+    model: &Model,
+) -> Vec<String> {
+    let fastest = model.velocity.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
+    let sets = couplings.iter().map(|set| set as &dyn Equations);
+    let sets = sets.chain(joints.iter().flatten().map(|joint| joint as &dyn Equations));
+    let mut list = Vec::new();
+    for set in sets {
+        let violation = velocity_violation(set, &model.reference, &model.velocity).unwrap_or(0.0);
+        if violation > NO_SPEED * fastest {
+            list.push(format!(
+                "{} {}: the initial velocities violate it by {violation:.3e} (length over time); the first step changes them as an impact would. Give velocities that it \
+                 allows",
+                set.kind_name(),
+                set.name()
+            ));
+        }
+    }
+    for item in &scene.joints {
+        let Some(motor) = &item.motor else { continue };
+        let start = motor.angle.iter().chain(&motor.displacement).flat_map(|series| series.rows());
+        if start.take(1).any(|row| row.len() > 1 && row[1] != 0.0) {
+            list.push(format!(
+                "joint {}: its motor does not begin at zero, where the joint is: the first step turns it by all of that, as an impact would. Begin its table with \
+                 [0, 0]",
+                item.name
+            ));
+        }
+    }
+    list
+}
 
 /// Holds the bodies that are fixed.
 pub(in crate::build) fn fix(scene: &Scene, parts: &Parts, model: &mut Model) {

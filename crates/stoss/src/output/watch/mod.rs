@@ -77,7 +77,8 @@ impl RunWatch {
         let points = Points::of(simulation.model());
         let (stage, mass) = (simulation.stage(), simulation.total_mass());
         let radius = points.largest(&simulation.state().q);
-        let balance = promised(&promises, stage).map(|promises| BalanceWatch::new(promises, mass, radius));
+        let balance = promised(&promises, stage)
+            .map(|promises| BalanceWatch::new(promises, mass, radius, simulation.unresolved_energy()));
         let model = model::model(simulation.model(), &points, &drawing.of_points(&points));
         // What is stored does not tell stages from each other.
         let is_one = promises.iter().all(|of| *of == promised(&promises, stage));
@@ -119,7 +120,8 @@ impl RunWatch {
         let [before, now] = [self.stage, record.stage].map(|stage| promised(&self.promises, stage));
         if before != now {
             let radius = self.points.largest(&simulation.state().q);
-            self.balance = now.map(|promises| BalanceWatch::new(promises, self.mass, radius));
+            let smallest = simulation.unresolved_energy();
+            self.balance = now.map(|promises| BalanceWatch::new(promises, self.mass, radius, smallest));
         }
         self.stage = record.stage;
         if let Some(balance) = &mut self.balance {

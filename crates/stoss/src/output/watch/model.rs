@@ -43,7 +43,14 @@ pub(super) fn model(model: &Model, points: &Points, drawing: &Drawing) -> WatchM
         },
     });
     let bodies: Vec<WatchBody> = solids.chain(surfaces).collect();
-    let ties = ties(model, points, &bodies);
+    let mut ties = ties(model, points, &bodies);
+    for [a, b] in &drawing.joined {
+        let place = |name: &String| bodies.iter().position(|body| body.name == *name);
+        if let (Some(a), Some(b)) = (place(a), place(b)) {
+            let nodes = bodies[a].nodes.clone().chain(bodies[b].nodes.clone()).collect();
+            ties.push(TiedPair { nodes, bodies: [a.min(b), a.max(b)] });
+        }
+    }
     WatchModel { bodies, reference: points.of_all(&model.reference, 3).into_owned(), ties }
 }
 

@@ -10,8 +10,8 @@ const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 /// What somebody may ask the facade for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ability {
-    /// A model with a law of the user's own is simulated. The solver's model names the trait of contact methods, so
-    /// that the trait's crate and what it stands on are always there.
+    /// A model with a law of the user's own is simulated. The solver's model names the traits of contact methods and of parts, so
+    /// that the traits' crates and what they stand on are always there.
     Simulate,
     /// Scenes are read and built.
     Scenes,
@@ -47,6 +47,7 @@ const CRATES: &[(&str, &[Ability])] = &[
     ("stoss-integrators", &[Simulate]),
     ("stoss-solver", &[Simulate]),
     ("stoss-contact", &[Simulate]),
+    ("stoss-part", &[Simulate]),
     ("stoss-geometry", &[Simulate]),
     ("faer", &[Simulate]),
     ("stoss-scene", &[Scenes]),
