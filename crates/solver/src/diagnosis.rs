@@ -40,6 +40,15 @@ pub(crate) fn linear_error(
             equations.iter().position(|&equation| equation as usize == row).map(|slot| (pair, slot))
         })
     });
+    let bilateral = slot.filter(|&(pair, _)| model.contacts[pair].method.is_bilateral());
+    if let Some((pair, slot)) = bilateral {
+        return StepError::Singular {
+            unknown: Unknown::Multiplier { constraint: model.contacts[pair].name.clone(), equation: slot + 1 },
+            hint: "it follows from others at this moment: a mechanism in a singular position, a joint, tie or support that is there twice, or what is held at both ends; try another \
+                   step size"
+                .into(),
+        };
+    }
     let Some((pair, slot)) = slot else {
         return StepError::Singular {
             unknown: Unknown::Unnamed,
@@ -75,8 +84,15 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
             closed.map(move |(slot, &equation)| (size(equation as usize) / method.slot_weight(slot), pair, slot))
         });
         if let Some((_, pair, slot)) = slots.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            let node = slot_name(model, pair, slot, &iterate.q);
             let name = &model.contacts[pair].name;
+            if model.contacts[pair].method.is_bilateral() {
+                return format!(
+                    "largest in equation {} of {name}: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now; try \
+                     another step size",
+                    slot + 1
+                );
+            }
+            let node = slot_name(model, pair, slot, &iterate.q);
             return format!(
                 "largest in the constraint of {node} in contact {name}: try smaller steps; if the master has an edge or a rim there, exchange slave and master"
             );

@@ -110,6 +110,13 @@ pub enum Unknown {
         /// Its slave node.
         node: String,
     },
+    /// The multiplier of a joint, of rigidity, of a tie.
+    Multiplier {
+        /// The constraint.
+        constraint: String,
+        /// Its equation, from one.
+        equation: usize,
+    },
     /// Which one is not known.
     Unnamed,
 }
@@ -121,6 +128,9 @@ impl std::fmt::Display for Unknown {
                 write!(f, "a motion that is largest in {} of {node}", ["x", "y", "z"][usize::from(*component) % 3])
             }
             Self::Pressure { pair, node } => write!(f, "the pressure of contact {pair} at {node}"),
+            Self::Multiplier { constraint, equation } => {
+                write!(f, "the multiplier of equation {equation} of {constraint}")
+            }
             Self::Unnamed => f.write_str("a motion or a pressure"),
         }
     }
