@@ -232,13 +232,13 @@ impl FeSystem<'_> {
         if tangent {
             s.shifts_rows = false;
         }
-        let rigid = s.rigid_compliance(step.dt);
         let from_zero = s.tangents <= FROM_ZERO;
         let mut k = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
             let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule: contact_rule(rule) };
             let method = &pair.method;
             let length = method.length_scale();
+            let compliance = s.rigid_compliance(step.dt, length);
             let System {
                 rhs,
                 values,
@@ -296,7 +296,7 @@ impl FeSystem<'_> {
                         let rest = local.dim() - coordinates;
                         model.embedding.expand(&local.nodes, expanded);
                         model.embedding.transform(&local.nodes, expanded, rest, &local.tangent, transform);
-                        if let Some(compliance) = rigid.filter(|_| model.embedding.has_all(&local.nodes)) {
+                        if model.embedding.has_all(&local.nodes) {
                             let dim = 3 * expanded.len() + rest;
                             for (k, &slot) in local.slots.iter().enumerate() {
                                 let area = method.slot_weight(slot as usize);

@@ -4,6 +4,8 @@ use crate::{Finding, FindingKind, Level};
 
 /// Part of the largest pressure, and of the stiffness of the bodies, that is round-off and what the iteration leaves.
 const TOLERANCE: [f64; 2] = [1e-6, 1e-9];
+/// Part of an edge that the iteration leaves of a slip: its direction means nothing.
+const NO_SLIP: f64 = 1e-9;
 
 /// A slave point of a contact at the end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +98,8 @@ pub(crate) fn observe(
             let what = format!("the friction of {} is {traction:.3e}, its bound {bound:.3e}", node());
             add(Level::Wrong, what, traction - bound);
         }
-        if !sticks && t0 * s0 + t1 * s1 < -small * s0.hypot(s1) {
+        let slides = !sticks && s0.hypot(s1) > NO_SLIP * edge;
+        if slides && t0 * s0 + t1 * s1 < -small * s0.hypot(s1) {
             add(Level::Wrong, format!("the friction of {} drives its slip", node()), traction);
         }
     }
@@ -132,7 +135,9 @@ mod tests {
             friction: Some(PointFriction { traction: [0.6, 0.0], slip: [-0.01, 0.0], bound: 1.0, sticks: true }),
             ..SOUND
         };
-        assert_eq!(levels(&[SOUND, open, far, kept, barely, unloading]), []);
+        let no_slip = PointFriction { traction: [1.0, 0.0], slip: [-1e-12, 0.0], bound: 1.0, sticks: false };
+        let stopped = ContactPoint { friction: Some(no_slip), ..SOUND };
+        assert_eq!(levels(&[SOUND, open, far, kept, barely, unloading, stopped]), []);
     }
 
     #[test]

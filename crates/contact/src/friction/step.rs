@@ -108,6 +108,8 @@ pub struct FrictionStep {
     /// Energy dissipated: the work less what springs took up, written so that round-off cannot make it negative. It is that of the part of the slip
     /// that springs do not take up, which is exactly zero where a point sticks. See [`Friction::step`].
     pub dissipated: f64,
+    /// The part of the slip that the compliance of a multiplier takes, a length.
+    pub yielded: Plane,
 }
 
 fn dot(a: Plane, b: Plane) -> f64 {
@@ -219,9 +221,11 @@ impl Friction {
         let bound = dot(admitted, admitted).sqrt();
         // A midpoint variant takes a mean of two tractions, of which the first had another pressure.
         let bound = if step.force == step.end { bound } else { bound.max(dot(start, start).sqrt()) };
-        // What springs take up of the slip is elastic, and comes back.
-        let elastic =
-            |i: usize| if self.stick == Stick::Penalty { (step.end[i] - start[i]) / self.stiffness } else { 0.0 };
+        // What springs and the compliance of a multiplier take up of the slip is elastic, and comes back.
+        let elastic = |i: usize| match self.stick {
+            Stick::Penalty => (step.end[i] - start[i]) / self.stiffness,
+            Stick::Augmented | Stick::Multiplier => step.yielded[i],
+        };
         let slip = std::array::from_fn(|i| slip[i] - elastic(i));
         SlotFriction { traction: step.force, slip, bound, sticks: step.sticks }
     }
@@ -368,6 +372,6 @@ impl Friction {
             }
             (true, false) => out.dissipated,
         };
-        FrictionStep { stored: self.stored(out.end), work, dissipated, ..out }
+        FrictionStep { stored: self.stored(out.end), work, dissipated, yielded: point.yielded, ..out }
     }
 }
