@@ -13,7 +13,7 @@ use stoss_contact::{
 };
 
 /// A slip below this share of the length of the joint that a limit leaves is none.
-const SMALLEST_SLIP: f64 = 1e-9;
+pub(super) const SMALLEST_SLIP: f64 = 1e-9;
 
 /// Functions at the three configurations of a step.
 #[derive(Debug, Default)]
@@ -375,11 +375,13 @@ impl Report for Joint {
     }
 
     fn joint(&self, q: &[f64], multipliers: &[f64]) -> Option<JointReport> {
-        let (force, moment) = self.force(q, q, ContactRule::EndPoint, multipliers);
-        let (coordinate, friction) = (self.coordinate(q), self.friction_torque(multipliers));
+        let torques = self.torques(q, multipliers);
+        // Of a step from `q` to `q`, which knows no rate.
+        let (force, moment) = self.force_with(q, q, ContactRule::EndPoint, multipliers, torques.viscous);
+        let coordinate = self.coordinate(q);
         let is_angle = self.kind.coordinate() == Some(CoordinateKind::Angle);
         let arm = self.forms[super::kinds::ARM].at(q);
-        Some(JointReport { force, moment, arm, coordinate, is_angle, friction })
+        Some(JointReport { force, moment, arm, coordinate, is_angle, torques })
     }
 
     fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
