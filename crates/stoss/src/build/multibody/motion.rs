@@ -50,6 +50,7 @@ pub(in crate::build) fn fix(scene: &Scene, parts: &Parts, model: &mut Model) {
     for body in scene.rigids.iter().filter(|item| item.fixed).filter_map(|item| parts.rigid(&item.name)) {
         let nodes: Vec<u32> = body.vectors().collect();
         model.prescriptions.push(Prescription {
+            name: format!("that fixes {}", body.name()),
             directions: nodes[1..].to_vec(),
             nodes,
             components: vec![0, 1, 2],
