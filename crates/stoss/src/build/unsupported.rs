@@ -38,7 +38,7 @@ mod tests {
             ("rigid", "name = \"a\"\nmass = 1.0\neuler = [1, 1, 1]\ncentre = [0, 0, 0]\n"),
             (
                 "beam",
-                "name = \"a\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]\nelements = 2\nnormal = [0, 1, 0]\nsection = { kind = \"circle\", radius = 0.1 }\nyoung = 1.0\npoisson = 0.3\n\
+                "name = \"a\"\npoints = [[0, 0, 0], [1, 0, 0]]\nelements = 2\nup = [0, 1, 0]\nsection = { shape = \"rectangle\", size = [0.02, 0.05] }\nyoung = 1.0\npoisson = 0.3\n\
                  density = 1.0\n",
             ),
             ("string", "name = \"a\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]\nelements = 2\naxial = 1.0\nmass = 1.0\n"),
