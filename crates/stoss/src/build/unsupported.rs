@@ -22,7 +22,8 @@ pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
     Some(Problem::at(scene, key, "", message, "build it with the cargo feature `multibody`"))
 }
 
-#[cfg(all(test, not(feature = "multibody")))]
+#[cfg(not(feature = "multibody"))]
+#[cfg(test)]
 mod tests {
     use crate::build::build;
     use crate::scene::parse;
