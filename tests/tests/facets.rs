@@ -68,6 +68,7 @@ impl Blocks {
         let nodes = self.meshes[block].nodes_of(set).unwrap().iter().map(|n| n + first).collect();
         let displacement = Table::from_rows(&[vec![0.0, 0.0], vec![1.0, end]], 1).unwrap();
         self.model.prescriptions.push(Prescription {
+            name: "support".into(),
             directions: Vec::new(),
             nodes,
             components: vec![component],

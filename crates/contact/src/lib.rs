@@ -22,7 +22,8 @@ pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use method::{
     Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, JointReport,
-    LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
+    JointTorques, LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive,
+    multipliers_of,
 };
 pub use potential::{Potential, WithoutSlots};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};

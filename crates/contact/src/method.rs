@@ -164,8 +164,23 @@ pub struct JointReport {
     pub coordinate: Option<f64>,
     /// Whether the coordinate is an angle.
     pub is_angle: bool,
-    /// Torque or force of friction on the second side; zero without.
+    /// What acts along the coordinate.
+    pub torques: JointTorques,
+}
+
+/// Torques (along an angle) or forces (along a displacement) that act on the second side of a joint along its coordinate; zero without such a thing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointTorques {
+    /// Of Coulomb friction.
     pub friction: f64,
+    /// Of viscous friction, in the last step.
+    pub viscous: f64,
+    /// Of the spring, at the end of the step.
+    pub spring: f64,
+    /// Of the motor.
+    pub motor: f64,
+    /// Of the limits.
+    pub limit: f64,
 }
 
 /// How the surfaces of a discretisation are covered by what it integrates over.

@@ -34,6 +34,50 @@ pub(crate) fn gradient_fraction(rule: ContactRule) -> f64 {
     }
 }
 
+/// Equations among the slots of a local contribution.
+pub(crate) struct Rows<'a> {
+    /// The functions, whose vectors are the nodes of the contribution.
+    pub functions: &'a Quadratics,
+    /// Slot of the first function; those after the first `count` are no equations.
+    pub first: usize,
+    /// Number of equations.
+    pub count: usize,
+    /// See [`gradient_fraction`].
+    pub theta: f64,
+}
+
+impl Rows<'_> {
+    /// Adds `-lambda_k grad phi_k` to the forces, the rows `-phi_k`, and their tangent, of all equations that are among the slots. Functions are evaluated at
+    /// `theta` and at the end of the step.
+    pub fn add(
+        &self,
+        [between, end]: [&Evaluation; 2],
+        multipliers: &[f64],
+        compliance: &Compliance,
+        want_tangent: bool,
+        local: &mut LocalContribution,
+    ) {
+        let (n, dim) = (3 * local.nodes.len(), local.dim());
+        for at in 0..local.slots.len() {
+            let slot = local.slots[at] as usize;
+            let Some(k) = slot.checked_sub(self.first).filter(|k| *k < self.count) else { continue };
+            let (multiplier, gradient) = (multipliers[slot], &between.gradients[k * n..(k + 1) * n]);
+            for (r, g) in local.residual.iter_mut().zip(gradient) {
+                *r -= multiplier * g;
+            }
+            local.residual[n + at] = -end.values[k];
+            if want_tangent {
+                self.functions.add_second_derivatives(k, -multiplier * self.theta, dim, &mut local.tangent);
+                for i in 0..n {
+                    local.tangent[i * dim + n + at] = -gradient[i];
+                    local.tangent[(n + at) * dim + i] = -end.gradients[k * n + i];
+                }
+            }
+            compliance.add(n + at, multiplier, want_tangent, local);
+        }
+    }
+}
+
 /// Bilateral constraints whose functions are quadratic in the positions, each with a multiplier. The functions are lengths and the multipliers
 /// forces: `F = lambda grad phi`.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,24 +204,8 @@ impl Constraint for ConstraintSet {
             local.reset(want_tangent);
             functions.evaluate(step.q_n, step.q_np1, theta, true, &mut between);
             functions.evaluate(step.q_n, step.q_np1, 1.0, want_tangent, &mut end);
-            let (n, dim) = (3 * local.nodes.len(), local.dim());
-            for at in 0..local.slots.len() {
-                let slot = local.slots[at] as usize;
-                let k = slot + functions.len() - first;
-                let (multiplier, gradient) = (multipliers[slot], &between.gradients[k * n..(k + 1) * n]);
-                for (r, g) in local.residual.iter_mut().zip(gradient) {
-                    *r -= multiplier * g;
-                }
-                local.residual[n + at] = -end.values[k];
-                if want_tangent {
-                    functions.add_second_derivatives(k, -multiplier * theta, dim, &mut local.tangent);
-                    for i in 0..n {
-                        local.tangent[i * dim + n + at] = -gradient[i];
-                        local.tangent[(n + at) * dim + i] = -end.gradients[k * n + i];
-                    }
-                }
-                self.compliance.add(n + at, multiplier, want_tangent, &mut local);
-            }
+            let rows = Rows { functions, first: first - functions.len(), count: functions.len(), theta };
+            rows.add([&between, &end], multipliers, &self.compliance, want_tangent, &mut local);
             visit(&local);
         }
         Ok(())

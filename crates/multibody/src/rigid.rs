@@ -216,13 +216,7 @@ impl RigidBody {
 
     /// Angular velocity at `q`, `v`: `1/2 sum_k D_k x D_k' / l^2`.
     pub fn angular_velocity(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
-        let mut w = Vector3::zeros();
-        for k in 0..3 {
-            let at = 3 * (self.first as usize + 1 + k);
-            w += Vector3::new(q[at], q[at + 1], q[at + 2]).cross(&Vector3::new(v[at], v[at + 1], v[at + 2]));
-        }
-        let w = w / (2.0 * self.length * self.length);
-        [w.x, w.y, w.z]
+        stoss_part::angular_velocity(self.first + 1..self.first + 4, q, v)
     }
 }
 

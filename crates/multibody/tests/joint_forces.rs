@@ -1,7 +1,7 @@
 //! Forces and tangents of joints against differences, resultants, moments and work, at random states.
 
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactRule, History, LocalContribution, StepConfiguration};
+use stoss_contact::{Constraint, ContactRule, History, LocalContribution, Report, StepConfiguration};
 use stoss_multibody::{
     CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, RigidBody,
     RigidMass,
@@ -88,6 +88,83 @@ fn assemble(joint: &Joint, q: [&[f64]; 2], rule: ContactRule, multipliers: &[f64
     let step = StepConfiguration { q_n: q[0], q_np1: q[1], rule };
     joint.assemble(step, multipliers, &active, tangent, &mut |local| made = local.clone()).unwrap();
     made
+}
+
+/// Each torque along the coordinate is what its law says, and is a part of the moment about the axis.
+#[test]
+fn torques_of_the_coordinate_are_those_of_their_laws_and_parts_of_the_moment() {
+    let options = CoordinateOptions {
+        motor: options(3).motor,
+        spring: Some(CoordinateSpring { stiffness: 3.0, rest: 0.3 }),
+        viscous: 0.7,
+        friction: Some(CoordinateFriction { bound: 0.4, ..CoordinateFriction::default() }),
+        limits: Some([-0.05, 0.06]),
+    };
+    let mut joint = joint(JointKind::Hinge, true).with_options(options).unwrap();
+    let (q_n, angle, axis) = (reference(), 0.05, axes()[0]);
+    // b turns about the axis through the point of the joint.
+    let turn = |r: [f64; 3]| {
+        let along = (0..3).map(|i| r[i] * axis[i]).sum::<f64>();
+        let (c, s) = (f64::cos(angle), f64::sin(angle));
+        let cross = |i: usize| axis[(i + 1) % 3] * r[(i + 2) % 3] - axis[(i + 2) % 3] * r[(i + 1) % 3];
+        std::array::from_fn::<f64, 3, _>(|i| c * r[i] + s * cross(i) + (1.0 - c) * along * axis[i])
+    };
+    let mut q_np1 = q_n.clone();
+    for vector in 4..8 {
+        let origin = if vector == 4 { POINT } else { [0.0; 3] };
+        let turned = turn(std::array::from_fn(|i| q_n[3 * vector + i] - origin[i]));
+        (0..3).for_each(|i| q_np1[3 * vector + i] = origin[i] + turned[i]);
+    }
+    begin(&mut joint, &q_n, ContactRule::EnergyMomentum);
+    let (mut multipliers, active) = (vec![0.0; joint.slot_count()], vec![true; joint.slot_count()]);
+    let first = joint.kind().equations();
+    multipliers[first..].copy_from_slice(&[0.2, -1.5, 0.9]);
+    joint.commit(&q_np1, &multipliers, &active);
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a}, not {b}");
+    let check = |joint: &Joint| {
+        let report = joint.joint(&q_np1, &multipliers).unwrap();
+        let t = report.torques;
+        close(report.coordinate.unwrap(), angle);
+        close(t.friction, -0.2 * LENGTH);
+        close(t.viscous, -0.7 * angle / 0.05);
+        close(t.spring, -3.0 * (angle - 0.3));
+        close(t.motor, -1.5 * LENGTH);
+        close(t.limit, -0.9 * LENGTH);
+        let about_axis = (0..3).map(|i| report.moment[i] * axis[i]).sum::<f64>();
+        close(about_axis, t.friction + t.viscous + t.spring + t.motor + t.limit);
+    };
+    check(&joint);
+    // What the last step was is in the history.
+    let mut other = joint.clone();
+    begin(&mut other, &q_np1, ContactRule::EnergyMomentum);
+    other.load_history(&joint.save_history()).unwrap();
+    check(&other);
+}
+
+/// Multipliers of friction or of a limit that drive the motion give energy, and the work says so; what is within the tolerance of a stick gives none.
+#[test]
+fn friction_and_limits_that_give_energy_are_seen() {
+    for (which, multiplier) in [(2, -0.3), (4, -0.3)] {
+        let mut joint = joint(JointKind::Slider, true).with_options(options(which)).unwrap();
+        let q_n = reference();
+        begin(&mut joint, &q_n, ContactRule::EnergyMomentum);
+        let active = vec![true; joint.slot_count()];
+        let mut multipliers = vec![0.0; joint.slot_count()];
+        multipliers[joint.kind().equations()] = multiplier;
+        let after = |by: f64| {
+            let mut q = q_n.clone();
+            (0..3).for_each(|i| q[12 + i] += by * axes()[0][i]);
+            q
+        };
+        let of = |by: f64| joint.work(&after(by), &multipliers, &active).unwrap().dissipated;
+        let change = joint.coordinate(&after(0.02)).unwrap();
+        assert!((change - 0.02).abs() < 1e-12);
+        for by in [0.02_f64, -0.02] {
+            let expected = multiplier * change * by.signum();
+            assert!((of(by) - expected).abs() < 1e-12, "{which}: {}, not {expected}", of(by));
+        }
+        assert!(of(1e-11) >= 0.0 && of(-1e-11) >= 0.0);
+    }
 }
 
 /// Largest difference of the tangent to central differences, relative to its largest entry.

@@ -14,6 +14,22 @@ use std::ops::Range;
 
 pub use stoss_integrators::ForceRule;
 
+/// Angular velocity of orthogonal vectors `D_k` of one length that turn together, at `q`, `v`: `1/2 sum_k D_k x D_k' / l^2`, the mean if they do not quite. `directions` are
+/// the numbers of the three vectors.
+pub fn angular_velocity(directions: impl IntoIterator<Item = u32>, q: &[f64], v: &[f64]) -> [f64; 3] {
+    let mut spin = [0.0; 3];
+    for vector in directions {
+        let first = 3 * vector as usize;
+        let (d, v) = (&q[first..first + 3], &v[first..first + 3]);
+        let square: f64 = d.iter().map(|d| d * d).sum();
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            spin[i] += 0.5 * (d[j] * v[k] - d[k] * v[j]) / square;
+        }
+    }
+    spin
+}
+
 /// Why a part cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{part}: {reason}")]

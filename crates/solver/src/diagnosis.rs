@@ -4,6 +4,9 @@ use crate::assembly::{Iterate, System};
 use crate::{Model, StepError, Unknown};
 use stoss_linalg::{LinalgError, NONE};
 
+/// Constraints that are violated by this part of the largest violation are named, too.
+const PART: f64 = 0.1;
+
 /// A node in words: its number in its body, and where it is.
 pub(crate) fn node_name(model: &Model, node: u32, q: &[f64]) -> String {
     let at = 3 * node as usize;
@@ -83,11 +86,20 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
             let closed = equations.iter().enumerate().filter(|(_, equation)| **equation != NONE);
             closed.map(move |(slot, &equation)| (size(equation as usize) / method.slot_weight(slot), pair, slot))
         });
-        if let Some((_, pair, slot)) = slots.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        let all: Vec<_> = slots.collect();
+        if let Some(&(largest, pair, slot)) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
             let name = &model.contacts[pair].name;
             if model.contacts[pair].method.is_bilateral() {
+                let mut others: Vec<&str> = Vec::new();
+                for &(size, other, _) in &all {
+                    let name = model.contacts[other].name.as_str();
+                    if other != pair && size > PART * largest && !others.contains(&name) {
+                        others.push(name);
+                    }
+                }
+                let others = if others.is_empty() { String::new() } else { format!(" (and in {})", others.join(", ")) };
                 return format!(
-                    "largest in equation {} of {name}: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now; try \
+                    "largest in equation {} of {name}{others}: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now; try \
                      another step size",
                     slot + 1
                 );
@@ -108,12 +120,16 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
     for (pair, active) in model.contacts.iter().zip(&iterate.active) {
         pair.method.stencils(active, &mut |nodes, _| {
             if nodes.contains(&node) {
-                contact = Some(pair.name.as_str());
+                contact = Some((pair.name.as_str(), pair.method.is_bilateral()));
             }
         });
     }
     match contact {
-        Some(name) => format!(
+        Some((name, true)) => format!(
+            "largest at {place}, which {name} holds: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now, or the load there may be too \
+             large; try another step size"
+        ),
+        Some((name, false)) => format!(
             "largest at {place}, which is in contact {name}: contact points there may change facets, or between stick and slip, with every iteration; try \
              smaller steps, or exchange slave and master"
         ),
@@ -123,9 +139,41 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
     }
 }
 
+/// Why a vector of a part is not determined.
+fn part_hint(model: &Model, dynamic: bool, node: u32) -> String {
+    let Some(part) = model.parts.iter().find(|part| part.own_vectors().contains(&node)) else {
+        return "are there enough supports?".into();
+    };
+    let name = part.name();
+    if dynamic {
+        return format!(
+            "{name} has neither mass nor stiffness along it, or is unstable at this step size: try smaller steps"
+        );
+    }
+    let mut elastic = Vec::new();
+    for other in &model.parts {
+        let mut acts = false;
+        other.stencils(&mut |vectors| acts |= vectors.iter().any(|vector| part.own_vectors().contains(vector)));
+        if acts {
+            elastic.push(other.name());
+        }
+    }
+    let reason = if elastic.is_empty() {
+        format!("nothing elastic holds {name}, and its weight does not before its joints carry it")
+    } else {
+        format!(
+            "{} (strings, springs and beams that hold it) have no stiffness along it, as strings and springs have none across themselves without tension",
+            elastic.join(", ")
+        )
+    };
+    format!(
+        "{reason}. Let a first stage with `backward-euler` find the equilibrium, give strings and springs tension (`natural_length`, `rest_length`), or add supports"
+    )
+}
+
 fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: bool, node: u32) -> String {
     let Some(body) = model.bodies.iter().find(|body| body.nodes.contains(&node)) else {
-        return "are there enough supports?".into();
+        return part_hint(model, dynamic, node);
     };
     let name = body.solid.name();
     if dynamic {

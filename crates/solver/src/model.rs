@@ -26,6 +26,8 @@ pub struct Body {
 /// Displacement components given as functions of time, or a rigid motion.
 #[derive(Clone, Debug)]
 pub struct Prescription {
+    /// Name in messages.
+    pub name: String,
     /// Global node numbers.
     pub nodes: Vec<u32>,
     /// Those of the nodes that are directions: they turn, and are not moved otherwise. With any all three components are prescribed.

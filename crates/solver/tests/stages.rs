@@ -69,6 +69,7 @@ fn add_gravity(model: &mut Model) {
 
 fn hold(model: &mut Model, nodes: Vec<u32>, displacement: Table) {
     model.prescriptions.push(Prescription {
+        name: "support".into(),
         nodes,
         directions: Vec::new(),
         components: vec![0, 1, 2],
@@ -136,6 +137,7 @@ fn contact_carries_over_from_statics() {
         hold(&mut model, lower.nodes_of("bottom").unwrap().to_vec(), Table::constant(&[0.0; 3]));
         // Contact leaves two translations and a rotation.
         model.prescriptions.push(Prescription {
+            name: "support".into(),
             nodes: upper.nodes_of("top").unwrap().iter().map(|n| n + count).collect(),
             directions: Vec::new(),
             components: vec![0, 1],
@@ -191,13 +193,14 @@ fn released_support_is_a_free_fall() {
     }
     let total = simulation.balance().total();
     let start = simulation.state().time;
-    simulation.release(Release::Prescription(0)).unwrap();
-    simulation.release(Release::Prescription(0)).unwrap();
+    simulation.release(Release::Prescription(0), Some("cut")).unwrap();
+    simulation.release(Release::Prescription(0), None).unwrap();
     assert_eq!(simulation.balance().total(), total);
     assert_eq!(simulation.equations(), free + 27);
     let record = simulation.advance().unwrap();
     let kinds: Vec<_> = record.decisions.iter().map(|d| d.kind).collect();
     assert_eq!((record.stage, kinds), (2, vec![DecisionKind::Release]));
+    assert_eq!(record.decisions[0].reason, "event cut: prescribed motion support no longer acts");
     run(&mut simulation);
     let balance = *simulation.balance();
     let fallen = 2.0 - start;
@@ -247,6 +250,7 @@ fn prescriptions_come_back() {
     let mesh = Block::new([0.0; 3], [1.0, 1.0, 2.0], [2, 2, 3]).generate().unwrap();
     let rows = [vec![0.0, 0.0], vec![1.0, 0.0], vec![2.0, 0.1], vec![10.0, 8.1]];
     model.prescriptions.push(Prescription {
+        name: "support".into(),
         nodes: mesh.nodes_of("bottom").unwrap().to_vec(),
         directions: Vec::new(),
         components: vec![2],
@@ -269,7 +273,7 @@ fn prescriptions_come_back() {
     let (q, equations, balance) = (simulation.state().q.clone(), simulation.equations(), *simulation.balance());
     // Now the table says 3.1, and an edge is shorter than one.
     let error = simulation.begin_stage(stage(None, 1.0, 6.0, Switches::default())).unwrap_err();
-    assert!(matches!(&error, SimulationError::Jump { what, .. } if what == "prescription 1"), "{error}");
+    assert!(matches!(&error, SimulationError::Jump { what, .. } if what == "prescribed motion support"), "{error}");
     // Nothing of the failed attempt is left.
     assert_eq!((simulation.state().q.clone(), simulation.equations(), *simulation.balance()), (q, equations, balance));
     assert_eq!(simulation.stage(), 3);
@@ -281,8 +285,8 @@ fn prescriptions_come_back() {
     }
     let nothing = Switches { loads: vec![7], ..Switches::default() };
     assert!(matches!(simulation.begin_stage(stage(None, 1.0, 6.0, nothing)), Err(SimulationError::Stage { .. })));
-    assert!(matches!(simulation.release(Release::Constraint(0)), Err(SimulationError::Release(_))));
-    assert!(matches!(simulation.release(Release::Prescription(2)), Err(SimulationError::Release(_))));
+    assert!(matches!(simulation.release(Release::Constraint(0), None), Err(SimulationError::Release(_))));
+    assert!(matches!(simulation.release(Release::Prescription(2), None), Err(SimulationError::Release(_))));
 }
 
 /// A rigid body with a pin through the origin; gravity along -z.
@@ -333,7 +337,7 @@ fn released_pin_is_a_parabola() {
         let (first, t0) = (simulation.state().clone(), simulation.state().time);
         let energy = *simulation.balance();
         assert!(simulation.pressures()[1].iter().any(|p| p.abs() > 1.0));
-        simulation.release(Release::Constraint(1)).unwrap();
+        simulation.release(Release::Constraint(1), None).unwrap();
         assert_eq!(simulation.balance().total(), energy.total());
         run(&mut simulation);
         let t = simulation.state().time - t0;
@@ -447,7 +451,7 @@ fn checkpoints_know_stage_and_releases() {
         run(simulation);
         simulation.begin_stage(second()).unwrap();
         (0..10).for_each(|_| drop(simulation.advance().unwrap()));
-        simulation.release(Release::Constraint(1)).unwrap();
+        simulation.release(Release::Constraint(1), None).unwrap();
     };
     let same = |a: &Simulation, b: &Simulation| {
         assert_eq!(a.state(), b.state());

@@ -6,6 +6,10 @@ use serde::{Deserialize, Serialize};
 /// A gain of energy that no promise excludes is doubtful from this part of the energy on.
 const GAIN: f64 = 0.01;
 
+/// And wrong from this part on: energy that comes from nowhere is then more than all that the bodies would have without it, whatever the scheme claims. A free system has doubled
+/// its energy. Errors of schemes that have no such defect are smaller by orders, also where steps are large.
+const INVENTED: f64 = 0.5;
+
 /// What must not change in a run, and what may.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Promises {
@@ -115,7 +119,10 @@ impl BalanceWatch {
         }
         let gain = part(state.total - self.lowest, self.scales[2]);
         self.lowest = self.lowest.min(state.total);
-        if autonomous && !energy && exceeds(gain, GAIN) {
+        if autonomous && !energy && exceeds(gain, INVENTED) {
+            let what = format!("{:.0} % of the energy come from no load and no support", 100.0 * gain);
+            broken(Level::Wrong, what + "; the steps are too large for the scheme", gain);
+        } else if autonomous && !energy && exceeds(gain, GAIN) {
             let what = format!("the energy has grown by {:.1} %", 100.0 * gain);
             broken(Level::Doubtful, what + "; the scheme does not exclude that", gain);
         }
@@ -185,6 +192,24 @@ mod tests {
         let driven = Promises { autonomous: false, ..loose };
         assert_eq!(second(driven, |s| s.total += 0.1), []);
         assert_eq!(second(driven, |s| s.closing_loss -= 0.1), [Level::Doubtful]);
+    }
+
+    #[test]
+    fn energy_that_doubles_without_work_is_wrong_whatever_the_scheme_claims() {
+        let loose = Promises { energy: false, contact_gives_nothing: false, ..promises() };
+        let grown = |by: f64| move |s: &mut BalanceState| (s.energy, s.total) = (s.energy + by, s.total + by);
+        assert_eq!(second(loose, grown(2.9)), [Level::Doubtful]);
+        assert_eq!(second(loose, grown(3.1)), [Level::Wrong]);
+        assert_eq!(second(loose, grown(26.0 * 3.0)), [Level::Wrong]);
+        assert_eq!(second(loose, grown(f64::NAN)), [Level::Wrong]);
+        // What falls has its energy from the potential, and a support that moves may do work between the ends of steps.
+        assert_eq!(second(loose, |s| s.energy = 100.0), []);
+        assert_eq!(second(Promises { autonomous: false, ..loose }, grown(78.0)), []);
+        // What is at rest is measured against motions that are not resolved.
+        let mut watch = BalanceWatch::new(loose, 1.0, 1.0, 1.0);
+        let small = |energy: f64| BalanceState { energy, total: energy, ..BalanceState::default() };
+        assert_eq!(watch.observe(0, 0.0, &small(0.0)), []);
+        assert_eq!(watch.observe(1, 0.1, &small(1e-3)), []);
     }
 
     #[test]

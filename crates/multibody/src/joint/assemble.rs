@@ -6,14 +6,14 @@
 
 use super::coordinate::LARGEST_TURN;
 use super::{CoordinateKind, Joint};
-use crate::constraint::gradient_fraction;
+use crate::constraint::{Rows, gradient_fraction};
 use crate::quadratic::Evaluation;
 use stoss_contact::{
     Constraint, ContactError, ContactRule, JointReport, LocalContribution, Report, SlotReport, StepConfiguration,
 };
 
 /// A slip below this share of the length of the joint that a limit leaves is none.
-const SMALLEST_SLIP: f64 = 1e-9;
+pub(super) const SMALLEST_SLIP: f64 = 1e-9;
 
 /// Functions at the three configurations of a step.
 #[derive(Debug, Default)]
@@ -215,37 +215,6 @@ impl Joint {
         }
     }
 
-    fn add_equations(
-        &self,
-        step: StepConfiguration<'_>,
-        multipliers: &[f64],
-        e: &Evaluations,
-        want: bool,
-        local: &mut LocalContribution,
-    ) {
-        let theta = gradient_fraction(step.rule);
-        let (n, dim) = (3 * local.nodes.len(), local.dim());
-        for k in 0..local.slots.len() {
-            let slot = local.slots[k] as usize;
-            if slot >= self.kind.equations() {
-                continue;
-            }
-            let (gradient, multiplier) = (&e.between.gradients[slot * n..(slot + 1) * n], multipliers[slot]);
-            for (r, g) in local.residual.iter_mut().zip(gradient) {
-                *r -= multiplier * g;
-            }
-            local.residual[n + k] = -e.end.values[slot];
-            if want {
-                self.functions.add_second_derivatives(slot, -multiplier * theta, dim, &mut local.tangent);
-                for i in 0..n {
-                    local.tangent[i * dim + n + k] = -gradient[i];
-                    local.tangent[(n + k) * dim + i] = -e.end.gradients[slot * n + i];
-                }
-                self.compliance.add(n + k, multiplier, want, local);
-            }
-        }
-    }
-
     fn add_coordinate(
         &self,
         step: StepConfiguration<'_>,
@@ -375,11 +344,13 @@ impl Report for Joint {
     }
 
     fn joint(&self, q: &[f64], multipliers: &[f64]) -> Option<JointReport> {
-        let (force, moment) = self.force(q, q, ContactRule::EndPoint, multipliers);
-        let (coordinate, friction) = (self.coordinate(q), self.friction_torque(multipliers));
+        let torques = self.torques(q, multipliers);
+        // Of a step from `q` to `q`, which knows no rate.
+        let (force, moment) = self.force_with(q, q, ContactRule::EndPoint, multipliers, torques.viscous);
+        let coordinate = self.coordinate(q);
         let is_angle = self.kind.coordinate() == Some(CoordinateKind::Angle);
         let arm = self.forms[super::kinds::ARM].at(q);
-        Some(JointReport { force, moment, arm, coordinate, is_angle, friction })
+        Some(JointReport { force, moment, arm, coordinate, is_angle, torques })
     }
 
     fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
@@ -452,7 +423,9 @@ impl Constraint for Joint {
         local.nodes.extend_from_slice(self.functions.vectors());
         local.reset(want_tangent);
         let e = self.evaluations(step, want_tangent);
-        self.add_equations(step, multipliers, &e, want_tangent, &mut local);
+        let theta = gradient_fraction(step.rule);
+        let rows = Rows { functions: &self.functions, first: 0, count: self.kind.equations(), theta };
+        rows.add([&e.between, &e.end], multipliers, &self.compliance, want_tangent, &mut local);
         self.add_coordinate(step, multipliers, &e, want_tangent, &mut local)?;
         visit(&local);
         Ok(())

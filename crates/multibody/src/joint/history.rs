@@ -1,6 +1,7 @@
 //! What a joint carries from step to step: full turns, and what tells whether it was held. And what its step stored and lost.
 
 use super::Joint;
+use super::assemble::SMALLEST_SLIP;
 use stoss_contact::{ContactError, ContactWork, History};
 
 /// History of a joint.
@@ -14,10 +15,12 @@ pub(super) struct JointHistory {
     pub stored: f64,
     /// Norm of the force between the points in the last accepted step.
     pub reaction: f64,
+    /// Torque of viscous friction on side b in the last accepted step.
+    pub viscous: f64,
 }
 
 /// Bytes of a history.
-const SIZE: usize = 8 * 5 + 1;
+const SIZE: usize = 8 * 6 + 1;
 
 impl Joint {
     /// State of the step that begins at `q_n`.
@@ -39,6 +42,11 @@ impl Joint {
 
     fn spring_energy(&self, value: f64) -> f64 {
         self.options.spring.map_or(0.0, |spring| 0.5 * spring.stiffness * (value - spring.rest).powi(2))
+    }
+
+    /// Torque of viscous friction on side b in a step with this change of the coordinate.
+    fn viscous_torque(&self, change: f64) -> f64 {
+        if self.is_damped() { -self.options.viscous * change / self.step.dt } else { 0.0 }
     }
 
     /// Value and change of the coordinate in the step that ends at `q_np1`.
@@ -63,9 +71,11 @@ impl History for Joint {
         let of = |slot: Option<usize>| {
             slot.filter(|&slot| active[slot]).map_or(0.0, |slot| self.scale() * multipliers[slot] * change)
         };
-        let damped = if self.is_damped() { self.options.viscous * change * change / self.step.dt } else { 0.0 };
-        // Round-off of a stick or of a limit that is reached must not give energy.
-        work.dissipated = damped + of(self.slots.friction).max(0.0) + of(self.slots.limit).max(0.0);
+        // What a stick or a limit moves within the tolerance must not give energy. More than that is seen in the ledger.
+        let is_round_off = self.scale() * change.abs() <= SMALLEST_SLIP * self.length;
+        let lost = |work: f64| if is_round_off { work.max(0.0) } else { work };
+        work.dissipated =
+            -self.viscous_torque(change) * change + lost(of(self.slots.friction)) + lost(of(self.slots.limit));
         work.friction_work = work.dissipated;
         work.driven = of(self.slots.motor);
         Ok(work)
@@ -78,7 +88,8 @@ impl History for Joint {
     fn commit(&mut self, q_np1: &[f64], multipliers: &[f64], active: &[bool]) {
         let held = active.contains(&true);
         self.history.reaction = if held { self.reaction(multipliers) } else { 0.0 };
-        let (Some(kind), Some((value, _))) = (self.kind.coordinate(), self.end_of_step(q_np1)) else { return };
+        let (Some(kind), Some((value, change))) = (self.kind.coordinate(), self.end_of_step(q_np1)) else { return };
+        self.history.viscous = if held { self.viscous_torque(change) } else { 0.0 };
         let end = self.invariants_of(&self.evaluate(q_np1));
         self.history.turns = kind.turns(value, end);
         self.history.accepted = Some(end);
@@ -89,7 +100,7 @@ impl History for Joint {
         let h = &self.history;
         let [s, c] = h.accepted.unwrap_or_default();
         let mut bytes = h.turns.to_le_bytes().to_vec();
-        for value in [s, c, h.stored, h.reaction] {
+        for value in [s, c, h.stored, h.reaction, h.viscous] {
             bytes.extend(value.to_le_bytes());
         }
         bytes.push(u8::from(h.accepted.is_some()));
@@ -108,6 +119,7 @@ impl History for Joint {
             accepted: (bytes[SIZE - 1] == 1).then(|| [number(1), number(2)]),
             stored: number(3),
             reaction: number(4),
+            viscous: number(5),
         };
         Ok(())
     }

@@ -17,7 +17,7 @@ use crate::compliance::{Compliance, Weights};
 use crate::constraint::gradient_fraction;
 use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
 use kinds::Function;
-use stoss_contact::ContactRule;
+use stoss_contact::{ContactRule, JointTorques};
 
 /// The largest error of the frames in the reference configuration, relative to the length of the joint.
 const TOLERANCE: f64 = 1e-8;
@@ -286,9 +286,17 @@ impl Joint {
         })
     }
 
-    /// Torque (or force) that friction exerts on side b against the motion; zero without friction.
-    pub fn friction_torque(&self, multipliers: &[f64]) -> f64 {
-        self.slots.friction.map_or(0.0, |slot| -self.scale() * multipliers[slot])
+    /// Torques (or forces) along the coordinate that act on side b at the end of the last accepted step, which has led to `q`.
+    pub fn torques(&self, q: &[f64], multipliers: &[f64]) -> JointTorques {
+        let of = |slot: Option<usize>| slot.map_or(0.0, |slot| self.scale() * multipliers[slot]);
+        let spring = self.options.spring.zip(self.coordinate(q));
+        JointTorques {
+            friction: -of(self.slots.friction),
+            viscous: self.history.viscous,
+            spring: spring.map_or(0.0, |(spring, value)| -spring.stiffness * (value - spring.rest)),
+            motor: of(self.slots.motor),
+            limit: -of(self.slots.limit),
+        }
     }
 
     /// Value at accepted invariants: principal value and turns.
@@ -308,12 +316,24 @@ impl Joint {
 
     /// Force and moment about the point of side b that side a exerts on side b in a step, in the configuration of the rule. Of a beam the directors take the moment.
     pub fn force(&self, q_n: &[f64], q_np1: &[f64], rule: ContactRule, multipliers: &[f64]) -> ([f64; 3], [f64; 3]) {
+        self.force_with(q_n, q_np1, rule, multipliers, 0.0)
+    }
+
+    /// [`Self::force`] with a further torque on side b along the coordinate.
+    fn force_with(
+        &self,
+        q_n: &[f64],
+        q_np1: &[f64],
+        rule: ContactRule,
+        multipliers: &[f64],
+        further: f64,
+    ) -> ([f64; 3], [f64; 3]) {
         let theta = gradient_fraction(rule);
         let q: Vec<f64> = q_n.iter().zip(q_np1).map(|(a, b)| (1.0 - theta) * a + theta * b).collect();
         let u = self.forms.each_ref().map(|form| form.at(&q));
         let mut weights: Vec<f64> = multipliers[..self.kind.equations()].to_vec();
         if let Some((torque, gradient)) = self.torque_and_weights(q_n, q_np1, rule, multipliers) {
-            weights.extend(gradient.iter().map(|w| torque * w));
+            weights.extend(gradient.iter().map(|w| (torque + further) * w));
         }
         let mut conjugate = [[0.0; 3]; 10];
         for (weight, function) in weights.iter().zip(&self.list) {

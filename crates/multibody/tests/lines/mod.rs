@@ -48,6 +48,7 @@ pub fn beam(model: &mut Model, beam: Beam, held: &[usize]) {
 pub fn fix(model: &mut Model, vectors: &[u32]) {
     if !vectors.is_empty() {
         model.prescriptions.push(Prescription {
+            name: "fixed".into(),
             nodes: vectors.to_vec(),
             directions: Vec::new(),
             components: vec![0, 1, 2],

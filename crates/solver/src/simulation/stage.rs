@@ -119,11 +119,12 @@ impl Simulation {
 
     /// Lets something stop acting, from the next step to the end of the run. A multiplier does no work, so the energy is continuous; energy that a constraint
     /// stores (friction in a joint) goes to [`Balance::external_work`]. Nothing happens if it was released before.
+    /// The decision in the record names the `event`.
     ///
     /// # Errors
     /// [`SimulationError::Release`] if there is no such thing or the coupling is not bilateral; [`SimulationError::Setup`] as for
     /// [`Self::begin_stage`]. The simulation is then as it was.
-    pub fn release(&mut self, what: Release) -> Result<(), SimulationError> {
+    pub fn release(&mut self, what: Release, event: Option<&str>) -> Result<(), SimulationError> {
         let words = match what {
             Release::Constraint(c) => match self.model.contacts.get(c) {
                 Some(pair) if pair.method.is_bilateral() => format!("constraint {}", pair.name),
@@ -133,7 +134,10 @@ impl Simulation {
                 }
                 None => return Err(SimulationError::Release(format!("there is no constraint {c} to release"))),
             },
-            Release::Prescription(p) => format!("prescription {p}"),
+            Release::Prescription(p) => match self.model.prescriptions.get(p) {
+                Some(prescription) => format!("prescribed motion {}", prescription.name),
+                None => return Err(SimulationError::Release(format!("there is no prescription {p} to release"))),
+            },
         };
         if self.released.contains(&what) {
             return Ok(());
@@ -147,7 +151,8 @@ impl Simulation {
             return Err(error);
         }
         self.released = released;
-        self.note(DecisionKind::Release, format!("{words} no longer acts"));
+        let by = event.map_or(String::new(), |event| format!("event {event}: "));
+        self.note(DecisionKind::Release, format!("{by}{words} no longer acts"));
         Ok(())
     }
 
@@ -159,7 +164,9 @@ impl Simulation {
     fn describe(&self, name: &str, scheme: Option<&dyn Scheme>, off: &Switches) -> String {
         let kind = scheme.map_or_else(|| "statics".to_owned(), |scheme| format!("dynamics ({})", scheme.name()));
         let mut names: Vec<String> = off.loads.iter().map(|&l| format!("load {}", self.model.loads[l].name)).collect();
-        names.extend(off.prescriptions.iter().map(|p| format!("prescription {p}")));
+        names.extend(
+            off.prescriptions.iter().map(|&p| format!("prescribed motion {}", self.model.prescriptions[p].name)),
+        );
         names.extend(off.contacts.iter().map(|&c| self.model.contacts[c].name.clone()));
         let off = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
         format!("stage {} ({name}) begins: {kind}, switched off: {off}", self.stage + 1)
@@ -331,7 +338,12 @@ impl Simulation {
             let length = self.edge_length(node);
             if distance > length {
                 let place = format!("component {} of {}", component % 3, node_name(&self.model, node, &self.state.q));
-                return Err(SimulationError::Jump { what: format!("prescription {p}"), place, distance, length });
+                return Err(SimulationError::Jump {
+                    what: format!("prescribed motion {}", self.model.prescriptions[p as usize].name),
+                    place,
+                    distance,
+                    length,
+                });
             }
         }
         Ok(())

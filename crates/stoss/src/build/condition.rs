@@ -122,7 +122,8 @@ pub(super) fn prescriptions(
             None => None,
         };
         let (Some((nodes, directions)), Some(displacement)) = (found, displacement) else { continue };
-        let prescription = Prescription { nodes, directions, components, displacement, rotation };
+        let name = item.name.clone().unwrap_or(key);
+        let prescription = Prescription { name, nodes, directions, components, displacement, rotation };
         let Prescription { nodes, components, .. } = &prescription;
         let clash = nodes.iter().find_map(|&n| {
             components.iter().find_map(|&c| {

@@ -106,22 +106,12 @@ impl Probe {
         simulation.model().contacts[place].method.joint(&simulation.state().q, &simulation.pressures()[place])
     }
 
-    /// `1/2 sum D_k x D_k' / l^2` over the three directors of a rigid body.
+    /// Of a rigid body.
     fn angular_velocity(&self, simulation: &Simulation) -> [f64; 3] {
         let ProbeTarget::Part(part, _) = self.target else { return [f64::NAN; 3] };
         let part = &simulation.model().parts[part];
-        let state = simulation.state();
-        let mut spin = [0.0; 3];
-        for vector in part.own_vectors().filter(|&vector| part.is_direction(vector)) {
-            let first = 3 * vector as usize;
-            let (d, v) = (&state.q[first..first + 3], &state.v[first..first + 3]);
-            let square: f64 = d.iter().map(|d| d * d).sum();
-            for i in 0..3 {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                spin[i] += 0.5 * (d[j] * v[k] - d[k] * v[j]) / square;
-            }
-        }
-        spin
+        let directions = part.own_vectors().filter(|&vector| part.is_direction(vector));
+        stoss_part::angular_velocity(directions, &simulation.state().q, &simulation.state().v)
     }
 
     /// Sum over the nodes; zero if the vector does not exist in this model.

@@ -24,7 +24,7 @@ struct Segment {
     end: f64,
     off: Switches,
     /// What is released at its beginning, with the event's name.
-    releases: Vec<Release>,
+    releases: Vec<(String, Release)>,
 }
 
 /// A release that waits for a probe.
@@ -36,6 +36,8 @@ struct Conditional {
     /// Whether it takes place above the bound, or below it.
     above: bool,
     release: Release,
+    /// Name of the event.
+    event: String,
 }
 
 /// The stages of a run, cut where events take place at given times, and the events that depend on probes. One segment and no event for a scene without either.
@@ -97,7 +99,7 @@ impl Schedule {
                 }
             };
             if let Some(time) = event.time {
-                schedule.cut(time, release);
+                schedule.cut(time, &event.name, release);
             }
             let Some(when) = &event.when else { continue };
             let Some(probe) = probes.iter().position(|probe| probe.name == when.probe) else { continue };
@@ -107,13 +109,15 @@ impl Schedule {
                 bound: when.above.or(when.below).unwrap_or_default(),
                 above: when.above.is_some(),
                 release,
+                event: event.name.clone(),
             });
         }
         schedule
     }
 
     /// Lets a segment end at a time and the next one begin with a release.
-    fn cut(&mut self, time: f64, release: Release) {
+    fn cut(&mut self, time: f64, event: &str, release: Release) {
+        let release = (event.to_owned(), release);
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
         let Some(k) = self.segments.iter().position(|segment| time <= segment.end || near(time, segment.end)) else {
             return;
@@ -177,8 +181,8 @@ impl Schedule {
         let number = simulation.stage() + 1;
         let Some(stage) = self.stage(number) else { return Ok(false) };
         simulation.begin_stage(stage)?;
-        for release in &self.segments[number as usize - 1].releases {
-            simulation.release(*release)?;
+        for (event, release) in &self.segments[number as usize - 1].releases {
+            simulation.release(*release, Some(event))?;
         }
         Ok(true)
     }
@@ -194,7 +198,7 @@ impl Schedule {
             }
             let value = probes[event.probe].value(simulation)[event.component];
             if if event.above { value > event.bound } else { value < event.bound } {
-                simulation.release(event.release)?;
+                simulation.release(event.release, Some(&event.event))?;
             }
         }
         Ok(())

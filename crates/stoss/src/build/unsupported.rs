@@ -21,3 +21,44 @@ pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
     let message = format!("this build of Stoss has no multibody systems, thus no {}", names.join(", "));
     Some(Problem::at(scene, key, "", message, "build it with the cargo feature `multibody`"))
 }
+
+#[cfg(not(feature = "multibody"))]
+#[cfg(test)]
+mod tests {
+    use crate::build::build;
+    use crate::scene::parse;
+    use std::path::Path;
+
+    /// Each table alone is refused at its place, with the feature as the remedy; a scene without them is not.
+    #[test]
+    fn tables_of_multibody_systems_are_refused_where_it_is_not_built_in() {
+        let head = "[scene]\ntitle = \"none\"\nkind = \"dynamic\"\n[time]\nend = 1.0\nstep = 0.1\nintegrator = { scheme = \"energy-momentum\" }\n";
+        let body = "[[body]]\nname = \"l\"\nmesh = { generator = \"block\", min = [0, 0, 0], max = [1, 1, 1], divisions = [1, 1, 1] }\nmaterial = { law = \"neo-hooke\", \
+             young = 100.0, poisson = 0.3 }\ndensity = 1.0\n";
+        let tables = [
+            ("rigid", "name = \"a\"\nmass = 1.0\neuler = [1, 1, 1]\ncentre = [0, 0, 0]\n"),
+            (
+                "beam",
+                "name = \"a\"\npoints = [[0, 0, 0], [1, 0, 0]]\nelements = 2\nup = [0, 1, 0]\nsection = { shape = \"rectangle\", size = [0.02, 0.05] }\nyoung = 1.0\npoisson = 0.3\n\
+                 density = 1.0\n",
+            ),
+            ("string", "name = \"a\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]\nelements = 2\naxial = 1.0\nmass = 1.0\n"),
+            ("mass", "name = \"a\"\nat = [0, 0, 0]\nmass = 1.0\n"),
+            ("joint", "name = \"a\"\nkind = \"ball\"\nbetween = [\"ground\", \"l.left\"]\nat = [0, 0, 0]\n"),
+            (
+                "spring",
+                "name = \"a\"\nbetween = [\"ground\", \"l.left\"]\nat = [[-1, 0, 0], [0, 0, 0]]\nstiffness = 1.0\n",
+            ),
+        ];
+        for (name, keys) in tables {
+            let text = format!("{head}{body}[[{name}]]\n{keys}");
+            let scene = parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+            let message = build(&scene, Path::new(".")).map(|_| ()).unwrap_err().to_string();
+            for part in [&format!("{name}[0]"), &format!("no [[{name}]]"), "cargo feature `multibody`"] {
+                assert!(message.contains(part), "{name}: {message}");
+            }
+        }
+        let scene = parse(&format!("{head}{body}"), "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        assert!(build(&scene, Path::new(".")).is_ok());
+    }
+}

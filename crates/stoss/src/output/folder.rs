@@ -26,10 +26,11 @@ const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
 contact_force_x,contact_force_y,contact_force_z,coverage_defect";
 
-/// Table of the joints: forces and moments on the second side, angle in degrees or displacement, torque or force of friction.
+/// Table of the joints: forces and moments on the second side, angle in degrees or displacement, what acts along that.
 const JOINTS: &str = "joints.csv";
 /// Columns of each joint.
-const JOINT: [&str; 8] = ["fx", "fy", "fz", "mx", "my", "mz", "coordinate", "friction"];
+const JOINT: [&str; 12] =
+    ["fx", "fy", "fz", "mx", "my", "mz", "coordinate", "friction", "viscous", "spring", "motor", "limit"];
 
 /// Table of the probes, whose columns the scene names.
 const PROBES: &str = "probes.csv";
@@ -317,11 +318,13 @@ impl ResultFolder {
                     Some(joint) => {
                         let unit = if joint.is_angle { 1f64.to_degrees() } else { 1.0 };
                         let coordinate = joint.coordinate.map_or(f64::NAN, |value| unit * value);
-                        table.numbers(&joint.force).numbers(&joint.moment).numbers(&[coordinate, joint.friction]);
+                        table.numbers(&joint.force).numbers(&joint.moment).number(coordinate);
+                        let t = joint.torques;
+                        table.numbers(&[t.friction, t.viscous, t.spring, t.motor, t.limit]);
                     }
                     // Released or switched off.
                     None => {
-                        table.numbers(&[0.0; 6]).numbers(&[f64::NAN, 0.0]);
+                        table.numbers(&[0.0; 6]).number(f64::NAN).numbers(&[0.0; 5]);
                     }
                 }
             }

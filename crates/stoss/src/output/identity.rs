@@ -6,12 +6,12 @@ use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
 /// Tables of a scene that say what is written and judged, not what is computed.
-const WITHOUT_INFLUENCE: [&str; 4] = ["probe", "output", "watch", "expect"];
+const WITHOUT_INFLUENCE: [&str; 3] = ["output", "watch", "expect"];
 
 /// How many differences are named.
 const NAMED: usize = 5;
 
-/// Version, parsed scene and mesh files; comments, title, end, probes, `[output]`, `[watch]` and `[expect]` are left out.
+/// Version, parsed scene and mesh files; comments, title, end, probes on which no event depends, `[output]`, `[watch]` and `[expect]` are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneIdentity {
     version: String,
@@ -31,6 +31,7 @@ impl SceneIdentity {
             for table in WITHOUT_INFLUENCE {
                 tables.remove(table);
             }
+            keep_probes_of_events(tables);
             remove(tables, "scene", "title");
             remove(tables, "time", "end");
             remove_unused_sets(tables);
@@ -80,7 +81,20 @@ fn remove(tables: &mut Map<String, Value>, table: &str, key: &str) {
     }
 }
 
-/// Sets that only probes name have no influence.
+/// Probes have an influence if an event depends on them. They stand under their names, so that others may come and go.
+fn keep_probes_of_events(tables: &mut Map<String, Value>) {
+    let Some(Value::Array(probes)) = tables.remove("probe") else { return };
+    let events = tables.get("event").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    let of_events: Vec<&str> = events.iter().filter_map(|event| event.pointer("/when/probe")?.as_str()).collect();
+    let name = |probe: &Value| probe.get("name").and_then(Value::as_str).map(str::to_owned);
+    let named = probes.into_iter().filter_map(|probe| Some((name(&probe)?, probe)));
+    let kept: Map<String, Value> = named.filter(|(name, _)| of_events.contains(&name.as_str())).collect();
+    if !kept.is_empty() {
+        tables.insert("probe".to_owned(), Value::Object(kept));
+    }
+}
+
+/// Sets that only other probes name have no influence.
 fn remove_unused_sets(tables: &mut Map<String, Value>) {
     let Some(Value::Array(mut sets)) = tables.remove("set") else { return };
     let rest = Value::Object(tables.clone());

@@ -47,9 +47,11 @@ pub(super) fn velocities(
 
 /// Holds the bodies that are fixed.
 pub(in crate::build) fn fix(scene: &Scene, parts: &Parts, model: &mut Model) {
-    for body in scene.rigids.iter().filter(|item| item.fixed).filter_map(|item| parts.rigid(&item.name)) {
+    for item in scene.rigids.iter().filter(|item| item.fixed) {
+        let Some(body) = parts.rigid(&item.name) else { continue };
         let nodes: Vec<u32> = body.vectors().collect();
         model.prescriptions.push(Prescription {
+            name: format!("that fixes {}", item.name),
             directions: nodes[1..].to_vec(),
             nodes,
             components: vec![0, 1, 2],

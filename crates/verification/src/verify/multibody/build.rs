@@ -109,6 +109,7 @@ pub fn fix(model: &mut Model, vectors: &[u32]) {
         return;
     }
     model.prescriptions.push(Prescription {
+        name: "fixed".into(),
         nodes: vectors.to_vec(),
         directions: Vec::new(),
         components: vec![0, 1, 2],
