@@ -144,7 +144,9 @@ impl Joint {
     /// Slots on the coordinate, and the sign of their multipliers in the torque that resists it.
     fn signs(&self) -> impl Iterator<Item = (usize, f64)> {
         let s = self.slots;
-        [(s.friction, 1.0), (s.motor, -1.0), (s.pretension, 1.0), (s.limit, 1.0)].into_iter().filter_map(|(slot, sign)| Some((slot?, sign)))
+        [(s.friction, 1.0), (s.motor, -1.0), (s.pretension, 1.0), (s.limit, 1.0)]
+            .into_iter()
+            .filter_map(|(slot, sign)| Some((slot?, sign)))
     }
 
     fn friction_row(&self, c: &CoordinateStep, multipliers: &[f64], slot: usize) -> Row {

@@ -10,7 +10,9 @@ mod options;
 
 pub use coordinate::CoordinateKind;
 pub use kinds::JointKind;
-pub use options::{CoordinateFriction, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, PiecewiseLinear, Pretension};
+pub use options::{
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, PiecewiseLinear, Pretension,
+};
 
 use crate::Frame;
 use crate::compliance::{Compliance, Weights};
