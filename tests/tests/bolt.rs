@@ -26,7 +26,8 @@ fn root(f: impl Fn(f64) -> f64) -> f64 {
 #[test]
 fn a_bolt_clamps_a_member() {
     let scene = stoss::scene::parse(SCENE, "bolt.toml").unwrap_or_else(|e| panic!("{e}"));
-    let Built { mut simulation, schedule, probes, .. } = build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+    let Built { mut simulation, schedule, probes, .. } =
+        build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     let (bolt, member, preload) = (200.0, 1000.0, 4.0);
     let down = root(|u| rod(member, 1.0 + u) + preload);
     let stretch = root(|e| rod(bolt, 1.0 + e) - preload);
@@ -87,7 +88,8 @@ fn the_work_of_the_force_is_in_the_ledger() {
         .replace("force = { table = [[1.0, 0, 0, 0], [3.0, 0, 0, 6], [4.0, 0, 0, 2]] }", "force = [0, 0, 0]")
         .replace("until = 4.0\n", "until = 0.2\n");
     let scene = stoss::scene::parse(&dynamic, "bolt.toml").unwrap_or_else(|e| panic!("{e}"));
-    let Built { mut simulation, schedule, probes, .. } = build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+    let Built { mut simulation, schedule, probes, .. } =
+        build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     let (mut largest, mut work, mut locked) = (0.0_f64, 0.0_f64, None);
     loop {
         if simulation.finished() && !schedule.advance(&mut simulation).unwrap() {

@@ -56,7 +56,11 @@ body = "body"
             }
             let balance = simulation.balance();
             let kinetic = 0.5 * (0.3 * spin[0] * spin[0] + 0.2 * spin[1] * spin[1] + 0.4 * spin[2] * spin[2]);
-            assert!((balance.total() - *energy.get_or_insert(kinetic)).abs() < 1e-10, "{:e}", balance.total() - kinetic);
+            assert!(
+                (balance.total() - *energy.get_or_insert(kinetic)).abs() < 1e-10,
+                "{:e}",
+                balance.total() - kinetic
+            );
             if principal {
                 assert!((value("w")[2] - 0.75 * time).abs() < 0.02 * time, "{:?}", value("w"));
             }
@@ -71,8 +75,8 @@ fn every_scheme_takes_it() {
         "scheme = \"midpoint\"",
         "scheme = \"trapezoidal\"",
         "scheme = \"backward-euler\"",
-        "scheme = \"generalised-alpha\", rho_infinity = 0.8",
-        "scheme = \"variational\", alpha = 0.5",
+        "scheme = \"generalised-alpha\", rho_inf = 0.8",
+        "scheme = \"variational-midpoint\"",
     ] {
         let text = format!(
             r#"
@@ -159,7 +163,7 @@ joint = "clamp"
         assert!((moment[1] - TAU * stiffness / length).abs() < 1e-7 && moment[0].abs() + moment[2].abs() < 1e-7);
         // M^2 L / (2 EI); in load steps the work is that of the trapezium rule of a force that turns.
         let stored = 0.5 * (TAU * stiffness / length).powi(2) * length / stiffness;
-        assert!((energy[0] / stored - 1.0).abs() < 1e-2 && (energy[1] / energy[0] - 1.0).abs() < 1e-2, "{energy:?}");
+        assert!((energy[0] / stored - 1.0).abs() < 0.03 && (energy[1] / energy[0] - 1.0).abs() < 0.03, "{energy:?}");
     }
     println!("{errors:?}");
     assert!(errors[1].iter().all(|e| *e < 1e-3), "{errors:?}");

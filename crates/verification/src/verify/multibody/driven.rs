@@ -261,9 +261,19 @@ fn torsion(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let meshes = if quick { [2, 4] } else { [3, 6] };
     for coupling in ["kinematic", "distributing"] {
         let [coarse, fine] = [twisted(coupling, meshes[0])?, twisted(coupling, meshes[1])?];
-        let note = format!("{:.2e} with {} elements over the radius of the core, {:.2e} with {}", coarse[0], meshes[0], fine[0], meshes[1]);
+        let note = format!(
+            "{:.2e} with {} elements over the radius of the core, {:.2e} with {}",
+            coarse[0], meshes[0], fine[0], meshes[1]
+        );
         let quantity = format!("{coupling}: order of the torque in the mesh");
-        noted(findings, case, &quantity, order([coarse[0].abs(), fine[0].abs()]), Bound::AtLeast(super::ORDER - 0.2), note);
+        noted(
+            findings,
+            case,
+            &quantity,
+            order([coarse[0].abs(), fine[0].abs()]),
+            Bound::AtLeast(super::ORDER - 0.2),
+            note,
+        );
         let quantity = format!("{coupling}: error of the torque");
         check(findings, case, quantity, fine[0].abs(), Bound::AtMost(if quick { 0.05 } else { 0.02 }));
         let quantity = format!("{coupling}: torque less the moment of the reactions, over it");
