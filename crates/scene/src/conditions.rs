@@ -1,7 +1,7 @@
 //! Sets, contact, prescribed displacements, loads, and functions of time.
 
 use crate::Friction;
-use crate::joint::Coupling;
+use crate::coupling::Coupling;
 use crate::names::named;
 use crate::tie::Multipliers;
 #[cfg(feature = "schema")]

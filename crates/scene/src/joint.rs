@@ -1,6 +1,7 @@
 //! `[[joint]]` and `[[spring]]`: what joins two parts.
 
 use crate::Series;
+use crate::coupling::Coupling;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -55,16 +56,6 @@ impl JointKind {
     /// True if a relative displacement along its axis is free.
     pub fn has_displacement(self) -> bool {
         matches!(self, Self::Slider | Self::Cylindrical)
-    }
-}
-
-named! {
-    /// How the set of a deformable body follows its reference point.
-    Coupling {
-        /// The set moves as a rigid body.
-        Kinematic = "kinematic",
-        /// The reference point follows the set in the mean: the set deforms freely.
-        Distributing = "distributing",
     }
 }
 

@@ -86,7 +86,14 @@ fn bolt(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     // The tangent of a rod is E A (1 + 3 e) at the strain e.
     let strains = 3.0 * preload * (1.0 / stiffness + 1.0 / member);
     let note = "linear springs; bound: three times the strains of the preload";
-    noted(findings, case, "force less F + P k_b / (k_b + k_m), over the share of P", linear, Bound::AtMost(strains), note);
+    noted(
+        findings,
+        case,
+        "force less F + P k_b / (k_b + k_m), over the share of P",
+        linear,
+        Bound::AtMost(strains),
+        note,
+    );
     let stays = spread(&openings) / openings.first().map_or(f64::NAN, |o| o.abs());
     check(findings, case, "change of the cut after the lock, over its closing", stays, Bound::AtMost(EXACT));
     let stored = 0.5 * preload * preload * (1.0 / stiffness + 1.0 / member);
