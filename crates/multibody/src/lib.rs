@@ -43,7 +43,7 @@ pub use error::PartDataError;
 pub use frame::{Frame, axes_along};
 pub use joint::{
     CoordinateFriction, CoordinateKind, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, Joint, JointError,
-    JointKind, PiecewiseLinear,
+    JointKind, PiecewiseLinear, Pretension,
 };
 pub use kernel::{GradientAt, Kernel};
 pub use point_mass::PointMass;

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use stoss_contact::{Constraint, ContactRule, History, LocalContribution, Report, StepConfiguration};
 use stoss_multibody::{
-    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, RigidBody,
-    RigidMass,
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, Pretension,
+    RigidBody, RigidMass,
 };
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -66,6 +66,11 @@ fn options(which: usize) -> CoordinateOptions {
         2 => options.friction = Some(CoordinateFriction { bound: 0.4, coefficient: 0.3, radius: 0.2 }),
         3 => options.motor = Some(std::sync::Arc::new(DriveFunction(|t: f64| 0.1 + 2.0 * t))),
         4 => options.limits = Some([-0.05, 0.06]),
+        // Not locked in the first step, which begins at 0, and locked in it.
+        6 | 7 => {
+            let force = std::sync::Arc::new(DriveFunction(|t: f64| 0.8 + 3.0 * t));
+            options.pretension = Some(Pretension { force, lock: if which == 6 { 1.0 } else { 0.0 } });
+        }
         _ => {
             options = CoordinateOptions { viscous: 0.4, ..self::options(0) };
             options.friction = self::options(2).friction;
@@ -221,7 +226,7 @@ proptest! {
     #[test]
     fn tangents_of_the_options([q_n, q_np1] in state(), m in proptest::collection::vec(-1.0..1.0_f64, 10)) {
         for kind in [JointKind::Hinge, JointKind::Cylindrical, JointKind::Slider] {
-            for which in 0..6 {
+            for which in 0..8 {
                 for rule in RULES {
                     let mut joint = joint(kind, false).with_options(options(which)).unwrap();
                     begin(&mut joint, &q_n, rule);

@@ -1,6 +1,7 @@
 //! Sets, contact, prescribed displacements, loads, and functions of time.
 
 use crate::Friction;
+use crate::coupling::Coupling;
 use crate::names::named;
 use crate::tie::Multipliers;
 #[cfg(feature = "schema")]
@@ -393,6 +394,8 @@ named! {
         FollowerPressure = "follower_pressure",
         /// Force on each node; on the centre of mass of a rigid body; three values.
         Force = "force",
+        /// Moment fixed in space on a rigid body, a node of a beam, or a set of a deformable body as a whole; three values.
+        Moment = "moment",
     }
 }
 
@@ -401,7 +404,7 @@ impl LoadKind {
     pub fn columns(self) -> usize {
         match self {
             Self::Pressure | Self::FollowerPressure => 1,
-            Self::Traction | Self::BodyForce | Self::Force => 3,
+            Self::Traction | Self::BodyForce | Self::Force | Self::Moment => 3,
         }
     }
 }
@@ -415,7 +418,8 @@ pub struct Load {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Set of facets (`pressure`, `traction`, `follower_pressure`), elements (`body_force`) or nodes (`force`), `body.set`. A `force` may also
-    /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass.
+    /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass, a `moment` on `part.all` of a rigid body, on sets of beams, and on sets of deformable bodies
+    /// as wholes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
     /// Name of a body, instead of a set, for a `body_force` on all of it.
@@ -436,9 +440,20 @@ pub struct Load {
     /// Force on each node of the set; on a rigid body once, at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<Series>,
+    /// Moment whose direction is fixed in space, on a rigid body or on each node of a set of a beam; on a set of a deformable body once, as `coupling` says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moment: Option<Series>,
+    /// How a set of a deformable body follows the point that the moment acts on; `distributing` if left out. With a `moment` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<Coupling>,
 }
 
 impl Load {
+    /// How a set of a deformable body follows the point of a moment.
+    pub fn coupling(&self) -> Coupling {
+        self.coupling.unwrap_or(Coupling::Distributing)
+    }
+
     /// Kind and value; `None` only in a load that was not read by [`crate::parse`].
     pub fn kind(&self) -> Option<(LoadKind, &Series)> {
         [
@@ -447,6 +462,7 @@ impl Load {
             (LoadKind::BodyForce, &self.body_force),
             (LoadKind::FollowerPressure, &self.follower_pressure),
             (LoadKind::Force, &self.force),
+            (LoadKind::Moment, &self.moment),
         ]
         .into_iter()
         .find_map(|(kind, series)| series.as_ref().map(|series| (kind, series)))

@@ -1,6 +1,7 @@
 //! `[[joint]]` and `[[spring]]`: what joins two parts.
 
 use crate::Series;
+use crate::coupling::Coupling;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -58,16 +59,6 @@ impl JointKind {
     }
 }
 
-named! {
-    /// How the set of a deformable body follows its reference point.
-    Coupling {
-        /// The set moves as a rigid body.
-        Kinematic = "kinematic",
-        /// The reference point follows the set in the mean: the set deforms freely.
-        Distributing = "distributing",
-    }
-}
-
 /// `[[joint]]`: a joint between two parts, or a part and the ground.
 ///
 /// ```toml
@@ -114,6 +105,9 @@ pub struct Joint {
     /// Prescribed relative motion of `hinge`, `slider` and `cylindrical`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<Motor>,
+    /// Pretension of a bolt whose two halves a `slider` along its axis connects. Not with a motor, limits or friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pretension: Option<Pretension>,
     /// Smallest and largest relative coordinate, around zero: degrees of a `hinge`, length of a `slider`. Not with a motor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<[f64; 2]>,
@@ -157,6 +151,28 @@ pub struct Motor {
     /// Displacement of a `slider` or `cylindrical`, one value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Series>,
+}
+
+/// Pretension of a bolt that is cut in two: a force along the axis pulls both sides of the cut together until the lock. From then on the relative displacement
+/// keeps the value that it has, and the force of the bolt follows from the loads.
+///
+/// ```toml
+/// [[joint]]
+/// name = "cut"
+/// kind = "slider"
+/// between = ["head.cut", "shank.cut"]
+/// at = [0, 0, 0.5]
+/// axis = [0, 0, 1]
+/// pretension = { force = { table = [[0.0, 0.0], [1.0, 2.0e4]] }, lock = 1.0 }
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Pretension {
+    /// Force of the bolt until the lock, positive in tension, one value. Its work is external work.
+    pub force: Series,
+    /// Time of the lock, not negative and at most the end of the run; a step ends there.
+    pub lock: f64,
 }
 
 /// Friction of a hinge (a torque) or a slider (a force) against its motion: `viscous` times the speed, and either `coulomb` or what the reaction

@@ -14,6 +14,7 @@
 mod beam;
 mod body;
 mod conditions;
+mod coupling;
 mod event;
 mod friction;
 mod general;
@@ -43,6 +44,7 @@ pub use conditions::{
     BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Load, LoadKind,
     PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
+pub use coupling::Coupling;
 pub use event::{Event, EventCondition, Stage, StageKind};
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
@@ -50,7 +52,7 @@ pub use friction::{
 };
 pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use gravity::Gravity;
-pub use joint::{Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Spring};
+pub use joint::{GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension, Spring};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
 pub use mesh::{
     Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,

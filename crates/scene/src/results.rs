@@ -29,6 +29,8 @@ named! {
         JointMoment = "joint_moment",
         /// Relative angle of a hinge or cylindrical joint in degrees, not limited to a turn.
         JointAngle = "joint_angle",
+        /// Relative displacement of a slider: of a bolt, the opening of its cut.
+        JointDisplacement = "joint_displacement",
         /// Angle of the velocity above the plane of x and y in degrees, positive where it points to z; of a set of the mean velocity. Dynamic scenes only.
         Elevation = "elevation",
         /// Angular velocity of a rigid body (1/time). Dynamic scenes only.
@@ -64,7 +66,7 @@ impl Quantity {
 
     /// True if it belongs to a joint.
     pub fn is_of_joint(self) -> bool {
-        matches!(self, Self::JointForce | Self::JointMoment | Self::JointAngle)
+        matches!(self, Self::JointForce | Self::JointMoment | Self::JointAngle | Self::JointDisplacement)
     }
 
     /// True if it has a meaning only with inertia.
@@ -80,10 +82,15 @@ impl Quantity {
         )
     }
 
-    /// Number of values: 1 for energies and angles of joints, otherwise 3.
+    /// Number of values: 1 for energies, angles and coordinates of joints, otherwise 3.
     pub fn columns(self) -> usize {
         match self {
-            Self::Energy | Self::KineticEnergy | Self::StrainEnergy | Self::JointAngle | Self::Elevation => 1,
+            Self::Energy
+            | Self::KineticEnergy
+            | Self::StrainEnergy
+            | Self::JointAngle
+            | Self::JointDisplacement
+            | Self::Elevation => 1,
             _ => 3,
         }
     }

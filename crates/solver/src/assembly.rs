@@ -21,10 +21,10 @@ const RIGID_COMPLIANCE: f64 = 1e-3;
 pub(crate) struct System {
     pub numbering: Numbering,
     pub masses: Masses,
-    /// Pattern of the solids alone, its scatter map (bodies' elements in order, then follower facets, then parts).
+    /// Pattern of the solids alone, its scatter map (bodies' elements in order, then what loads follow, then parts).
     solid_pattern: Arc<SparsityPattern>,
     pub solid_map: ScatterMap,
-    /// First stencil of each body in `solid_map`; last entry: first follower facet.
+    /// First stencil of each body in `solid_map`; last entry: first of the loads that follow.
     pub first_stencil: Vec<usize>,
     /// First stencil of the parts' forces.
     pub first_part_stencil: usize,
@@ -63,9 +63,9 @@ pub(crate) struct System {
     pub has_rates: bool,
     /// Residual and its terms, `3 * nodes` each.
     pub buffers: Buffers,
-    /// Dead loads of the step, empty if there are none (follower pressures are configuration dependent and go to `follower`).
+    /// Dead loads of the step, empty if there are none (those that depend on the configuration go to `follower`).
     pub dead: Vec<f64>,
-    /// Empty without follower pressures.
+    /// Follower pressures and moments; empty without.
     pub follower: Vec<f64>,
     /// Largest norm of the forces that were summed up in the last evaluation.
     pub force_scale: f64,
@@ -276,14 +276,18 @@ impl System {
         first_stencil.push(solids.starts.len());
         let mut has_followers = false;
         for load in &model.loads {
-            if let LoadKind::FollowerPressure { facets } = &load.kind {
-                for facet in facets {
-                    solids.push(|out| numbering.node_equations(facet, out));
-                    has_followers = true;
+            has_followers |= load.follows();
+            match &load.kind {
+                LoadKind::Dead { .. } => {}
+                LoadKind::FollowerPressure { facets } => {
+                    facets.iter().for_each(|facet| solids.push(|out| numbering.node_equations(facet, out)));
+                }
+                LoadKind::Moment { directors } => {
+                    directors.iter().for_each(|three| solids.push(|out| numbering.node_equations(three, out)));
                 }
             }
         }
-        let has_dead_loads = model.loads.iter().any(|load| !matches!(load.kind, LoadKind::FollowerPressure { .. }));
+        let has_dead_loads = model.loads.iter().any(|load| !load.follows());
         let first_part_stencil = solids.starts.len();
         for part in &model.parts {
             part.stencils(&mut |vectors| solids.push(|out| numbering.node_equations(vectors, out)));

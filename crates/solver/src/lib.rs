@@ -20,6 +20,7 @@ mod loads;
 mod mass_solve;
 mod masses;
 mod model;
+mod moment;
 mod numbering;
 mod problem;
 mod record;

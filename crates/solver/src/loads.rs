@@ -2,14 +2,14 @@
 
 use crate::Table;
 
-/// A load: nodal patterns of unit magnitude times a function of time, or a pressure that follows the surface.
+/// A load: nodal patterns of unit magnitude times a function of time, or what depends on the configuration: a pressure that follows the surface, a moment.
 #[derive(Clone, Debug)]
 pub struct Load {
     /// Name for reports.
     pub name: String,
     /// What it acts on.
     pub kind: LoadKind,
-    /// Magnitude; one column for each pattern of a dead load, one column (a pressure) for a follower pressure.
+    /// Magnitude; one column for each pattern of a dead load, one column (a pressure) for a follower pressure, three for a moment.
     pub magnitude: Table,
 }
 
@@ -27,12 +27,22 @@ pub enum LoadKind {
         /// Facets, global nodes, numbered outward.
         facets: Vec<[u32; 4]>,
     },
+    /// A moment fixed in space on each of some sets of three directors, as forces on them: those of least norm with this moment, `m x D_k / (2 l^2)` for orthogonal directors of length `l`
+    /// (docs/theory/multibody.md#moments). Its work is that of `f . dq`; it has no potential.
+    Moment {
+        /// Global numbers of the directors.
+        directors: Vec<[u32; 3]>,
+    },
 }
 
 impl Load {
-    /// The directions (x, y, z) in which the load acts.
+    /// The directions (x, y, z) in which the load has a resultant.
     pub fn directions(&self) -> [bool; 3] {
-        let LoadKind::Dead { patterns } = &self.kind else { return [true; 3] };
+        let patterns = match &self.kind {
+            LoadKind::Dead { patterns } => patterns,
+            LoadKind::FollowerPressure { .. } => return [true; 3],
+            LoadKind::Moment { .. } => return [false; 3],
+        };
         let mut directions = [false; 3];
         for (column, pattern) in patterns.iter().enumerate() {
             if self.magnitude.is_zero(column) {
@@ -45,12 +55,17 @@ impl Load {
         directions
     }
 
-    /// True if the load has a potential that does not change in time.
-    pub fn is_conservative(&self) -> bool {
-        matches!(self.kind, LoadKind::Dead { .. }) && self.magnitude.is_constant()
+    /// Whether it depends on the configuration.
+    pub fn follows(&self) -> bool {
+        !matches!(self.kind, LoadKind::Dead { .. })
     }
 
-    /// Adds `factor` times the nodal forces of a dead load at a time; follower pressures add nothing here.
+    /// True if the load has a potential that does not change in time.
+    pub fn is_conservative(&self) -> bool {
+        !self.follows() && self.magnitude.is_constant()
+    }
+
+    /// Adds `factor` times the nodal forces of a dead load at a time; others add nothing here.
     pub(crate) fn add_dead(&self, time: f64, factor: f64, force: &mut [f64]) {
         if let LoadKind::Dead { patterns } = &self.kind {
             for (column, pattern) in patterns.iter().enumerate() {

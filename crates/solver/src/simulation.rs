@@ -87,7 +87,7 @@ pub struct Plan {
     pub reactions: bool,
     /// True if there is a vector of dead loads.
     pub dead_loads: bool,
-    /// True if there is a vector of follower pressures.
+    /// True if there is a vector of loads that follow: pressures, moments.
     pub follower_pressure: bool,
     /// True if equations with the mass matrix alone are, or were, solved.
     pub mass_solver: bool,

@@ -2,12 +2,13 @@
 
 use crate::assembly::System;
 use crate::mass_solve::MassSolver;
-use crate::{LoadKind, Model, StepError};
+use crate::moment::moment_forces;
+use crate::{Load, LoadKind, Model, StepError};
 use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
 use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
-use stoss_part::PartStep;
+use stoss_part::{PartError, PartStep};
 
 /// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
 const FROM_ZERO: u32 = 2;
@@ -43,15 +44,41 @@ pub(crate) struct FeSystem<'a> {
 }
 
 impl FeSystem<'_> {
-    /// Follower pressures at the configuration of the rule, into `system.follower` and, with their tangent, the solids' values.
-    pub fn evaluate_follower(&mut self, step: StepConfiguration<'_>, rule: ForceRule, tangent: Option<f64>) {
+    /// Follower pressures and moments at the configuration of the rule, into `system.follower` and, with their tangent, the solids' values.
+    ///
+    /// # Errors
+    /// [`StepError::Part`] if the directors that a moment acts on are on a line in this configuration, which they are not where they are orthogonal.
+    pub fn evaluate_follower(
+        &mut self,
+        step: StepConfiguration<'_>,
+        rule: ForceRule,
+        tangent: Option<f64>,
+    ) -> Result<(), StepError> {
         let (model, s) = (self.model, &mut *self.system);
         s.follower.fill(0.0);
         let theta = rule.load_fraction();
         let time = step.time + theta * step.dt;
         let mut stencil = *s.first_stencil.last().unwrap_or(&0);
         for (load, &acts) in model.loads.iter().zip(&s.acting.loads) {
-            let LoadKind::FollowerPressure { facets } = &load.kind else { continue };
+            let facets = match &load.kind {
+                LoadKind::Dead { .. } => continue,
+                LoadKind::FollowerPressure { facets } => facets,
+                LoadKind::Moment { directors } => {
+                    for (k, &three) in directors.iter().enumerate().filter(|_| acts) {
+                        let (force, mut derivative) = moment(load, three, step, theta)?;
+                        for (&vector, f) in three.iter().zip(force.chunks_exact(3)) {
+                            let at = 3 * vector as usize;
+                            s.follower[at..at + 3].iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
+                        }
+                        if let Some(weight) = tangent {
+                            derivative.iter_mut().for_each(|d| *d *= -weight * theta);
+                            s.solid_map.add(stencil + k, &derivative, &mut s.solid_values);
+                        }
+                    }
+                    stencil += directors.len();
+                    continue;
+                }
+            };
             if !acts {
                 // Its place in the pattern stays.
                 stencil += facets.len();
@@ -59,16 +86,7 @@ impl FeSystem<'_> {
             }
             let pressure = load.magnitude.value(time, 0);
             for facet in facets {
-                let corners = facet.map(|node| {
-                    let at = 3 * node as usize;
-                    std::array::from_fn(|i| {
-                        if theta == 1.0 {
-                            step.q_np1[at + i]
-                        } else {
-                            (1.0 - theta) * step.q_n[at + i] + theta * step.q_np1[at + i]
-                        }
-                    })
-                });
+                let corners = facet.map(|node| between(step, theta, node));
                 let (force, derivative) = follower_pressure(&corners, pressure);
                 add_follower_pressure(facet, &force, &mut s.follower);
                 if let Some(weight) = tangent {
@@ -85,7 +103,31 @@ impl FeSystem<'_> {
                 stencil += 1;
             }
         }
+        Ok(())
     }
+}
+
+/// A vector at `(1 - theta) q_n + theta q_np1`.
+fn between(step: StepConfiguration<'_>, theta: f64, vector: u32) -> [f64; 3] {
+    let at = 3 * vector as usize;
+    std::array::from_fn(|i| {
+        if theta == 1.0 { step.q_np1[at + i] } else { (1.0 - theta) * step.q_n[at + i] + theta * step.q_np1[at + i] }
+    })
+}
+
+/// Forces of a moment on three directors, and their derivatives with respect to these.
+fn moment(
+    load: &Load,
+    directors: [u32; 3],
+    step: StepConfiguration<'_>,
+    theta: f64,
+) -> Result<([f64; 9], [f64; 81]), StepError> {
+    let time = step.time + theta * step.dt;
+    let moment = [0, 1, 2].map(|column| load.magnitude.value(time, column));
+    moment_forces(&directors.map(|vector| between(step, theta, vector)), moment).ok_or_else(|| {
+        let reason = "what it acts on turns by nearly half a turn in one step; take smaller steps".to_owned();
+        StepError::Part(PartError { part: load.name.clone(), reason })
+    })
 }
 
 impl SecondOrderSystem for FeSystem<'_> {
@@ -147,7 +189,7 @@ impl SecondOrderSystem for FeSystem<'_> {
             vector::axpy(-1.0, &s.dead, out);
         }
         if s.has_followers {
-            self.evaluate_follower(step, rule, tangent);
+            self.evaluate_follower(step, rule, tangent)?;
             let s = &mut *self.system;
             vector::axpy(-1.0, &s.follower, out);
             s.force_scale = s.force_scale.max(vector::norm2(&s.follower));

@@ -1,7 +1,7 @@
 //! Force, tangent and rows of a joint.
 //!
 //! `R = -sum lambda_k grad phi_k + T g`, where `g` is a gradient of the coordinate under the rule and `T` all torques that resist it. Rows in the order of the slots:
-//! `-phi_k`; friction `xi` in stick (`|t + c xi| <= B`, or `t` against `xi`) and else `(+-B - t) / f`, with a closed limit always; motor `-(gamma - target)`; limits `(max(0, p + c (xi - hi)) + min(0, p + c (xi - lo)) - p) / c`,
+//! `-phi_k`; friction `xi` in stick (`|t + c xi| <= B`, or `t` against `xi`) and else `(+-B - t) / f`, with a closed limit always; motor `-(gamma - target)`; pretension `(P - p) / f` with the given force `P`, and `gamma - gamma_lock` once it is locked; limits `(max(0, p + c (xi - hi)) + min(0, p + c (xi - lo)) - p) / c`,
 //! with lengths `xi` for the coordinate.
 
 use super::coordinate::LARGEST_TURN;
@@ -112,6 +112,10 @@ impl Joint {
             torque.value += self.options.viscous * c.change / self.step.dt;
             torque.by_coordinate += self.options.viscous / self.step.dt;
         }
+        if self.step.dt == 0.0 && self.slots.pretension.is_some() && self.step.locked.is_none() {
+            // The multiplier is not known yet where accelerations of the start are made.
+            torque.value += self.given_pretension(1.0);
+        }
         torque
     }
 
@@ -119,7 +123,7 @@ impl Joint {
         self.options.viscous > 0.0 && self.step.has_rates && self.step.dt > 0.0
     }
 
-    /// Whole torque with the parts of multipliers (friction, motor, limit) as it acts along the gradient, thus `-T`, and the weights of the invariants; for output.
+    /// Whole torque with the parts of multipliers (friction, motor, pretension, limit) as it acts along the gradient, thus `-T`, and the weights of the invariants; for output.
     pub(super) fn torque_and_weights(
         &self,
         q_n: &[f64],
@@ -140,7 +144,9 @@ impl Joint {
     /// Slots on the coordinate, and the sign of their multipliers in the torque that resists it.
     fn signs(&self) -> impl Iterator<Item = (usize, f64)> {
         let s = self.slots;
-        [(s.friction, 1.0), (s.motor, -1.0), (s.limit, 1.0)].into_iter().filter_map(|(slot, sign)| Some((slot?, sign)))
+        [(s.friction, 1.0), (s.motor, -1.0), (s.pretension, 1.0), (s.limit, 1.0)]
+            .into_iter()
+            .filter_map(|(slot, sign)| Some((slot?, sign)))
     }
 
     fn friction_row(&self, c: &CoordinateStep, multipliers: &[f64], slot: usize) -> Row {
@@ -184,6 +190,23 @@ impl Joint {
         let scale = self.scale();
         let value = -scale * (c.value_n + c.change - target);
         Row { value, by_coordinate: -scale, by_own: 0.0, by_reaction: 0.0, holds: true }
+    }
+
+    fn pretension_row(&self, theta: f64, c: &CoordinateStep, multipliers: &[f64], slot: usize) -> Row {
+        let scale = self.scale();
+        if let Some(locked) = self.step.locked {
+            let value = scale * (c.value_n + c.change - locked);
+            return Row { value, by_coordinate: scale, by_own: 0.0, by_reaction: 0.0, holds: true };
+        }
+        let unit = self.step.pretension_unit;
+        let value = (self.given_pretension(theta) / scale - multipliers[slot]) / unit;
+        Row { value, by_coordinate: 0.0, by_own: -1.0 / unit, by_reaction: 0.0, holds: false }
+    }
+
+    /// The force of a pretension that is not locked, at the time of the rule.
+    fn given_pretension(&self, theta: f64) -> f64 {
+        let time = self.step.time_n + theta * (self.step.time_np1 - self.step.time_n);
+        self.options.pretension.as_ref().map_or(0.0, |pretension| pretension.force.value(time))
     }
 
     /// If a limit is closed: how far the coordinate is beyond it, and how far it may go in the step; lengths.
@@ -257,6 +280,8 @@ impl Joint {
                 self.friction_row(&c, multipliers, slot)
             } else if Some(slot) == s.motor {
                 self.motor_row(&c)
+            } else if Some(slot) == s.pretension {
+                self.pretension_row(theta, &c, multipliers, slot)
             } else {
                 self.limit_row(&c, multipliers, slot)
             };
@@ -368,15 +393,16 @@ impl Constraint for Joint {
     }
 
     fn is_symmetric(&self, rule: ContactRule) -> bool {
-        rule == ContactRule::EndPoint && self.slots.friction.is_none() && self.slots.limit.is_none()
+        let given = self.slots.pretension.is_some() && self.step.locked.is_none();
+        rule == ContactRule::EndPoint && self.slots.friction.is_none() && self.slots.limit.is_none() && !given
     }
 
     fn set_rule(&mut self, _rule: ContactRule, step_size: f64) {
         self.step.dt = step_size;
     }
 
-    fn set_times(&mut self, _time_n: f64, time_np1: f64) {
-        self.step.time_np1 = time_np1;
+    fn set_times(&mut self, time_n: f64, time_np1: f64) {
+        (self.step.time_n, self.step.time_np1) = (time_n, time_np1);
     }
 
     fn set_has_rates(&mut self, has_rates: bool) {

@@ -1,4 +1,4 @@
-//! What a joint carries from step to step: full turns, and what tells whether it was held. And what its step stored and lost.
+//! What a joint carries from step to step: full turns, what tells whether it was held, and what a pretension keeps. And what its step stored and lost.
 
 use super::Joint;
 use super::assemble::SMALLEST_SLIP;
@@ -17,10 +17,17 @@ pub(super) struct JointHistory {
     pub reaction: f64,
     /// Torque of viscous friction on side b in the last accepted step.
     pub viscous: f64,
+    /// Multiplier of motor or pretension in the last accepted step.
+    pub driving: f64,
+    /// The value that a locked pretension keeps.
+    pub locked: Option<f64>,
 }
 
 /// Bytes of a history.
-const SIZE: usize = 8 * 6 + 1;
+const SIZE: usize = 8 * 8 + 1;
+
+/// Part of a step by which times may differ that are the same.
+const SAME_TIME: f64 = 1e-9;
 
 impl Joint {
     /// State of the step that begins at `q_n`.
@@ -32,6 +39,18 @@ impl Joint {
         self.step.value = self.value_at(kind, start);
         let stiffness = self.weights.stiffness(self.step.dt);
         self.step.stiffness = stiffness;
+        if self.step.time_n == self.step.time_np1 {
+            // It was off before.
+            self.history.driving = 0.0;
+        }
+        if let Some(pretension) = &self.options.pretension {
+            let at = |time| pretension.force.value(time).abs() / self.scale();
+            let largest = at(self.step.time_n).max(at(self.step.time_np1));
+            let is_past = self.step.time_n + SAME_TIME * self.step.dt >= pretension.lock;
+            // The row of a force that is wrong by its own size is as long as the joint.
+            self.step.pretension_unit = if largest > 0.0 { largest / self.length } else { stiffness };
+            self.step.locked = self.history.locked.or(is_past.then_some(self.step.value));
+        }
         if let Some(friction) = self.options.friction {
             // A row of slip is as long as the joint if the torque is ten times what it should be, so that it is judged as rows of stick are.
             let bound = friction.bound / self.scale() + self.friction_slope() * self.history.reaction;
@@ -77,7 +96,13 @@ impl History for Joint {
         work.dissipated =
             -self.viscous_torque(change) * change + lost(of(self.slots.friction)) + lost(of(self.slots.limit));
         work.friction_work = work.dissipated;
-        work.driven = of(self.slots.motor);
+        // Forces of statics are those of the end of a step: their work is that of the trapezium rule, as of supports.
+        let share = |m: f64| if self.step.has_rates { m } else { 0.5 * (m + self.history.driving) };
+        let by_drive = |slot: usize| self.scale() * share(multipliers[slot]) * change;
+        work.driven = self.slots.motor.filter(|&slot| active[slot]).map_or(0.0, by_drive);
+        if self.step.locked.is_none() {
+            work.driven -= self.slots.pretension.filter(|&slot| active[slot]).map_or(0.0, by_drive);
+        }
         Ok(work)
     }
 
@@ -94,16 +119,19 @@ impl History for Joint {
         self.history.turns = kind.turns(value, end);
         self.history.accepted = Some(end);
         self.history.stored = if held { self.spring_energy(value) } else { 0.0 };
+        let drive = self.slots.motor.or(self.slots.pretension);
+        self.history.driving = drive.filter(|&slot| active[slot]).map_or(0.0, |slot| multipliers[slot]);
+        self.history.locked = self.step.locked;
     }
 
     fn save_history(&self) -> Vec<u8> {
         let h = &self.history;
         let [s, c] = h.accepted.unwrap_or_default();
         let mut bytes = h.turns.to_le_bytes().to_vec();
-        for value in [s, c, h.stored, h.reaction, h.viscous] {
+        for value in [s, c, h.stored, h.reaction, h.viscous, h.driving, h.locked.unwrap_or_default()] {
             bytes.extend(value.to_le_bytes());
         }
-        bytes.push(u8::from(h.accepted.is_some()));
+        bytes.push(u8::from(h.accepted.is_some()) | u8::from(h.locked.is_some()) << 1);
         bytes
     }
 
@@ -116,10 +144,12 @@ impl History for Joint {
         let number = |k: usize| f64::from_le_bytes(word(k));
         self.history = JointHistory {
             turns: i64::from_le_bytes(word(0)),
-            accepted: (bytes[SIZE - 1] == 1).then(|| [number(1), number(2)]),
+            accepted: (bytes[SIZE - 1] & 1 != 0).then(|| [number(1), number(2)]),
             stored: number(3),
             reaction: number(4),
             viscous: number(5),
+            driving: number(6),
+            locked: (bytes[SIZE - 1] & 2 != 0).then(|| number(7)),
         };
         Ok(())
     }

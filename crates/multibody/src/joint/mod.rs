@@ -10,7 +10,9 @@ mod options;
 
 pub use coordinate::CoordinateKind;
 pub use kinds::JointKind;
-pub use options::{CoordinateFriction, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, PiecewiseLinear};
+pub use options::{
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, PiecewiseLinear, Pretension,
+};
 
 use crate::Frame;
 use crate::compliance::{Compliance, Weights};
@@ -75,6 +77,7 @@ pub enum JointError {
 struct Slots {
     friction: Option<usize>,
     motor: Option<usize>,
+    pretension: Option<usize>,
     limit: Option<usize>,
     count: usize,
 }
@@ -83,21 +86,25 @@ struct Slots {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct StepState {
     dt: f64,
+    time_n: f64,
     time_np1: f64,
     has_rates: bool,
     /// Invariants and coordinate at `q_n`.
     start: [f64; 2],
     value: f64,
-    /// `c` of friction, `f` of its slip row, `c` of limits; a force over a length each.
+    /// `c` of friction, `f` of its slip row, that of the row of a given pretension, `c` of limits; a force over a length each.
     complementarity: f64,
     friction_unit: f64,
+    pretension_unit: f64,
+    /// The value that a locked pretension keeps.
+    locked: Option<f64>,
     stiffness: f64,
 }
 
-/// A joint: `kind.equations()` constraints, then a slot each for friction, motor and limits if there are such. Slots that are not active have neither forces nor
+/// A joint: `kind.equations()` constraints, then a slot each for friction, motor, pretension and limits if there are such. Slots that are not active have neither forces nor
 /// equations; with none active the joint is released, with all that acts on its coordinate.
 ///
-/// Multipliers are forces. Those of friction, motor and limits act on the coordinate times the length of the joint if that is an angle: a torque is the multiplier times
+/// Multipliers are forces. Those of friction, motor, pretension and limits act on the coordinate times the length of the joint if that is an angle: a torque is the multiplier times
 /// that length.
 #[derive(Clone, Debug)]
 pub struct Joint {
@@ -169,7 +176,13 @@ impl Joint {
             functions,
             slots: Slots { count: kind.equations(), ..Slots::default() },
             compliance: Compliance::default(),
-            step: StepState { complementarity: 1.0, friction_unit: 1.0, stiffness: 1.0, ..StepState::default() },
+            step: StepState {
+                complementarity: 1.0,
+                friction_unit: 1.0,
+                pretension_unit: 1.0,
+                stiffness: 1.0,
+                ..StepState::default()
+            },
             history: history::JointHistory::default(),
         };
         made.check(reference)?;
@@ -210,7 +223,7 @@ impl Joint {
         out
     }
 
-    /// With springs, friction, motor, limits on its coordinate.
+    /// With springs, friction, motor, pretension, limits on its coordinate.
     ///
     /// # Errors
     /// [`JointError::NoCoordinate`] or [`JointError::Value`].
@@ -229,8 +242,9 @@ impl Joint {
         };
         let friction = next(options.friction.is_some());
         let motor = next(options.motor.is_some());
+        let pretension = next(options.pretension.is_some());
         let limit = next(options.limits.is_some());
-        self.slots = Slots { friction, motor, limit, ..slots };
+        self.slots = Slots { friction, motor, pretension, limit, ..slots };
         self.options = options;
         Ok(self)
     }
@@ -263,12 +277,22 @@ impl Joint {
         self.slots.motor
     }
 
+    /// Slot of the pretension, whose multiplier times [`Self::scale`] is the force of the bolt, positive in tension.
+    pub fn pretension_slot(&self) -> Option<usize> {
+        self.slots.pretension
+    }
+
+    /// The value that the coordinate keeps since its pretension was locked; `None` before.
+    pub fn locked(&self) -> Option<f64> {
+        self.history.locked
+    }
+
     /// Slot of the limits, whose multiplier is positive at the upper limit.
     pub fn limit_slot(&self) -> Option<usize> {
         self.slots.limit
     }
 
-    /// What multipliers of friction, motor and limits are multiplied by to be torques: the length of the joint for an angle, 1 for a displacement.
+    /// What multipliers of friction, motor, pretension and limits are multiplied by to be torques: the length of the joint for an angle, 1 for a displacement.
     pub fn scale(&self) -> f64 {
         match self.kind.coordinate() {
             Some(CoordinateKind::Angle) => self.length,

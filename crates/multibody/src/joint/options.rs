@@ -59,6 +59,15 @@ pub struct CoordinateFriction {
     pub radius: f64,
 }
 
+/// A force (or torque) on the coordinate that is given until a time, after which the coordinate keeps the value that it has: the pretension of a bolt, whose halves the joint connects.
+#[derive(Clone, Debug)]
+pub struct Pretension {
+    /// The force against the coordinate, positive in tension; until the lock it does work, and after it none.
+    pub force: Arc<dyn Drive>,
+    /// Time of the lock. Steps that begin at it or later are locked; one should end there.
+    pub lock: f64,
+}
+
 /// What acts on the coordinate of a joint; nothing by default.
 #[derive(Clone, Debug, Default)]
 pub struct CoordinateOptions {
@@ -70,6 +79,8 @@ pub struct CoordinateOptions {
     pub friction: Option<CoordinateFriction>,
     /// A motor: the coordinate is what it says.
     pub motor: Option<Arc<dyn Drive>>,
+    /// A pretension; not with a motor.
+    pub pretension: Option<Pretension>,
     /// Lower and upper limit. What closing costs in energy is lost, as in contact with the standard constraint.
     pub limits: Option<[f64; 2]>,
 }
@@ -80,6 +91,7 @@ impl CoordinateOptions {
             || self.viscous > 0.0
             || self.friction.is_some()
             || self.motor.is_some()
+            || self.pretension.is_some()
             || self.limits.is_some()
     }
 
@@ -95,9 +107,15 @@ impl CoordinateOptions {
         };
         let of_limits =
             |[low, high]: [f64; 2]| (low >= high || low.is_nan() || high.is_nan()).then_some(("the upper limit", high));
+        let of_lock = |lock: f64| {
+            // After the lock both would give the coordinate.
+            let clash = self.motor.is_some().then_some(("the lock of a pretension beside a motor", lock));
+            finite("the time of the lock", lock).or(clash)
+        };
         (self.spring.and_then(of_spring))
             .or(not_negative("the viscous coefficient", self.viscous))
             .or(self.friction.and_then(of_friction))
             .or(self.limits.and_then(of_limits))
+            .or(self.pretension.as_ref().and_then(|p| of_lock(p.lock)))
     }
 }

@@ -6,8 +6,8 @@ use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name, meshed_part, set_reference, surface_reference};
 use crate::{
-    BoxRegion, Closing, Constraint, Contact, ContactMethod, Enforcement, Integrals, Kind, Load, LoadKind, Multipliers,
-    PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
+    BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Enforcement, Integrals, Kind, Load, LoadKind,
+    Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -245,6 +245,22 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     let body_force = value("body_force", LoadKind::BodyForce);
     let follower_pressure = value("follower_pressure", LoadKind::FollowerPressure);
     let force = value("force", LoadKind::Force);
+    let moment = value("moment", LoadKind::Moment);
+    let coupling = table.optional("coupling", |n| {
+        let coupling = n.choice(Coupling::NAMES, Coupling::from_name)?;
+        if !table.has("moment") {
+            return n.fail("is for moments on sets of deformable bodies", "remove it");
+        }
+        let part =
+            set.as_ref().and_then(|set| set.as_deref()).and_then(split_set).and_then(|(part, _)| world.part(part));
+        match part {
+            Some(part) if part.kind != PartKind::Body => n.fail(
+                format!("is for sets of deformable bodies, and the load acts on {}", part.kind.noun()),
+                "remove it",
+            ),
+            _ => Some(coupling),
+        }
+    });
     let given: Vec<&'static str> = LoadKind::NAMES.iter().copied().filter(|key| table.has(key)).collect();
     let one_kind = match given.as_slice() {
         [_] => Some(()),
@@ -282,10 +298,12 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
         body_force: body_force?,
         follower_pressure: follower_pressure?,
         force: force?,
+        moment: moment?,
+        coupling: coupling?,
     })
 }
 
-/// The set of a load: pressures, tractions and body forces act on deformable bodies, forces also on other parts.
+/// The set of a load: pressures, tractions and body forces act on deformable bodies, forces and moments also on other parts.
 fn loaded_set(node: &Node<'_>, table: &Table<'_>, world: &World<'_>) -> Option<String> {
     let text = set_reference(node, world)?;
     let Some((part, set)) = split_set(&text).and_then(|(part, set)| Some((world.part(part)?, set))) else {
@@ -293,14 +311,22 @@ fn loaded_set(node: &Node<'_>, table: &Table<'_>, world: &World<'_>) -> Option<S
     };
     let noun = part.kind.noun();
     if part.kind != PartKind::Body
-        && let Some(kind) = LoadKind::NAMES.iter().find(|&&key| table.has(key) && key != LoadKind::Force.name())
+        && let Some(kind) = LoadKind::NAMES
+            .iter()
+            .find(|&&key| table.has(key) && ![LoadKind::Force, LoadKind::Moment].map(LoadKind::name).contains(&key))
     {
         let message = format!("`{}` is {noun}: a `{kind}` acts on deformable bodies", part.name);
         return node.fail(message, "write `force`, or [gravity] for weight");
     }
     if part.kind == PartKind::Rigid && set != "all" {
-        let remedy = format!("write \"{}.all\"; the force acts at its centre of mass", part.name);
-        return node.fail(format!("`{}` is {noun}, on which a force acts as a whole", part.name), remedy);
+        let remedy = format!("write \"{}.all\"; a force acts at its centre of mass", part.name);
+        return node.fail(format!("`{}` is {noun}, on which forces and moments act as a whole", part.name), remedy);
+    }
+    if table.has(LoadKind::Moment.name()) && matches!(part.kind, PartKind::Mass | PartKind::String) {
+        return node.fail(
+            format!("`{}` is {noun}, which has no orientation for a moment", part.name),
+            "name a rigid body, a beam or a deformable body",
+        );
     }
     Some(text)
 }

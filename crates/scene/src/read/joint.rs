@@ -6,7 +6,8 @@ use super::table::Table;
 use super::world::{World, action_name};
 use crate::vector::{norm, perpendicular, sub};
 use crate::{
-    Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, PartKind, Spring, split_set,
+    Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, PartKind, Pretension, Spring,
+    split_set,
 };
 use toml::de::DeValue;
 
@@ -41,6 +42,8 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
     let coupling = coupling(table, between.as_ref(), world);
     let motor = only_for(table, "motor", kind, |k| k.has_angle() || k.has_displacement(), MOVING)
         .and_then(|()| table.optional("motor", |n| motor(n, kind)));
+    let pretension = only_for(table, "pretension", kind, |k| k == JointKind::Slider, "sliders")
+        .and_then(|()| table.optional("pretension", |n| pretension(n, table, world)));
     let limits = only_for(table, "limits", kind, JointKind::has_one_coordinate, SINGLE)
         .and_then(|()| table.optional("limits", |n| limits(n, table.has("motor"))));
     let friction = only_for(table, "friction", kind, JointKind::has_one_coordinate, SINGLE)
@@ -57,6 +60,7 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
         axes: axes?,
         coupling: coupling?,
         motor: motor?,
+        pretension: pretension?,
         limits: limits?,
         friction: friction?,
         spring: spring?,
@@ -226,6 +230,27 @@ fn motor(node: &Node<'_>, kind: Option<JointKind>) -> Option<Motor> {
     table.finish();
     one?;
     Some(Motor { angle: angle?, displacement: displacement? })
+}
+
+fn pretension(node: &Node<'_>, joint: &Table<'_>, world: &World<'_>) -> Option<Pretension> {
+    let table = node.table_like("{ force = { table = [[0.0, 0.0], [1.0, 2e4]] }, lock = 1.0 }")?;
+    let force = table.required("force", "force = { table = [[0.0, 0.0], [1.0, 2e4]] }", |n| series(n, 1));
+    let lock = table.required("lock", "lock = 1.0", |n| {
+        let time = n.not_negative()?;
+        match world.end {
+            Some(end) if time > end => {
+                n.fail(format!("is after the end of the run, {end}"), "choose a time in the run")
+            }
+            _ => Some(time),
+        }
+    });
+    table.finish();
+    // Once the joint is locked, each of them would determine the same coordinate.
+    if let Some(key) = ["motor", "limits", "friction"].into_iter().find(|&key| joint.has(key)) {
+        let remedy = format!("remove it, or the {key}");
+        return node.fail(format!("excludes `{key}`: after the lock both would give the motion"), remedy);
+    }
+    Some(Pretension { force: force?, lock: lock? })
 }
 
 fn limits(node: &Node<'_>, has_motor: bool) -> Option<[f64; 2]> {

@@ -5,8 +5,8 @@ use super::prescribe::component;
 use super::table::Table;
 use super::world::{World, part_name, set_reference};
 use crate::{
-    Component, Expect, ExpectedValue, Field, Interval, Kind, OnFault, Outcome, Output, PartKind, Probe, Quantity,
-    Verdict, Watch,
+    Component, Expect, ExpectedValue, Field, Interval, JointKind, Kind, OnFault, Outcome, Output, PartKind, Probe,
+    Quantity, Verdict, Watch,
 };
 
 /// The probe, and its name with its quantity, which `[expect]` needs even if the rest is bad.
@@ -73,6 +73,9 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
     match world.joints.iter().find(|(joint, _)| *joint == name) {
         Some((_, Some(kind))) if quantity == Some(Quantity::JointAngle) && !kind.has_angle() => {
             node.fail(format!("is a joint `{kind}`, which has no angle"), "choose a hinge or a cylindrical joint")
+        }
+        Some((_, Some(kind))) if quantity == Some(Quantity::JointDisplacement) && *kind != JointKind::Slider => {
+            node.fail(format!("is a joint `{kind}`, whose displacement is not followed"), "choose a slider")
         }
         Some(_) => Some(name),
         None if !world.actions_complete => Some(name),

@@ -9,6 +9,9 @@ const fn multi(from: &'static str, to: &'static str, at: &'static str, key: &'st
     Case { base: MULTIBODY, mortar: false, from, to, at, key }
 }
 
+/// Both options of a joint that a pretension takes the place of.
+const DRIVEN: &str = "motor = { displacement = { table = [[0.0, 0.0], [1.0, 0.1]] } }\nfriction = { coulomb = 2 }";
+
 const fn statics(from: &'static str, to: &'static str, at: &'static str, key: &'static str) -> Case {
     Case { base: STATIC, mortar: false, from, to, at, key }
 }
@@ -407,7 +410,57 @@ pub const CASES: &[Case] = &[
     multi("name = \"swing\"", "name = \"hang\"", "\"hang\"\nkind = \"dynamic\"", "stage[1].name"),
     statics("kind = \"static\"\n", "kind = \"dynamic\"\n", "kind = \"dynamic\"", "stage[0].kind"),
     statics("kind = \"static\"\n", "", "[[stage]]", "stage[0].kind"),
+    // pretension
+    multi(DRIVEN, "pretension = { lock = 1.0 }", "{ lock", "joint[2].pretension.force"),
+    multi(DRIVEN, "pretension = { force = 2.0 }", "{ force = 2.0", "joint[2].pretension.lock"),
+    multi(DRIVEN, "pretension = { force = [1.0, 2.0], lock = 1.0 }", "[1.0, 2.0]", "joint[2].pretension.force"),
+    multi(DRIVEN, "pretension = { force = 2.0, lock = 3.0 }", "lock = 3.0", "joint[2].pretension.lock"),
+    multi(DRIVEN, "pretension = { force = 2.0, lock = -1.0 }", "lock = -1.0", "joint[2].pretension.lock"),
+    multi(
+        DRIVEN,
+        "pretension = { force = 2.0, lock = 1.0 }\nlimits = [-1, 1]",
+        "{ force = 2.0, lock",
+        "joint[2].pretension",
+    ),
+    multi(
+        "friction = { coulomb = 2 }",
+        "pretension = { force = 2.0, lock = 1.0 }",
+        "{ force = 2.0, lock",
+        "joint[2].pretension",
+    ),
+    multi(
+        "limits = [-30, 60]",
+        "pretension = { force = 2.0, lock = 1.0 }",
+        "pretension = { force",
+        "joint[1].pretension",
+    ),
+    // moments
+    multi("force = [0, 0, 1]\n\n[[load]]", "moment = 1.0\n\n[[load]]", "moment = 1.0", "load[0].moment"),
+    multi(
+        "force = [0, 0, 1]\n\n[[load]]",
+        "moment = [0, 0, 1]\ncoupling = \"kinematic\"\n\n[[load]]",
+        "coupling = \"kinematic\"\n\n[[load]]",
+        "load[0].coupling",
+    ),
+    multi(
+        "force = [0, 0, 1]\n\n[[load]]",
+        "force = [0, 0, 1]\ncoupling = \"kinematic\"\n\n[[load]]",
+        "coupling = \"kinematic\"\n\n[[load]]",
+        "load[0].coupling",
+    ),
+    multi(
+        "set = \"wire.end\"\nforce = [0, 0, 1]",
+        "set = \"wire.end\"\nmoment = [0, 0, 1]",
+        "set = \"wire.end\"",
+        "load[1].set",
+    ),
     // [[probe]]
+    multi(
+        "quantity = \"joint_angle\"\njoint = \"elbow\"",
+        "quantity = \"joint_displacement\"\njoint = \"elbow\"",
+        "joint = \"elbow\"",
+        "probe[2].joint",
+    ),
     multi("joint = \"swivel\"", "", "[[probe]]", "probe[0].joint"),
     multi("joint = \"swivel\"", "joint = \"swivle\"", "swivle", "probe[0].joint"),
     multi(

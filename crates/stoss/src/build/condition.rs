@@ -161,6 +161,22 @@ pub(super) fn loads(scene: &Scene, placed: &[Placed], model: &mut Model, problem
     }
 }
 
+/// Lets moments on sets of deformable bodies act on their reference bodies, whose first vectors `reference` tells.
+pub(super) fn moments(
+    scene: &Scene,
+    reference: impl Fn(&str, crate::scene::Coupling) -> Option<u32>,
+    model: &mut Model,
+) {
+    for (item, load) in scene.loads.iter().zip(&mut model.loads) {
+        if let (LoadKind::Moment { directors }, Some(set)) = (&mut load.kind, &item.set)
+            && directors.is_empty()
+            && let Some(first) = reference(set, item.coupling())
+        {
+            directors.push([1, 2, 3].map(|k| first + k));
+        }
+    }
+}
+
 /// Gravity as a dead load on everything that has mass, behind all other loads.
 pub(super) fn gravity(scene: &Scene, model: &mut Model, problems: &mut Problems<'_>) {
     let Some(gravity) = &scene.gravity else { return };
@@ -248,6 +264,19 @@ fn load_kind(
         let nodes = part.map_or(nodes, |part| vec![part.own_vectors().start]);
         let patterns = (0..3).map(|i| nodes.iter().map(|&n| (3 * n + i, 1.0)).collect()).collect();
         return Some(LoadKind::Dead { patterns });
+    }
+    if kind == SceneLoad::Moment {
+        let (p, nodes) = resolve(placed, &key, set, problems, Placed::nodes_of)?;
+        let part = model.parts.iter().find(|part| part.name() == placed[p].name);
+        let directors = match part {
+            Some(part) if scene.rigids.iter().any(|item| item.name == part.name()) => {
+                vec![[1, 2, 3].map(|k| part.own_vectors().start + k)]
+            }
+            Some(_) => nodes.iter().map(|node| [1, 2, 3].map(|k| node + k)).collect(),
+            // Those of the reference body of the set, once it is made.
+            None => Vec::new(),
+        };
+        return Some(LoadKind::Moment { directors });
     }
     let (_, facets) = resolve(placed, &key, set, problems, solid_facets)?;
     let reference = &model.reference;

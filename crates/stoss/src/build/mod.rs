@@ -131,6 +131,9 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.extend(ties.pairs);
         multibody::constraints(scene, &placed, &mut parts, &mut model, &mut problems, &mut warnings);
+        if problems.list.is_empty() {
+            condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
+        }
         warnings.extend(supports::warnings(scene, &model));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
         // Places in the model are known only if nothing was left out.

@@ -3,7 +3,7 @@
 use super::condition::RigidMotion;
 use super::placed::Placed;
 use super::{Drawing, Problems};
-use crate::scene::{Prescribe, Scene};
+use crate::scene::{Coupling, Prescribe, Scene};
 use crate::solver::Model;
 use std::path::Path;
 
@@ -18,6 +18,10 @@ pub(super) struct Parts {
 
 impl Parts {
     pub fn point(&self, _: &str, _: [f64; 3]) -> Option<Vec<(u32, f64)>> {
+        None
+    }
+
+    pub fn reference_body(&self, _: &str, _: Coupling) -> Option<u32> {
         None
     }
 }

@@ -77,6 +77,9 @@ impl Probe {
                 let angle = self.joint(simulation).and_then(|joint| joint.coordinate);
                 [angle.map_or(f64::NAN, f64::to_degrees), 0.0, 0.0]
             }
+            Quantity::JointDisplacement => {
+                [self.joint(simulation).and_then(|joint| joint.coordinate).unwrap_or(f64::NAN), 0.0, 0.0]
+            }
             Quantity::AngularVelocity => self.angular_velocity(simulation),
             Quantity::Position => self.mean(&simulation.state().q),
             Quantity::Velocity => self.mean(&simulation.state().v),

@@ -88,6 +88,9 @@ impl Schedule {
             segments.push(Segment { name: "run".into(), integrator, step, end, off, releases });
         }
         let mut schedule = Self { segments, conditional: Vec::new() };
+        for pretension in scene.joints.iter().filter_map(|joint| joint.pretension.as_ref()) {
+            schedule.cut(pretension.lock, None);
+        }
         for (e, event) in scene.events.iter().enumerate() {
             let release = match names.get(&event.release) {
                 Some(Named::Contact(c)) => Release::Constraint(*c),
@@ -99,7 +102,7 @@ impl Schedule {
                 }
             };
             if let Some(time) = event.time {
-                schedule.cut(time, &event.name, release);
+                schedule.cut(time, Some((event.name.clone(), release)));
             }
             let Some(when) = &event.when else { continue };
             let Some(probe) = probes.iter().position(|probe| probe.name == when.probe) else { continue };
@@ -115,21 +118,23 @@ impl Schedule {
         schedule
     }
 
-    /// Lets a segment end at a time and the next one begin with a release.
-    fn cut(&mut self, time: f64, event: &str, release: Release) {
-        let release = (event.to_owned(), release);
+    /// Lets a segment end at a time and the next one begin, with the release of an event if there is one.
+    fn cut(&mut self, time: f64, release: Option<(String, Release)>) {
+        if time <= 0.0 {
+            return;
+        }
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
         let Some(k) = self.segments.iter().position(|segment| time <= segment.end || near(time, segment.end)) else {
             return;
         };
         if near(time, self.segments[k].end) {
             if let Some(next) = self.segments.get_mut(k + 1) {
-                next.releases.push(release);
+                next.releases.extend(release);
             }
             return;
         }
         let mut rest = self.segments[k].clone();
-        rest.releases = vec![release];
+        rest.releases = release.into_iter().collect();
         self.segments[k].end = time;
         self.segments.insert(k + 1, rest);
     }

@@ -14,6 +14,7 @@ pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
         ("mass[0]", "[[mass]]", scene.masses.is_empty()),
         ("joint[0]", "[[joint]]", scene.joints.is_empty()),
         ("spring[0]", "[[spring]]", scene.springs.is_empty()),
+        ("load", "`moment` of [[load]]", scene.loads.iter().all(|load| load.moment.is_none())),
     ];
     let found: Vec<_> = tables.into_iter().filter(|&(_, _, empty)| !empty).collect();
     let &(key, ..) = found.first()?;

@@ -2,7 +2,7 @@
 
 use crate::scene::{Constraint, Contact, ContactMethod, Integrals, Scene};
 use stoss_integrators::Scheme;
-use stoss_solver::{Model, Simulation};
+use stoss_solver::{LoadKind, Model, Simulation};
 use stoss_watch::Promises;
 
 /// Part of its scale that a conserved quantity may be off: sums of what iterations leave over long runs are far below.
@@ -33,6 +33,11 @@ fn kept(model: &Model) -> [bool; 2] {
     ]
 }
 
+/// Whether a load is a moment, which changes angular momentum only.
+fn turned(model: &Model) -> bool {
+    model.loads.iter().any(|load| matches!(load.kind, LoadKind::Moment { .. }))
+}
+
 /// The promises of a run, or stage, with this scheme; none in statics, where there is neither momentum nor kinetic energy.
 pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&dyn Scheme>) -> Option<Promises> {
     let scheme = scheme?;
@@ -46,7 +51,7 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&d
     };
     Some(Promises {
         linear: driven.map(|driven| claims.linear_momentum && keeps_linear && !driven),
-        angular: claims.angular_momentum && driven == [false; 3] && keeps_linear && keeps_angular,
+        angular: claims.angular_momentum && driven == [false; 3] && !turned(model) && keeps_linear && keeps_angular,
         energy: claims.energy,
         autonomous: !moved && model.loads.iter().all(stoss_solver::Load::is_conservative),
         contact_gives_nothing: claims.energy && scene.contacts.iter().all(gives_nothing),
@@ -68,7 +73,7 @@ pub(crate) fn changed_by(scene: &Scene, model: &Model) -> [Option<String>; 3] {
         return [ground(), ground(), None];
     }
     if axes.is_empty() {
-        return [None, None, None];
+        return [None, turned(model).then(|| "moments change it".to_owned()), None];
     }
     let linear = format!("loads or supports change it along {}", axes.join(", "));
     [Some(linear), Some("loads or supports change it".to_owned()), None]

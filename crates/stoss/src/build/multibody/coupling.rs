@@ -1,4 +1,4 @@
-//! Reference bodies: what joints and springs hold of a set of a deformable body.
+//! Reference bodies: what joints, springs and moments hold of a set of a deformable body.
 
 use super::Parts;
 use crate::build::Problems;
@@ -13,7 +13,7 @@ use stoss_multibody::{ConstraintSet, RigidBody, distributing_coupling, kinematic
 /// Principal axes do not matter for a body without mass.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Adds a body without mass for every set that a joint or spring names, in the weighted centre of its nodes; returns the equations that couple them.
+/// Adds a body without mass for every set that a joint, spring or moment names, in the weighted centre of its nodes; returns the equations that couple them.
 pub(super) fn couplings(
     scene: &Scene,
     placed: &[Placed],
@@ -28,8 +28,11 @@ pub(super) fn couplings(
     let of_springs = scene.springs.iter().enumerate().flat_map(|(s, item)| {
         (0..2).map(move |k| (format!("spring[{s}].between[{k}]"), &item.between[k], Coupling::Distributing))
     });
+    let of_loads = scene.loads.iter().enumerate().filter(|(_, item)| item.moment.is_some());
+    let of_loads =
+        of_loads.filter_map(|(l, item)| Some((format!("load[{l}].set"), item.set.as_ref()?, item.coupling())));
     let mut sets = Vec::new();
-    for (key, name, coupling) in of_joints.chain(of_springs) {
+    for (key, name, coupling) in of_joints.chain(of_springs).chain(of_loads) {
         let Some((part, _)) = split_set(name) else { continue };
         if !matches!(scene.part(part), Some((PartKind::Body, _)))
             || parts.couplings.contains_key(&(name.clone(), coupling))

@@ -7,7 +7,7 @@ use crate::solver::Model;
 use std::sync::Arc;
 use stoss_multibody::{
     CoordinateFriction, CoordinateOptions, CoordinateSpring, Embedded, Frame, Joint, JointKind, PiecewiseLinear,
-    Spring, SpringData, Weights, axes_along,
+    Pretension, Spring, SpringData, Weights, axes_along,
 };
 
 /// One side of a joint or spring: what moves, and a length and a mass that are typical of it.
@@ -175,6 +175,7 @@ fn options(item: &SceneJoint) -> CoordinateOptions {
             radius: f.radius.unwrap_or(1.0),
         }),
         motor,
+        pretension: item.pretension.as_ref().map(|p| Pretension { force: drive(&p.force, 1.0), lock: p.lock }),
         limits: item.limits.map(|limits| limits.map(|l| unit * l)),
     }
 }

@@ -62,6 +62,11 @@ impl Parts {
         self.rigid(name).map(|body| body.point(x).terms)
     }
 
+    /// First vector of the reference body of a set of a deformable body.
+    pub fn reference_body(&self, set: &str, coupling: Coupling) -> Option<u32> {
+        self.couplings.get(&(set.to_owned(), coupling)).map(RigidBody::first)
+    }
+
     /// The rigid body of that name.
     pub fn rigid(&self, name: &str) -> Option<&RigidBody> {
         self.rigids.iter().find(|body| body.name() == name)

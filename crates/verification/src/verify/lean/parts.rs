@@ -246,7 +246,8 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
         },
     };
     let contact = !scene.contacts.is_empty();
-    let follower = |load: &stoss_scene::Load| matches!(load.kind(), Some((LoadKind::FollowerPressure, _)));
+    let follower =
+        |load: &stoss_scene::Load| matches!(load.kind(), Some((LoadKind::FollowerPressure | LoadKind::Moment, _)));
     let allocated = Allocated {
         mass_matrix: scene.is_dynamic(),
         mass_solver: needs.mass_solver,

@@ -3,6 +3,7 @@
 mod beams;
 mod build;
 mod chain;
+mod driven;
 mod joints;
 mod rigid;
 mod scene;
@@ -16,7 +17,7 @@ use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 
-/// Tops, pendulums, mechanisms, bearings, chains, beams, strings, redundancy, extremes, work and precision, trebuchet, rigid tools.
+/// Tops, pendulums, mechanisms, bearings, chains, beams, strings, redundancy, extremes, work and precision, trebuchet, rigid tools, bolt, moments, driven reference points.
 pub struct Multibody;
 
 /// Drift of momenta over their size, in a step or of a run as the row says.
@@ -32,12 +33,12 @@ impl Suite for Multibody {
     }
 
     fn about(&self) -> &'static str {
-        "Flexible multibody systems against closed forms and equations in minimal coordinates; momenta and energy, order, cost, extremes, a trebuchet, rigid tools."
+        "Flexible multibody systems against closed forms and equations in minimal coordinates; momenta and energy, order, cost, extremes, a trebuchet, rigid tools, bolts, reference points."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 10] = [
+        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 11] = [
             ("rigid bodies", |bench, found| rigid::measure(bench.quick, found)),
             ("joints", |bench, found| joints::measure(bench.quick, found)),
             ("chain", |bench, found| chain::measure(bench.quick, found)),
@@ -47,6 +48,7 @@ impl Suite for Multibody {
             ("work and precision", |bench, found| work::measure(bench.quick, found)),
             ("trebuchet", trebuchet::measure),
             ("rigid tools", tools::measure),
+            ("driven", driven::measure),
             ("redundancy", |bench, found| joints::redundancy(bench.quick, found)),
         ];
         for (name, measure) in cases {
