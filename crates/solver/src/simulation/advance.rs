@@ -1,13 +1,14 @@
 //! One step of a simulation: attempts, acceptance, work.
 
 use super::{InsideOutRule, Simulation};
-use crate::assembly::{Iterate, no_auxiliaries};
+use crate::assembly::{Iterate, System, no_auxiliaries};
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
     Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord,
 };
+use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, SecondOrderSystem, State, Step, StepConfiguration, StepRule, finish};
@@ -123,7 +124,7 @@ impl Simulation {
             return Ok(());
         }
         // The farthest that two surfaces can approach each other in the step if nothing accelerates them much.
-        let speed = self.state.v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        let speed = self.model.embedding.largest_of(&self.system.own, &self.state.v);
         let reach = 2.0 * speed * dt;
         let end = self.clock.next_time();
         let (model, state) = (&mut self.model, &self.state);
@@ -165,10 +166,12 @@ impl Simulation {
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
         self.begin_contact(dt, rule)?;
-        let q_n = &self.state.q;
+        let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
+        let embedding = &self.model.embedding;
         let mut start = Iterate {
             q: q_n.clone(),
-            increment: vec![0.0; q_n.len()],
+            followed: [embedding.followed(q_n), embedding.followed(&increment)],
+            increment,
             pressures: self.pressures.clone(),
             auxiliaries: no_auxiliaries(&self.model),
             active: self.active.clone(),
@@ -178,7 +181,9 @@ impl Simulation {
                 Some(scheme) => scheme.predict(&self.state, dt, &mut start.increment),
                 None => vector::axpy(dt, &self.state.v, &mut start.increment),
             }
-            vector::axpy(1.0, &start.increment, &mut start.q);
+            for own in &self.system.own {
+                vector::axpy(1.0, &start.increment[own.clone()], &mut start.q[own.clone()]);
+            }
         }
         let end = self.clock.next_time();
         let prescribed = (0..self.prescribed.len()).map(|k| self.prescribed_position(k, end));
@@ -207,7 +212,7 @@ impl Simulation {
         }
         let mut coverage = Coverage::default();
         for pair in &self.model.contacts {
-            coverage.defect = coverage.defect.max(pair.method.verify()?.defect);
+            coverage.defect = coverage.defect.max(pair.method.verify(&attempt.iterate.q)?.defect);
         }
         let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
         let (work, stored, loss) = self.contact_work(&attempt.iterate)?;
@@ -266,7 +271,9 @@ impl Simulation {
 
     /// Velocities and whatever else the scheme carries, at the end of a converged step.
     fn next_state(&mut self, iterate: &Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
-        let mut next = State { v: self.state.v.clone(), ..State::at_rest(iterate.q.clone()) };
+        let v = self.state.v.clone();
+        let mut next = State { q: iterate.q.clone(), v, ..State::default() };
+        let mut followed = self.model.embedding.followed(&next.v);
         let end = self.clock.next_time();
         self.set_prescribed_velocities(end, &mut next.v);
         let Self { model, system, state, .. } = self;
@@ -280,7 +287,16 @@ impl Simulation {
         }
         self.system.buffers = buffers;
         result?;
-        self.model.embedding.follow(&mut next.v);
+        let embedding = &self.model.embedding;
+        embedding.follow_changes(&mut next.v, &mut followed);
+        embedding.follow(&mut next.a);
+        if rule.history.is_some_and(|history| history.constraint) && !next.history.is_empty() {
+            let (touched, constraint) = (&self.system.touched, &self.system.buffers.constraint);
+            for c in touched.iter().flat_map(|&node| 3 * node as usize..3 * node as usize + 3) {
+                next.history[c] = -constraint[c];
+            }
+            embedding.pull_back_of(touched, &mut next.history);
+        }
         // The clock's ticks, not the sum of steps.
         next.time = end;
         Ok(next)
@@ -363,13 +379,14 @@ impl Simulation {
         }
         self.add_reactions(end_weight, &mut varying);
         let mut work = 0.0;
-        for ((f, q1), q0) in varying.iter().zip(&next.q).zip(&self.state.q) {
-            work += f * (q1 - q0);
+        for c in self.system.load_support.iter().flat_map(Range::clone) {
+            work += varying[c] * (next.q[c] - self.state.q[c]);
         }
         // Nothing is judged by it in statics.
         let work_of_contact = (!quasi_static && contact.is_some()).then(|| -> f64 {
-            let moved = next.q.iter().zip(&self.state.q).map(|(q1, q0)| q1 - q0);
-            moved.zip(&self.system.buffers.constraint).map(|(dq, f)| f * dq).sum()
+            let System { support, buffers, .. } = &self.system;
+            let components = support.iter().flat_map(Range::clone);
+            components.map(|c| buffers.constraint[c] * (next.q[c] - self.state.q[c])).sum()
         });
         let step = PartStep {
             q_n: &self.state.q,
@@ -387,7 +404,9 @@ impl Simulation {
             // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
             let before = self.kinetic(&self.state.v);
             let mut v = std::mem::take(&mut self.state.v);
+            let mut followed = self.model.embedding.followed(&v);
             self.set_prescribed_velocities(time, &mut v);
+            self.model.embedding.follow_changes(&mut v, &mut followed);
             self.state.v = v;
             work += self.kinetic(&self.state.v) - before;
         }
