@@ -67,3 +67,21 @@ pub fn norm2_of(x: &[f64], ranges: &[Range<usize>]) -> f64 {
 pub fn first_non_finite(x: &[f64]) -> Option<usize> {
     x.iter().position(|v| !v.is_finite())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_norm_over_what_is_not_zero_has_the_same_bits() {
+        for scale in [1.0, 1e200, 1e-200] {
+            let mut x: Vec<f64> = (0..40).map(|i| scale * (0.3 * f64::from(i)).sin()).collect();
+            x[5..11].fill(0.0);
+            x[30..].fill(0.0);
+            assert_eq!(norm2(&x).to_bits(), norm2_of(&x, &[0..5, 11..30]).to_bits());
+        }
+        assert_eq!(norm2_of(&[0.0; 3], &[0..3]), 0.0);
+        assert_eq!(norm2_of(&[3.0, 9.0, 4.0], &[0..1, 2..3]), 5.0);
+        assert!(norm2_of(&[1.0, f64::NAN], &[0..1, 1..2]).is_nan());
+    }
+}

@@ -323,4 +323,57 @@ mod tests {
         }
         assert_eq!((work.matrix[99], work.matrix[9], work.matrix[39]), (7.0, 2.0, 1.0));
     }
+
+    /// Two surfaces on three carriers each, with nodes of solids before, between and behind them.
+    fn two_surfaces() -> Embedding {
+        let mut embedding = Embedding::default();
+        for (first, carrier) in [(4, 1), (9, 12)] {
+            for k in 0..3 {
+                // A weight of zero is left out, as at a node in a plane of symmetry.
+                let weights = [(carrier, 1.0), (carrier + 1, 0.5 * f64::from(k)), (carrier + 2, -0.3)];
+                let carriers: Vec<(u32, f64)> = weights.into_iter().filter(|&(_, w)| w != 0.0).collect();
+                embedding.add(first + k, &carriers);
+            }
+        }
+        embedding
+    }
+
+    #[test]
+    fn only_surfaces_whose_carriers_moved_follow() {
+        let embedding = two_surfaces();
+        assert_eq!(embedding.own(54), [0..12, 21..27, 36..54]);
+        assert_eq!(Embedding::default().own(54), [0..54]);
+        let mut q: Vec<f64> = (0..54).map(|i| (0.7 * f64::from(i)).sin()).collect();
+        embedding.follow(&mut q);
+        let mut followed = embedding.followed(&q);
+        // A mark on each surface shows whether it was renewed.
+        for (moved, renewed) in [(0, [false, false]), (3 * 2 + 1, [true, false]), (3 * 14, [false, true])] {
+            (q[12], q[27]) = (77.0, 77.0);
+            q[moved] += 1e-3;
+            embedding.follow_changes(&mut q, &mut followed);
+            assert_eq!([q[12] != 77.0, q[27] != 77.0], renewed, "{moved}");
+            embedding.follow(&mut q);
+        }
+        let mut never = Followed::default();
+        q[12] = 77.0;
+        embedding.follow_changes(&mut q, &mut never);
+        assert!(q[12] != 77.0);
+    }
+
+    #[test]
+    fn forces_on_some_nodes_go_the_same_way_as_all() {
+        let embedding = two_surfaces();
+        let mut all = vec![0.0; 54];
+        (all[13], all[32], all[40]) = (1.5, -0.25, 3.0);
+        let mut some = all.clone();
+        embedding.pull_back(&mut all);
+        embedding.pull_back_of(&[4, 10], &mut some);
+        assert_eq!(all, some);
+        assert!(all[13] == 0.0 && all[32] == 0.0 && all[40] != 0.0);
+        let mut v = vec![0.0; 54];
+        v[3 * 13] = -2.0;
+        embedding.follow(&mut v);
+        let expected = v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        assert_eq!(embedding.largest_of(&embedding.own(54), &v), expected);
+    }
 }

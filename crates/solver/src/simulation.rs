@@ -125,6 +125,8 @@ pub struct Simulation {
     prescribed: Vec<(u32, u32, u32)>,
     reactions: Vec<f64>,
     contact_force: Vec<f64>,
+    /// Embedded nodes that have a contact force.
+    pushed: Vec<u32>,
     balance: Balance,
     timings: Timings,
     decisions: Vec<Decision>,
@@ -193,6 +195,7 @@ impl Simulation {
                 .collect(),
             reactions: vec![0.0; if has_supports { components } else { 0 }],
             contact_force: vec![0.0; contact_components],
+            pushed: Vec::new(),
             prescribed,
             system,
             clock,

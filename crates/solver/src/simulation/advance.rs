@@ -200,7 +200,7 @@ impl Simulation {
         let mut solves = 0;
         let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, &mut solves);
         self.solves += u64::from(solves);
-        let attempt = attempt?;
+        let mut attempt = attempt?;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
         let strain = self.strain_energy(&attempt.iterate.q)?;
@@ -216,8 +216,8 @@ impl Simulation {
         }
         let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
         let (work, stored, loss) = self.contact_work(&attempt.iterate)?;
-        let mut next = self.next_state(&attempt.iterate, dt, rule)?;
-        let restored = self.give_back(&attempt.iterate, loss, dt, &mut next.v)?;
+        let mut next = self.next_state(&mut attempt.iterate, dt, rule)?;
+        let restored = self.give_back(&attempt.iterate, loss, dt, &mut next)?;
         Ok(Completed { attempt, next, rule, strain, contact, work, stored, restored, inside_out, solves })
     }
 
@@ -269,16 +269,16 @@ impl Simulation {
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
 
-    /// Velocities and whatever else the scheme carries, at the end of a converged step.
-    fn next_state(&mut self, iterate: &Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
+    /// Velocities and whatever else the scheme carries, at the end of a converged step, with the positions of the iterate, which are moved.
+    fn next_state(&mut self, iterate: &mut Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
         let v = self.state.v.clone();
-        let mut next = State { q: iterate.q.clone(), v, ..State::default() };
+        let mut next = State { q: std::mem::take(&mut iterate.q), v, ..State::default() };
         let mut followed = self.model.embedding.followed(&next.v);
         let end = self.clock.next_time();
         self.set_prescribed_velocities(end, &mut next.v);
         let Self { model, system, state, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
-        let Iterate { pressures, auxiliaries, active, .. } = iterate;
+        let Iterate { pressures, auxiliaries, active, .. } = &*iterate;
         let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
         let step = Step { state_n: state, dt, rule };
         let result = finish(&mut fe, &step, &iterate.increment, &mut buffers, &mut next);
@@ -304,10 +304,11 @@ impl Simulation {
 
     /// Puts the energy `loss` into the velocities at the end of a step: `v + beta M^-1 p` with the impulse `p = dt sum p_I grad Phi_I(q_np1)` of the pairs that
     /// restore what closing cost. `p` has neither resultant nor moment about `q_np1`, so both momenta stay. Returns the energy that they got.
-    fn give_back(&mut self, iterate: &Iterate, loss: f64, dt: f64, v: &mut [f64]) -> Result<f64, StepError> {
+    fn give_back(&mut self, iterate: &Iterate, loss: f64, dt: f64, next: &mut State) -> Result<f64, StepError> {
         if loss <= 0.0 {
             return Ok(0.0);
         }
+        let State { q, v, .. } = next;
         let mut impulse = vec![0.0; v.len()];
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restores) {
             let Some(method) = pair.method.as_contact() else { continue };
@@ -318,8 +319,7 @@ impl Simulation {
                     impulse[at..at + 3].iter_mut().zip(g).for_each(|(p, g)| *p += dt * pressures[slot] * g);
                 }
             };
-            self.timings
-                .measure(Phase::Contact, || method.constraint_gradients(&iterate.q, &iterate.active[c], &mut add))?;
+            self.timings.measure(Phase::Contact, || method.constraint_gradients(q, &iterate.active[c], &mut add))?;
         }
         self.model.embedding.pull_back(&mut impulse);
         let mut change = vec![0.0; v.len()];
@@ -411,7 +411,14 @@ impl Simulation {
             work += self.kinetic(&self.state.v) - before;
         }
         if !self.model.contacts.is_empty() {
-            self.contact_force.copy_from_slice(&self.system.buffers.constraint);
+            let System { support, touched, buffers, .. } = &self.system;
+            for node in self.pushed.drain(..) {
+                self.contact_force[3 * node as usize..3 * node as usize + 3].fill(0.0);
+            }
+            for range in support {
+                self.contact_force[range.clone()].copy_from_slice(&buffers.constraint[range.clone()]);
+            }
+            self.pushed.extend_from_slice(touched);
         }
         self.stored = stored;
         self.pressures = iterate.pressures;
