@@ -10,7 +10,7 @@ const MOST: usize = 4;
 
 /// How far a surface may turn or deform after its tree was fitted, in lengths of facets, before it is fitted again: as long as boxes have not moved farther than
 /// that from where a translation takes them, queries that allow for it visit a few facets more.
-const OUTWORN: f64 = 0.5;
+const OUTWORN: f64 = 2.0;
 
 /// Relative round-off of positions.
 const ROUND_OFF: f64 = 1e-14;

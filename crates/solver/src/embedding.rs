@@ -177,8 +177,11 @@ impl Embedding {
         for group in &self.groups {
             let at = |node: u32| &x[3 * node as usize..3 * node as usize + 3];
             if group.carriers.iter().any(|&carrier| at(carrier) != [0.0; 3]) {
-                let nodes = &self.nodes[group.members.clone()];
-                largest = nodes.iter().map(|&node| length(at(node))).fold(largest, f64::max);
+                // The root only of those that may be the largest.
+                let square = |v: &[f64]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+                let nodes = || self.nodes[group.members.clone()].iter().map(|&node| at(node));
+                let nearly = (1.0 - 1e-12) * nodes().map(square).fold(0.0, f64::max);
+                largest = nodes().filter(|v| square(v) >= nearly).map(length).fold(largest, f64::max);
             }
         }
         largest
