@@ -1,8 +1,9 @@
 //! Force and row of a slot: the law of the normal part.
 
 use crate::discrete::RelativeMotion;
-use crate::method::{CARRIED, MortarContact, mean};
+use crate::method::{CARRIED, MortarContact};
 use crate::options::Force;
+use crate::positions::Positions;
 use crate::slot::{Evaluation, Slot, Want, at};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactRule, LocalContribution, StepConfiguration};
@@ -60,10 +61,10 @@ impl MortarContact {
             (0..n).for_each(|c| force[c] = 0.5 * (at_end.gradient[c] + start_of(c)));
             hessian.extend(at_end.hessian.iter().map(|h| 0.5 * h));
         } else if self.has_middle() {
-            let q_m = mean(step.q_n, step.q_np1);
+            let q_m = Positions::Mean(step.q_n, step.q_np1);
             let middle = if self.is_frozen() { slot } else { &self.middle.slots[k] };
             let at_middle = middle
-                .evaluate(&q_m, nodes, if want_tangent { Want::Hessian } else { Want::Gradient })
+                .evaluate(q_m, nodes, if want_tangent { Want::Hessian } else { Want::Gradient })
                 .ok_or_else(no_normal)?;
             self.discrete_gradient(k, middle, step, &at_middle, &at_end, &mut force, &mut hessian);
         } else {

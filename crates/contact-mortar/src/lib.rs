@@ -54,6 +54,7 @@ mod multiplier;
 mod options;
 mod passage;
 mod points;
+mod positions;
 mod sides;
 mod slip;
 mod slot;

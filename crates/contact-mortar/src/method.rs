@@ -5,6 +5,7 @@ use crate::candidates::{Candidates, SearchRange};
 use crate::factors::Factors;
 use crate::friction::SurfaceFriction;
 use crate::options::{Force, Integrals, MortarOptions};
+use crate::positions::Positions;
 use crate::sides::{has_sharp_edges, rows, sheets, unit_normals};
 use crate::slot::{Slot, Want};
 use crate::state::{Integrated, Need, StepState, Surfaces, segmentation_error};
@@ -14,7 +15,7 @@ use crate::weights::Integration;
 use nalgebra::Vector3;
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Coverage, FacetNodes,
-    History, LocalContribution, Report, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
+    History, LocalContribution, Report, SlotReport, StepConfiguration, SurfaceTree, clear_inactive, multipliers_of,
 };
 use stoss_segmentation::{FacetSegmentation, GapRange};
 
@@ -46,6 +47,8 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 pub struct MortarContact {
     name: String,
     pub(crate) surfaces: Surfaces,
+    /// Over the master.
+    tree: SurfaceTree,
     pub(crate) options: MortarOptions,
     pub(crate) rule: ContactRule,
     step_size: f64,
@@ -58,15 +61,6 @@ pub struct MortarContact {
     pub(crate) end: Integrated,
     pub(crate) middle: Integrated,
     pub(crate) friction: Option<SurfaceFriction>,
-}
-
-/// `a + f b`.
-fn along(a: &[f64], f: f64, b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a + f * b).collect()
-}
-
-pub(crate) fn mean(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
 }
 
 impl MortarContact {
@@ -99,6 +93,7 @@ impl MortarContact {
         let without = vec![false; slave.nodes().len()];
         Ok(Self {
             name: name.to_owned(),
+            tree: SurfaceTree::new(&master, reference)?,
             surfaces: Surfaces { slave, master, rows, sheets, sheet_count, normals, without, integration },
             rule: ContactRule::EndPoint,
             step_size: 0.0,
@@ -185,13 +180,15 @@ impl MortarContact {
         self.end.slots.iter().map(|s| s.support).collect()
     }
 
-    /// Coverage of the present segments; `None` before the first step.
+    /// Coverage of the present segments, which are those at `q_np1`; `None` before the first step.
     ///
     /// # Errors
     /// Facets that cannot be segmented.
-    pub fn coverage(&self) -> Result<Option<SurfaceCoverage>, MortarError> {
+    pub fn coverage(&self, q_np1: &[f64]) -> Result<Option<SurfaceCoverage>, MortarError> {
         let present = self.segments();
-        present.map(|s| s.check(&self.surfaces.master, &self.end.at, CheckExtent::Near)).transpose()
+        let check =
+            |s: SurfaceSegmentation| s.check_with(&self.surfaces.master, Some(&self.tree), q_np1, CheckExtent::Near);
+        present.map(check).transpose()
     }
 
     pub(crate) fn is_frozen(&self) -> bool {
@@ -213,21 +210,21 @@ impl MortarContact {
     }
 
     /// Pairs of facets that may meet within `reach` of `q`, and how far they were looked for.
-    fn search(&self, q: &[f64], reach: f64) -> Result<(Candidates, SearchRange), ContactError> {
+    fn search(&self, tree: &SurfaceTree, q: &[f64], reach: f64) -> Result<(Candidates, SearchRange), ContactError> {
         let Surfaces { slave, master, integration, .. } = &self.surfaces;
         let h = slave.length_scale().max(master.length_scale());
         let range = SearchRange { depth: integration.factors.deepest.min(DEPTH * h), far: MARGIN * h, reach };
-        let candidates = Candidates::find(slave, master, q, range).map_err(|error| segmentation_error(&error))?;
+        let candidates = Candidates::find(slave, master, tree, q, range).map_err(|error| segmentation_error(&error))?;
         Ok((candidates, range))
     }
 
     /// Renews the slots of the end (and of the middle) at an iterate; tells whether stencils changed. Derivatives of `active` rows are there afterwards.
     fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<bool, ContactError> {
         let has = |of: &Integrated, at_all: bool| at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a);
-        let at_end = self.end.at == q_np1;
+        let at_end = self.step.is_at(q_np1, &self.end.at);
         let needs_end = want_tangent || self.rule == ContactRule::EndPoint || self.rule == ContactRule::EndPointMean;
         let end_done = at_end && (!needs_end || has(&self.end, at_end));
-        let middle_done = !self.has_middle() || (at_end && has(&self.middle, !self.middle.at.is_empty()));
+        let middle_done = !self.has_middle() || (at_end && has(&self.middle, !self.middle.derivatives.is_empty()));
         if end_done && middle_done {
             return Ok(false);
         }
@@ -243,18 +240,19 @@ impl MortarContact {
             let needs = surfaces.needs(Need::Value, chosen);
             surfaces.integrate(
                 candidates,
-                q_np1,
+                q_np1.into(),
                 &needs,
                 &step.without,
                 &self.end.slots,
                 with_facets && !self.has_middle(),
             )?
         };
+        step.note(q_np1, &mut end.at);
         let mut middle = Integrated::default();
         if self.has_middle() {
-            let q_m = mean(&step.q_n, q_np1);
+            let q_m = Positions::Mean(&step.q_n, q_np1);
             let needs = surfaces.needs(Need::Nothing, active);
-            middle = surfaces.integrate(candidates, &q_m, &needs, &step.without, &end.slots, with_facets)?;
+            middle = surfaces.integrate(candidates, q_m, &needs, &step.without, &end.slots, with_facets)?;
             // Nodes of the middle belong to the stencil of the end.
             for (slot, of_middle) in end.slots.iter_mut().zip(&middle.slots) {
                 slot.widen(&of_middle.nodes);
@@ -284,7 +282,7 @@ impl MortarContact {
             let needs = self.surfaces.needs(Need::Nothing, &missing);
             integrated = self.surfaces.integrate(
                 &self.step.candidates,
-                &self.step.q_n,
+                (&self.step.q_n).into(),
                 &needs,
                 &self.step.without,
                 &self.step.start,
@@ -329,12 +327,12 @@ impl Report for MortarContact {
         self.length()
     }
 
-    fn verify(&self) -> Result<Coverage, ContactError> {
+    fn verify(&self, q_np1: &[f64]) -> Result<Coverage, ContactError> {
         if self.is_frozen() {
             return Ok(Coverage::default());
         }
         self.check_passage()?;
-        let Some(coverage) = self.coverage().map_err(|e| segmentation_error(&e))? else {
+        let Some(coverage) = self.coverage(q_np1).map_err(|e| segmentation_error(&e))? else {
             return Ok(Coverage::default());
         };
         match coverage.faults.first() {
@@ -351,12 +349,21 @@ impl Report for MortarContact {
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         let fresh;
-        let slots = if self.end.at == q && !self.is_frozen() {
+        let slots = if self.step.is_at(q, &self.end.at) && !self.is_frozen() {
             &self.end.slots
         } else {
-            let (candidates, _) = self.search(q, 0.0)?;
+            let mut tree = self.tree.clone();
+            tree.update(&self.surfaces.master, q);
+            let (candidates, _) = self.search(&tree, q, 0.0)?;
             let needs = self.surfaces.needs(Need::Value, &[]);
-            fresh = self.surfaces.integrate(&candidates, q, &needs, &self.surfaces.handing_over(None), &[], false)?;
+            fresh = self.surfaces.integrate(
+                &candidates,
+                q.into(),
+                &needs,
+                &self.surfaces.handing_over(None),
+                &[],
+                false,
+            )?;
             &fresh.slots
         };
         let nodes = self.surfaces.slave.nodes();
@@ -396,6 +403,13 @@ impl Constraint for MortarContact {
         self.set_friction_step(step_size);
     }
 
+    fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
+        self.surfaces.master.set_carriers(of);
+        if self.surfaces.master.carriers().is_some() {
+            self.tree.forget();
+        }
+    }
+
     fn set_velocity(&mut self, v_n: &[f64]) {
         self.velocity.clear();
         self.velocity.extend_from_slice(v_n);
@@ -403,17 +417,19 @@ impl Constraint for MortarContact {
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
         let velocity = std::mem::take(&mut self.velocity);
+        self.tree.update(&self.surfaces.master, q_n);
         let surfaces = &self.surfaces;
         let factors = self.factors();
-        let (candidates, range) = self.search(q_n, reach)?;
+        let (candidates, range) = self.search(&self.tree, q_n, reach)?;
         let values = surfaces.needs(Need::Value, &[]);
         let with_facets = self.friction.is_some();
         let crosspoints = surfaces.handing_over(None);
         let predicted = |part: f64| {
-            let q = if velocity.is_empty() { q_n.to_vec() } else { along(q_n, part * self.step_size, &velocity) };
-            surfaces.integrate(&candidates, &q, &values, &crosspoints, &[], with_facets && self.is_frozen())
+            let ahead = Positions::Ahead(q_n, part * self.step_size, &velocity);
+            let q = if velocity.is_empty() { q_n.into() } else { ahead };
+            surfaces.integrate(&candidates, q, &values, &crosspoints, &[], with_facets && self.is_frozen())
         };
-        let mut start = surfaces.integrate(&candidates, q_n, &values, &crosspoints, &[], with_facets)?;
+        let mut start = surfaces.integrate(&candidates, q_n.into(), &values, &crosspoints, &[], with_facets)?;
         let still = velocity.is_empty() || self.step_size == 0.0;
         let middle = if (self.has_middle() && !still) || self.is_frozen() { Some(predicted(0.5)?) } else { None };
         let end = if still || self.is_frozen() { None } else { Some(predicted(1.0)?) };
@@ -428,7 +444,7 @@ impl Constraint for MortarContact {
         let hands_over = self.options.force == Force::HeldWeights && self.rule == ContactRule::EndPoint;
         let without = if hands_over { surfaces.handing_over(Some(&carried)) } else { crosspoints.clone() };
         if without != crosspoints {
-            start = surfaces.integrate(&candidates, q_n, &values, &without, &[], with_facets)?;
+            start = surfaces.integrate(&candidates, q_n.into(), &values, &without, &[], with_facets)?;
         }
         let (frozen, no_penetration) = (self.is_frozen(), NO_PENETRATION * surfaces.slave.length_scale());
         let weights = if frozen { middle.as_ref().unwrap_or(&start) } else { &start };
@@ -442,13 +458,14 @@ impl Constraint for MortarContact {
         let count = surfaces.rows.len();
         self.middle = Integrated::default();
         self.end = match middle {
-            Some(middle) if frozen => Integrated { at: q_n.to_vec(), ..middle },
+            Some(middle) if frozen => middle,
             _ => start.clone(),
         };
         if frozen && self.has_middle() {
             self.middle.slots.clone_from(&self.end.slots);
         }
         self.step = StepState {
+            nodes: candidates.nodes(&surfaces.slave, &surfaces.master),
             candidates,
             range: Some(GapRange { min: -factors.fading_depth().min(range.depth), max: range.far / MARGIN }),
             q_n: q_n.to_vec(),
@@ -459,6 +476,7 @@ impl Constraint for MortarContact {
             carried,
             without,
         };
+        self.step.note(q_n, &mut self.end.at);
         self.begin_friction()
     }
 
@@ -656,7 +674,7 @@ impl ContactMethod for MortarContact {
         let carrying: Vec<bool> = active.iter().zip(&self.step.carried).map(|(a, c)| *a && *c).collect();
         let StepState { candidates, without, .. } = &self.step;
         let needs = self.surfaces.needs(Need::Nothing, &carrying);
-        let end = self.surfaces.integrate(candidates, q_np1, &needs, without, &self.end.slots, false)?;
+        let end = self.surfaces.integrate(candidates, q_np1.into(), &needs, without, &self.end.slots, false)?;
         for (k, slot) in end.slots.iter().enumerate().filter(|(k, slot)| carrying[*k] && slot.support > 0.0) {
             let evaluation = slot.evaluate(q_np1, slot.nodes.len(), Want::Gradient);
             let evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;

@@ -3,6 +3,7 @@
 //! `Phi = n . g` with the gap vector `g = sum_k w_k x_k` and the normal `n = c / |c|`, `c = -sum_f d1_f x d2_f` over the diagonals ([`stoss_reference_element::FacetKind::diagonals`]) of the facets of the row. The
 //! weights move with the positions.
 
+use crate::positions::Positions;
 use crate::sides::Row;
 use crate::surfaces::{area_vector, diagonals};
 use crate::weights::FacetWeights;
@@ -170,32 +171,33 @@ impl Slot {
     }
 
     /// Gap vector, `c`, and the position that gap vectors are counted from: the weights add up to zero, so that it loses no digits.
-    fn vectors(&self, q: &[f64]) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
-        let origin = at(q, self.nodes[0]);
+    fn vectors(&self, q: Positions<'_>) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+        let origin = q.of(self.nodes[0]);
         let weights = self.whole.weights.iter().zip(&self.nodes).filter(|(w, _)| **w != 0.0);
-        let gap = weights.map(|(w, &node)| (at(q, node) - origin) * *w).sum();
+        let gap = weights.map(|(w, &node)| (q.of(node) - origin) * *w).sum();
         let mut c = Vector3::zeros();
         for corners in &self.whole.corners {
-            c -= area_vector(&corners.map(|k| at(q, self.nodes[k])));
+            c -= area_vector(&corners.map(|k| q.of(self.nodes[k])));
         }
         (gap, c, origin)
     }
 
     /// Unit normal at `q` from master to slave, zero if there is none.
-    pub fn normal(&self, q: &[f64]) -> Vector3<f64> {
-        self.vectors(q).1.try_normalize(0.0).unwrap_or_default()
+    pub fn normal<'a>(&self, q: impl Into<Positions<'a>>) -> Vector3<f64> {
+        self.vectors(q.into()).1.try_normalize(0.0).unwrap_or_default()
     }
 
     /// The weighted gap at `q`, a volume; `None` if the normals of the facets cancel.
-    pub fn gap(&self, q: &[f64]) -> Option<f64> {
-        let (gap, c, _) = self.vectors(q);
+    pub fn gap<'a>(&self, q: impl Into<Positions<'a>>) -> Option<f64> {
+        let (gap, c, _) = self.vectors(q.into());
         let normal = c.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()))?;
         Some(normal.dot(&gap))
     }
 
     /// Value, gradient and, if asked for, second derivative at `q`; `None` if the normals of the facets cancel. Arrays have the size of `nodes`
     /// nodes, at least those of the slot.
-    pub fn evaluate(&self, q: &[f64], nodes: usize, want: Want) -> Option<Evaluation> {
+    pub fn evaluate<'a>(&self, q: impl Into<Positions<'a>>, nodes: usize, want: Want) -> Option<Evaluation> {
+        let q = q.into();
         let (gap, c, origin) = self.vectors(q);
         let length = c.norm();
         let n = c.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()))?;
@@ -206,7 +208,7 @@ impl Slot {
         let mut by_gap = self.by_gap_held();
         if !self.whole.derivative.is_empty() {
             for (row, &node) in self.whole.derivative.chunks_exact(own).zip(&self.nodes) {
-                let x = at(q, node) - origin;
+                let x = q.of(node) - origin;
                 for (mut column, d) in by_gap.column_iter_mut().zip(row).filter(|(_, d)| **d != 0.0) {
                     column += x * *d;
                 }
@@ -214,7 +216,7 @@ impl Slot {
         }
         let mut by_c = Matrix3xX::zeros(own);
         for corners in &self.whole.corners {
-            let [d_1, d_2] = diagonals(&corners.map(|k| at(q, self.nodes[k])));
+            let [d_1, d_2] = diagonals(&corners.map(|k| q.of(self.nodes[k])));
             let turned = [d_2.cross_matrix(), -d_1.cross_matrix()];
             for (row, m) in corners.kind().diagonals().iter().zip(&turned) {
                 for (&k, &sign) in corners.iter().zip(row).filter(|(_, c)| **c != 0.0) {

@@ -2,6 +2,7 @@
 
 use crate::MortarError;
 use crate::candidates::Candidates;
+use crate::positions::Positions;
 use crate::sides::Row;
 use crate::slot::Slot;
 use crate::weights::{FacetWeights, Integration, Without};
@@ -31,6 +32,8 @@ pub(crate) struct Surfaces {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepState {
     pub candidates: Candidates,
+    /// The nodes that the step looks at.
+    pub nodes: Vec<u32>,
     pub range: Option<GapRange>,
     /// Positions at the start.
     pub q_n: Vec<f64>,
@@ -51,12 +54,26 @@ pub(crate) struct StepState {
 /// Slots at one configuration.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Integrated {
-    /// Positions; empty before the first evaluation.
+    /// Positions of the nodes that the step looks at ([`StepState::nodes`]); empty before the first evaluation.
     pub at: Vec<f64>,
     pub segments: Vec<Option<FacetSegmentation>>,
     pub slots: Vec<Slot>,
     /// Rows whose derivatives are there.
     pub derivatives: Vec<bool>,
+}
+
+impl StepState {
+    /// Notes the positions that integrals belong to.
+    pub fn note(&self, q: &[f64], at: &mut Vec<f64>) {
+        at.clear();
+        at.extend(self.nodes.iter().flat_map(|&node| &q[3 * node as usize..3 * node as usize + 3]));
+    }
+
+    /// Whether integrals of those positions are those at `q`.
+    pub fn is_at(&self, q: &[f64], at: &[f64]) -> bool {
+        let q = |node: u32| &q[3 * node as usize..3 * node as usize + 3];
+        !at.is_empty() && self.nodes.iter().zip(at.chunks_exact(3)).all(|(&node, at)| q(node) == at)
+    }
 }
 
 /// What is asked of a slave facet.
@@ -72,11 +89,11 @@ pub(crate) fn segmentation_error(error: &MortarError) -> ContactError {
 }
 
 impl Surfaces {
-    /// Segments and slots at `q`. `old`: slots whose nodes stay in front. Rows on facets that were not asked for are empty.
+    /// Segments and slots at `q`, which is not noted. `old`: slots whose nodes stay in front. Rows on facets that were not asked for are empty.
     pub fn integrate(
         &self,
         candidates: &Candidates,
-        q: &[f64],
+        q: Positions<'_>,
         needs: &[Need],
         without: &[Without],
         old: &[Slot],
@@ -95,7 +112,7 @@ impl Surfaces {
             for sheet in 0..self.sheet_count {
                 let of_sheet = |segment: &&Segment| self.sheets[segment.master_facet as usize] == sheet;
                 let own: Vec<Segment> = found.segments.iter().filter(of_sheet).cloned().collect();
-                let corners = |m| master.patch(m, q).corners;
+                let corners = |m| q.corners(master, m);
                 facets.push((!own.is_empty()).then(|| {
                     let found = FacetSegmentation { frame: found.frame.clone(), segments: own, hidden: Vec::new() };
                     let without = without[f * self.sheet_count + sheet];
@@ -118,7 +135,7 @@ impl Surfaces {
             }
         });
         Ok(Integrated {
-            at: q.to_vec(),
+            at: Vec::new(),
             segments,
             slots: slots.collect(),
             derivatives: rows.iter().map(derived).collect(),

@@ -1,8 +1,9 @@
 //! Segmentation of two contact surfaces.
 
 use crate::MortarError;
+use crate::positions::Positions;
 use nalgebra::Vector3;
-use stoss_contact::ContactSurface;
+use stoss_contact::{ContactSurface, SurfaceTree};
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 use stoss_reference_element::Nodal;
 use stoss_segmentation::{FacetSegmentation, GapRange, MasterFacet, SlaveFrame, check_coverage, segment_facet};
@@ -57,8 +58,8 @@ pub struct SurfaceCoverage {
 /// Parametric tolerance of the invariant.
 const TOLERANCE: f64 = 1e-12;
 
-pub(crate) fn corners(surface: &ContactSurface, facet: u32, q: &[f64]) -> Nodal<Vector3<f64>> {
-    surface.patch(facet, q).corners
+pub(crate) fn corners<'a>(surface: &ContactSurface, facet: u32, q: impl Into<Positions<'a>>) -> Nodal<Vector3<f64>> {
+    q.into().corners(surface, facet)
 }
 
 /// The two vectors of [`stoss_reference_element::FacetKind::diagonals`].
@@ -72,7 +73,7 @@ pub(crate) fn area_vector(x: &Nodal<Vector3<f64>>) -> Vector3<f64> {
     d_1.cross(&d_2)
 }
 
-pub(crate) fn master_facet(master: &ContactSurface, id: u32, q: &[f64]) -> MasterFacet {
+pub(crate) fn master_facet<'a>(master: &ContactSurface, id: u32, q: impl Into<Positions<'a>>) -> MasterFacet {
     MasterFacet { id, nodes: master.facets()[id as usize], corners: corners(master, id, q) }
 }
 
@@ -177,20 +178,42 @@ impl SurfaceSegmentation {
         q: &[f64],
         extent: CheckExtent,
     ) -> Result<SurfaceCoverage, MortarError> {
+        self.check_with(master, None, q, extent)
+    }
+
+    /// [`Self::check`]. A tree of a surface that moves as a whole tells, box by box, which facets are far from all slave facets.
+    pub(crate) fn check_with(
+        &self,
+        master: &ContactSurface,
+        tree: Option<&SurfaceTree>,
+        q: &[f64],
+        extent: CheckExtent,
+    ) -> Result<SurfaceCoverage, MortarError> {
         let mut out = SurfaceCoverage { area: 0.0, covered: 0.0, worst: 0.0, faults: Vec::new() };
         let mut ids: Vec<u32> = Vec::new();
         let everything: Vec<MasterFacet> = match extent {
             CheckExtent::Near => Vec::new(),
             CheckExtent::Everything => (0..master.facets().len() as u32).map(|f| master_facet(master, f, q)).collect(),
         };
-        let boxes: Vec<Aabb> = match extent {
-            CheckExtent::Near => {
-                (0..master.facets().len() as u32).map(|f| Aabb::from_points(&corners(master, f, q))).collect()
+        let with_box = |f: u32| (f, Aabb::from_points(&corners(master, f, q)));
+        let (boxes, bounds): (Vec<(u32, Aabb)>, Aabb) = match (extent, tree.filter(|_| master.carriers().is_some())) {
+            (CheckExtent::Near, None) => {
+                let boxes: Vec<_> = (0..master.facets().len() as u32).map(with_box).collect();
+                let bounds = boxes.iter().fold(Aabb::empty(), |all, (_, b)| all.union(b));
+                (boxes, bounds)
             }
-            CheckExtent::Everything => Vec::new(),
+            (CheckExtent::Near, Some(tree)) => {
+                let (shift, excess) = tree.motion(master, q);
+                let moved = |b: &Aabb, by: Vector3<f64>| Aabb { min: b.min + by, max: b.max + by }.inflated(excess);
+                let bounds = moved(&tree.tree().bounds(), shift);
+                let regions =
+                    self.facets.iter().map(|f| region(f.frame.corners(), f.frame.normal(), &bounds, self.range));
+                let then = moved(&regions.fold(Aabb::empty(), |all, b| all.union(&b)), -shift);
+                let near = (0..tree.tree().len()).filter(|&f| tree.tree().item_box(f).overlaps(&then));
+                (near.map(|f| with_box(f as u32)).collect(), bounds)
+            }
+            (CheckExtent::Everything, _) => (Vec::new(), Aabb::empty()),
         };
-        let ends: Vec<Vector3<f64>> = boxes.iter().flat_map(|b| [b.min, b.max]).collect();
-        let bounds = Aabb::from_points(&ends);
         let mut near: Vec<MasterFacet> = Vec::new();
         for (slave_facet, found) in self.facets.iter().enumerate() {
             let surface = if extent == CheckExtent::Everything {
@@ -206,7 +229,7 @@ impl SurfaceSegmentation {
                     ids.dedup();
                 }
                 let opposite = region(found.frame.corners(), found.frame.normal(), &bounds, self.range);
-                ids.extend((0..boxes.len()).filter(|&f| boxes[f].overlaps(&opposite)).map(|f| f as u32));
+                ids.extend(boxes.iter().filter(|(_, b)| b.overlaps(&opposite)).map(|(f, _)| *f));
                 ids.sort_unstable();
                 ids.dedup();
                 near.clear();

@@ -186,6 +186,10 @@ impl Constraint for NodeToSurface {
         rule == ContactRule::EndPoint && self.friction.is_none() && !is_spring
     }
 
+    fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
+        self.search.set_carriers(of);
+    }
+
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.normal.rule = rule;
         if let Some(friction) = &mut self.friction {

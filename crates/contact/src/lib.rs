@@ -8,6 +8,7 @@
 //! Not here: forces and tangents (they are a method's), the global system (the solver's), meshes' files.
 
 pub mod active_set;
+mod carried;
 pub mod dual;
 mod enforcement;
 mod error;
@@ -18,6 +19,7 @@ pub mod search;
 pub mod surface;
 
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
+pub use carried::{Carriers, SurfaceTree};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use method::{

@@ -246,7 +246,7 @@ pub trait Report: Send + Sync + std::fmt::Debug {
         true
     }
     /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
-    fn verify(&self) -> Result<Coverage, ContactError> {
+    fn verify(&self, _q_np1: &[f64]) -> Result<Coverage, ContactError> {
         Ok(Coverage::default())
     }
     /// What a joint does at the end of a step at `q`; `None` for everything else.
@@ -282,6 +282,9 @@ pub trait Constraint: Report {
     fn set_times(&mut self, _time_n: f64, _time_np1: f64) {}
     /// Whether the step has inertia, thus velocities; comes with `set_rule`. In statics nothing is viscous.
     fn set_has_rates(&mut self, _has_rates: bool) {}
+    /// Tells which nodes are carried by others, and with which weights: carriers and weights of a node, if it has any. Their positions are given with
+    /// all others; a search may know from the carriers alone how a surface has moved.
+    fn set_carriers<'a>(&mut self, _of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {}
     /// Velocities at `q_n` (`3 * nodes`), for methods that look ahead; comes before `begin_step` and holds for that one only.
     fn set_velocity(&mut self, _v_n: &[f64]) {}
     /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the

@@ -3,7 +3,7 @@
 //! Made once from the reference configuration. It holds no positions of the deformed state: whatever depends on them takes
 //! `q` (`3 * nodes` entries, node-major). It searches nothing; that is [`crate::search`].
 
-use crate::ContactError;
+use crate::{Carriers, ContactError};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_geometry::Patch;
@@ -38,6 +38,7 @@ pub struct ContactSurface {
     corner_areas: Vec<Nodal<f64>>,
     length_scale: f64,
     irregular_edges: Vec<IrregularEdge>,
+    carriers: Option<Carriers>,
 }
 
 /// Position of a global node in `q`.
@@ -116,7 +117,19 @@ impl ContactSurface {
             corner_areas,
             length_scale: length / edges as f64,
             irregular_edges,
+            carriers: None,
         })
+    }
+
+    /// Tells which nodes are carried by others, and with which weights: `of(node)`. Positions are still those of the nodes; where all are carried by the same few
+    /// vectors, a search need not look at all of them to know how the surface has moved.
+    pub fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
+        self.carriers = Carriers::new(&self.nodes, of);
+    }
+
+    /// What carries the surface, if it was told and moves as a whole.
+    pub fn carriers(&self) -> Option<&Carriers> {
+        self.carriers.as_ref()
     }
 
     /// Global nodes of every facet.

@@ -1,6 +1,7 @@
 //! One step, for any scheme and any system.
 
 use crate::{Combination, ConstraintTerm, ForceRule, SecondOrderSystem, State, StepConfiguration, StepRule};
+use std::ops::Range;
 
 /// A step that is being solved.
 #[derive(Clone, Copy, Debug)]
@@ -32,15 +33,18 @@ impl<'a> Step<'a> {
         StepConfiguration { time: self.state_n.time, dt: self.dt, q_n: &self.state_n.q, q_np1 }
     }
 
-    /// A combination of increment and state, into `out`.
-    fn combine(&self, c: Combination, increment: &[f64], out: &mut [f64]) {
+    /// A combination of increment and state, into those coordinates of `out`.
+    fn combine(&self, c: Combination, increment: &[f64], own: &[Range<usize>], out: &mut [f64]) {
         let State { v, a, .. } = self.state_n;
-        for ((out, increment), v0) in out.iter_mut().zip(increment).zip(v) {
-            *out = c.increment * increment + c.velocity * v0;
-        }
-        if c.acceleration != 0.0 {
-            for (out, a0) in out.iter_mut().zip(a) {
-                *out += c.acceleration * a0;
+        for own in own {
+            let (out, increment) = (&mut out[own.clone()], &increment[own.clone()]);
+            for ((out, increment), v0) in out.iter_mut().zip(increment).zip(&v[own.clone()]) {
+                *out = c.increment * increment + c.velocity * v0;
+            }
+            if c.acceleration != 0.0 {
+                for (out, a0) in out.iter_mut().zip(&a[own.clone()]) {
+                    *out += c.acceleration * a0;
+                }
             }
         }
     }
@@ -58,11 +62,19 @@ pub struct Buffers {
     /// `M a_alg`.
     pub inertia: Vec<f64>,
     scratch: Vec<f64>,
+    /// Coordinates that the residual is formed at.
+    own: Vec<Range<usize>>,
 }
 
 impl Buffers {
     /// For a system with that many coordinates.
     pub fn new(dimension: usize, inertia: bool, constraints: bool) -> Self {
+        Self::with_own(dimension, vec![0..dimension], inertia, constraints)
+    }
+
+    /// For a system of which only the coordinates `own` have equations. The others are left alone, in the states too: whoever has them looks after
+    /// them. They have no mass and no force, and what constraints do to them (`constraint`) is not in the residual.
+    pub fn with_own(dimension: usize, own: Vec<Range<usize>>, inertia: bool, constraints: bool) -> Self {
         let vector = |wanted| vec![0.0; if wanted { dimension } else { 0 }];
         Self {
             residual: vector(true),
@@ -70,6 +82,7 @@ impl Buffers {
             constraint: vector(constraints),
             inertia: vector(inertia),
             scratch: vector(inertia),
+            own,
         }
     }
 
@@ -80,10 +93,16 @@ impl Buffers {
     }
 }
 
-fn add(factor: f64, x: &[f64], out: &mut [f64]) {
-    for (out, x) in out.iter_mut().zip(x) {
-        *out += factor * x;
+fn add(factor: f64, x: &[f64], own: &[Range<usize>], out: &mut [f64]) {
+    for own in own {
+        for (out, x) in out[own.clone()].iter_mut().zip(&x[own.clone()]) {
+            *out += factor * x;
+        }
     }
+}
+
+fn clear(own: &[Range<usize>], out: &mut [f64]) {
+    own.iter().for_each(|own| out[own.clone()].fill(0.0));
 }
 
 /// Residual of the step at `end` into `buffers.residual`, its terms into the other buffers; with `tangent` the system's tangent too.
@@ -99,30 +118,33 @@ pub fn evaluate<S: SecondOrderSystem>(
 ) -> Result<(), S::Error> {
     let rule = &step.rule;
     let at = step.configuration(end.q);
+    let Buffers { residual, force, constraint, inertia, scratch, own } = buffers;
     if tangent {
         system.start_tangent(rule.inertia.increment);
     }
-    buffers.residual.fill(0.0);
-    buffers.force.fill(0.0);
+    clear(own, residual);
+    clear(own, force);
     if rule.force.weight != 0.0 {
-        system.add_force(at, rule.force.rule, tangent.then_some(rule.force.weight), &mut buffers.force)?;
-        add(rule.force.weight, &buffers.force, &mut buffers.residual);
+        system.add_force(at, rule.force.rule, tangent.then_some(rule.force.weight), force)?;
+        add(rule.force.weight, force, own, residual);
     }
     if rule.has_inertia() {
-        step.combine(rule.inertia, end.increment, &mut buffers.scratch);
-        buffers.inertia.fill(0.0);
-        system.add_mass_product(1.0, &buffers.scratch, &mut buffers.inertia);
-        add(1.0, &buffers.inertia, &mut buffers.residual);
+        step.combine(rule.inertia, end.increment, own, scratch);
+        clear(own, inertia);
+        system.add_mass_product(1.0, scratch, inertia);
+        add(1.0, inertia, own, residual);
     }
     if let Some(history) = rule.history {
         // Empty if there is nothing to remember.
-        add(history.weight, &step.state_n.history, &mut buffers.residual);
+        if !step.state_n.history.is_empty() {
+            add(history.weight, &step.state_n.history, own, residual);
+        }
     }
     if system.has_constraints() {
-        buffers.constraint.fill(0.0);
+        clear(own, constraint);
         let ConstraintTerm { rule, weight } = rule.constraint;
-        system.add_constraint_force(at, rule, weight, tangent, &mut buffers.constraint)?;
-        add(-weight, &buffers.constraint, &mut buffers.residual);
+        system.add_constraint_force(at, rule, weight, tangent, constraint)?;
+        add(-weight, constraint, own, residual);
     }
     Ok(())
 }
@@ -142,37 +164,38 @@ pub fn finish<S: SecondOrderSystem>(
     next: &mut State,
 ) -> Result<bool, S::Error> {
     let rule = &step.rule;
+    let Buffers { force, constraint, inertia, scratch, own, .. } = buffers;
     next.time = step.state_n.time + step.dt;
     if let Some(impulse) = rule.impulse {
         if rule.force.weight == 0.0 {
-            buffers.force.fill(0.0);
-            system.add_force(step.configuration(&next.q), rule.force.rule, None, &mut buffers.force)?;
+            clear(own, force);
+            system.add_force(step.configuration(&next.q), rule.force.rule, None, force)?;
         }
-        step.combine(rule.velocity, increment, &mut buffers.scratch);
+        step.combine(rule.velocity, increment, own, scratch);
         // The momenta that the velocities must have; then the residual of that at prescribed coordinates.
-        buffers.inertia.fill(0.0);
-        system.add_mass_product(1.0, &buffers.scratch, &mut buffers.inertia);
-        add(impulse, &buffers.force, &mut buffers.inertia);
-        system.solve_mass(&buffers.inertia, &mut next.v)?;
-        for value in &mut buffers.inertia {
-            *value = -*value / step.dt;
+        clear(own, inertia);
+        system.add_mass_product(1.0, scratch, inertia);
+        add(impulse, force, own, inertia);
+        system.solve_mass(inertia, &mut next.v)?;
+        for value in own.iter().flat_map(|own| own.clone()) {
+            inertia[value] = -inertia[value] / step.dt;
         }
-        system.add_mass_product(1.0 / step.dt, &next.v, &mut buffers.inertia);
+        system.add_mass_product(1.0 / step.dt, &next.v, inertia);
     } else {
-        step.combine(rule.velocity, increment, &mut next.v);
+        step.combine(rule.velocity, increment, own, &mut next.v);
     }
     if let Some(acceleration) = rule.acceleration {
         next.a.resize(next.q.len(), 0.0);
-        step.combine(acceleration, increment, &mut next.a);
+        step.combine(acceleration, increment, own, &mut next.a);
     }
     if let Some(history) = rule.history.filter(|history| history.is_needed(system.has_constraints())) {
         next.history.clear();
         next.history.resize(next.q.len(), 0.0);
         if history.force {
-            add(1.0, &buffers.force, &mut next.history);
+            add(1.0, force, own, &mut next.history);
         }
         if history.constraint && system.has_constraints() {
-            add(-1.0, &buffers.constraint, &mut next.history);
+            add(-1.0, constraint, own, &mut next.history);
         }
     }
     Ok(rule.impulse.is_some())
@@ -220,7 +243,7 @@ mod tests {
             false
         }
         fn add_mass_product(&self, factor: f64, x: &[f64], out: &mut [f64]) {
-            add(2.0 * factor, x, out);
+            out[0] += 2.0 * factor * x[0];
         }
         fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) -> Result<(), Infallible> {
             x[0] = rhs[0] / 2.0;

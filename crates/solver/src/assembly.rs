@@ -1,12 +1,13 @@
 //! Storage of the global system: equations, patterns, scatter maps, mass, vectors. What is computed with it is in
 //! [`crate::system`] and [`crate::problem`].
 
-use crate::embedding::Transform;
+use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
 use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
+use std::ops::Range;
 use std::sync::Arc;
 use stoss_contact::Auxiliary;
 use stoss_fe_solid::{TangentTarget, Workspace};
@@ -61,8 +62,17 @@ pub(crate) struct System {
     pub acting: Acting,
     /// Whether the present stage has inertia.
     pub has_rates: bool,
-    /// Residual and its terms, `3 * nodes` each.
+    /// Residual and its terms, `3 * nodes` each. Those of embedded nodes are zero, but for the forces of contact on the nodes in `touched`.
     pub buffers: Buffers,
+    /// Components of nodes that are not embedded, in ascending runs.
+    pub own: Vec<Range<usize>>,
+    /// Embedded nodes that have a force of contact.
+    pub touched: Vec<u32>,
+    /// Components that have forces of contact: those with equations and those of `touched`, ascending.
+    pub support: Vec<Range<usize>>,
+    /// Embedded nodes that have loads, and the components that loads act at: theirs, and those with equations.
+    pub loaded: Vec<u32>,
+    pub load_support: Vec<Range<usize>>,
     /// Dead loads of the step, empty if there are none (those that depend on the configuration go to `follower`).
     pub dead: Vec<f64>,
     /// Follower pressures and moments; empty without.
@@ -199,6 +209,8 @@ pub(crate) struct Iterate {
     pub q: Vec<f64>,
     /// What is added to the positions at the beginning of the step, see [`EndPoint`].
     pub increment: Vec<f64>,
+    /// What carriers had, in both, when their nodes followed them.
+    pub followed: [Followed; 2],
     pub pressures: Vec<Vec<f64>>,
     /// Further unknowns of the slots; empty for pairs without.
     pub auxiliaries: Vec<Vec<f64>>,
@@ -220,8 +232,9 @@ impl Iterate {
 
     /// Lets the embedded nodes follow the others.
     pub fn follow(&mut self, embedding: &crate::Embedding) {
-        embedding.follow(&mut self.q);
-        embedding.follow(&mut self.increment);
+        let [of_q, of_increment] = &mut self.followed;
+        embedding.follow_changes(&mut self.q, of_q);
+        embedding.follow_changes(&mut self.increment, of_increment);
     }
 
     pub fn end_point(&self) -> EndPoint<'_> {
@@ -232,6 +245,31 @@ impl Iterate {
 /// Label of a node for the linear solver: itself, or the cluster of a vector of a part.
 fn label(groups: &[u32], first: u32, node: u32) -> u32 {
     node.checked_sub(first).and_then(|k| groups.get(k as usize)).copied().unwrap_or(node)
+}
+
+/// Ascending ranges of components, and those of nodes that are in none of them.
+pub(crate) fn with_nodes(ranges: &[Range<usize>], nodes: &[u32]) -> Vec<Range<usize>> {
+    let of_nodes = nodes.iter().map(|&node| 3 * node as usize..3 * node as usize + 3);
+    let mut all: Vec<Range<usize>> = ranges.iter().cloned().chain(of_nodes).collect();
+    all.sort_unstable_by_key(|range| range.start);
+    all
+}
+
+/// Embedded nodes that loads act on, ascending.
+fn loaded(model: &Model) -> Vec<u32> {
+    let mut nodes: Vec<u32> = Vec::new();
+    for load in &model.loads {
+        match &load.kind {
+            LoadKind::Dead { patterns } => nodes.extend(patterns.iter().flatten().map(|&(component, _)| component / 3)),
+            LoadKind::FollowerPressure { facets } => nodes.extend(facets.iter().flatten()),
+            // Directors have equations.
+            LoadKind::Moment { .. } => (),
+        }
+    }
+    nodes.retain(|&node| model.embedding.has(node));
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
 }
 
 /// Zero for every auxiliary of every slot of every contact pair.
@@ -356,7 +394,8 @@ impl System {
         stiffness_force += model.parts.iter().map(|part| part.force_scale()).sum::<f64>();
         let slot_equation: Vec<Vec<u32>> =
             model.contacts.iter().map(|pair| vec![NONE; pair.method.slot_count()]).collect();
-        let zeros = || vec![0.0; components];
+        let own = model.embedding.own(components);
+        let loaded = loaded(model);
         let empty: [&[u32]; 0] = [];
         Ok(Self {
             contact_map: ScatterMap::new(&solid_pattern, empty.iter().copied())?,
@@ -366,7 +405,12 @@ impl System {
             solid_values: vec![0.0; nnz],
             workspaces: model.bodies.iter().map(|_| Workspace::default()).collect(),
             stencils: solids,
-            buffers: Buffers::new(components, dynamic, !model.contacts.is_empty()),
+            touched: Vec::new(),
+            support: if model.contacts.is_empty() { Vec::new() } else { own.clone() },
+            load_support: with_nodes(&own, &loaded),
+            loaded,
+            buffers: Buffers::with_own(components, own.clone(), dynamic, !model.contacts.is_empty()),
+            own,
             dead: vec![0.0; if has_dead_loads { components } else { 0 }],
             follower: vec![0.0; if has_followers { components } else { 0 }],
             force_scale: 0.0,
@@ -383,7 +427,7 @@ impl System {
             mass_solver: None,
             rhs: vec![0.0; n],
             increment: vec![0.0; n],
-            base_increment: zeros(),
+            base_increment: vec![0.0; components],
             base_pressures: slot_equation.iter().map(|s| vec![0.0; s.len()]).collect(),
             base_auxiliaries: no_auxiliaries(model),
             auxiliary_increment: no_auxiliaries(model),

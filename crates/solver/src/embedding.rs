@@ -1,19 +1,37 @@
 //! Embedded nodes: nodes without equations that are carried by others.
 
-use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// No embedded node.
+const NONE: u32 = u32::MAX;
 
 /// Nodes whose positions are `x_a = sum_j w_aj q_j` with constant weights and other nodes as carriers: the surface of a rigid body, for instance.
 ///
 /// Whoever acts on nodes acts on these like on any others. Their positions and velocities follow the carriers; forces on them go to the carriers with the same
 /// weights, and tangents with them, so that work and moments are the same.
+///
+/// A surface may have many more nodes than a step uses: what is done in each iteration passes over the nodes that contact uses, and over those whose carriers moved.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Embedding {
-    /// Embedded node to its place in `starts`.
-    index: BTreeMap<u32, u32>,
+    /// Place in `starts` of each node of the model, [`NONE`] of those that are not embedded.
+    index: Vec<u32>,
     nodes: Vec<u32>,
     starts: Vec<u32>,
     terms: Vec<(u32, f64)>,
+    groups: Vec<Group>,
 }
+
+/// Embedded nodes in a row that have their first carrier in common: a surface, mostly.
+#[derive(Clone, Debug, PartialEq)]
+struct Group {
+    carriers: Vec<u32>,
+    /// Places in `starts`.
+    members: Range<usize>,
+}
+
+/// What the carriers had when their nodes followed them last.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Followed(Vec<f64>);
 
 impl Embedding {
     /// Adds a node with its carriers, which are no embedded nodes themselves, each once.
@@ -21,10 +39,27 @@ impl Embedding {
         if self.starts.is_empty() {
             self.starts.push(0);
         }
-        self.index.insert(node, self.nodes.len() as u32);
+        let k = self.nodes.len();
+        let size = self.index.len().max(node as usize + 1);
+        self.index.resize(size, NONE);
+        self.index[node as usize] = k as u32;
         self.nodes.push(node);
         self.terms.extend_from_slice(carriers);
         self.starts.push(self.terms.len() as u32);
+        let first = carriers.first().map(|c| c.0);
+        match self.groups.last_mut().filter(|group| group.carriers.first().copied() == first) {
+            Some(group) => {
+                group.members.end = k + 1;
+                for &(carrier, _) in carriers {
+                    if !group.carriers.contains(&carrier) {
+                        group.carriers.push(carrier);
+                    }
+                }
+            }
+            None => {
+                self.groups.push(Group { carriers: carriers.iter().map(|c| c.0).collect(), members: k..k + 1 });
+            }
+        }
     }
 
     /// True if there is none.
@@ -39,16 +74,47 @@ impl Embedding {
 
     /// Carriers and weights of a node, if it is embedded.
     pub fn carriers(&self, node: u32) -> Option<&[(u32, f64)]> {
-        self.index.get(&node).map(|&k| self.carriers_of(k as usize))
+        self.place(node).map(|k| self.carriers_of(k))
+    }
+
+    fn place(&self, node: u32) -> Option<usize> {
+        self.index.get(node as usize).filter(|&&k| k != NONE).map(|&k| k as usize)
     }
 
     fn carriers_of(&self, k: usize) -> &[(u32, f64)] {
         &self.terms[self.starts[k] as usize..self.starts[k + 1] as usize]
     }
 
-    /// Gives the embedded nodes of a vector of the model (positions, increments, velocities) what they have from their carriers.
+    /// Whether a node is embedded.
+    pub(crate) fn has(&self, node: u32) -> bool {
+        self.place(node).is_some()
+    }
+
+    /// Of so many components those of nodes that are not embedded, in ascending runs.
+    pub(crate) fn own(&self, components: usize) -> Vec<Range<usize>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        let rest = 3 * self.index.len()..components.max(3 * self.index.len());
+        let single = (0..self.index.len()).filter(|&n| self.index[n] == NONE).map(|n| 3 * n..3 * n + 3);
+        for run in single.chain([rest]).filter(|run| !run.is_empty()) {
+            match runs.last_mut().filter(|last| last.end == run.start) {
+                Some(last) => last.end = run.end,
+                None => runs.push(run),
+            }
+        }
+        runs
+    }
+
+    /// Gives the embedded nodes of a vector of the model (positions, increments, velocities) what they have from their carriers; an empty vector stays so.
     pub(crate) fn follow(&self, x: &mut [f64]) {
-        for (k, &node) in self.nodes.iter().enumerate() {
+        if x.is_empty() {
+            return;
+        }
+        self.follow_places(0..self.nodes.len(), x);
+    }
+
+    fn follow_places(&self, places: Range<usize>, x: &mut [f64]) {
+        for k in places {
+            let node = self.nodes[k];
             let mut sum = [0.0; 3];
             for &(carrier, weight) in self.carriers_of(k) {
                 let first = 3 * carrier as usize;
@@ -60,20 +126,65 @@ impl Embedding {
         }
     }
 
+    /// What the carriers have in a vector that the embedded nodes have followed.
+    pub(crate) fn followed(&self, x: &[f64]) -> Followed {
+        let carriers = self.groups.iter().flat_map(|group| &group.carriers);
+        Followed(carriers.flat_map(|&c| &x[3 * c as usize..3 * c as usize + 3]).copied().collect())
+    }
+
+    /// [`Self::follow`] of the surfaces whose carriers have something else than they had.
+    pub(crate) fn follow_changes(&self, x: &mut [f64], followed: &mut Followed) {
+        let mut seen = followed.0.chunks_exact_mut(3);
+        for group in &self.groups {
+            let mut changed = false;
+            for &carrier in &group.carriers {
+                let (Some(seen), first) = (seen.next(), 3 * carrier as usize) else { return self.follow(x) };
+                let now = &x[first..first + 3];
+                changed |= seen.iter().zip(now).any(|(a, b)| a.to_bits() != b.to_bits());
+                seen.copy_from_slice(now);
+            }
+            if changed {
+                self.follow_places(group.members.clone(), x);
+            }
+        }
+    }
+
     /// Moves forces on embedded nodes to their carriers.
     pub(crate) fn pull_back(&self, force: &mut [f64]) {
-        for (k, &node) in self.nodes.iter().enumerate() {
+        self.pull_back_of(&self.nodes, force);
+    }
+
+    /// [`Self::pull_back`] if no others than these embedded nodes have forces.
+    pub(crate) fn pull_back_of(&self, nodes: &[u32], force: &mut [f64]) {
+        for &node in nodes {
             let at = 3 * node as usize;
             let f = [force[at], force[at + 1], force[at + 2]];
             if f == [0.0; 3] {
                 continue;
             }
             force[at..at + 3].fill(0.0);
-            for &(carrier, weight) in self.carriers_of(k) {
+            for &(carrier, weight) in self.carriers(node).unwrap_or_default() {
                 let first = 3 * carrier as usize;
                 force[first..first + 3].iter_mut().zip(f).for_each(|(c, f)| *c += weight * f);
             }
         }
+    }
+
+    /// The largest length of the vectors (velocities) of all nodes.
+    pub(crate) fn largest_of(&self, own: &[Range<usize>], x: &[f64]) -> f64 {
+        let length = |v: &[f64]| v[0].hypot(v[1]).hypot(v[2]);
+        let mut largest = own.iter().flat_map(|own| x[own.clone()].chunks_exact(3)).map(length).fold(0.0, f64::max);
+        for group in &self.groups {
+            let at = |node: u32| &x[3 * node as usize..3 * node as usize + 3];
+            if group.carriers.iter().any(|&carrier| at(carrier) != [0.0; 3]) {
+                // The root only of those that may be the largest.
+                let square = |v: &[f64]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+                let nodes = || self.nodes[group.members.clone()].iter().map(|&node| at(node));
+                let nearly = (1.0 - 1e-12) * nodes().map(square).fold(0.0, f64::max);
+                largest = nodes().filter(|v| square(v) >= nearly).map(length).fold(largest, f64::max);
+            }
+        }
+        largest
     }
 
     /// The nodes that have the equations of a list of nodes: carriers in place of the embedded ones, each once.
@@ -94,12 +205,12 @@ impl Embedding {
 
     /// True if one of the nodes is embedded.
     pub(crate) fn touches(&self, nodes: &[u32]) -> bool {
-        !self.is_empty() && nodes.iter().any(|node| self.index.contains_key(node))
+        !self.is_empty() && nodes.iter().any(|&node| self.has(node))
     }
 
     /// True if all of the nodes are embedded.
     pub(crate) fn has_all(&self, nodes: &[u32]) -> bool {
-        nodes.iter().all(|node| self.index.contains_key(node))
+        nodes.iter().all(|&node| self.has(node))
     }
 
     /// A local matrix over the components of `nodes` and `rest` further unknowns as one over those of `expanded` ([`Self::expand`]) and the same
@@ -214,5 +325,58 @@ mod tests {
             }
         }
         assert_eq!((work.matrix[99], work.matrix[9], work.matrix[39]), (7.0, 2.0, 1.0));
+    }
+
+    /// Two surfaces on three carriers each, with nodes of solids before, between and behind them.
+    fn two_surfaces() -> Embedding {
+        let mut embedding = Embedding::default();
+        for (first, carrier) in [(4, 1), (9, 12)] {
+            for k in 0..3 {
+                // A weight of zero is left out, as at a node in a plane of symmetry.
+                let weights = [(carrier, 1.0), (carrier + 1, 0.5 * f64::from(k)), (carrier + 2, -0.3)];
+                let carriers: Vec<(u32, f64)> = weights.into_iter().filter(|&(_, w)| w != 0.0).collect();
+                embedding.add(first + k, &carriers);
+            }
+        }
+        embedding
+    }
+
+    #[test]
+    fn only_surfaces_whose_carriers_moved_follow() {
+        let embedding = two_surfaces();
+        assert_eq!(embedding.own(54), [0..12, 21..27, 36..54]);
+        assert_eq!(Embedding::default().own(54), [0..54]);
+        let mut q: Vec<f64> = (0..54).map(|i| (0.7 * f64::from(i)).sin()).collect();
+        embedding.follow(&mut q);
+        let mut followed = embedding.followed(&q);
+        // A mark on each surface shows whether it was renewed.
+        for (moved, renewed) in [(0, [false, false]), (3 * 2 + 1, [true, false]), (3 * 14, [false, true])] {
+            (q[12], q[27]) = (77.0, 77.0);
+            q[moved] += 1e-3;
+            embedding.follow_changes(&mut q, &mut followed);
+            assert_eq!([q[12] != 77.0, q[27] != 77.0], renewed, "{moved}");
+            embedding.follow(&mut q);
+        }
+        let mut never = Followed::default();
+        q[12] = 77.0;
+        embedding.follow_changes(&mut q, &mut never);
+        assert!(q[12] != 77.0);
+    }
+
+    #[test]
+    fn forces_on_some_nodes_go_the_same_way_as_all() {
+        let embedding = two_surfaces();
+        let mut all = vec![0.0; 54];
+        (all[13], all[32], all[40]) = (1.5, -0.25, 3.0);
+        let mut some = all.clone();
+        embedding.pull_back(&mut all);
+        embedding.pull_back_of(&[4, 10], &mut some);
+        assert_eq!(all, some);
+        assert!(all[13] == 0.0 && all[32] == 0.0 && all[40] != 0.0);
+        let mut v = vec![0.0; 54];
+        v[3 * 13] = -2.0;
+        embedding.follow(&mut v);
+        let expected = v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        assert_eq!(embedding.largest_of(&embedding.own(54), &v), expected);
     }
 }

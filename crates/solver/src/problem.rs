@@ -1,12 +1,12 @@
 //! One step as a problem for Newton's method.
 
-use crate::assembly::{Iterate, System};
+use crate::assembly::{Iterate, System, with_nodes};
 use crate::diagnosis::linear_error;
 use crate::system::{FeSystem, contact_rule};
 use crate::{Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
 use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
-use stoss_integrators::{ForceRule, Step, evaluate};
+use stoss_integrators::{Buffers, ForceRule, Step, evaluate};
 use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
 use stoss_newton::{NewtonProblem, ResidualNorms};
 
@@ -45,27 +45,41 @@ impl StepProblem<'_> {
         self.renew_contacts(want_tangent)?;
         let Self { model, system, step, iterate, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
+        for node in system.touched.drain(..) {
+            buffers.constraint[3 * node as usize..3 * node as usize + 3].fill(0.0);
+        }
         let Iterate { pressures, auxiliaries, active, .. } = &**iterate;
         let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
         let result = evaluate(&mut fe, step, iterate.end_point(), want_tangent, &mut buffers);
         let s = &mut **system;
         s.buffers = buffers;
         result?;
-        model.embedding.pull_back(&mut s.buffers.residual);
-        if !s.shift.is_empty() {
-            model.embedding.pull_back(&mut s.shift);
-        }
         let rule = &step.rule;
+        if !s.touched.is_empty() || s.support.len() > s.own.len() {
+            s.touched.sort_unstable();
+            s.touched.dedup();
+            s.support = with_nodes(&s.own, &s.touched);
+            let Buffers { residual, constraint, .. } = &mut s.buffers;
+            for c in s.touched.iter().flat_map(|&node| 3 * node as usize..3 * node as usize + 3) {
+                residual[c] = -rule.constraint.weight * constraint[c];
+            }
+            model.embedding.pull_back_of(&s.touched, residual);
+            if !s.shift.is_empty() {
+                model.embedding.pull_back_of(&s.touched, &mut s.shift);
+            }
+        }
         let mut scale = (rule.force.weight * s.force_scale)
             .max(SMALLEST_RESOLVED_MOTION * s.stiffness_force)
-            .max(rule.constraint.weight * vector::norm2(&s.buffers.constraint));
+            .max(rule.constraint.weight * vector::norm2_of(&s.buffers.constraint, &s.support));
         if rule.has_inertia() {
             scale = scale
-                .max(vector::norm2(&s.buffers.inertia))
+                .max(vector::norm2_of(&s.buffers.inertia, &s.own))
                 .max(SMALLEST_RESOLVED_MOTION * s.mass_length * rule.inertia.increment);
         }
         if let Some(history) = rule.history {
-            scale = scale.max(history.weight * vector::norm2(&step.state_n.history));
+            if !step.state_n.history.is_empty() {
+                scale = scale.max(history.weight * vector::norm2_of(&step.state_n.history, &s.own));
+            }
         }
         let mut sum = s.auxiliary_square;
         for (rhs, &component) in s.rhs.iter_mut().zip(&s.numbering.free) {
@@ -249,7 +263,9 @@ impl NewtonProblem for StepProblem<'_> {
         if let Err(error) = solved {
             return Err(linear_error(self.model, s, self.iterate, self.step.rule.has_inertia(), error));
         }
-        s.base_increment.copy_from_slice(&self.iterate.increment);
+        for own in &s.own {
+            s.base_increment[own.clone()].copy_from_slice(&self.iterate.increment[own.clone()]);
+        }
         for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
             base.copy_from_slice(pressures);
         }
@@ -322,6 +338,6 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn iterate_norm(&self) -> f64 {
-        vector::norm2(&self.iterate.q)
+        vector::norm2_of(&self.iterate.q, &self.system.own)
     }
 }

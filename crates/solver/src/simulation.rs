@@ -125,6 +125,8 @@ pub struct Simulation {
     prescribed: Vec<(u32, u32, u32)>,
     reactions: Vec<f64>,
     contact_force: Vec<f64>,
+    /// Embedded nodes that have a contact force.
+    pushed: Vec<u32>,
     balance: Balance,
     timings: Timings,
     decisions: Vec<Decision>,
@@ -150,6 +152,9 @@ impl Simulation {
         let acting = model.acting(&off, &[]).map_err(SimulationError::Model)?;
         for (pair, &acts) in model.contacts.iter_mut().zip(&acting.contacts) {
             pair.method.set_acting(acts);
+            if !model.embedding.is_empty() {
+                pair.method.set_carriers(&|node| model.embedding.carriers(node));
+            }
         }
         let prescribed = model.prescribed_components(&acting)?;
         let components = model.reference.len();
@@ -190,6 +195,7 @@ impl Simulation {
                 .collect(),
             reactions: vec![0.0; if has_supports { components } else { 0 }],
             contact_force: vec![0.0; contact_components],
+            pushed: Vec::new(),
             prescribed,
             system,
             clock,
@@ -212,6 +218,7 @@ impl Simulation {
         if dynamic {
             let (time, mut v) = (0.0, std::mem::take(&mut simulation.state.v));
             simulation.set_prescribed_velocities(time, &mut v);
+            simulation.model.embedding.follow(&mut v);
             simulation.state.v = v;
         }
         simulation.set_prescribed_positions_at_start();
@@ -273,13 +280,13 @@ impl Simulation {
         Ok(())
     }
 
+    /// Embedded nodes do not follow yet.
     fn set_prescribed_velocities(&self, time: f64, v: &mut [f64]) {
         for &(component, p, column) in &self.prescribed {
             let prescription = &self.model.prescriptions[p as usize];
             v[component as usize] =
                 prescription.velocity(component / 3, self.reference_of(component), time, column as usize);
         }
-        self.model.embedding.follow(v);
     }
 
     fn step_rule(&self, dt: f64) -> StepRule {
@@ -290,7 +297,9 @@ impl Simulation {
         if !self.system.has_dead_loads {
             return;
         }
-        self.system.dead.fill(0.0);
+        for range in &self.system.load_support {
+            self.system.dead[range.clone()].fill(0.0);
+        }
         for (load, _) in self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts) {
             load.add_dead(time, 1.0, &mut self.system.dead);
         }

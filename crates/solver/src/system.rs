@@ -4,6 +4,7 @@ use crate::assembly::System;
 use crate::mass_solve::MassSolver;
 use crate::moment::moment_forces;
 use crate::{Load, LoadKind, Model, StepError};
+use std::ops::Range;
 use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
 use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
@@ -33,6 +34,15 @@ pub fn contact_rule(rule: GradientRule) -> ContactRule {
     }
 }
 
+/// `out <- out - x` in those components.
+fn subtract(x: &[f64], ranges: &[Range<usize>], out: &mut [f64]) {
+    for range in ranges {
+        for (out, x) in out[range.clone()].iter_mut().zip(&x[range.clone()]) {
+            *out -= x;
+        }
+    }
+}
+
 /// Model and storage at an iterate of the pressures.
 pub(crate) struct FeSystem<'a> {
     pub model: &'a Model,
@@ -55,7 +65,9 @@ impl FeSystem<'_> {
         tangent: Option<f64>,
     ) -> Result<(), StepError> {
         let (model, s) = (self.model, &mut *self.system);
-        s.follower.fill(0.0);
+        for range in &s.load_support {
+            s.follower[range.clone()].fill(0.0);
+        }
         let theta = rule.load_fraction();
         let time = step.time + theta * step.dt;
         let mut stencil = *s.first_stencil.last().unwrap_or(&0);
@@ -183,18 +195,18 @@ impl SecondOrderSystem for FeSystem<'_> {
             self.add_part_forces(step, rule, tangent, out)?;
         }
         let s = &mut *self.system;
-        s.force_scale = vector::norm2(out);
+        s.force_scale = vector::norm2_of(out, &s.own);
         if s.has_dead_loads {
-            s.force_scale = s.force_scale.max(vector::norm2(&s.dead));
-            vector::axpy(-1.0, &s.dead, out);
+            s.force_scale = s.force_scale.max(vector::norm2_of(&s.dead, &s.load_support));
+            subtract(&s.dead, &s.load_support, out);
         }
         if s.has_followers {
             self.evaluate_follower(step, rule, tangent)?;
             let s = &mut *self.system;
-            vector::axpy(-1.0, &s.follower, out);
-            s.force_scale = s.force_scale.max(vector::norm2(&s.follower));
+            subtract(&s.follower, &s.load_support, out);
+            s.force_scale = s.force_scale.max(vector::norm2_of(&s.follower, &s.load_support));
         }
-        self.model.embedding.pull_back(out);
+        self.model.embedding.pull_back_of(&self.system.loaded, out);
         Ok(())
     }
 
@@ -219,7 +231,12 @@ impl SecondOrderSystem for FeSystem<'_> {
         let free = s.numbering.free.len();
         s.rhs[free..].fill(0.0);
         s.gap_measure = 0.0;
-        s.shift.fill(0.0);
+        if !s.shift.is_empty() {
+            // Embedded nodes have handed theirs over.
+            for range in &s.own {
+                s.shift[range.clone()].fill(0.0);
+            }
+        }
         s.auxiliary_square = 0.0;
         let mut time = s.contact_time;
         let result = time.measure(|| self.add_contact_elements(step, rule, weight, tangent, out));
@@ -290,6 +307,7 @@ impl FeSystem<'_> {
                 shift,
                 gap_measure,
                 auxiliary_square,
+                touched,
                 transform,
                 expanded,
                 shifts_rows,
@@ -300,6 +318,9 @@ impl FeSystem<'_> {
             method.assemble_with(configuration, pressures, auxiliaries, active, tangent, &mut |local| {
                 let coordinates = 3 * local.nodes.len();
                 for (i, &node) in local.nodes.iter().enumerate() {
+                    if model.embedding.has(node) {
+                        touched.push(node);
+                    }
                     for d in 0..3 {
                         out[3 * node as usize + d] -= local.residual[3 * i + d];
                     }

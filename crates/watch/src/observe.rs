@@ -240,7 +240,8 @@ impl Watch {
             if near.is_empty() {
                 continue;
             }
-            let sweep = Sweep::new(&self.surfaces[b], &before[b].0);
+            let regions: Vec<Aabb> = near.iter().map(|&a| bounds[a]).collect();
+            let sweep = Sweep::new(&self.surfaces[b], &before[b].0, &regions);
             for a in near {
                 let (body, other, tied) = (&self.surfaces[a], &self.surfaces[b], self.tied(a, b));
                 let exempt = |point| tied.is_some_and(|tied| touches(body, point, tied));

@@ -52,9 +52,11 @@ pub(crate) fn overlap(
         let (depth, triangle) = other.nearest(&position);
         Inside { point, position, depth, relative: depth / other.unit(triangle, body, point) }
     };
-    for (k, x) in body.points.iter().enumerate() {
+    let near = body.is_rigid.then(|| body.within(&other.bounds));
+    let mut look = |k: usize| {
+        let x = &body.points[k];
         if exempt(k as u32) || !other.contains(x) {
-            continue;
+            return;
         }
         let here = measure(k as u32, *x);
         if here.relative > TOUCHING {
@@ -62,6 +64,10 @@ pub(crate) fn overlap(
             found.nodes += usize::from(k < body.nodes.len());
             found.add(here);
         }
+    };
+    match &near {
+        Some((points, _)) => points.iter().for_each(|&k| look(k as usize)),
+        None => (0..body.points.len()).for_each(look),
     }
     // Of bodies in the same place all nodes are near the surface of the other, but the insides are not.
     for (core, facet) in body.cores() {
@@ -71,7 +77,7 @@ pub(crate) fn overlap(
         }
     }
     let mut crossings = Vec::new();
-    for &[a, b] in &body.edges {
+    for &[a, b] in near.as_ref().map_or(&body.edges, |(_, edges)| edges) {
         if inside[a as usize] || inside[b as usize] || exempt(a) || exempt(b) {
             continue;
         }

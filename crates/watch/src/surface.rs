@@ -129,7 +129,7 @@ pub struct Surface {
     /// Whether it encloses a volume.
     pub is_closed: bool,
     /// Whether it is that of a rigid body, whose facets may be much larger than those of the others.
-    is_rigid: bool,
+    pub is_rigid: bool,
     /// Corners of the triangles as places in `points`, and their facets.
     triangles: Vec<([u32; 3], u32)>,
     /// The element behind each facet; none of a rigid body.
@@ -240,8 +240,13 @@ impl Surface {
         self.inner = inner;
     }
 
-    /// Takes over positions; the first time the tree is built anew.
+    /// Takes over positions; the first time the tree is built anew. A rigid surface that stays where it is takes one comparison.
     pub fn place(&mut self, q: &[f64], build: bool) {
+        let at = |node: u32| &q[3 * node as usize..3 * node as usize + 3];
+        let mut pairs = self.nodes.iter().zip(&self.points);
+        if !build && self.is_rigid && pairs.all(|(&node, point)| at(node) == point.as_slice()) {
+            return;
+        }
         self.points_at(q);
         let Self { triangles, points, tree, bounds, .. } = self;
         let box_of = |t: usize| Aabb::from_points(triangles[t].0.map(|k| &points[k as usize]));
@@ -303,6 +308,24 @@ impl Surface {
             None => &self.places[k..=k],
             Some(facet) => self.facets[facet].corners(),
         }
+    }
+
+    /// Of a rigid surface the points and the edges of the triangles that reach into a region, in their order: all that can be inside of it.
+    pub fn within(&self, region: &Aabb) -> (Vec<u32>, Vec<[u32; 2]>) {
+        let (mut points, mut edges) = (Vec::new(), Vec::new());
+        self.tree.query(region, |t| {
+            let corners = self.corners(t);
+            points.extend(corners);
+            edges.extend([[0, 1], [1, 2], [2, 0]].map(|ends| {
+                let [a, b] = ends.map(|k: usize| corners[k]);
+                [a.min(b), a.max(b)]
+            }));
+        });
+        points.sort_unstable();
+        points.dedup();
+        edges.sort_unstable();
+        edges.dedup();
+        (points, edges)
     }
 
     /// Corners of a triangle as places in `points`.

@@ -20,6 +20,8 @@ const SAMPLES: usize = 8;
 #[derive(Debug)]
 pub(crate) struct Sweep {
     tree: BoundingVolumeTree,
+    /// Triangle of each box.
+    triangles: Vec<u32>,
     pub bounds: Aabb,
 }
 
@@ -31,17 +33,26 @@ pub(crate) struct Passage {
 }
 
 impl Sweep {
-    /// Of a surface whose points were at `before`.
-    pub fn new(surface: &Surface, before: &[Vector3<f64>]) -> Self {
-        let boxes: Vec<Aabb> = (0..surface.triangle_count())
-            .map(|t| {
-                let corners = surface.corners(t).map(|k| k as usize);
-                Aabb::from_points(corners.map(|k| &surface.points[k]))
-                    .union(&Aabb::from_points(corners.map(|k| &before[k])))
-            })
-            .collect();
+    /// Of a surface whose points were at `before`; of a rigid one as far as it reaches into one of the `regions`, in which the others move.
+    pub fn new(surface: &Surface, before: &[Vector3<f64>], regions: &[Aabb]) -> Self {
+        let swept = |t: usize| {
+            let corners = surface.corners(t).map(|k| k as usize);
+            Aabb::from_points(corners.map(|k| &surface.points[k]))
+                .union(&Aabb::from_points(corners.map(|k| &before[k])))
+        };
+        // Beside the ways of the points there is room for `is_near`, which asks for no more than a part of an edge of theirs.
+        let regions = regions.iter().map(|region| region.inflated(GRAZING * (region.max - region.min).norm()));
+        let regions: Vec<Aabb> = regions.collect();
+        let all = (0..surface.triangle_count()).map(|t| (t as u32, swept(t)));
+        let near = all.filter(|(_, swept)| !surface.is_rigid || regions.iter().any(|region| region.overlaps(swept)));
+        let (triangles, boxes): (Vec<u32>, Vec<Aabb>) = near.unzip();
         let tree = BoundingVolumeTree::build(&boxes);
-        Self { bounds: tree.bounds(), tree }
+        Self { bounds: tree.bounds(), tree, triangles }
+    }
+
+    /// Visits the triangles whose boxes overlap a region.
+    fn query(&self, region: &Aabb, mut visit: impl FnMut(usize)) {
+        self.tree.query(region, |k| visit(self.triangles[k] as usize));
     }
 
     /// Whether the surface is nearer than `distance` to a point at a time in the step.
@@ -56,7 +67,7 @@ impl Sweep {
         let reach = Vector3::repeat(distance);
         let region = Aabb::from_points([&(point - reach), &(point + reach)]);
         let mut is_near = false;
-        self.tree.query(&region, |t| {
+        self.query(&region, |t| {
             let at = |k: u32| before[k as usize] + (surface.points[k as usize] - before[k as usize]) * time;
             is_near |= {
                 let [a, b, c] = surface.corners(t).map(at);
@@ -82,7 +93,7 @@ pub(crate) fn passages(
             continue;
         }
         crossings.clear();
-        sweep.tree.query(&region, |t| {
+        sweep.query(&region, |t| {
             let corners = other.corners(t).map(|k| k as usize);
             let moving = corners.map(|k| (&other_before[k], &other.points[k]));
             crossings.extend(crossing(x0, x1, moving, other.unit(t, body, k as u32)));

@@ -235,6 +235,10 @@ impl Constraint for CoordinateAugmented {
         self.inner.slot_weight(slot)
     }
 
+    fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
+        self.inner.set_carriers(of);
+    }
+
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         let rule = if rule == ContactRule::EnergyMomentum { ContactRule::Midpoint } else { rule };
         self.inner.set_rule(rule, step_size);

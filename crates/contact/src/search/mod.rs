@@ -25,10 +25,8 @@ mod view;
 
 pub use view::SearchView;
 
-use crate::surface::position;
-use crate::{ContactError, ContactSurface};
+use crate::{ContactError, ContactSurface, SurfaceTree};
 use nalgebra::Vector3;
-use stoss_geometry::{Aabb, BoundingVolumeTree};
 
 /// Where on the master surface the closest point lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -157,9 +155,7 @@ impl SearchOptions {
 pub struct MasterSearch {
     surface: ContactSurface,
     options: SearchOptions,
-    tree: BoundingVolumeTree,
-    /// Positions of the surface's nodes when the tree was refitted.
-    fitted: Vec<Vector3<f64>>,
+    tree: SurfaceTree,
     reach: f64,
 }
 
@@ -171,28 +167,22 @@ impl MasterSearch {
     /// [`ContactError::Option`] if an option is out of its range, [`ContactError::MissingNode`] if `q` is too short.
     pub fn new(surface: ContactSurface, q: &[f64], options: SearchOptions) -> Result<Self, ContactError> {
         options.validate()?;
-        let count = q.len() / 3;
-        if let Some((facet, &node)) =
-            surface.facets().iter().enumerate().find_map(|(i, f)| Some((i, f.iter().find(|&&n| n as usize >= count)?)))
-        {
-            return Err(ContactError::MissingNode { facet: facet as u32, node, count });
-        }
-        let boxes: Vec<Aabb> = (0..surface.facets().len() as u32)
-            .map(|facet| Aabb::from_points(&surface.patch(facet, q).corners))
-            .collect();
-        let tree = BoundingVolumeTree::build(&boxes);
-        let fitted = surface.nodes().iter().map(|&n| position(q, n)).collect();
-        Ok(Self { surface, options, tree, fitted, reach: f64::INFINITY })
+        let tree = SurfaceTree::new(&surface, q)?;
+        Ok(Self { surface, options, tree, reach: f64::INFINITY })
     }
 
     /// Refits the tree to positions `q`. Points with a gap larger than `reach` get no partner. No allocation.
     pub fn update(&mut self, q: &[f64], reach: f64) {
         self.reach = reach;
-        for (fitted, &node) in self.fitted.iter_mut().zip(self.surface.nodes()) {
-            *fitted = position(q, node);
+        self.tree.update(&self.surface, q);
+    }
+
+    /// Tells what carries the nodes of the surface, see [`ContactSurface::set_carriers`]; comes before [`MasterSearch::update`].
+    pub fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
+        self.surface.set_carriers(of);
+        if self.surface.carriers().is_some() {
+            self.tree.forget();
         }
-        let surface = &self.surface;
-        self.tree.refit(|facet| Aabb::from_points(&surface.patch(facet as u32, q).corners));
     }
 
     /// The master surface.
@@ -216,7 +206,7 @@ impl MasterSearch {
     }
 
     /// A view for queries at positions `q`, which need not be those of the last [`MasterSearch::update`]: the queries allow for what the
-    /// nodes moved since (a common translation costs nothing). Takes one pass over the surface's nodes.
+    /// nodes moved since (a common translation costs nothing). Takes one pass over the surface's nodes, or none if it has carriers.
     pub fn at<'a>(&'a self, q: &'a [f64]) -> SearchView<'a> {
         SearchView::new(self, q)
     }

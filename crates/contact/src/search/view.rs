@@ -1,7 +1,6 @@
 //! Queries of the search at given positions.
 
 use super::{Feature, MasterPoint, MasterSearch, Pairing};
-use crate::surface::position;
 use nalgebra::Vector3;
 use stoss_geometry::{ClosestPoint, PatchFeature};
 
@@ -46,9 +45,7 @@ pub struct SearchView<'a> {
 
 impl<'a> SearchView<'a> {
     pub(super) fn new(search: &'a MasterSearch, q: &'a [f64]) -> Self {
-        let moved = || search.surface.nodes().iter().zip(&search.fitted).map(|(&n, old)| position(q, n) - old);
-        let shift = moved().sum::<Vector3<f64>>() / search.fitted.len() as f64;
-        let excess = moved().map(|u| (u - shift).norm()).fold(0.0, f64::max);
+        let (shift, excess) = search.tree.motion(&search.surface, q);
         Self { search, q, shift, excess }
     }
 
@@ -111,7 +108,7 @@ impl<'a> SearchView<'a> {
         let mut best: Option<Foot> = None;
         // The relative margin keeps ties in spite of the rounding of the boxes' distances.
         let bound = |distance: f64| distance * (1.0 + 1e-12) + self.excess;
-        self.search.tree.nearest(&(x - self.shift), bound(radius), |facet, limit| {
+        self.search.tree.tree().nearest(&(x - self.shift), bound(radius), |facet, limit| {
             let facet = facet as u32;
             let patch = self.patch(facet);
             let closest = patch.closest_point(x);

@@ -1,13 +1,14 @@
 //! One step of a simulation: attempts, acceptance, work.
 
 use super::{InsideOutRule, Simulation};
-use crate::assembly::{Iterate, no_auxiliaries};
+use crate::assembly::{Iterate, System, no_auxiliaries};
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
     Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord,
 };
+use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage, StepConfiguration as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, SecondOrderSystem, State, Step, StepConfiguration, StepRule, finish};
@@ -123,7 +124,7 @@ impl Simulation {
             return Ok(());
         }
         // The farthest that two surfaces can approach each other in the step if nothing accelerates them much.
-        let speed = self.state.v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
+        let speed = self.model.embedding.largest_of(&self.system.own, &self.state.v);
         let reach = 2.0 * speed * dt;
         let end = self.clock.next_time();
         let (model, state) = (&mut self.model, &self.state);
@@ -165,10 +166,12 @@ impl Simulation {
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
         self.begin_contact(dt, rule)?;
-        let q_n = &self.state.q;
+        let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
+        let embedding = &self.model.embedding;
         let mut start = Iterate {
             q: q_n.clone(),
-            increment: vec![0.0; q_n.len()],
+            followed: [embedding.followed(q_n), embedding.followed(&increment)],
+            increment,
             pressures: self.pressures.clone(),
             auxiliaries: no_auxiliaries(&self.model),
             active: self.active.clone(),
@@ -178,7 +181,9 @@ impl Simulation {
                 Some(scheme) => scheme.predict(&self.state, dt, &mut start.increment),
                 None => vector::axpy(dt, &self.state.v, &mut start.increment),
             }
-            vector::axpy(1.0, &start.increment, &mut start.q);
+            for own in &self.system.own {
+                vector::axpy(1.0, &start.increment[own.clone()], &mut start.q[own.clone()]);
+            }
         }
         let end = self.clock.next_time();
         let prescribed = (0..self.prescribed.len()).map(|k| self.prescribed_position(k, end));
@@ -195,7 +200,7 @@ impl Simulation {
         let mut solves = 0;
         let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, &mut solves);
         self.solves += u64::from(solves);
-        let attempt = attempt?;
+        let mut attempt = attempt?;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
         let strain = self.strain_energy(&attempt.iterate.q)?;
@@ -207,12 +212,12 @@ impl Simulation {
         }
         let mut coverage = Coverage::default();
         for pair in &self.model.contacts {
-            coverage.defect = coverage.defect.max(pair.method.verify()?.defect);
+            coverage.defect = coverage.defect.max(pair.method.verify(&attempt.iterate.q)?.defect);
         }
         let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
         let (work, stored, loss) = self.contact_work(&attempt.iterate)?;
-        let mut next = self.next_state(&attempt.iterate, dt, rule)?;
-        let restored = self.give_back(&attempt.iterate, loss, dt, &mut next.v)?;
+        let mut next = self.next_state(&mut attempt.iterate, dt, rule)?;
+        let restored = self.give_back(&attempt.iterate, loss, dt, &mut next)?;
         Ok(Completed { attempt, next, rule, strain, contact, work, stored, restored, inside_out, solves })
     }
 
@@ -264,14 +269,16 @@ impl Simulation {
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
 
-    /// Velocities and whatever else the scheme carries, at the end of a converged step.
-    fn next_state(&mut self, iterate: &Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
-        let mut next = State { v: self.state.v.clone(), ..State::at_rest(iterate.q.clone()) };
+    /// Velocities and whatever else the scheme carries, at the end of a converged step, with the positions of the iterate, which are moved.
+    fn next_state(&mut self, iterate: &mut Iterate, dt: f64, rule: StepRule) -> Result<State, StepError> {
+        let v = self.state.v.clone();
+        let mut next = State { q: std::mem::take(&mut iterate.q), v, ..State::default() };
+        let mut followed = self.model.embedding.followed(&next.v);
         let end = self.clock.next_time();
         self.set_prescribed_velocities(end, &mut next.v);
         let Self { model, system, state, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
-        let Iterate { pressures, auxiliaries, active, .. } = iterate;
+        let Iterate { pressures, auxiliaries, active, .. } = &*iterate;
         let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
         let step = Step { state_n: state, dt, rule };
         let result = finish(&mut fe, &step, &iterate.increment, &mut buffers, &mut next);
@@ -280,7 +287,16 @@ impl Simulation {
         }
         self.system.buffers = buffers;
         result?;
-        self.model.embedding.follow(&mut next.v);
+        let embedding = &self.model.embedding;
+        embedding.follow_changes(&mut next.v, &mut followed);
+        embedding.follow(&mut next.a);
+        if rule.history.is_some_and(|history| history.constraint) && !next.history.is_empty() {
+            let (touched, constraint) = (&self.system.touched, &self.system.buffers.constraint);
+            for c in touched.iter().flat_map(|&node| 3 * node as usize..3 * node as usize + 3) {
+                next.history[c] = -constraint[c];
+            }
+            embedding.pull_back_of(touched, &mut next.history);
+        }
         // The clock's ticks, not the sum of steps.
         next.time = end;
         Ok(next)
@@ -288,10 +304,11 @@ impl Simulation {
 
     /// Puts the energy `loss` into the velocities at the end of a step: `v + beta M^-1 p` with the impulse `p = dt sum p_I grad Phi_I(q_np1)` of the pairs that
     /// restore what closing cost. `p` has neither resultant nor moment about `q_np1`, so both momenta stay. Returns the energy that they got.
-    fn give_back(&mut self, iterate: &Iterate, loss: f64, dt: f64, v: &mut [f64]) -> Result<f64, StepError> {
+    fn give_back(&mut self, iterate: &Iterate, loss: f64, dt: f64, next: &mut State) -> Result<f64, StepError> {
         if loss <= 0.0 {
             return Ok(0.0);
         }
+        let State { q, v, .. } = next;
         let mut impulse = vec![0.0; v.len()];
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restores) {
             let Some(method) = pair.method.as_contact() else { continue };
@@ -302,8 +319,7 @@ impl Simulation {
                     impulse[at..at + 3].iter_mut().zip(g).for_each(|(p, g)| *p += dt * pressures[slot] * g);
                 }
             };
-            self.timings
-                .measure(Phase::Contact, || method.constraint_gradients(&iterate.q, &iterate.active[c], &mut add))?;
+            self.timings.measure(Phase::Contact, || method.constraint_gradients(q, &iterate.active[c], &mut add))?;
         }
         self.model.embedding.pull_back(&mut impulse);
         let mut change = vec![0.0; v.len()];
@@ -361,13 +377,14 @@ impl Simulation {
         }
         self.add_reactions(end_weight, &mut varying);
         let mut work = 0.0;
-        for ((f, q1), q0) in varying.iter().zip(&next.q).zip(&self.state.q) {
-            work += f * (q1 - q0);
+        for c in self.system.load_support.iter().flat_map(Range::clone) {
+            work += varying[c] * (next.q[c] - self.state.q[c]);
         }
         // Nothing is judged by it in statics.
         let work_of_contact = (!quasi_static && contact.is_some()).then(|| -> f64 {
-            let moved = next.q.iter().zip(&self.state.q).map(|(q1, q0)| q1 - q0);
-            moved.zip(&self.system.buffers.constraint).map(|(dq, f)| f * dq).sum()
+            let System { support, buffers, .. } = &self.system;
+            let components = support.iter().flat_map(Range::clone);
+            components.map(|c| buffers.constraint[c] * (next.q[c] - self.state.q[c])).sum()
         });
         let step = PartStep {
             q_n: &self.state.q,
@@ -385,12 +402,21 @@ impl Simulation {
             // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
             let before = self.kinetic(&self.state.v);
             let mut v = std::mem::take(&mut self.state.v);
+            let mut followed = self.model.embedding.followed(&v);
             self.set_prescribed_velocities(time, &mut v);
+            self.model.embedding.follow_changes(&mut v, &mut followed);
             self.state.v = v;
             work += self.kinetic(&self.state.v) - before;
         }
         if !self.model.contacts.is_empty() {
-            self.contact_force.copy_from_slice(&self.system.buffers.constraint);
+            let System { support, touched, buffers, .. } = &self.system;
+            for node in self.pushed.drain(..) {
+                self.contact_force[3 * node as usize..3 * node as usize + 3].fill(0.0);
+            }
+            for range in support {
+                self.contact_force[range.clone()].copy_from_slice(&buffers.constraint[range.clone()]);
+            }
+            self.pushed.extend_from_slice(touched);
         }
         self.stored = stored;
         self.pressures = iterate.pressures;

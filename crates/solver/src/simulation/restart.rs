@@ -127,6 +127,9 @@ impl Simulation {
         self.active = checkpoint.active;
         self.reactions = checkpoint.reactions;
         self.contact_force = checkpoint.contact_force;
+        let has_force = |node: &u32| self.contact_force[3 * *node as usize..][..3] != [0.0; 3];
+        let embedded = self.model.embedding.nodes().iter().copied();
+        self.pushed = if self.contact_force.is_empty() { Vec::new() } else { embedded.filter(has_force).collect() };
         self.balance = checkpoint.balance;
         self.timings = checkpoint.timings;
         self.decisions = checkpoint.decisions;

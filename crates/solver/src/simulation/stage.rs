@@ -371,6 +371,7 @@ impl Simulation {
                 self.model.embedding.follow(&mut v);
             }
             self.set_prescribed_velocities(self.state.time, &mut v);
+            self.model.embedding.follow(&mut v);
         }
         self.state.v = v;
     }
