@@ -12,6 +12,7 @@ pub mod dual;
 mod enforcement;
 mod error;
 pub mod friction;
+pub mod line;
 mod method;
 mod potential;
 pub mod search;
@@ -20,6 +21,7 @@ pub mod surface;
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
+pub use line::ContactLine;
 pub use method::{
     Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, JointReport,
     LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
