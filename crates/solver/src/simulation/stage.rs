@@ -82,7 +82,7 @@ impl Simulation {
     ///   carries them, are made anew, so that an equilibrium stays at rest.
     /// * *From dynamics to statics:* velocities are dropped, and their energy is booked as [`Balance::dissipation`].
     /// * *Statics:* slave nodes that touch are closed, as at the start of a run.
-    /// * *Loads and couplings:* what their energies jump by when they are switched is [`Balance::external_work`].
+    /// * *Loads, couplings and springs:* what their energies jump by when they are switched is [`Balance::external_work`].
     /// * *Prescriptions:* components of those that are off are free. One that is switched on demands what its table says at the end of the first step, wherever
     ///   its components are at present.
     ///
@@ -118,7 +118,7 @@ impl Simulation {
     }
 
     /// Lets something stop acting, from the next step to the end of the run. A multiplier does no work, so the energy is continuous; energy that a constraint
-    /// stores (friction in a joint) goes to [`Balance::external_work`]. Nothing happens if it was released before.
+    /// stores (friction in a joint), and that of a spring, goes to [`Balance::external_work`]. Nothing happens if it was released before.
     ///
     /// # Errors
     /// [`SimulationError::Release`] if there is no such thing or the coupling is not bilateral; [`SimulationError::Setup`] as for
@@ -134,6 +134,7 @@ impl Simulation {
                 None => return Err(SimulationError::Release(format!("there is no constraint {c} to release"))),
             },
             Release::Prescription(p) => format!("prescription {p}"),
+            Release::Part(p) => self.model.parts.get(p).map_or_else(|| format!("part {p}"), |part| part.name().to_owned()),
         };
         if self.released.contains(&what) {
             return Ok(());
@@ -161,6 +162,7 @@ impl Simulation {
         let mut names: Vec<String> = off.loads.iter().map(|&l| format!("load {}", self.model.loads[l].name)).collect();
         names.extend(off.prescriptions.iter().map(|p| format!("prescription {p}")));
         names.extend(off.contacts.iter().map(|&c| self.model.contacts[c].name.clone()));
+        names.extend(off.parts.iter().map(|&p| self.model.parts[p].name().to_owned()));
         let off = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
         format!("stage {} ({name}) begins: {kind}, switched off: {off}", self.stage + 1)
     }
@@ -375,17 +377,20 @@ impl Simulation {
             self.state.v.fill(0.0);
         }
         let before = self.balance;
-        let now = self.measure_balance(before.strain, before.external_work);
+        // Of the same positions; springs may have been switched.
+        let strain = self.strain_energy(&self.state.q)?;
+        let now = self.measure_balance(strain, before.external_work);
         let (contact, friction_stored) =
             self.stored.iter().fold((0.0, 0.0), |(all, friction), stored| (all + stored[0], friction + stored[1]));
         let kinetic = now.kinetic - before.kinetic;
-        let switched = (now.potential - before.potential) + (contact - before.contact);
+        let switched = (now.potential - before.potential) + (contact - before.contact) + (strain - before.strain);
         let given = if self.scheme.is_some() { kinetic } else { 0.0 };
         let dropped = if self.scheme.is_some() { 0.0 } else { -kinetic };
         self.balance = Balance {
             linear_momentum: now.linear_momentum,
             angular_momentum: now.angular_momentum,
             kinetic: now.kinetic,
+            strain,
             potential: now.potential,
             contact,
             friction_stored,

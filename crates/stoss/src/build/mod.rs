@@ -183,8 +183,10 @@ fn named(scene: &Scene, fixed: usize, parts: &multibody::Parts) -> BTreeMap<Stri
     let contacts = scene.contacts.iter().enumerate().map(|(c, item)| (item.label(), Named::Contact(c)));
     let joints = scene.joints.iter().zip(&parts.joints);
     let joints = joints.filter_map(|(item, place)| Some((item.name.clone(), Named::Contact((*place)?))));
+    let springs = scene.springs.iter().zip(&parts.springs);
+    let springs = springs.filter_map(|(item, place)| Some((item.name.clone(), Named::Part((*place)?))));
     let gravity = scene.gravity.iter().map(|_| ("gravity".to_owned(), Named::Load(scene.loads.len())));
-    loads.chain(prescriptions).chain(contacts).chain(joints).chain(gravity).collect()
+    loads.chain(prescriptions).chain(contacts).chain(joints).chain(springs).chain(gravity).collect()
 }
 
 /// Joints by name and place in the model's contacts.

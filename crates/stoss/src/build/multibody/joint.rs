@@ -180,8 +180,14 @@ fn options(item: &SceneJoint) -> CoordinateOptions {
 }
 
 /// Adds the springs of a scene.
-pub(super) fn springs(scene: &Scene, parts: &Parts, model: &mut Model, problems: &mut Problems<'_>) {
+pub(super) fn springs(
+    scene: &Scene,
+    parts: &Parts,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+) -> Vec<Option<usize>> {
     const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut places = vec![None; scene.springs.len()];
     for (s, item) in scene.springs.iter().enumerate() {
         let key = format!("spring[{s}]");
         let sides = Sides { scene, parts, model };
@@ -198,8 +204,12 @@ pub(super) fn springs(scene: &Scene, parts: &Parts, model: &mut Model, problems:
             damping: item.damping,
         };
         match Spring::new(&item.name, [a.frame.point, b.frame.point], data) {
-            Ok(spring) => model.parts.push(Box::new(spring)),
+            Ok(spring) => {
+                places[s] = Some(model.parts.len());
+                model.parts.push(Box::new(spring));
+            }
             Err(error) => problems.add(key, &item.name, error.to_string(), "mend the spring's data"),
         }
     }
+    places
 }

@@ -4,6 +4,7 @@ mod beams;
 mod build;
 mod chain;
 mod joints;
+mod pulley;
 mod rigid;
 mod scene;
 mod stiff;
@@ -37,12 +38,13 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 10] = [
+        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 11] = [
             ("rigid bodies", |bench, found| rigid::measure(bench.quick, found)),
             ("joints", |bench, found| joints::measure(bench.quick, found)),
             ("chain", |bench, found| chain::measure(bench.quick, found)),
             ("beams", |bench, found| beams::measure(bench.quick, found)),
             ("strings", |bench, found| strings::measure(bench.quick, found)),
+            ("pulley", |bench, found| pulley::measure(bench.quick, found)),
             ("stiff", |bench, found| stiff::measure(bench.quick, found)),
             ("work and precision", |bench, found| work::measure(bench.quick, found)),
             ("trebuchet", trebuchet::measure),
