@@ -1,4 +1,4 @@
-//! Springs and dampers that stages and events switch, and contact of lines refused where it is not there.
+//! Springs and dampers that stages and events switch.
 
 use std::path::Path;
 use stoss::build::{Built, build};
@@ -66,7 +66,8 @@ quantity = "position"
 #[test]
 fn energy_of_what_is_switched_is_external_work() {
     let scene = stoss::scene::parse(SCENE, "test.toml").unwrap_or_else(|e| panic!("{e}"));
-    let Built { mut simulation, probes, schedule, .. } = build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+    let Built { mut simulation, probes, schedule, .. } =
+        build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     let x = |simulation: &stoss::solver::Simulation| probes[0].value(simulation)[0];
     let left = |x: f64| 25.0 * (x - 1.0) * (x - 1.0);
     let right = |x: f64| 15.0 * (3.0 - x - 2.0) * (3.0 - x - 2.0);
@@ -82,7 +83,7 @@ fn energy_of_what_is_switched_is_external_work() {
         }
         let mut more = true;
         if simulation.finished() {
-            let at = simulation.time();
+            let at = simulation.state().time;
             more = schedule.advance(&mut simulation).unwrap();
             if more && (at - 0.1).abs() < 1e-9 {
                 given += right(x(&simulation));
@@ -96,7 +97,7 @@ fn energy_of_what_is_switched_is_external_work() {
         if !more {
             break;
         }
-        let time = simulation.time();
+        let time = simulation.state().time;
         simulation.advance().unwrap();
         let now = *simulation.balance();
         // Energy with what dampers took and without what was given.

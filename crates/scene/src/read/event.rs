@@ -190,9 +190,7 @@ fn off(node: &Node<'_>, world: &World<'_>, has_gravity: bool) -> Option<Vec<Stri
             return n.fail("the scene has no gravity", "remove it, or add [gravity]");
         }
         match world.actions.iter().find(|(other, _)| *other == name) {
-            Some((_, action @ Action::Tie)) => {
-                n.fail(format!("is {}, which always acts", action.noun()), "remove it")
-            }
+            Some((_, action @ Action::Tie)) => n.fail(format!("is {}, which always acts", action.noun()), "remove it"),
             Some(_) => Some(name),
             None if !world.actions_complete => Some(name),
             None => {

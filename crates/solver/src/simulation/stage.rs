@@ -134,7 +134,9 @@ impl Simulation {
                 None => return Err(SimulationError::Release(format!("there is no constraint {c} to release"))),
             },
             Release::Prescription(p) => format!("prescription {p}"),
-            Release::Part(p) => self.model.parts.get(p).map_or_else(|| format!("part {p}"), |part| part.name().to_owned()),
+            Release::Part(p) => {
+                self.model.parts.get(p).map_or_else(|| format!("part {p}"), |part| part.name().to_owned())
+            }
         };
         if self.released.contains(&what) {
             return Ok(());

@@ -66,7 +66,8 @@ impl Schedule {
                     Some(Named::Contact(c)) => off.contacts.push(*c),
                     Some(Named::Part(p)) => off.parts.push(*p),
                     None => {
-                        let message = "cannot be switched off: it is no joint, spring, contact, prescribed motion or load";
+                        let message =
+                            "cannot be switched off: it is no joint, spring, contact, prescribed motion or load";
                         problems.add(format!("stage[{s}].off[{n}]"), name, message, "remove it from the list");
                     }
                 }
