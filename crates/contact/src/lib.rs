@@ -23,7 +23,7 @@ pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use line::ContactLine;
 pub use method::{
-    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, JointReport,
+    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, JointCoordinate, JointReport,
     LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive, multipliers_of,
 };
 pub use potential::{Potential, WithoutSlots};

@@ -160,9 +160,16 @@ pub struct JointReport {
     pub moment: [f64; 3],
     /// From the joint's point on the first side to that on the second.
     pub arm: [f64; 3],
-    /// Angle (radians, followed over turns) or displacement that the joint leaves free, if it is one.
-    pub coordinate: Option<f64>,
-    /// Whether the coordinate is an angle.
+    /// Angles and displacements that the joint leaves free and that can be measured.
+    pub coordinates: Vec<JointCoordinate>,
+}
+
+/// A coordinate of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointCoordinate {
+    /// Angle (radians, followed over turns) or displacement.
+    pub value: f64,
+    /// Whether it is an angle.
     pub is_angle: bool,
     /// Torque or force of friction on the second side; zero without.
     pub friction: f64,

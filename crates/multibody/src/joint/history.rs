@@ -1,51 +1,32 @@
 //! What a joint carries from step to step: full turns, and what tells whether it was held. And what its step stored and lost.
 
 use super::Joint;
+use super::acting::CoordinateHistory;
 use stoss_contact::{ContactError, ContactWork, History};
 
-/// History of a joint.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct JointHistory {
-    /// Full turns of the coordinate.
-    pub turns: i64,
-    /// Invariants of the coordinate after the last accepted step.
-    pub accepted: Option<[f64; 2]>,
-    /// Energy of the spring after the last accepted step, if the joint was held.
-    pub stored: f64,
-    /// Norm of the force between the points in the last accepted step.
-    pub reaction: f64,
-}
-
-/// Bytes of a history.
-const SIZE: usize = 8 * 5 + 1;
+/// Bytes of the history of a coordinate.
+const SIZE: usize = 8 * 4 + 1;
 
 impl Joint {
     /// State of the step that begins at `q_n`.
     pub(super) fn begin(&mut self, q_n: &[f64]) {
         self.compliance.begin(self.step.dt);
-        let Some(kind) = self.kind.coordinate() else { return };
-        let start = self.invariants_of(&self.evaluate(q_n));
-        self.step.start = start;
-        self.step.value = self.value_at(kind, start);
-        let stiffness = self.weights.stiffness(self.step.dt);
-        self.step.stiffness = stiffness;
-        if let Some(friction) = self.options.friction {
-            // A row of slip is as long as the joint if the torque is ten times what it should be, so that it is judged as rows of stick are.
-            let bound = friction.bound / self.scale() + self.friction_slope() * self.history.reaction;
-            self.step.friction_unit = if bound > 0.0 { 10.0 * bound / self.length } else { stiffness };
-            self.step.complementarity = stiffness.max(1e3 * bound / self.length);
+        if self.coordinates.is_empty() {
+            return;
         }
-    }
-
-    fn spring_energy(&self, value: f64) -> f64 {
-        self.options.spring.map_or(0.0, |spring| 0.5 * spring.stiffness * (value - spring.rest).powi(2))
-    }
-
-    /// Value and change of the coordinate in the step that ends at `q_np1`.
-    fn end_of_step(&self, q_np1: &[f64]) -> Option<(f64, f64)> {
-        let kind = self.kind.coordinate()?;
-        let change = kind.change(self.step.start, self.invariants_of(&self.evaluate(q_np1)));
-        Some((self.step.value + change, change))
+        let values = self.evaluate(q_n).values;
+        let stiffness = self.weights.stiffness(self.step.dt);
+        for c in &mut self.coordinates {
+            c.state.start = c.invariants(&values);
+            c.state.value = c.value_at(c.state.start);
+            c.state.stiffness = stiffness;
+            if let Some(friction) = c.options.friction {
+                // A row of slip is as long as the joint if the torque is ten times what it should be, so that it is judged as rows of stick are.
+                let bound = friction.bound / c.scale() + c.friction_slope() * self.last_reaction;
+                c.state.friction_unit = if bound > 0.0 { 10.0 * bound / self.length } else { stiffness };
+                c.state.complementarity = stiffness.max(1e3 * bound / self.length);
+            }
+        }
     }
 }
 
@@ -54,61 +35,87 @@ impl History for Joint {
         let mut work = ContactWork::default();
         if !active.contains(&true) {
             // What a spring had is lost with a joint that is released.
-            work.dissipated = self.history.stored;
-            work.friction_work = self.history.stored;
+            work.dissipated = self.coordinates.iter().map(|c| c.history.stored).sum();
+            work.friction_work = work.dissipated;
             return Ok(work);
         }
-        let Some((value, change)) = self.end_of_step(q_np1) else { return Ok(work) };
-        work.stored = self.spring_energy(value);
-        let of = |slot: Option<usize>| {
-            slot.filter(|&slot| active[slot]).map_or(0.0, |slot| self.scale() * multipliers[slot] * change)
-        };
-        let damped = if self.is_damped() { self.options.viscous * change * change / self.step.dt } else { 0.0 };
-        // Round-off of a stick or of a limit that is reached must not give energy.
-        work.dissipated = damped + of(self.slots.friction).max(0.0) + of(self.slots.limit).max(0.0);
+        if self.coordinates.is_empty() {
+            return Ok(work);
+        }
+        let values = self.evaluate(q_np1).values;
+        for c in &self.coordinates {
+            let (value, change) = c.end_of_step(&values);
+            work.stored += c.spring_energy(value);
+            let of = |slot: Option<usize>| {
+                slot.filter(|&slot| active[slot]).map_or(0.0, |slot| c.scale() * multipliers[slot] * change)
+            };
+            let damped = if c.is_damped(&self.step) { c.options.viscous * change * change / self.step.dt } else { 0.0 };
+            // Round-off of a stick or of a limit that is reached must not give energy.
+            work.dissipated += damped + of(c.slots.friction).max(0.0) + of(c.slots.limit).max(0.0);
+            work.driven += of(c.slots.motor);
+        }
         work.friction_work = work.dissipated;
-        work.driven = of(self.slots.motor);
         Ok(work)
     }
 
     fn stored_at_start(&self, q: &[f64]) -> f64 {
-        self.coordinate(q).map_or(0.0, |value| self.spring_energy(value))
+        if self.coordinates.is_empty() {
+            return 0.0;
+        }
+        let values = self.evaluate(q).values;
+        self.coordinates.iter().map(|c| c.spring_energy(c.value(&values))).sum()
     }
 
     fn commit(&mut self, q_np1: &[f64], multipliers: &[f64], active: &[bool]) {
         let held = active.contains(&true);
-        self.history.reaction = if held { self.reaction(multipliers) } else { 0.0 };
-        let (Some(kind), Some((value, _))) = (self.kind.coordinate(), self.end_of_step(q_np1)) else { return };
-        let end = self.invariants_of(&self.evaluate(q_np1));
-        self.history.turns = kind.turns(value, end);
-        self.history.accepted = Some(end);
-        self.history.stored = if held { self.spring_energy(value) } else { 0.0 };
+        self.last_reaction = if held { self.reaction(multipliers) } else { 0.0 };
+        if self.coordinates.is_empty() {
+            return;
+        }
+        let values = self.evaluate(q_np1).values;
+        for c in &mut self.coordinates {
+            let (end, (value, _)) = (c.invariants(&values), c.end_of_step(&values));
+            c.history = CoordinateHistory {
+                turns: c.kind.turns(value, end),
+                accepted: Some(end),
+                stored: if held { c.spring_energy(value) } else { 0.0 },
+            };
+        }
     }
 
     fn save_history(&self) -> Vec<u8> {
-        let h = &self.history;
-        let [s, c] = h.accepted.unwrap_or_default();
-        let mut bytes = h.turns.to_le_bytes().to_vec();
-        for value in [s, c, h.stored, h.reaction] {
-            bytes.extend(value.to_le_bytes());
+        let mut bytes = self.last_reaction.to_le_bytes().to_vec();
+        for c in &self.coordinates {
+            let h = &c.history;
+            let [s, c] = h.accepted.unwrap_or_default();
+            bytes.extend(h.turns.to_le_bytes());
+            for value in [s, c, h.stored] {
+                bytes.extend(value.to_le_bytes());
+            }
+            bytes.push(u8::from(h.accepted.is_some()));
         }
-        bytes.push(u8::from(h.accepted.is_some()));
         bytes
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        if bytes.len() != SIZE {
-            let reason = format!("joint {} has {SIZE} bytes of history, not {}", self.name, bytes.len());
-            return Err(ContactError::History { reason });
-        }
-        let word = |k: usize| std::array::from_fn(|i| bytes[8 * k + i]);
-        let number = |k: usize| f64::from_le_bytes(word(k));
-        self.history = JointHistory {
-            turns: i64::from_le_bytes(word(0)),
-            accepted: (bytes[SIZE - 1] == 1).then(|| [number(1), number(2)]),
-            stored: number(3),
-            reaction: number(4),
+        let size = 8 + SIZE * self.coordinates.len();
+        let (reaction, rest) = match bytes.split_first_chunk::<8>() {
+            Some(parts) if bytes.len() == size => parts,
+            _ => {
+                let reason = format!("joint {} has {size} bytes of history, not {}", self.name, bytes.len());
+                return Err(ContactError::History { reason });
+            }
         };
+        self.last_reaction = f64::from_le_bytes(*reaction);
+        for (c, bytes) in self.coordinates.iter_mut().zip(rest.chunks_exact(SIZE)) {
+            let word = |k: usize| std::array::from_fn(|i| bytes[8 * k + i]);
+            let number = |k: usize| f64::from_le_bytes(word(k));
+            c.history = CoordinateHistory {
+                turns: i64::from_le_bytes(word(0)),
+                accepted: (bytes[SIZE - 1] == 1).then(|| [number(1), number(2)]),
+                stored: number(3),
+            };
+        }
         Ok(())
     }
 }

@@ -71,8 +71,8 @@ fn refuse(table: &Table<'_>, keys: &[&'static str], message: impl Fn() -> String
 fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Option<String> {
     let name = node.text()?;
     match world.joints.iter().find(|(joint, _)| *joint == name) {
-        Some((_, Some(kind))) if quantity == Some(Quantity::JointAngle) && !kind.has_angle() => {
-            node.fail(format!("is a joint `{kind}`, which has no angle"), "choose a hinge or a cylindrical joint")
+        Some((_, Some(kind))) if quantity == Some(Quantity::JointAngle) && kind.coordinates().first() != Some(&CoordinateKind::Angle) => {
+            node.fail(format!("is a joint `{kind}`, which has no angle"), "choose a hinge, a cylindrical or a universal joint")
         }
         Some(_) => Some(name),
         None if !world.actions_complete => Some(name),

@@ -74,7 +74,7 @@ impl Probe {
                 })
             }),
             Quantity::JointAngle => {
-                let angle = self.joint(simulation).and_then(|joint| joint.coordinate);
+                let angle = self.joint(simulation).and_then(|joint| Some(joint.coordinates.first()?.value));
                 [angle.map_or(f64::NAN, f64::to_degrees), 0.0, 0.0]
             }
             Quantity::AngularVelocity => self.angular_velocity(simulation),

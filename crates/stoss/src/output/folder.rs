@@ -315,13 +315,20 @@ impl ResultFolder {
                 let pair = &simulation.model().contacts[place];
                 match pair.method.joint(&simulation.state().q, &simulation.pressures()[place]) {
                     Some(joint) => {
-                        let unit = if joint.is_angle { 1f64.to_degrees() } else { 1.0 };
-                        let coordinate = joint.coordinate.map_or(f64::NAN, |value| unit * value);
-                        table.numbers(&joint.force).numbers(&joint.moment).numbers(&[coordinate, joint.friction]);
+                        table.numbers(&joint.force).numbers(&joint.moment);
+                        for k in 0..coordinates {
+                            let of = joint.coordinates.get(k);
+                            let unit = |c: &JointCoordinate| if c.is_angle { 1f64.to_degrees() } else { 1.0 };
+                            let value = of.map_or(f64::NAN, |c| unit(c) * c.value);
+                            table.numbers(&[value, of.map_or(0.0, |c| c.friction)]);
+                        }
                     }
                     // Released or switched off.
                     None => {
-                        table.numbers(&[0.0; 6]).numbers(&[f64::NAN, 0.0]);
+                        table.numbers(&[0.0; 6]);
+                        (0..coordinates).for_each(|_| {
+                            table.numbers(&[f64::NAN, 0.0]);
+                        });
                     }
                 }
             }

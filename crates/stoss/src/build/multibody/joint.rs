@@ -2,7 +2,7 @@
 
 use super::Parts;
 use crate::build::Problems;
-use crate::scene::{Coupling, GROUND, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series, split_set};
+use crate::scene::{CoordinateKind, Coupling, GROUND, ActingOn, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series, split_set};
 use crate::solver::Model;
 use std::sync::Arc;
 use stoss_multibody::{
@@ -106,11 +106,6 @@ fn joint(
     key: &str,
     problems: &mut Problems<'_>,
 ) -> Option<Joint> {
-    if item.kind == SceneKind::Cylindrical && item.motor.as_ref().is_some_and(|motor| motor.displacement.is_some()) {
-        let message = "the coordinate of a cylindrical joint is its angle: a motor cannot push along the axis";
-        problems.add(format!("{key}.motor.displacement"), &item.name, message, "use a slider, or give `angle`");
-        return None;
-    }
     let [at_a, at_b] = item.at.both();
     let axes = match (item.axis, item.axes) {
         (Some(axis), _) => axes_along(axis)?,
@@ -148,15 +143,19 @@ fn joint(
     let weights =
         Weights { mass: Some(smaller(a.mass, b.mass)).filter(|m| m.is_finite()).unwrap_or(1.0), stiffness: 0.0 };
     let made = Joint::new(&item.name, kind, &a.frame, &b.frame, length, &model.reference)
-        .and_then(|joint| joint.with_options(options(item)))
+        .and_then(|joint| {
+            item.coordinates().into_iter().enumerate().try_fold(joint, |joint, (k, (kind, acting))| {
+                joint.with_options_of(k, options(kind, acting))
+            })
+        })
         .map(|joint| joint.with_weights(weights));
     let remedy = "points and axes are those of the initial configuration; mend the joint or the place of its parts";
     made.map_err(|error| problems.add(key.to_owned(), &item.name, error.to_string(), remedy)).ok()
 }
 
-/// What acts on the coordinate: angles in radians from here on.
-fn options(item: &SceneJoint) -> CoordinateOptions {
-    let unit = if item.kind.has_angle() { 1f64.to_radians() } else { 1.0 };
+/// What acts on a coordinate: angles in radians from here on.
+fn options(kind: CoordinateKind, item: ActingOn) -> CoordinateOptions {
+    let unit = if kind == CoordinateKind::Angle { 1f64.to_radians() } else { 1.0 };
     let drive = |series: &Series, unit: f64| {
         let rows = series.rows().iter().map(|row| (row[0], unit * row[1])).collect();
         Arc::new(PiecewiseLinear(rows)) as Arc<dyn stoss_multibody::Drive>

@@ -137,7 +137,7 @@ fn frictionless(facets: usize, findings: &mut Findings) -> Outcome<()> {
 
 /// Euler's ratio `exp(mu theta)` where the string slides, pulled one way and the other.
 fn capstan(facets: usize, findings: &mut Findings) -> Outcome<()> {
-    for (way, pull) in [("pulled", -0.2), ("let down", 0.2)] {
+    for (way, pull) in [("pulled", -0.2_f64), ("let down", 0.2)] {
         let exact = (-pull.signum() * FRICTION * PI).exp();
         let (mut error, mut first, mut last) = (0.0, f64::NAN, f64::NAN);
         run(&laid(FRICTION, facets, pull)?, "capstan", |simulation, probes, record| {
