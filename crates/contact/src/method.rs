@@ -152,7 +152,7 @@ pub struct SlotFriction {
 }
 
 /// What a joint does at the end of a step, for output.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct JointReport {
     /// Force of the first side on the second.
     pub force: [f64; 3],

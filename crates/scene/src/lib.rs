@@ -50,7 +50,9 @@ pub use friction::{
 };
 pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use gravity::Gravity;
-pub use joint::{Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Spring};
+pub use joint::{
+    ActingOn, CoordinateKind, Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Spring,
+};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
 pub use mesh::{
     Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,

@@ -282,6 +282,11 @@ impl Joint {
         self.coordinates.get(coordinate)?.slots.motor
     }
 
+    /// Whether a slot is that of a motor.
+    pub fn is_motor_slot(&self, slot: usize) -> bool {
+        self.coordinates.iter().any(|c| c.slots.motor == Some(slot))
+    }
+
     /// Slot of the limits of a coordinate, whose multiplier is positive at the upper limit.
     pub fn limit_slot(&self, coordinate: usize) -> Option<usize> {
         self.coordinates.get(coordinate)?.slots.limit

@@ -6,8 +6,8 @@ use super::table::Table;
 use super::world::{World, action_name};
 use crate::vector::{norm, perpendicular, sub};
 use crate::{
-    CoordinateKind, Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, PartKind,
-    ActingOn, Spring, split_set,
+    ActingOn, CoordinateKind, Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor,
+    PartKind, Spring, split_set,
 };
 use toml::de::DeValue;
 
@@ -46,11 +46,12 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
     let limits = on_first("limits").and_then(|()| table.optional("limits", |n| limits(n, table.has("motor"))));
     let friction = on_first("friction").and_then(|()| table.optional("friction", |n| friction(n, coordinate)));
     let spring = on_first("spring").and_then(|()| table.optional("spring", joint_spring));
-    let second = only_for(table, "second", kind, |kind| kind.coordinates().len() > 1, "cylindrical and universal joints")
-        .and_then(|()| {
-            let coordinate = kind.and_then(|kind| kind.coordinates().get(1).copied());
-            table.optional("second", |n| second(n, coordinate))
-        });
+    let second =
+        only_for(table, "second", kind, |kind| kind.coordinates().len() > 1, "cylindrical and universal joints")
+            .and_then(|()| {
+                let coordinate = kind.and_then(|kind| kind.coordinates().get(1).copied());
+                table.optional("second", |n| second(n, coordinate))
+            });
     table.finish();
     Some(Joint {
         name: name?,
@@ -240,7 +241,9 @@ fn motor(node: &Node<'_>, coordinate: Option<CoordinateKind>, kind: Option<Joint
         series(n, 1)
     });
     let one = match (table.has("angle"), table.has("displacement")) {
-        (true, true) if coordinate.is_none() => table.fail("displacement", "`angle` is given too", "remove one of them"),
+        (true, true) if coordinate.is_none() => {
+            table.fail("displacement", "`angle` is given too", "remove one of them")
+        }
         (false, false) if coordinate == Some(Displacement) => {
             table.missing("displacement", "displacement = { table = [[0.0, 0.0], [1.0, 0.1]] }")
         }

@@ -5,8 +5,8 @@ use super::prescribe::component;
 use super::table::Table;
 use super::world::{World, part_name, set_reference};
 use crate::{
-    Component, Expect, ExpectedValue, Field, Interval, Kind, OnFault, Outcome, Output, PartKind, Probe, Quantity,
-    Verdict, Watch,
+    Component, CoordinateKind, Expect, ExpectedValue, Field, Interval, Kind, OnFault, Outcome, Output, PartKind, Probe,
+    Quantity, Verdict, Watch,
 };
 
 /// The probe, and its name with its quantity, which `[expect]` needs even if the rest is bad.
@@ -71,8 +71,13 @@ fn refuse(table: &Table<'_>, keys: &[&'static str], message: impl Fn() -> String
 fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Option<String> {
     let name = node.text()?;
     match world.joints.iter().find(|(joint, _)| *joint == name) {
-        Some((_, Some(kind))) if quantity == Some(Quantity::JointAngle) && kind.coordinates().first() != Some(&CoordinateKind::Angle) => {
-            node.fail(format!("is a joint `{kind}`, which has no angle"), "choose a hinge, a cylindrical or a universal joint")
+        Some((_, Some(kind)))
+            if quantity == Some(Quantity::JointAngle) && kind.coordinates().first() != Some(&CoordinateKind::Angle) =>
+        {
+            node.fail(
+                format!("is a joint `{kind}`, which has no angle"),
+                "choose a hinge, a cylindrical or a universal joint",
+            )
         }
         Some(_) => Some(name),
         None if !world.actions_complete => Some(name),

@@ -2,7 +2,10 @@
 
 use super::Parts;
 use crate::build::Problems;
-use crate::scene::{CoordinateKind, Coupling, GROUND, ActingOn, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series, split_set};
+use crate::scene::{
+    ActingOn, CoordinateKind, Coupling, GROUND, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series,
+    split_set,
+};
 use crate::solver::Model;
 use std::sync::Arc;
 use stoss_multibody::{
@@ -144,9 +147,10 @@ fn joint(
         Weights { mass: Some(smaller(a.mass, b.mass)).filter(|m| m.is_finite()).unwrap_or(1.0), stiffness: 0.0 };
     let made = Joint::new(&item.name, kind, &a.frame, &b.frame, length, &model.reference)
         .and_then(|joint| {
-            item.coordinates().into_iter().enumerate().try_fold(joint, |joint, (k, (kind, acting))| {
-                joint.with_options_of(k, options(kind, acting))
-            })
+            item.coordinates()
+                .into_iter()
+                .enumerate()
+                .try_fold(joint, |joint, (k, (kind, acting))| joint.with_options_of(k, options(kind, acting)))
         })
         .map(|joint| joint.with_weights(weights));
     let remedy = "points and axes are those of the initial configuration; mend the joint or the place of its parts";
