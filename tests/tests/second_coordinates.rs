@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use stoss::build::{Built, build};
+use stoss::run::{RunOptions, run_scene};
 use stoss::solver::Simulation;
-use stoss::{RunOptions, run_scene};
 
 const SLEEVE: &str = r#"
 [scene]
@@ -120,15 +120,21 @@ quantity = "position"
 /// Motors on both angles: a point of the shaft is turned about the second pin, then about the first one. With springs both angles are at rest where they have no torque.
 #[test]
 fn both_angles_of_a_universal_joint() {
-    let (a, b) = (50f64.to_radians(), -35f64.to_radians());
     let x = [0.3, 0.2, 1.0];
-    let y = [x[0] * b.cos() + x[2] * b.sin(), x[1], x[2] * b.cos() - x[0] * b.sin()];
-    let z = [y[0], y[1] * a.cos() - y[2] * a.sin(), y[1] * a.sin() + y[2] * a.cos()];
-    for acts in [
-        "motor = { angle = { table = [[0, 0], [1, 50]] } }\nsecond = { motor = { angle = { table = [[0, 0], [1, -35]] } } }",
-        "spring = { stiffness = 3, rest = 50 }\nsecond = { spring = { stiffness = 2, rest = -35 } }",
-        "limits = [-10, 50]\nspring = { stiffness = 3, rest = 60 }\nsecond = { spring = { stiffness = 2, rest = -40 }, limits = [-35, 5] }",
+    for (acts, angles) in [
+        (
+            "motor = { angle = { table = [[0, 0], [1, 50]] } }\nsecond = { motor = { angle = { table = [[0, 0], [1, -35]] } } }",
+            [50.0, -35.0],
+        ),
+        ("spring = { stiffness = 3, rest = 20 }\nsecond = { spring = { stiffness = 2, rest = -15 } }", [20.0, -15.0]),
+        (
+            "limits = [-10, 20]\nspring = { stiffness = 3, rest = 24 }\nsecond = { spring = { stiffness = 2, rest = -18 }, limits = [-15, 5] }",
+            [20.0, -15.0],
+        ),
     ] {
+        let [a, b] = angles.map(f64::to_radians);
+        let y = [x[0] * b.cos() + x[2] * b.sin(), x[1], x[2] * b.cos() - x[0] * b.sin()];
+        let z = [y[0], y[1] * a.cos() - y[2] * a.sin(), y[1] * a.sin() + y[2] * a.cos()];
         let text = CARDAN.replace("ACTS", acts);
         let (simulation, found, _) = run(&text);
         let last = found.last().unwrap();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use stoss::build::{Built, build};
-use stoss::{RunOptions, run_scene};
+use stoss::run::{RunOptions, run_scene};
 
 /// A mass on two springs and a damper along x, pulled out by 0.3. One spring is off in the first stage, the other one and the damper are let go later.
 const SCENE: &str = r#"
