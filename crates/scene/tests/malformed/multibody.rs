@@ -329,9 +329,9 @@ pub const CASES: &[Case] = &[
         "joint[2].motor.angle",
     ),
     multi(
-        "motor = { angle = { table = [[0.0, 0.0], [1.0, 720.0]] } }",
-        "second = { motor = { angle = 1 } }",
-        "second",
+        "second = { friction",
+        "second = { motor = { angle = 1 }, friction",
+        "angle = 1 }",
         "joint[3].second.motor.angle",
     ),
     multi("second = { friction", "second = {} #", "second = {}", "joint[3].second.motor"),
