@@ -329,9 +329,9 @@ pub const CASES: &[Case] = &[
         "joint[2].motor.angle",
     ),
     multi(
-        "second = { friction",
-        "second = { motor = { angle = 1 }, friction",
-        "angle = 1 }",
+        "second = { friction = { viscous = 2.0 }, limits = [-0.1, 0.1] }",
+        "second = { motor = { angle = 1 } }",
+        "second = {",
         "joint[3].second.motor.angle",
     ),
     multi("second = { friction", "second = {} #", "second = {}", "joint[3].second.motor"),
