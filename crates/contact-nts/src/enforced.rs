@@ -42,7 +42,7 @@ impl NodeToSurface {
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(pairing) = self.slots[slot].pairing else { continue };
             let [_, end] = self.ends(slot, self.gap(slot, pairing.end, q_np1)?.gap);
-            total += self.slave.nodal_areas()[slot] * self.normal.enforcement.stored(end);
+            total += self.slave.weights()[slot] * self.normal.enforcement.stored(end);
         }
         Ok(total)
     }

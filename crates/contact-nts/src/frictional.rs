@@ -142,7 +142,7 @@ impl NodeToSurface {
         want_tangent: bool,
         contribution: &mut LocalContribution,
     ) -> Result<(), ContactError> {
-        let weight = self.slave.nodal_areas()[slot];
+        let weight = self.slave.weights()[slot];
         self.with_element(slot, element, pairing, end, step, pressure, multiplier, |friction| {
             let state = friction.state();
             let rows = 3 * element.count + 1..contribution.dim();
@@ -287,7 +287,7 @@ impl NodeToSurface {
         let mut total = ContactWork::default();
         let Some(surface) = &self.friction else { return Ok(total) };
         for (slot, point) in surface.points.iter().enumerate() {
-            let weight = self.slave.nodal_areas()[slot];
+            let weight = self.slave.weights()[slot];
             let compliance = surface.compliance[slot];
             let energy =
                 |traction| surface.friction.stored(traction) + surface.friction.stored_by(compliance, traction);

@@ -23,6 +23,7 @@ mod method;
 mod normal;
 mod options;
 mod pairing;
+mod slave;
 mod slot;
 mod work;
 

@@ -7,21 +7,23 @@ use crate::friction::SurfaceFriction;
 use crate::kinematics::Gap;
 use crate::normal::Normal;
 use crate::options::{ConstraintForm, NodeToSurfaceOptions};
+use crate::slave::Slave;
 use crate::slot::{ElementNodes, Pairing, Slot};
 use crate::work::Work;
 use nalgebra::Vector3;
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactSurface, ContactWork, Enforcement,
-    FacetNodes, History, LocalContribution, MasterPoint, MasterSearch, Report, SlotReport, StepConfiguration,
-    clear_inactive, multipliers_of,
+    Auxiliary, Constraint, ContactError, ContactLine, ContactMethod, ContactRule, ContactSurface, ContactWork,
+    Enforcement, FacetNodes, History, LocalContribution, MasterPoint, MasterSearch, Report, SlotReport,
+    StepConfiguration, clear_inactive, multipliers_of,
 };
 use stoss_geometry::Patch;
 
-/// Slave nodes against master facets, with or without friction, one pressure (traction on the node's reference area) a slave node.
+/// Slave nodes against master facets, with or without friction, one pressure a slave node: traction on the node's reference area or, of a line, force per reference
+/// length.
 #[derive(Clone, Debug)]
 pub struct NodeToSurface {
     name: String,
-    pub(crate) slave: ContactSurface,
+    pub(crate) slave: Slave,
     pub(crate) search: MasterSearch,
     pub(crate) constraint: ConstraintForm,
     pub(crate) normal: Normal,
@@ -55,7 +57,31 @@ impl NodeToSurface {
         reference: &[f64],
         options: NodeToSurfaceOptions,
     ) -> Result<Self, ContactError> {
-        let slave = ContactSurface::new("slave", slave_facets, reference)?;
+        let slave = Slave::Surface(ContactSurface::new("slave", slave_facets, reference)?);
+        Self::of(name, slave, master_facets, reference, options)
+    }
+
+    /// As [`Self::new`] with the nodes of a string or of a beam as the slave side. They may touch from any side.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`] but for the slave's facets.
+    pub fn of_line<M: Copy + Into<FacetNodes>>(
+        name: &str,
+        slave: ContactLine,
+        master_facets: &[M],
+        reference: &[f64],
+        options: NodeToSurfaceOptions,
+    ) -> Result<Self, ContactError> {
+        Self::of(name, Slave::Line(slave), master_facets, reference, options)
+    }
+
+    fn of<M: Copy + Into<FacetNodes>>(
+        name: &str,
+        slave: Slave,
+        master_facets: &[M],
+        reference: &[f64],
+        options: NodeToSurfaceOptions,
+    ) -> Result<Self, ContactError> {
         let master = ContactSurface::new("master", master_facets, reference)?;
         slave.check_disjoint(&master)?;
         let length = master.length_scale();
@@ -152,7 +178,7 @@ impl Report for NodeToSurface {
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         let view = self.search.at(q);
-        let current = self.slave.nodal_areas_at(q);
+        let current = self.slave.weights_at(q);
         Ok((0..self.slots.len())
             .map(|slot| {
                 let point = self.closest(&view, slot, q);
@@ -177,7 +203,7 @@ impl Constraint for NodeToSurface {
     }
 
     fn slot_weight(&self, slot: usize) -> f64 {
-        self.slave.nodal_areas()[slot]
+        self.slave.weights()[slot]
     }
 
     /// At the end point, without friction: the Hessian of the gap, and one gradient for force and constraint. The row of a spring has the other sign.
@@ -212,8 +238,8 @@ impl Constraint for NodeToSurface {
         }
         for slot in 0..self.slots.len() {
             let state = self.slots[slot];
-            let normal = self.slave.node_normal(slot, q_n);
-            let closest = || view.closest(&position(q_n, self.slave.nodes()[slot]), Some(&normal));
+            let normal = self.slave.normal(slot, q_n);
+            let closest = || view.closest(&position(q_n, self.slave.nodes()[slot]), normal.as_ref());
             self.slots[slot] = match state.committed {
                 // A node in contact keeps the gap that its last step ended with. It keeps its facet too, unless it stands on the extension
                 // of that: then it starts from the facet below it, with the gap that it has there. (Crossing the edge with

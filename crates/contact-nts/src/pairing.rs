@@ -95,13 +95,13 @@ impl NodeToSurface {
     }
 
     pub(crate) fn closest(&self, view: &SearchView<'_>, slot: usize, q: &[f64]) -> MasterPoint {
-        let normal = self.slave.node_normal(slot, q);
-        view.closest(&position(q, self.node(slot)), Some(&normal))
+        let normal = self.slave.normal(slot, q);
+        view.closest(&position(q, self.node(slot)), normal.as_ref())
     }
 
     pub(crate) fn pair(&self, view: &SearchView<'_>, slot: usize, q: &[f64], hint: u32) -> MasterPoint {
-        let normal = self.slave.node_normal(slot, q);
-        view.pair(&position(q, self.node(slot)), Some(hint), Some(&normal))
+        let normal = self.slave.normal(slot, q);
+        view.pair(&position(q, self.node(slot)), Some(hint), normal.as_ref())
     }
 
     /// Motion of a node from `n` relative to the master, and the number of pieces in which its path has to be followed; `None` if the

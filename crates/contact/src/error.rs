@@ -40,6 +40,12 @@ pub enum ContactError {
         /// "slave" or "master".
         side: &'static str,
     },
+    /// A row of nodes is no line.
+    #[error("the slave line is not valid: {reason}")]
+    Line {
+        /// Why.
+        reason: String,
+    },
     /// Slave and master share nodes.
     #[error("slave and master surface share node {node}: a body cannot be in contact with itself here")]
     SharedNode {

@@ -13,6 +13,7 @@ pub mod dual;
 mod enforcement;
 mod error;
 pub mod friction;
+pub mod line;
 mod method;
 mod potential;
 pub mod search;
@@ -22,9 +23,10 @@ pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use carried::{Carriers, SurfaceTree};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
+pub use line::ContactLine;
 pub use method::{
-    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, JointReport,
-    JointTorques, LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive,
+    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, JointCoordinate,
+    JointReport, JointTorques, LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive,
     multipliers_of,
 };
 pub use potential::{Potential, WithoutSlots};

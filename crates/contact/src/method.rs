@@ -152,7 +152,7 @@ pub struct SlotFriction {
 }
 
 /// What a joint does at the end of a step, for output.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct JointReport {
     /// Force of the first side on the second.
     pub force: [f64; 3],
@@ -160,9 +160,16 @@ pub struct JointReport {
     pub moment: [f64; 3],
     /// From the joint's point on the first side to that on the second.
     pub arm: [f64; 3],
-    /// Angle (radians, followed over turns) or displacement that the joint leaves free, if it is one.
-    pub coordinate: Option<f64>,
-    /// Whether the coordinate is an angle.
+    /// Angles and displacements that the joint leaves free and that can be measured.
+    pub coordinates: Vec<JointCoordinate>,
+}
+
+/// A coordinate of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointCoordinate {
+    /// Angle (radians, followed over turns) or displacement.
+    pub value: f64,
+    /// Whether it is an angle.
     pub is_angle: bool,
     /// What acts along the coordinate.
     pub torques: JointTorques,

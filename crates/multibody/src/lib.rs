@@ -46,6 +46,7 @@ pub use joint::{
     JointKind, PiecewiseLinear, Pretension,
 };
 pub use kernel::{GradientAt, Kernel};
+pub use line::tributary_lengths;
 pub use point_mass::PointMass;
 pub use quadratic::{Evaluation, FormId, Quadratics, QuadraticsBuilder};
 pub use redundancy::{Equations, Redundancy, RedundancyError, analyse, velocity_violation};

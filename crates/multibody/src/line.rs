@@ -1,5 +1,7 @@
 //! Lagrange shape functions on a line and Gauss rules.
 
+use crate::error::PartDataError;
+
 /// Largest order of the shape functions.
 pub const MAX_ORDER: usize = 3;
 
@@ -45,6 +47,24 @@ pub(crate) fn gauss(points: usize) -> &'static [(f64, f64)] {
         3 => &THREE,
         _ => &FOUR,
     }
+}
+
+/// `int N_I ds` of each node along Lagrange elements of an order on nodes in a row, lengths: what of a force per length comes to a node.
+///
+/// # Errors
+/// [`PartDataError::Elements`] if so many nodes are no whole number of elements.
+pub fn tributary_lengths(nodes: &[[f64; 3]], order: usize) -> Result<Vec<f64>, PartDataError> {
+    let elements = element_count(nodes.len(), order).ok_or(PartDataError::Elements { nodes: nodes.len(), order })?;
+    let mut lengths = vec![0.0; nodes.len()];
+    for element in 0..elements {
+        let range = element * order..=(element + 1) * order;
+        for &(xi, weight) in gauss(4) {
+            let s = shapes(order, xi);
+            let length = weight * norm(combine(&s.slopes[..=order], &nodes[range.clone()]));
+            lengths[range.clone()].iter_mut().zip(s.values).for_each(|(l, n)| *l += n * length);
+        }
+    }
+    Ok(lengths)
 }
 
 /// `sum_I w_I x_I`.
@@ -115,6 +135,22 @@ mod tests {
             let p = 2 * points as i32;
             assert!((integral(p) - 2.0 / f64::from(p + 1)).abs() > 1e-3);
         }
+    }
+
+    /// Of straight elements with equidistant nodes they are the weights of Newton and Cotes.
+    #[test]
+    fn tributary_lengths_are_those_of_newton_and_cotes() {
+        let weights: [&[f64]; 3] = [&[0.5, 0.5], &[1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], &[0.125, 0.375, 0.375, 0.125]];
+        for order in 1..=MAX_ORDER {
+            let nodes: Vec<[f64; 3]> = (0..=2 * order).map(|i| [0.0, 0.3 * i as f64, 0.4 * i as f64]).collect();
+            let lengths = tributary_lengths(&nodes, order).unwrap();
+            let size = 0.5 * order as f64;
+            for (i, length) in lengths.iter().enumerate() {
+                let ends = if i == order { 2.0 } else { 1.0 };
+                assert!((length - size * ends * weights[order - 1][i % order]).abs() < 1e-14, "{order} {i}");
+            }
+        }
+        assert!(tributary_lengths(&[[0.0; 3]; 4], 2).is_err());
     }
 
     #[test]

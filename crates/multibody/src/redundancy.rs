@@ -46,11 +46,11 @@ impl Equations for ConstraintSet {
 
 impl Equations for Joint {
     fn is_equation(&self, slot: usize) -> bool {
-        slot < self.kind().equations() || self.motor_slot() == Some(slot)
+        slot < self.kind().equations() || self.is_motor_slot(slot)
     }
 
     fn moves_by_itself(&self, slot: usize) -> bool {
-        self.motor_slot() == Some(slot)
+        self.is_motor_slot(slot)
     }
 
     fn kind_name(&self) -> &str {

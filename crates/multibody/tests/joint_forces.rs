@@ -238,6 +238,109 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Tangents with everything on two coordinates.
+    #[test]
+    fn tangents_of_two_coordinates([q_n, q_np1] in state(), m in proptest::collection::vec(-1.0..1.0_f64, 8)) {
+        for kind in [JointKind::Cylindrical, JointKind::Universal] {
+            for which in 0..6 {
+                for rule in RULES {
+                    let joint = joint(kind, false).with_options_of(1, options(which)).unwrap();
+                    let mut joint = joint.with_options(options(5 - which)).unwrap();
+                    begin(&mut joint, &q_n, rule);
+                    let error = tangent_error(&joint, &q_n, &q_np1, rule, &m[..joint.slot_count()]);
+                    prop_assert!(error < 1e-6, "{kind:?} option {which} {rule:?} {error:e}");
+                }
+            }
+        }
+    }
+
+    /// As [`no_resultant_no_moment_and_exact_work`] with options on both coordinates, and the ledger says the same.
+    #[test]
+    fn work_of_two_coordinates_is_exact(
+        about in proptest::array::uniform3(0.1..1.0_f64),
+        turns in (-1.0..1.0_f64, -1.0..1.0_f64),
+        own in (proptest::array::uniform2(-1.2..1.2_f64), proptest::array::uniform2(-1.2..1.2_f64)),
+        shift in proptest::array::uniform3(-1.0..1.0_f64),
+        m in proptest::collection::vec(0.0..2.0_f64, 8),
+    ) {
+        for kind in [JointKind::Cylindrical, JointKind::Universal] {
+            let joint = joint(kind, false).with_options(options(5)).unwrap();
+            let mut joint = joint.with_options_of(1, options(5)).unwrap();
+            let q_n = moved(kind, about, turns.0, [0.0; 3], own.0);
+            let q_np1 = moved(kind, about, turns.1, shift, own.1);
+            let rule = ContactRule::EnergyMomentum;
+            begin(&mut joint, &q_n, rule);
+            prop_assert_eq!(joint.slot_count(), 8);
+            let local = assemble(&joint, [&q_n, &q_np1], rule, &m, false);
+            let (mut sum, mut moment, mut work) = ([0.0; 3], [0.0; 3], 0.0);
+            for (k, &node) in local.nodes.iter().enumerate() {
+                let at = 3 * node as usize;
+                let f: [f64; 3] = std::array::from_fn(|i| local.residual[3 * k + i]);
+                let turn = cross(std::array::from_fn(|i| 0.5 * (q_n[at + i] + q_np1[at + i])), f);
+                for i in 0..3 {
+                    sum[i] += if node % 4 == 0 { f[i] } else { 0.0 };
+                    moment[i] += turn[i];
+                    work += f[i] * (q_np1[at + i] - q_n[at + i]);
+                }
+            }
+            for i in 0..3 {
+                prop_assert!(sum[i].abs() < 1e-12 && moment[i].abs() < 1e-12, "{kind:?} {sum:?} {moment:?}");
+            }
+            let spring = |g: f64| 1.5 * (g - 0.3).powi(2);
+            let mut expected = 0.0;
+            for k in 0..2 {
+                prop_assert!((joint.coordinate(k, &q_n).unwrap() - own.0[k]).abs() < 1e-13);
+                prop_assert!((joint.coordinate(k, &q_np1).unwrap() - own.1[k]).abs() < 1e-13);
+                let change = own.1[k] - own.0[k];
+                let multipliers = m[4 + 2 * k] + m[5 + 2 * k];
+                expected += spring(own.1[k]) - spring(own.0[k]);
+                expected += (0.4 * change / 0.05 + joint.scale(k) * multipliers) * change;
+            }
+            prop_assert!((work - expected).abs() < 1e-11, "{kind:?} {work} {expected}");
+            // The same in the ledger where nothing gives energy.
+            let towards: Vec<f64> = (0..8).map(|s| if s < 4 { m[s] } else { m[s] * (own.1[(s - 4) / 2] - own.0[(s - 4) / 2]).signum() }).collect();
+            let ledger = joint.work(&q_np1, &towards, &[true; 8]).unwrap();
+            let local = assemble(&joint, [&q_n, &q_np1], rule, &towards, false);
+            let mut work = 0.0;
+            for (k, &node) in local.nodes.iter().enumerate() {
+                let at = 3 * node as usize;
+                work += (0..3).map(|i| local.residual[3 * k + i] * (q_np1[at + i] - q_n[at + i])).sum::<f64>();
+            }
+            let stored = joint.stored_at_start(&q_n);
+            prop_assert!((ledger.stored - stored + ledger.dissipated - work).abs() < 1e-11, "{kind:?}");
+        }
+    }
+}
+
+/// Both bodies move rigidly; b by the two coordinates of the joint in addition: along and about the axis, or about the pin of b and then about that of a.
+fn moved(kind: JointKind, about: [f64; 3], whole: f64, shift: [f64; 3], own: [f64; 2]) -> Vec<f64> {
+    let size = about.iter().map(|a| a * a).sum::<f64>().sqrt();
+    let about = about.map(|a| a / size);
+    let [first, second, _] = axes();
+    let mut out = Vec::new();
+    for (k, v) in reference().chunks_exact(3).enumerate() {
+        let mut v = [v[0], v[1], v[2]];
+        let direction = k % 4 != 0;
+        if k >= 4 {
+            let arm: [f64; 3] = std::array::from_fn(|i| if direction { v[i] } else { v[i] - POINT[i] });
+            let turned = match kind {
+                JointKind::Universal => rotate(first, own[0], rotate(second, own[1], arm)),
+                _ => {
+                    let turned = rotate(first, own[0], arm);
+                    std::array::from_fn(|i| turned[i] + if direction { 0.0 } else { own[1] * first[i] })
+                }
+            };
+            v = std::array::from_fn(|i| turned[i] + if direction { 0.0 } else { POINT[i] });
+        }
+        let v = rotate(about, whole, v);
+        out.extend((0..3).map(|i| v[i] + if direction { 0.0 } else { shift[i] }));
+    }
+    out
+}
+
 /// Rotation about an axis by an angle (Rodrigues).
 fn rotate(axis: [f64; 3], angle: f64, v: [f64; 3]) -> [f64; 3] {
     let (s, c) = angle.sin_cos();
@@ -315,11 +418,11 @@ proptest! {
                 prop_assert!(sum[i].abs() < 1e-12 && moment[i].abs() < 1e-12, "{kind:?} {sum:?} {moment:?}");
             }
             let change = own.1 - own.0;
-            let (spring, scale) = (|g: f64| 1.5 * (g - 0.3).powi(2), joint.scale());
+            let (spring, scale) = (|g: f64| 1.5 * (g - 0.3).powi(2), joint.scale(0));
             let torques = 0.4 * change / 0.05 + scale * (multipliers[multipliers.len() - 2] + multipliers[multipliers.len() - 1]);
             let expected = spring(own.1) - spring(own.0) + torques * change;
             prop_assert!((work - expected).abs() < 1e-11, "{kind:?} {work} {expected}");
-            prop_assert!((joint.coordinate(&q_np1).unwrap() - own.1).abs() < 1e-13);
+            prop_assert!((joint.coordinate(0, &q_np1).unwrap() - own.1).abs() < 1e-13);
             // Force and moment on side b: those of the generalised forces on body b.
             let (force, about_point) = joint.force(&q_n, &q_np1, rule, multipliers);
             let point: [f64; 3] = {
@@ -370,14 +473,14 @@ fn angles_are_followed_and_restored() {
         begin(&mut first, &q(angle), ContactRule::EnergyMomentum);
         angle -= 1.3;
         first.commit(&q(angle), &[0.3; 5], &active);
-        assert!((first.coordinate(&q(angle)).unwrap() - angle).abs() < 1e-12);
+        assert!((first.coordinate(0, &q(angle)).unwrap() - angle).abs() < 1e-12);
     }
     let mut second = joint(JointKind::Hinge, false);
     second.load_history(&first.save_history()).unwrap();
     assert_eq!(second.save_history(), first.save_history());
     assert_eq!(
-        second.coordinate(&q(angle + 0.1)).unwrap().to_bits(),
-        first.coordinate(&q(angle + 0.1)).unwrap().to_bits()
+        second.coordinate(0, &q(angle + 0.1)).unwrap().to_bits(),
+        first.coordinate(0, &q(angle + 0.1)).unwrap().to_bits()
     );
     assert!(second.load_history(&[0; 7]).is_err());
 }
@@ -401,6 +504,8 @@ fn misplaced_frames_are_refused() {
     assert!(Joint::new("door", JointKind::Ball, &ground, &Frame::ground(POINT, AXES), 1.0, &q).is_err());
     let ball = joint(JointKind::Ball, true);
     assert!(ball.clone().with_options(options(0)).is_err());
+    let second = joint(JointKind::Hinge, true).with_options_of(1, options(0)).unwrap_err();
+    assert!(second.to_string().contains("has no coordinate 2"));
     let mut visited = 0;
     ball.stencils(&[true, false, true], &mut |_, slots| {
         assert_eq!(slots, [0, 2]);

@@ -125,7 +125,7 @@ fn an_angle_is_followed_over_50_turns() {
     let checkpoint = simulation.checkpoint("t", Default::default());
     let mut copy = copy;
     copy.load_history(&checkpoint.histories[at]).unwrap();
-    let angle = copy.coordinate(&simulation.state().q).unwrap();
+    let angle = copy.coordinate(0, &simulation.state().q).unwrap();
     // Of a turn of the midpoint rule: 2 atan(w dt / 2) a step.
     let expected = 2500.0 * 2.0 * (w * 0.02 / 2.0).atan();
     assert!((angle - expected).abs() < 1e-8, "{angle} {expected}");

@@ -182,6 +182,8 @@ pub struct PlaneRegion {
 }
 
 /// `[[contact]]`: unilateral contact, with or without friction, of a slave surface with a master surface, of deformable or rigid bodies.
+///
+/// With `nts` the slave may also be a set of a beam or string (`rope.all`): its nodes touch, from any side, and pressures are forces per length.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -191,13 +193,13 @@ pub struct Contact {
     pub name: Option<String>,
     /// Contact method.
     pub method: ContactMethod,
-    /// Slave surface, `body.set`.
+    /// Slave surface, `body.set`; with `nts` also a set of a beam or string.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slave: Option<String>,
     /// Master surface, `body.set`, of another body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub master: Option<String>,
-    /// Instead of `slave` and `master`: two surfaces of different bodies. The slave is the one that is not prescribed as a whole, else the finer one, else the
+    /// Instead of `slave` and `master`: two surfaces of different bodies. The slave is a beam or string, else the one that is not prescribed as a whole, else the finer one, else the
     /// softer one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub between: Option<[String; 2]>,

@@ -6,7 +6,7 @@ use crate::{Component, Integrator};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[[event]]`: a joint or a prescribed motion ends, at a time or once a probe passes a value; exactly one of `time` and `when`.
+/// `[[event]]`: a joint, a spring or a prescribed motion ends, at a time or once a probe passes a value; exactly one of `time` and `when`.
 ///
 /// ```toml
 /// [[event]]
@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 pub struct Event {
     /// Unique name, for reports.
     pub name: String,
-    /// Name of the `[[joint]]` or `[[prescribe]]` that does not act any more after the event.
+    /// Name of the `[[joint]]`, `[[spring]]` or `[[prescribe]]` that does not act any more after the event.
     pub release: String,
     /// Time of the event, positive and at most the end of the run; a step ends there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -92,7 +92,7 @@ pub struct Stage {
     /// Time-stepping scheme of a dynamic stage; `[time] integrator` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
-    /// Names of joints, contacts, prescribed motions and loads, and the word `gravity`, that do not act in this stage.
+    /// Names of joints, springs, contacts, prescribed motions and loads, and the word `gravity`, that do not act in this stage.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub off: Vec<String>,
 }

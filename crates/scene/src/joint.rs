@@ -43,20 +43,27 @@ impl JointKind {
         matches!(self, Self::Hinge | Self::Slider | Self::Cylindrical | Self::Planar)
     }
 
-    /// True if a single relative coordinate is free: the angle of a hinge or the displacement of a slider.
-    pub fn has_one_coordinate(self) -> bool {
-        matches!(self, Self::Hinge | Self::Slider)
+    /// The relative coordinates that it leaves free and that motors, limits, friction and springs act on: of `cylindrical` the angle and the displacement, of
+    /// `universal` the angle about the first axis and the one about the second.
+    pub fn coordinates(self) -> &'static [CoordinateKind] {
+        use CoordinateKind::{Angle, Displacement};
+        match self {
+            Self::Hinge => &[Angle],
+            Self::Slider => &[Displacement],
+            Self::Cylindrical => &[Angle, Displacement],
+            Self::Universal => &[Angle, Angle],
+            _ => &[],
+        }
     }
+}
 
-    /// True if a relative angle about its axis is free.
-    pub fn has_angle(self) -> bool {
-        matches!(self, Self::Hinge | Self::Cylindrical)
-    }
-
-    /// True if a relative displacement along its axis is free.
-    pub fn has_displacement(self) -> bool {
-        matches!(self, Self::Slider | Self::Cylindrical)
-    }
+/// What a relative coordinate of a joint is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoordinateKind {
+    /// An angle.
+    Angle,
+    /// A displacement.
+    Displacement,
 }
 
 /// `[[joint]]`: a joint between two parts, or a part and the ground.
@@ -102,21 +109,53 @@ pub struct Joint {
     /// How sets of deformable bodies are coupled to the joint's point; `distributing` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
-    /// Prescribed relative motion of `hinge`, `slider` and `cylindrical`.
+    /// Prescribed relative motion of the first coordinate: the angle of `hinge` and `cylindrical`, the displacement of `slider`, the angle of `universal` about its first axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<Motor>,
     /// Pretension of a bolt whose two halves a `slider` along its axis connects. Not with a motor, limits or friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pretension: Option<Pretension>,
-    /// Smallest and largest relative coordinate, around zero: degrees of a `hinge`, length of a `slider`. Not with a motor.
+    /// Smallest and largest value of the first coordinate, around zero: degrees or a length. Not with a motor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<[f64; 2]>,
-    /// Friction of a `hinge` or `slider`.
+    /// Friction of the first coordinate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<JointFriction>,
-    /// Spring and damper of a `hinge` or `slider`.
+    /// Spring and damper of the first coordinate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
+    /// What acts on the second coordinate: the displacement of `cylindrical`, the angle of `universal` about its second axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second: Option<ActingOn>,
+}
+
+/// What acts on the second coordinate of a joint, with the keys of the first one: `second = { friction = { viscous = 2.0 }, limits = [-0.1, 0.1] }`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ActingOn {
+    /// Prescribed relative motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motor: Option<Motor>,
+    /// Smallest and largest value, around zero: degrees or a length. Not with a motor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<[f64; 2]>,
+    /// Friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<JointFriction>,
+    /// Spring and damper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spring: Option<JointSpring>,
+}
+
+impl Joint {
+    /// Each relative coordinate with what acts on it.
+    pub fn coordinates(&self) -> Vec<(CoordinateKind, ActingOn)> {
+        let Self { motor, limits, friction, spring, .. } = self;
+        let first = ActingOn { motor: motor.clone(), limits: *limits, friction: *friction, spring: *spring };
+        let acting = [first, self.second.clone().unwrap_or_default()];
+        self.kind.coordinates().iter().copied().zip(acting).collect()
+    }
 }
 
 /// One point, or the two of a `distance`.
@@ -145,10 +184,10 @@ impl JointPoint {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Motor {
-    /// Angle in degrees of a `hinge` or `cylindrical`, one value; not limited to a turn.
+    /// Angle in degrees, one value; not limited to a turn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle: Option<Series>,
-    /// Displacement of a `slider` or `cylindrical`, one value.
+    /// Displacement, one value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Series>,
 }
@@ -175,8 +214,8 @@ pub struct Pretension {
     pub lock: f64,
 }
 
-/// Friction of a hinge (a torque) or a slider (a force) against its motion: `viscous` times the speed, and either `coulomb` or what the reaction
-/// of the joint gives, `coefficient radius |reaction|` of a hinge and `coefficient |reaction|` of a slider.
+/// Friction of an angle (a torque) or a displacement (a force) against the motion: `viscous` times the speed, and either `coulomb` or what the reaction
+/// of the joint gives, `coefficient radius |reaction|` of an angle and `coefficient |reaction|` of a displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -187,15 +226,15 @@ pub struct JointFriction {
     /// Constant torque or force, not negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<f64>,
-    /// Radius of the bearing of a hinge, positive; with `coefficient`.
+    /// Radius of the bearing of an angle, positive; with `coefficient`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<f64>,
-    /// Coefficient of friction, not negative; with `radius` in a hinge.
+    /// Coefficient of friction, not negative; with `radius` of an angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coefficient: Option<f64>,
 }
 
-/// Spring and damper of a hinge or slider: torque or force `-stiffness (s - rest) - damping ds/dt`, where `s` is the relative coordinate, of a hinge in
+/// Spring and damper of a coordinate: torque or force `-stiffness (s - rest) - damping ds/dt`, where `s` is the relative coordinate, an angle in
 /// radians.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -203,7 +242,7 @@ pub struct JointFriction {
 pub struct JointSpring {
     /// Torque per radian or force per length, not negative.
     pub stiffness: f64,
-    /// Coordinate without force: degrees of a hinge, length of a slider; 0 if left out.
+    /// Coordinate without force: degrees of an angle, or a length; 0 if left out.
     #[serde(default)]
     pub rest: f64,
     /// Torque per angular speed (radians per time) or force per speed, not negative; 0 if left out.

@@ -52,7 +52,9 @@ pub use friction::{
 };
 pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use gravity::Gravity;
-pub use joint::{GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension, Spring};
+pub use joint::{
+    ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension, Spring,
+};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
 pub use mesh::{
     Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,

@@ -331,7 +331,12 @@ impl Model {
 
     /// What acts if `off` does not and `released` no longer; the words for what does not exist.
     pub(crate) fn acting(&self, off: &Switches, released: &[Release]) -> Result<Acting, String> {
-        Acting::new([self.loads.len(), self.prescriptions.len(), self.contacts.len()], off, released)
+        let counts = [self.loads.len(), self.prescriptions.len(), self.contacts.len(), self.parts.len()];
+        let acting = Acting::new(counts, off, released)?;
+        match self.parts.iter().zip(&acting.parts).find(|(part, acts)| !**acts && !part.own_vectors().is_empty()) {
+            Some((part, _)) => Err(format!("{} has vectors of its own and cannot be switched off", part.name())),
+            None => Ok(acting),
+        }
     }
 
     /// True if constraints can open and close (mesh ties alone are no contact) and are not switched off.

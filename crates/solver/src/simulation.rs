@@ -528,7 +528,8 @@ impl Simulation {
     /// Momenta, kinetic and strain energy of one part at the last completed step.
     pub fn part_balance(&self, part: usize) -> Balance {
         // As in `body_balance`.
-        let strain = self.model.parts[part].energy(&self.state.q).unwrap_or(f64::NAN);
+        let energy = || self.model.parts[part].energy(&self.state.q).unwrap_or(f64::NAN);
+        let strain = if self.system.acting.parts[part] { energy() } else { 0.0 };
         let mut balance = Balance { strain, ..Balance::default() };
         if let Some(mass) = self.system.masses.parts.get(part).filter(|_| self.system.has_rates) {
             balance.kinetic = mass.kinetic_energy(&self.state.v);
@@ -543,7 +544,8 @@ impl Simulation {
         for body in &self.model.bodies {
             energy += body.solid.strain_energy(q)?;
         }
-        for part in &self.model.parts {
+        let acting = self.model.parts.iter().zip(&self.system.acting.parts).filter(|(_, acts)| **acts);
+        for (part, _) in acting {
             energy += part.energy(q)?;
         }
         Ok(energy)

@@ -11,6 +11,8 @@ pub struct Switches {
     pub prescriptions: Vec<usize>,
     /// Contact pairs, ties, joints, potentials.
     pub contacts: Vec<usize>,
+    /// Parts without vectors of their own: springs, dampers.
+    pub parts: Vec<usize>,
 }
 
 /// What stops acting for the rest of the run, by its index in the model.
@@ -20,30 +22,39 @@ pub enum Release {
     Constraint(usize),
     /// A prescription of `Model::prescriptions`; its components are free then.
     Prescription(usize),
+    /// A part of `Model::parts` without vectors of its own: a spring, a damper.
+    Part(usize),
 }
 
-/// For each load, prescription and contact pair of a model whether it acts.
+/// For each load, prescription, contact pair and part of a model whether it acts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Acting {
     pub loads: Vec<bool>,
     pub prescriptions: Vec<bool>,
     pub contacts: Vec<bool>,
+    pub parts: Vec<bool>,
 }
 
 impl Acting {
-    /// Of so many loads, prescriptions and contact pairs all that neither `off` nor `released` names; the words for what does not exist.
+    /// Of so many loads, prescriptions, contact pairs and parts all that neither `off` nor `released` names; the words for what does not exist.
     pub fn new(
-        [loads, prescriptions, contacts]: [usize; 3],
+        [loads, prescriptions, contacts, parts]: [usize; 4],
         off: &Switches,
         released: &[Release],
     ) -> Result<Self, String> {
-        let mut acting =
-            Self { loads: vec![true; loads], prescriptions: vec![true; prescriptions], contacts: vec![true; contacts] };
+        let mut acting = Self {
+            loads: vec![true; loads],
+            prescriptions: vec![true; prescriptions],
+            contacts: vec![true; contacts],
+            parts: vec![true; parts],
+        };
         let constraints = released.iter().filter_map(|r| if let Release::Constraint(i) = r { Some(*i) } else { None });
         let supports = released.iter().filter_map(|r| if let Release::Prescription(i) = r { Some(*i) } else { None });
+        let springs = released.iter().filter_map(|r| if let Release::Part(i) = r { Some(*i) } else { None });
         clear(&mut acting.loads, "load", off.loads.iter().copied())?;
         clear(&mut acting.prescriptions, "prescription", off.prescriptions.iter().copied().chain(supports))?;
         clear(&mut acting.contacts, "contact or constraint", off.contacts.iter().copied().chain(constraints))?;
+        clear(&mut acting.parts, "part", off.parts.iter().copied().chain(springs))?;
         Ok(acting)
     }
 }

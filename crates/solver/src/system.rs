@@ -259,8 +259,12 @@ impl FeSystem<'_> {
         // A step of no length is the start of a run, where nothing has a rate.
         let has_rates = s.has_rates && step.dt > 0.0;
         let step = PartStep { q_n: step.q_n, q_np1: step.q_np1, rule, dt: step.dt, has_rates };
-        let System { solid_map, solid_values, weighted, .. } = s;
-        for part in &self.model.parts {
+        let System { solid_map, solid_values, weighted, acting, .. } = s;
+        for (part, &acts) in self.model.parts.iter().zip(&acting.parts) {
+            if !acts {
+                part.stencils(&mut |_| stencil += 1);
+                continue;
+            }
             part.assemble(step, tangent.is_some(), &mut |local| {
                 for (&vector, r) in local.vectors.iter().zip(local.residual.chunks_exact(3)) {
                     let first = 3 * vector as usize;

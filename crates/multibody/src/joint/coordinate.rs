@@ -1,4 +1,4 @@
-//! The coordinate of a joint: an angle that is followed over any number of turns, or a displacement.
+//! Kinds of coordinates of a joint: an angle that is followed over any number of turns, or a displacement.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ pub(crate) const LARGEST_TURN: f64 = 3.0;
 /// What the coordinate is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateKind {
-    /// The angle `atan2(s, c)` about the first axis, from side a to side b, in radians: `s = a_3 . b_2`, `c = a_2 . b_2`.
+    /// An angle `atan2(s, c)` about an axis, from side a to side b, in radians; of a hinge about `a_1` with `s = a_3 . b_2`, `c = a_2 . b_2`.
     Angle,
     /// The displacement `(x_b - x_a) . a_1`, a length.
     Displacement,

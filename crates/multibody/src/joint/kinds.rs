@@ -72,12 +72,29 @@ impl JointKind {
         }
     }
 
-    /// What it leaves free and can be measured, driven and braked.
-    pub fn coordinate(self) -> Option<CoordinateKind> {
+    /// What it leaves free and can be measured, driven and braked: of a cylindrical joint the angle about `a_1` and the displacement along it, of a universal joint
+    /// the angle about `a_1` from side a to the cross and the one about `b_2` from the cross to side b.
+    pub fn coordinates(self) -> &'static [CoordinateKind] {
+        use CoordinateKind::{Angle, Displacement};
         match self {
-            Self::Hinge | Self::Cylindrical => Some(CoordinateKind::Angle),
-            Self::Slider => Some(CoordinateKind::Displacement),
-            _ => None,
+            Self::Hinge => &[Angle],
+            Self::Slider => &[Displacement],
+            Self::Cylindrical => &[Angle, Displacement],
+            Self::Universal => &[Angle, Angle],
+            _ => &[],
+        }
+    }
+
+    /// The invariants of a coordinate: sine and cosine of an angle, or a displacement.
+    ///
+    /// With `b_2` at right angles to `a_1` the angle about `a_1` has `s = a_3 . b_2`, `c = a_2 . b_2` in all of these joints. The second one of a universal joint is that of
+    /// side b against the cross with the pins `a_1` and `b_2`, about `b_2`: `s = a_1 . b_3`, `c = a_1 . b_1`.
+    pub(crate) fn invariants(self, coordinate: usize) -> Vec<Function> {
+        match (self.coordinates().get(coordinate), coordinate) {
+            (Some(CoordinateKind::Angle), 0) => vec![Function::of(1.0, A[2], B[1]), Function::of(1.0, A[1], B[1])],
+            (Some(CoordinateKind::Angle), _) => vec![Function::of(1.0, A[0], B[2]), Function::of(1.0, A[0], B[0])],
+            (Some(CoordinateKind::Displacement), _) => vec![Function::of(1.0, ARM, A[0])],
+            (None, _) => Vec::new(),
         }
     }
 
@@ -121,14 +138,6 @@ impl JointKind {
             Self::Hinge | Self::Cylindrical | Self::Planar => &[0],
             Self::Slider | Self::Weld => &[0, 1, 2],
         }
-    }
-}
-
-/// The invariants of the coordinate.
-pub(crate) fn invariants(kind: CoordinateKind) -> Vec<Function> {
-    match kind {
-        CoordinateKind::Angle => vec![Function::of(1.0, A[2], B[1]), Function::of(1.0, A[1], B[1])],
-        CoordinateKind::Displacement => vec![Function::of(1.0, ARM, A[0])],
     }
 }
 

@@ -1,7 +1,8 @@
-//! Joints between frames: bilateral constraints, and what acts on the coordinate that is left.
+//! Joints between frames: bilateral constraints, and what acts on the coordinates that are left.
 //!
 //! Force and tangent are in [`assemble`], the equations of each kind in [`kinds`].
 
+mod acting;
 mod assemble;
 mod coordinate;
 mod history;
@@ -18,6 +19,7 @@ use crate::Frame;
 use crate::compliance::{Compliance, Weights};
 use crate::constraint::gradient_fraction;
 use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
+use acting::{Coordinate, CoordinateHistory, CoordinateState, Slots};
 use kinds::Function;
 use stoss_contact::{ContactRule, JointTorques};
 
@@ -63,23 +65,15 @@ pub enum JointError {
         value: f64,
     },
     /// The kind leaves no coordinate, or none that can be measured.
-    #[error("joint {joint}: a {kind} joint has no coordinate for springs, motors or friction")]
+    #[error("joint {joint}: a {kind} joint has no coordinate {coordinate} for springs, motors or friction")]
     NoCoordinate {
         /// The joint.
         joint: String,
         /// Its kind.
         kind: &'static str,
+        /// Which one, counted from 1.
+        coordinate: usize,
     },
-}
-
-/// The slots of a joint after its equations.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Slots {
-    friction: Option<usize>,
-    motor: Option<usize>,
-    pretension: Option<usize>,
-    limit: Option<usize>,
-    count: usize,
 }
 
 /// State of a step.
@@ -89,40 +83,32 @@ struct StepState {
     time_n: f64,
     time_np1: f64,
     has_rates: bool,
-    /// Invariants and coordinate at `q_n`.
-    start: [f64; 2],
-    value: f64,
-    /// `c` of friction, `f` of its slip row, that of the row of a given pretension, `c` of limits; a force over a length each.
-    complementarity: f64,
-    friction_unit: f64,
-    pretension_unit: f64,
-    /// The value that a locked pretension keeps.
-    locked: Option<f64>,
-    stiffness: f64,
 }
 
-/// A joint: `kind.equations()` constraints, then a slot each for friction, motor, pretension and limits if there are such. Slots that are not active have neither forces nor
-/// equations; with none active the joint is released, with all that acts on its coordinate.
+/// A joint: `kind.equations()` constraints, then for each coordinate a slot each for friction, motor, pretension and limits if there are such. Slots that are not active have neither
+/// forces nor equations; with none active the joint is released, with all that acts on its coordinates.
 ///
-/// Multipliers are forces. Those of friction, motor, pretension and limits act on the coordinate times the length of the joint if that is an angle: a torque is the multiplier times
+/// Multipliers are forces. Those of friction, motor, pretension and limits act on a coordinate times the length of the joint if that is an angle: a torque is the multiplier times
 /// that length.
 #[derive(Clone, Debug)]
 pub struct Joint {
     name: String,
     kind: JointKind,
     length: f64,
-    options: CoordinateOptions,
+    coordinates: Vec<Coordinate>,
     weights: Weights,
     forms: [crate::Embedded; 10],
     /// Whether one side is the ground.
     grounded: bool,
-    /// Equations, then the invariants of the coordinate.
+    /// Equations, then the invariants of the coordinates.
     list: Vec<Function>,
     functions: Quadratics,
-    slots: Slots,
+    /// Number of all slots.
+    slots: usize,
     compliance: Compliance,
     step: StepState,
-    history: history::JointHistory,
+    /// Norm of the force between the points in the last accepted step.
+    last_reaction: f64,
 }
 
 impl Joint {
@@ -153,7 +139,21 @@ impl Joint {
         }
         let forms = kinds::forms(a, b);
         let mut list = kind.functions(length);
-        list.extend(kind.coordinate().map(kinds::invariants).unwrap_or_default());
+        let mut coordinates = Vec::new();
+        for (k, &of) in kind.coordinates().iter().enumerate() {
+            let invariants = kind.invariants(k);
+            coordinates.push(Coordinate {
+                kind: of,
+                first: list.len(),
+                count: invariants.len(),
+                length,
+                options: CoordinateOptions::default(),
+                slots: Slots::default(),
+                state: CoordinateState::FIRST,
+                history: CoordinateHistory::default(),
+            });
+            list.extend(invariants);
+        }
         let mut builder = QuadraticsBuilder::new();
         let ids = forms.each_ref().map(|form| builder.form(form));
         for function in &list {
@@ -169,21 +169,15 @@ impl Joint {
             kind,
             length,
             grounded: [a, b].iter().any(|side| side.point.terms.is_empty()),
-            options: CoordinateOptions::default(),
+            coordinates,
             weights: Weights::default(),
             forms,
             list,
             functions,
-            slots: Slots { count: kind.equations(), ..Slots::default() },
+            slots: kind.equations(),
             compliance: Compliance::default(),
-            step: StepState {
-                complementarity: 1.0,
-                friction_unit: 1.0,
-                pretension_unit: 1.0,
-                stiffness: 1.0,
-                ..StepState::default()
-            },
-            history: history::JointHistory::default(),
+            step: StepState::default(),
+            last_reaction: 0.0,
         };
         made.check(reference)?;
         Ok(made)
@@ -223,29 +217,44 @@ impl Joint {
         out
     }
 
-    /// With springs, friction, motor, pretension, limits on its coordinate.
+    /// With springs, friction, motor, pretension, limits on its first coordinate.
+    ///
+    /// # Errors
+    /// As [`Self::with_options_of`].
+    pub fn with_options(self, options: CoordinateOptions) -> Result<Self, JointError> {
+        self.with_options_of(0, options)
+    }
+
+    /// With springs, friction, motor, pretension, limits on one of its coordinates, counted from 0 in the order of [`JointKind::coordinates`].
     ///
     /// # Errors
     /// [`JointError::NoCoordinate`] or [`JointError::Value`].
-    pub fn with_options(mut self, options: CoordinateOptions) -> Result<Self, JointError> {
-        if options.any() && self.kind.coordinate().is_none() {
-            return Err(JointError::NoCoordinate { joint: self.name, kind: self.kind.name() });
-        }
+    pub fn with_options_of(mut self, coordinate: usize, options: CoordinateOptions) -> Result<Self, JointError> {
         if let Some((what, value)) = options.fault() {
             return Err(JointError::Value { joint: self.name, what, value });
         }
-        let mut slots = Slots { count: self.kind.equations(), ..Slots::default() };
+        match self.coordinates.get_mut(coordinate) {
+            Some(of) => of.options = options,
+            None if options.any() => {
+                let (joint, kind) = (self.name, self.kind.name());
+                return Err(JointError::NoCoordinate { joint, kind, coordinate: coordinate + 1 });
+            }
+            None => {}
+        }
+        let mut count = self.kind.equations();
         let mut next = |exists: bool| {
-            let slot = slots.count;
-            slots.count += usize::from(exists);
+            let slot = count;
+            count += usize::from(exists);
             exists.then_some(slot)
         };
-        let friction = next(options.friction.is_some());
-        let motor = next(options.motor.is_some());
-        let pretension = next(options.pretension.is_some());
-        let limit = next(options.limits.is_some());
-        self.slots = Slots { friction, motor, pretension, limit, ..slots };
-        self.options = options;
+        for of in &mut self.coordinates {
+            let friction = next(of.options.friction.is_some());
+            let motor = next(of.options.motor.is_some());
+            let pretension = next(of.options.pretension.is_some());
+            let limit = next(of.options.limits.is_some());
+            of.slots = Slots { friction, motor, pretension, limit };
+        }
+        self.slots = count;
         Ok(self)
     }
 
@@ -272,65 +281,45 @@ impl Joint {
         self.length
     }
 
-    /// Slot of the motor, whose multiplier times [`Self::scale`] is the torque or force of the drive.
-    pub fn motor_slot(&self) -> Option<usize> {
-        self.slots.motor
+    /// Slot of the motor of a coordinate, whose multiplier times [`Self::scale`] is the torque or force of the drive.
+    pub fn motor_slot(&self, coordinate: usize) -> Option<usize> {
+        self.coordinates.get(coordinate)?.slots.motor
     }
 
-    /// Slot of the pretension, whose multiplier times [`Self::scale`] is the force of the bolt, positive in tension.
-    pub fn pretension_slot(&self) -> Option<usize> {
-        self.slots.pretension
+    /// Slot of the pretension of a coordinate, whose multiplier times [`Self::scale`] is the force of the bolt, positive in tension.
+    pub fn pretension_slot(&self, coordinate: usize) -> Option<usize> {
+        self.coordinates.get(coordinate)?.slots.pretension
     }
 
-    /// The value that the coordinate keeps since its pretension was locked; `None` before.
-    pub fn locked(&self) -> Option<f64> {
-        self.history.locked
+    /// The value that a coordinate keeps since its pretension was locked; `None` before.
+    pub fn locked(&self, coordinate: usize) -> Option<f64> {
+        self.coordinates.get(coordinate)?.history.locked
     }
 
-    /// Slot of the limits, whose multiplier is positive at the upper limit.
-    pub fn limit_slot(&self) -> Option<usize> {
-        self.slots.limit
+    /// Whether a slot is that of a motor.
+    pub fn is_motor_slot(&self, slot: usize) -> bool {
+        self.coordinates.iter().any(|c| c.slots.motor == Some(slot))
     }
 
-    /// What multipliers of friction, motor, pretension and limits are multiplied by to be torques: the length of the joint for an angle, 1 for a displacement.
-    pub fn scale(&self) -> f64 {
-        match self.kind.coordinate() {
-            Some(CoordinateKind::Angle) => self.length,
-            _ => 1.0,
-        }
+    /// Slot of the limits of a coordinate, whose multiplier is positive at the upper limit.
+    pub fn limit_slot(&self, coordinate: usize) -> Option<usize> {
+        self.coordinates.get(coordinate)?.slots.limit
     }
 
-    /// Value of the coordinate at `q`, less than half a turn from that of the last accepted step (before the first step: from zero); `None` if there is none.
-    pub fn coordinate(&self, q: &[f64]) -> Option<f64> {
-        let kind = self.kind.coordinate()?;
-        let phi = self.invariants_of(&self.evaluate(q));
-        Some(match self.history.accepted {
-            Some(start) => self.value_at(kind, start) + kind.change(start, phi),
-            None => kind.principal(phi),
-        })
+    /// What multipliers of friction, motor and limits of a coordinate are multiplied by to be torques: the length of the joint for an angle, 1 for a displacement.
+    pub fn scale(&self, coordinate: usize) -> f64 {
+        self.coordinates.get(coordinate).map_or(1.0, Coordinate::scale)
     }
 
-    /// Torques (or forces) along the coordinate that act on side b at the end of the last accepted step, which has led to `q`.
-    pub fn torques(&self, q: &[f64], multipliers: &[f64]) -> JointTorques {
-        let of = |slot: Option<usize>| slot.map_or(0.0, |slot| self.scale() * multipliers[slot]);
-        let spring = self.options.spring.zip(self.coordinate(q));
-        JointTorques {
-            friction: -of(self.slots.friction),
-            viscous: self.history.viscous,
-            spring: spring.map_or(0.0, |(spring, value)| -spring.stiffness * (value - spring.rest)),
-            motor: of(self.slots.motor),
-            limit: -of(self.slots.limit),
-        }
+    /// Torques (or forces) along a coordinate that act on side b at the end of the last accepted step, which has led to `q`; `None` if there is no such coordinate.
+    pub fn torques(&self, coordinate: usize, q: &[f64], multipliers: &[f64]) -> Option<JointTorques> {
+        let c = self.coordinates.get(coordinate)?;
+        Some(c.torques(c.value(&self.evaluate(q).values), multipliers))
     }
 
-    /// Value at accepted invariants: principal value and turns.
-    fn value_at(&self, kind: CoordinateKind, start: [f64; 2]) -> f64 {
-        kind.principal(start) + std::f64::consts::TAU * self.history.turns as f64
-    }
-
-    fn invariants_of(&self, evaluation: &Evaluation) -> [f64; 2] {
-        let first = self.kind.equations();
-        [0, 1].map(|k| evaluation.values.get(first + k).copied().unwrap_or(0.0))
+    /// Value of a coordinate at `q`, less than half a turn from that of the last accepted step (before the first step: from zero); `None` if there is no such.
+    pub fn coordinate(&self, coordinate: usize, q: &[f64]) -> Option<f64> {
+        Some(self.coordinates.get(coordinate)?.value(&self.evaluate(q).values))
     }
 
     /// Norm of the force between the points.
@@ -340,25 +329,23 @@ impl Joint {
 
     /// Force and moment about the point of side b that side a exerts on side b in a step, in the configuration of the rule. Of a beam the directors take the moment.
     pub fn force(&self, q_n: &[f64], q_np1: &[f64], rule: ContactRule, multipliers: &[f64]) -> ([f64; 3], [f64; 3]) {
-        self.force_with(q_n, q_np1, rule, multipliers, 0.0)
+        self.force_with(q_n, q_np1, rule, multipliers, &[])
     }
 
-    /// [`Self::force`] with a further torque on side b along the coordinate.
+    /// [`Self::force`] with further torques on side b along the coordinates; none is zero.
     fn force_with(
         &self,
         q_n: &[f64],
         q_np1: &[f64],
         rule: ContactRule,
         multipliers: &[f64],
-        further: f64,
+        further: &[f64],
     ) -> ([f64; 3], [f64; 3]) {
         let theta = gradient_fraction(rule);
         let q: Vec<f64> = q_n.iter().zip(q_np1).map(|(a, b)| (1.0 - theta) * a + theta * b).collect();
         let u = self.forms.each_ref().map(|form| form.at(&q));
         let mut weights: Vec<f64> = multipliers[..self.kind.equations()].to_vec();
-        if let Some((torque, gradient)) = self.torque_and_weights(q_n, q_np1, rule, multipliers) {
-            weights.extend(gradient.iter().map(|w| (torque + further) * w));
-        }
+        weights.extend(self.torque_weights(q_n, q_np1, rule, multipliers, further));
         let mut conjugate = [[0.0; 3]; 10];
         for (weight, function) in weights.iter().zip(&self.list) {
             for &(factor, a, b) in &function.products {

@@ -4,7 +4,7 @@ use super::friction::friction;
 use super::node::{Node, is_name, known};
 use super::prescribe::series;
 use super::table::Table;
-use super::world::{World, action_name, meshed_part, set_reference, surface_reference};
+use super::world::{World, action_name, contact_reference, is_line, meshed_part, set_reference};
 use crate::{
     BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Enforcement, Integrals, Kind, Load, LoadKind,
     Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
@@ -67,15 +67,32 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let name = table.optional("name", Node::name);
     let method =
         table.required("method", "method = \"nts\"", |n| n.choice(ContactMethod::NAMES, ContactMethod::from_name));
-    let between = table.optional("between", |n| n.array(|n| surface_reference(n, world)));
+    // The sides of a contact, first the method.
+    let side = |n: &Node<'_>| {
+        let reference = contact_reference(n, world)?;
+        let why = match method {
+            Some(ContactMethod::Mortar) => "mortar contact integrates over facets, and a beam or string has none",
+            Some(ContactMethod::Cat) => "`cat` is for surfaces: a beam or string has no facets",
+            _ => return Some(reference),
+        };
+        if is_line(&reference, world) { n.fail(why, "set `method` to \"nts\"") } else { Some(reference) }
+    };
+    let master_side = |n: &Node<'_>| {
+        let reference = side(n)?;
+        if is_line(&reference, world) {
+            return n.fail("a beam or string has no facets and can only be the slave", "exchange `slave` and `master`");
+        }
+        Some(reference)
+    };
+    let between = table.optional("between", |n| n.array(side));
     // Where `between` is there, right or wrong, the other two are not to be.
-    let named = |key: &'static str, example: &'static str| match between {
-        Some(None) => table.required(key, example, |n| surface_reference(n, world)).map(Some),
+    let named = |key: &'static str, example: &'static str, side: &dyn Fn(&Node<'_>) -> Option<String>| match between {
+        Some(None) => table.required(key, example, side).map(Some),
         _ => table
             .optional(key, |n| n.fail("is chosen by itself where `between` is given", "remove one of the two keys")),
     };
-    let slave = named("slave", "slave = \"ball.outer\"");
-    let master = named("master", "master = \"plate.top\"");
+    let slave = named("slave", "slave = \"ball.outer\"", &side);
+    let master = named("master", "master = \"plate.top\"", &master_side);
     let constraint = table.optional("constraint", |n| {
         if n.text()? == "one-sided" {
             return n.fail("is no constraint any more: mortar contact keeps the true gap, which needs none", "remove it");
@@ -187,6 +204,12 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
             format!("slave and master belong to the same body `{a}`"),
             "choose the surface of another body; contact of a body with itself is not available",
         );
+    }
+    if let Some([a, b]) = &between
+        && is_line(a, world)
+        && is_line(b, world)
+    {
+        return table.fail("between", "both are beams or strings, which have no facets", "name a surface on one side");
     }
     has_effect?;
     normals?;

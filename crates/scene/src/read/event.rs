@@ -40,22 +40,22 @@ pub(super) fn event(table: &Table<'_>, world: &World<'_>) -> Option<Event> {
 fn released(node: &Node<'_>, world: &World<'_>) -> Option<String> {
     let name = node.text()?;
     match world.actions.iter().find(|(other, _)| *other == name) {
-        Some((_, Action::Joint | Action::Prescribe)) => Some(name),
+        Some((_, Action::Joint | Action::Spring | Action::Prescribe)) => Some(name),
         Some((_, action)) => node.fail(
-            format!("is {}: only joints and prescribed motions can be released", action.noun()),
-            "name a [[joint]] or a [[prescribe]] with a `name`",
+            format!("is {}: only joints, springs and prescribed motions can be released", action.noun()),
+            "name a [[joint]], a [[spring]] or a [[prescribe]] with a `name`",
         ),
         None if !world.actions_complete => Some(name),
         None => {
             let releasable: Vec<&str> = world
                 .actions
                 .iter()
-                .filter(|(_, action)| matches!(action, Action::Joint | Action::Prescribe))
+                .filter(|(_, action)| matches!(action, Action::Joint | Action::Spring | Action::Prescribe))
                 .map(|(name, _)| name.as_str())
                 .collect();
-            let message = format!("there is no joint and no prescribed motion `{name}`");
+            let message = format!("there is no joint, spring or prescribed motion `{name}`");
             if releasable.is_empty() {
-                return node.fail(message, "add a [[joint]], or give a [[prescribe]] this `name`");
+                return node.fail(message, "add a [[joint]] or [[spring]], or give a [[prescribe]] this `name`");
             }
             node.fail(message, known(&name, releasable))
         }
@@ -190,20 +190,18 @@ fn off(node: &Node<'_>, world: &World<'_>, has_gravity: bool) -> Option<Vec<Stri
             return n.fail("the scene has no gravity", "remove it, or add [gravity]");
         }
         match world.actions.iter().find(|(other, _)| *other == name) {
-            Some((_, action @ (Action::Tie | Action::Spring))) => {
-                n.fail(format!("is {}, which always acts", action.noun()), "remove it")
-            }
+            Some((_, action @ Action::Tie)) => n.fail(format!("is {}, which always acts", action.noun()), "remove it"),
             Some(_) => Some(name),
             None if !world.actions_complete => Some(name),
             None => {
                 let names: Vec<&str> = world
                     .actions
                     .iter()
-                    .filter(|(_, action)| !matches!(action, Action::Tie | Action::Spring))
+                    .filter(|(_, action)| !matches!(action, Action::Tie))
                     .map(|(name, _)| name.as_str())
                     .chain(has_gravity.then_some(GRAVITY))
                     .collect();
-                let message = format!("there is no joint, contact, prescribed motion or load `{name}`");
+                let message = format!("there is no joint, spring, contact, prescribed motion or load `{name}`");
                 if names.is_empty() {
                     return n.fail(message, "give it this `name`");
                 }

@@ -6,8 +6,8 @@ use super::table::Table;
 use super::world::{World, action_name};
 use crate::vector::{norm, perpendicular, sub};
 use crate::{
-    Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, PartKind, Pretension, Spring,
-    split_set,
+    ActingOn, Coupling, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor,
+    PartKind, Pretension, Spring, split_set,
 };
 use toml::de::DeValue;
 
@@ -40,16 +40,20 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
         _ => table.optional("axes", two_axes),
     });
     let coupling = coupling(table, between.as_ref(), world);
-    let motor = only_for(table, "motor", kind, |k| k.has_angle() || k.has_displacement(), MOVING)
-        .and_then(|()| table.optional("motor", |n| motor(n, kind)));
+    let coordinate = kind.and_then(|kind| kind.coordinates().first().copied());
+    let on_first = |key| only_for(table, key, kind, |kind| !kind.coordinates().is_empty(), MOVING);
+    let motor = on_first("motor").and_then(|()| table.optional("motor", |n| motor(n, coordinate, kind)));
     let pretension = only_for(table, "pretension", kind, |k| k == JointKind::Slider, "sliders")
         .and_then(|()| table.optional("pretension", |n| pretension(n, table, world)));
-    let limits = only_for(table, "limits", kind, JointKind::has_one_coordinate, SINGLE)
-        .and_then(|()| table.optional("limits", |n| limits(n, table.has("motor"))));
-    let friction = only_for(table, "friction", kind, JointKind::has_one_coordinate, SINGLE)
-        .and_then(|()| table.optional("friction", |n| friction(n, kind)));
-    let spring = only_for(table, "spring", kind, JointKind::has_one_coordinate, SINGLE)
-        .and_then(|()| table.optional("spring", joint_spring));
+    let limits = on_first("limits").and_then(|()| table.optional("limits", |n| limits(n, table.has("motor"))));
+    let friction = on_first("friction").and_then(|()| table.optional("friction", |n| friction(n, coordinate)));
+    let spring = on_first("spring").and_then(|()| table.optional("spring", joint_spring));
+    let second =
+        only_for(table, "second", kind, |kind| kind.coordinates().len() > 1, "cylindrical and universal joints")
+            .and_then(|()| {
+                let coordinate = kind.and_then(|kind| kind.coordinates().get(1).copied());
+                table.optional("second", |n| second(n, coordinate))
+            });
     table.finish();
     Some(Joint {
         name: name?,
@@ -64,11 +68,11 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
         limits: limits?,
         friction: friction?,
         spring: spring?,
+        second: second?,
     })
 }
 
-const MOVING: &str = "hinges, sliders and cylindrical joints";
-const SINGLE: &str = "hinges and sliders";
+const MOVING: &str = "hinges, sliders, cylindrical and universal joints";
 
 /// Reports a key that the joint's kind does not have.
 fn only_for(
@@ -203,25 +207,47 @@ fn coupling(table: &Table<'_>, between: Option<&[String; 2]>, world: &World<'_>)
     })
 }
 
-fn motor(node: &Node<'_>, kind: Option<JointKind>) -> Option<Motor> {
+/// What acts on the second coordinate.
+fn second(node: &Node<'_>, coordinate: Option<CoordinateKind>) -> Option<ActingOn> {
+    let table = node.table_like("{ friction = { viscous = 0.1 } }")?;
+    let motor = table.optional("motor", |n| motor(n, coordinate, None));
+    let limits = table.optional("limits", |n| limits(n, table.has("motor")));
+    let friction = table.optional("friction", |n| friction(n, coordinate));
+    let spring = table.optional("spring", joint_spring);
+    let one = match ["motor", "limits", "friction", "spring"].iter().any(|key| table.has(key)) {
+        true => Some(()),
+        false => table.missing("motor", "friction = { viscous = 0.1 }"),
+    };
+    table.finish();
+    one?;
+    Some(ActingOn { motor: motor?, limits: limits?, friction: friction?, spring: spring? })
+}
+
+/// A motor of a coordinate; `kind` that of the joint if it is the first one.
+fn motor(node: &Node<'_>, coordinate: Option<CoordinateKind>, kind: Option<JointKind>) -> Option<Motor> {
+    use CoordinateKind::{Angle, Displacement};
     let table = node.table_like("{ angle = { table = [[0.0, 0.0], [1.0, 90.0]] } }")?;
     let angle = table.optional("angle", |n| {
-        if kind.is_some_and(|kind| !kind.has_angle()) {
-            return n.fail("a slider has no angle", "write `displacement`");
+        if coordinate == Some(Displacement) {
+            return n.fail("the coordinate is a displacement and no angle", "write `displacement`");
         }
         series(n, 1)
     });
     let displacement = table.optional("displacement", |n| {
-        if kind.is_some_and(|kind| !kind.has_displacement()) {
-            return n.fail("a hinge has no displacement", "write `angle`");
+        if coordinate == Some(Angle) {
+            let remedy = match kind {
+                Some(JointKind::Cylindrical) => "write second = { motor = { displacement = ... } }",
+                _ => "write `angle`",
+            };
+            return n.fail("the coordinate is an angle and no displacement", remedy);
         }
         series(n, 1)
     });
     let one = match (table.has("angle"), table.has("displacement")) {
-        (true, true) if kind.is_none_or(|kind| kind.has_angle() && kind.has_displacement()) => {
+        (true, true) if coordinate.is_none() => {
             table.fail("displacement", "`angle` is given too", "remove one of them")
         }
-        (false, false) if kind == Some(JointKind::Slider) => {
+        (false, false) if coordinate == Some(Displacement) => {
             table.missing("displacement", "displacement = { table = [[0.0, 0.0], [1.0, 0.1]] }")
         }
         (false, false) => table.missing("angle", "angle = { table = [[0.0, 0.0], [1.0, 90.0]] }"),
@@ -267,21 +293,22 @@ fn limits(node: &Node<'_>, has_motor: bool) -> Option<[f64; 2]> {
     Some(limits)
 }
 
-fn friction(node: &Node<'_>, kind: Option<JointKind>) -> Option<JointFriction> {
+fn friction(node: &Node<'_>, coordinate: Option<CoordinateKind>) -> Option<JointFriction> {
+    use CoordinateKind::{Angle, Displacement};
     let table = node.table_like("{ viscous = 0.1 }")?;
     let viscous = table.default("viscous", 0.0, Node::not_negative);
     let coulomb = table.optional("coulomb", Node::not_negative);
     let coefficient = table.optional("coefficient", Node::not_negative);
     let radius = table.optional("radius", |n| {
-        if kind == Some(JointKind::Slider) {
-            return n.fail("a slider has no radius", "remove it");
+        if coordinate == Some(Displacement) {
+            return n.fail("a displacement has no radius", "remove it");
         }
         n.positive()
     });
     let fits = match (table.has("coulomb"), table.has("coefficient"), table.has("radius")) {
         (true, true, _) => table.fail("coefficient", "`coulomb` is given too", "remove one of them"),
-        (_, true, false) if kind == Some(JointKind::Hinge) => table.missing("radius", "radius = 0.01"),
-        (_, false, true) if kind != Some(JointKind::Slider) => {
+        (_, true, false) if coordinate == Some(Angle) => table.missing("radius", "radius = 0.01"),
+        (_, false, true) if coordinate != Some(Displacement) => {
             table.fail("radius", "has no effect without `coefficient`", "remove it, or add the coefficient")
         }
         (false, false, false) if !table.has("viscous") => table.missing("viscous", "viscous = 0.1"),

@@ -5,7 +5,8 @@ use super::prescribe::component;
 use super::table::Table;
 use super::world::{World, part_name, set_reference};
 use crate::{
-    Component, Expect, ExpectedValue, Field, Interval, JointKind, Kind, OnFault, Outcome, Output, PartKind, Probe,
+    Component, CoordinateKind, Expect, ExpectedValue, Field, Interval, JointKind, Kind, OnFault, Outcome, Output,
+    PartKind, Probe,
     Quantity, Verdict, Watch,
 };
 
@@ -71,8 +72,13 @@ fn refuse(table: &Table<'_>, keys: &[&'static str], message: impl Fn() -> String
 fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Option<String> {
     let name = node.text()?;
     match world.joints.iter().find(|(joint, _)| *joint == name) {
-        Some((_, Some(kind))) if quantity == Some(Quantity::JointAngle) && !kind.has_angle() => {
-            node.fail(format!("is a joint `{kind}`, which has no angle"), "choose a hinge or a cylindrical joint")
+        Some((_, Some(kind)))
+            if quantity == Some(Quantity::JointAngle) && kind.coordinates().first() != Some(&CoordinateKind::Angle) =>
+        {
+            node.fail(
+                format!("is a joint `{kind}`, which has no angle"),
+                "choose a hinge, a cylindrical or a universal joint",
+            )
         }
         Some((_, Some(kind))) if quantity == Some(Quantity::JointDisplacement) && *kind != JointKind::Slider => {
             node.fail(format!("is a joint `{kind}`, whose displacement is not followed"), "choose a slider")

@@ -70,6 +70,10 @@ pub(super) struct KnownPart {
 }
 
 impl KnownPart {
+    fn is_line(&self) -> bool {
+        matches!(self.kind, PartKind::Beam | PartKind::String)
+    }
+
     /// Names of its sets, if they are known before a mesh is read.
     fn sets(&self) -> Option<&'static [&'static str]> {
         match self.kind {
@@ -189,6 +193,27 @@ pub(super) fn surface_reference(node: &Node<'_>, world: &World<'_>) -> Option<St
         return node.fail(message, "name a set of a body, or of a rigid body with a shape, mesh or surface");
     }
     Some(text)
+}
+
+/// A reference `part.set` to a side of a contact: a surface, or the nodes of a beam or string (`is_line`).
+pub(super) fn contact_reference(node: &Node<'_>, world: &World<'_>) -> Option<String> {
+    match raw_part(node, world) {
+        Some(part) if part.is_line() => set_reference(node, world),
+        _ => surface_reference(node, world),
+    }
+}
+
+/// Whether a reference is to a beam or a string.
+pub(super) fn is_line(reference: &str, world: &World<'_>) -> bool {
+    split_set(reference).and_then(|(part, _)| world.part(part)).is_some_and(KnownPart::is_line)
+}
+
+/// The part of a reference, if there is one; nothing is reported.
+fn raw_part<'w>(node: &Node<'_>, world: &'w World<'_>) -> Option<&'w KnownPart> {
+    match node.value {
+        DeValue::String(text) => split_set(text).and_then(|(part, _)| world.part(part)),
+        _ => None,
+    }
 }
 
 /// A name that `[[event]]` and `[[stage]]` may use.

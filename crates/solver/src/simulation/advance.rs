@@ -393,7 +393,8 @@ impl Simulation {
             dt: self.clock.dt(),
             has_rates: !quasi_static,
         };
-        let damped: f64 = self.model.parts.iter().map(|part| part.dissipated(step)).sum();
+        let acting = self.model.parts.iter().zip(&self.system.acting.parts).filter(|(_, acts)| **acts);
+        let damped: f64 = acting.map(|(part, _)| part.dissipated(step)).sum();
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
             pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
         }

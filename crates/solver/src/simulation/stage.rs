@@ -82,7 +82,7 @@ impl Simulation {
     ///   carries them, are made anew, so that an equilibrium stays at rest.
     /// * *From dynamics to statics:* velocities are dropped, and their energy is booked as [`Balance::dissipation`].
     /// * *Statics:* slave nodes that touch are closed, as at the start of a run.
-    /// * *Loads and couplings:* what their energies jump by when they are switched is [`Balance::external_work`].
+    /// * *Loads, couplings and springs:* what their energies jump by when they are switched is [`Balance::external_work`].
     /// * *Prescriptions:* components of those that are off are free. One that is switched on demands what its table says at the end of the first step, wherever
     ///   its components are at present.
     ///
@@ -118,7 +118,7 @@ impl Simulation {
     }
 
     /// Lets something stop acting, from the next step to the end of the run. A multiplier does no work, so the energy is continuous; energy that a constraint
-    /// stores (friction in a joint) goes to [`Balance::external_work`]. Nothing happens if it was released before.
+    /// stores (friction in a joint), and that of a spring, goes to [`Balance::external_work`]. Nothing happens if it was released before.
     /// The decision in the record names the `event`.
     ///
     /// # Errors
@@ -138,6 +138,9 @@ impl Simulation {
                 Some(prescription) => format!("prescribed motion {}", prescription.name),
                 None => return Err(SimulationError::Release(format!("there is no prescription {p} to release"))),
             },
+            Release::Part(p) => {
+                self.model.parts.get(p).map_or_else(|| format!("part {p}"), |part| part.name().to_owned())
+            }
         };
         if self.released.contains(&what) {
             return Ok(());
@@ -168,6 +171,7 @@ impl Simulation {
             off.prescriptions.iter().map(|&p| format!("prescribed motion {}", self.model.prescriptions[p].name)),
         );
         names.extend(off.contacts.iter().map(|&c| self.model.contacts[c].name.clone()));
+        names.extend(off.parts.iter().map(|&p| self.model.parts[p].name().to_owned()));
         let off = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
         format!("stage {} ({name}) begins: {kind}, switched off: {off}", self.stage + 1)
     }
@@ -388,17 +392,20 @@ impl Simulation {
             self.state.v.fill(0.0);
         }
         let before = self.balance;
-        let now = self.measure_balance(before.strain, before.external_work);
+        // Of the same positions; springs may have been switched.
+        let strain = self.strain_energy(&self.state.q)?;
+        let now = self.measure_balance(strain, before.external_work);
         let (contact, friction_stored) =
             self.stored.iter().fold((0.0, 0.0), |(all, friction), stored| (all + stored[0], friction + stored[1]));
         let kinetic = now.kinetic - before.kinetic;
-        let switched = (now.potential - before.potential) + (contact - before.contact);
+        let switched = (now.potential - before.potential) + (contact - before.contact) + (strain - before.strain);
         let given = if self.scheme.is_some() { kinetic } else { 0.0 };
         let dropped = if self.scheme.is_some() { 0.0 } else { -kinetic };
         self.balance = Balance {
             linear_momentum: now.linear_momentum,
             angular_momentum: now.angular_momentum,
             kinetic: now.kinetic,
+            strain,
             potential: now.potential,
             contact,
             friction_stored,

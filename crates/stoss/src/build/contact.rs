@@ -6,10 +6,42 @@ use super::missing::not_built_in;
 use super::pair::{PairInput, area_vector, young};
 use super::tie::Ties;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
-use crate::scene::{ContactMethod, Enforcement, Scene};
+use crate::scene::{ContactMethod, Enforcement, Scene, split_set};
 use crate::solver::Model;
 use std::collections::BTreeSet;
 use stoss_reference_element::FacetNodes;
+
+/// One side of a contact.
+#[derive(Clone, Default, PartialEq)]
+pub(super) struct Side {
+    /// Its part.
+    pub part: usize,
+    /// Outward; none of a beam or string.
+    pub facets: Vec<FacetNodes>,
+    /// Nodes of a beam or string in their order, with their lengths.
+    pub line: Vec<(u32, f64)>,
+}
+
+impl Side {
+    fn find(placed: &[Placed], key: &str, set: &str, problems: &mut Problems<'_>) -> Option<Self> {
+        if let Some((name, set)) = split_set(set)
+            && let Some(part) = super::placed::index(placed, name)
+            && let Some(line) = placed[part].line_of(set)
+        {
+            return Some(Self { part, line, ..Self::default() });
+        }
+        let (part, facets) = resolve(placed, key, set, problems, Placed::facets_of)?;
+        Some(Self { part, facets, ..Self::default() })
+    }
+
+    pub fn is_line(&self) -> bool {
+        !self.line.is_empty()
+    }
+
+    fn nodes(&self) -> impl Iterator<Item = u32> {
+        self.facets.iter().flatten().copied().chain(self.line.iter().map(|&(node, _)| node))
+    }
+}
 
 pub(super) fn contacts(
     scene: &Scene,
@@ -22,22 +54,20 @@ pub(super) fn contacts(
 ) -> Vec<ContactPlan> {
     let mut plans = Vec::new();
     warnings.extend(impacts(scene));
-    let mut seen: Vec<([Vec<FacetNodes>; 2], &crate::scene::Contact)> = Vec::new();
+    let mut seen: Vec<([Side; 2], &crate::scene::Contact)> = Vec::new();
     let held = held_nodes(scene, placed, model);
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
         let ([first, second], keys) = (item.surfaces(), item.surface_keys());
-        let first = resolve(placed, &format!("{key}.{}", keys[0]), first, problems, Placed::facets_of);
-        let second = resolve(placed, &format!("{key}.{}", keys[1]), second, problems, Placed::facets_of);
+        let first = Side::find(placed, &format!("{key}.{}", keys[0]), first, problems);
+        let second = Side::find(placed, &format!("{key}.{}", keys[1]), second, problems);
         let (Some(first), Some(second)) = (first, second) else { continue };
-        let (mut sides, mut chosen) = ([first, second], None);
+        let (mut surfaces, mut chosen) = ([first, second], None);
         if item.between.is_some() {
-            let (slave, reason) = choose_slave(model, &sides);
+            let (slave, reason) = choose_slave(model, &surfaces);
             chosen = Some(format!("{} ({reason})", item.surfaces()[slave]));
-            sides.rotate_left(slave);
+            surfaces.rotate_left(slave);
         }
-        let [(slave_body, slave), (master_body, master)] = sides;
-        let surfaces = [slave, master];
         if let Some((_, other)) = seen.iter().find(|(other, _)| *other == surfaces) {
             let message = format!("is the same contact as `{}`: its constraints would be there twice", other.label());
             problems.add(format!("{key}.name"), item.label(), message, "remove one of the two");
@@ -56,7 +86,9 @@ pub(super) fn contacts(
                 other.label()
             ));
         }
-        if let Some(tie) = ties.of([slave, master]) {
+        if !slave.is_line()
+            && let Some(tie) = ties.of([&slave.facets, &master.facets])
+        {
             let message =
                 format!("is between surfaces that `{tie}` ties together: they cannot part, nor touch any further");
             problems.add(key, item.label(), message, "remove the contact or the tie, or choose other surfaces");
@@ -68,8 +100,9 @@ pub(super) fn contacts(
             problems.add(key, item.label(), message, "remove the contact, or free one of the surfaces");
             continue;
         }
-        let (bodies, facets) = ([slave_body, master_body], [&slave[..], &master[..]]);
-        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, chosen, held: &held, tied: &ties.tied };
+        let (bodies, facets) = ([slave.part, master.part], [&slave.facets[..], &master.facets[..]]);
+        let (line, tied) = (&slave.line[..], &ties.tied);
+        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, line, chosen, held: &held, tied };
         plans.extend(match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),
@@ -102,15 +135,18 @@ fn impacts(scene: &Scene) -> Option<String> {
 /// Sizes of facets that differ by less than this part are the same.
 const SAME_SIZE: f64 = 0.05;
 
-/// Which of two surfaces (body and facets) becomes the slave, and why: one whose motion is not prescribed, the finer one by the mean area of its facets, the softer
+/// Which of two sides becomes the slave, and why: a beam or string, one whose motion is not prescribed, the finer one by the mean area of its facets, the softer
 /// one by Young's modulus.
-fn choose_slave(model: &Model, sides: &[(usize, Vec<FacetNodes>); 2]) -> (usize, &'static str) {
-    let prescribed = [0, 1].map(|k| is_prescribed(model, &sides[k].1));
-    let size = sides.each_ref().map(|(_, facets)| {
+fn choose_slave(model: &Model, sides: &[Side; 2]) -> (usize, &'static str) {
+    if let Some(line) = sides.iter().position(Side::is_line) {
+        return (line, "it has no facets");
+    }
+    let prescribed = [0, 1].map(|k| is_prescribed(model, &sides[k]));
+    let size = sides.each_ref().map(|Side { facets, .. }| {
         let areas = facets.iter().map(|facet| area_vector(facet, &model.reference));
         areas.map(|a| 0.5 * a.iter().map(|a| a * a).sum::<f64>().sqrt()).sum::<f64>() / facets.len() as f64
     });
-    let moduli = sides.each_ref().map(|(b, _)| young(model, *b));
+    let moduli = sides.each_ref().map(|side| young(model, side.part));
     if prescribed[0] != prescribed[1] {
         return (usize::from(prescribed[0]), "the other one is prescribed");
     }
@@ -135,16 +171,16 @@ fn held_nodes(scene: &Scene, placed: &[Placed], model: &Model) -> BTreeSet<u32> 
     let mut held: BTreeSet<u32> = (0..model.node_count() as u32).filter(|&node| is_held(node)).collect();
     let mut seen = BTreeSet::new();
     for surface in surfaces {
-        let resolved = surface.iter().filter_map(|set| resolve(placed, "", set, &mut ignored, Placed::facets_of));
-        let nodes: BTreeSet<u32> = resolved.flat_map(|(_, facets)| facets.into_iter().flatten()).collect();
+        let sides = surface.iter().filter_map(|set| Side::find(placed, "", set, &mut ignored));
+        let nodes: BTreeSet<u32> = sides.flat_map(|side| side.nodes().collect::<Vec<_>>()).collect();
         held.extend(nodes.intersection(&seen));
         seen.extend(nodes);
     }
     held
 }
 
-/// True if all components of all nodes of a surface are prescribed.
-fn is_prescribed(model: &Model, facets: &[FacetNodes]) -> bool {
+/// True if all components of all nodes of a side are prescribed.
+fn is_prescribed(model: &Model, side: &Side) -> bool {
     let prescribed = prescribed(model);
-    facets.iter().flatten().all(|&node| (0..3).all(|component| prescribed[3 * node as usize + component]))
+    side.nodes().all(|node| (0..3).all(|component| prescribed[3 * node as usize + component]))
 }

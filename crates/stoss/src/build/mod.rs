@@ -67,12 +67,23 @@ pub struct Built {
     pub bodies: Vec<String>,
     /// Stages and events.
     pub schedule: Schedule,
-    /// Names of the joints and their places in the model's contacts.
-    pub joints: Vec<(String, usize)>,
+    /// The joints in the order of the scene.
+    pub joints: Vec<JointPlace>,
     /// What frames show beside the solids.
     pub drawing: Drawing,
     /// The contacts, with what the scene leaves to defaults.
     pub contacts: Vec<ContactPlan>,
+}
+
+/// A joint of a scene in its model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointPlace {
+    /// Its name.
+    pub name: String,
+    /// Its place in the model's contacts.
+    pub place: usize,
+    /// Number of its coordinates.
+    pub coordinates: usize,
 }
 
 /// Problems found so far.
@@ -186,13 +197,19 @@ fn named(scene: &Scene, fixed: usize, parts: &multibody::Parts) -> BTreeMap<Stri
     let contacts = scene.contacts.iter().enumerate().map(|(c, item)| (item.label(), Named::Contact(c)));
     let joints = scene.joints.iter().zip(&parts.joints);
     let joints = joints.filter_map(|(item, place)| Some((item.name.clone(), Named::Contact((*place)?))));
+    let springs = scene.springs.iter().zip(&parts.springs);
+    let springs = springs.filter_map(|(item, place)| Some((item.name.clone(), Named::Part((*place)?))));
     let gravity = scene.gravity.iter().map(|_| ("gravity".to_owned(), Named::Load(scene.loads.len())));
-    loads.chain(prescriptions).chain(contacts).chain(joints).chain(gravity).collect()
+    loads.chain(prescriptions).chain(contacts).chain(joints).chain(springs).chain(gravity).collect()
 }
 
 /// Joints by name and place in the model's contacts.
-fn joints(scene: &Scene, places: &[Option<usize>]) -> Vec<(String, usize)> {
-    scene.joints.iter().zip(places).filter_map(|(item, place)| Some((item.name.clone(), (*place)?))).collect()
+fn joints(scene: &Scene, places: &[Option<usize>]) -> Vec<JointPlace> {
+    let joint = |(item, place): (&crate::scene::Joint, &Option<usize>)| {
+        let coordinates = item.kind.coordinates().len();
+        Some(JointPlace { name: item.name.clone(), place: (*place)?, coordinates })
+    };
+    scene.joints.iter().zip(places).filter_map(joint).collect()
 }
 
 /// The scheme of a dynamic scene, and whether it can do what the scene asks for.

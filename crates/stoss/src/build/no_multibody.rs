@@ -14,6 +14,7 @@ pub(super) struct Parts {
     pub lines: Vec<String>,
     pub drawing: Drawing,
     pub joints: Vec<Option<usize>>,
+    pub springs: Vec<Option<usize>>,
 }
 
 impl Parts {

@@ -4,7 +4,7 @@ use super::pair::PairInput;
 use super::{ContactPlan, Problems};
 use crate::scene::{Constraint, Enforcement as Enforced};
 use crate::solver::{ContactPair, Coupling, Model};
-use stoss_contact::{Enforcement, Report as _};
+use stoss_contact::{ContactLine, Enforcement, Report as _};
 use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
 
 /// Adds the contact to the model; reports what is wrong.
@@ -27,7 +27,14 @@ pub(super) fn contact(
     };
     let options = NodeToSurfaceOptions { constraint: form, enforcement, ..NodeToSurfaceOptions::default() };
     let [slave, master] = pair.facets;
-    let mut method = match NodeToSurface::new(&item.label(), slave, master, &model.reference, options) {
+    let made = if pair.line.is_empty() {
+        NodeToSurface::new(&item.label(), slave, master, &model.reference, options)
+    } else {
+        let (nodes, lengths): (Vec<u32>, Vec<f64>) = pair.line.iter().copied().unzip();
+        ContactLine::new(&nodes, &lengths, &model.reference)
+            .and_then(|line| NodeToSurface::of_line(&item.label(), line, master, &model.reference, options))
+    };
+    let mut method = match made {
         Ok(method) => method,
         Err(error) => {
             pair.refused(&error, problems);

@@ -19,6 +19,8 @@ pub(super) struct PairInput<'a> {
     /// Slave and master.
     pub bodies: [usize; 2],
     pub facets: [&'a [FacetNodes]; 2],
+    /// Of a slave that is a beam or string its nodes and their lengths; it has no facets then.
+    pub line: &'a [(u32, f64)],
     /// The slave and why, where the scene leaves it open.
     pub chosen: Option<String>,
     /// Nodes whose motion may be determined without the friction of this contact.
@@ -89,7 +91,7 @@ impl PairInput<'_> {
             }
             Err(error) => problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces"),
         }
-        if !face_each_other(self.facets, &model.reference) {
+        if self.line.is_empty() && !face_each_other(self.facets, &model.reference) {
             warnings.push(format!(
                 "{}: no facet of the slave faces one of the master; there can be no contact before the bodies have turned. Name the sides that touch",
                 item.label()
@@ -106,31 +108,47 @@ impl PairInput<'_> {
             problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces");
         }
         // The softer body decides how the two terms of the complementarity function balance; between rigid ones what moves the lighter one by a length in a step.
+        // Pressures of a line are forces per length.
         let softer = bodies.map(|b| young(model, b)).into_iter().fold(f64::INFINITY, f64::min);
         let length = method.length_scale();
+        if !self.line.is_empty() {
+            return softer.min(self.axial(model) / (length * length));
+        }
         if softer.is_finite() { softer / length } else { self.inertia(model, length) / scene.time.step.powi(2) }
     }
 }
 
 impl PairInput<'_> {
-    /// Mass per area of the elements behind the surfaces: the larger one, zero in statics.
+    /// Axial stiffness of the beam or string that is the slave, a force.
+    fn axial(&self, model: &Model) -> f64 {
+        let part = model.parts.iter().find(|part| part.name() == self.placed[self.bodies[0]].name);
+        part.map_or(f64::INFINITY, |part| part.force_scale())
+    }
+
+    /// Mass per area of the elements behind the surfaces: the larger one, zero in statics. If the slave is a line its mass per length.
+
     pub fn inertia(&self, model: &Model, length: f64) -> f64 {
         let solid = |b: usize| model.bodies.get(b).and_then(|body| body.density).map(|density| density * length);
-        // Of a rigid body all of it, over an area of the size of a facet.
+        // Of a rigid body all of it, over an area of the size of a facet; of a line all of it over its length.
+        let extent = match self.line {
+            [] => length * length,
+            line => line.iter().map(|(_, length)| length).sum(),
+        };
         let rigid = |b: usize| {
             let part = model.parts.iter().find(|part| part.name() == self.placed[b].name)?;
             let mut mass = 0.0;
             part.mass(&mut |i, j, m| mass += if i == j && !part.is_direction(i) { m } else { 0.0 });
-            Some(mass / (length * length))
+            Some(mass / extent)
         };
-        self.bodies.iter().filter_map(|&b| solid(b).or_else(|| rigid(b))).fold(0.0, f64::max)
+        let bodies = if self.line.is_empty() { &self.bodies[..] } else { &self.bodies[..1] };
+        bodies.iter().filter_map(|&b| solid(b).or_else(|| rigid(b))).fold(0.0, f64::max)
     }
 }
 
 impl PairInput<'_> {
-    /// True for contact of two rigid bodies: of more than three nodes that stick their tractions are not determined.
+    /// True for contact of two rigid bodies (a line is none): of more than three nodes that stick their tractions are not determined.
     pub fn is_rigid(&self) -> bool {
-        self.bodies.iter().all(|&b| self.placed[b].mesh().is_none())
+        self.line.is_empty() && self.bodies.iter().all(|&b| self.placed[b].mesh().is_none())
     }
 }
 

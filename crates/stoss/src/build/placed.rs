@@ -25,6 +25,9 @@ pub(crate) enum Shape {
         /// Distance of the numbers of two that follow each other.
         stride: u32,
         sets: BTreeMap<String, Vec<u32>>,
+        /// Of beams and strings the length that belongs to each node; empty of points.
+        #[allow(dead_code, reason = "contact reads it, and is an option")]
+        lengths: Vec<f64>,
     },
 }
 
@@ -66,6 +69,14 @@ impl Placed {
             }
         };
         Ok(list.iter().map(|n| n + self.first_node).collect())
+    }
+
+    /// Global nodes of a set of a beam or string in their order, with their lengths; nothing of other parts.
+    #[cfg(any(feature = "nts", feature = "mortar"))]
+    pub fn line_of(&self, set: &str) -> Option<Vec<(u32, f64)>> {
+        let Shape::Nodes { sets, stride, lengths, .. } = &self.shape else { return None };
+        let nodes = sets.get(set).filter(|_| !lengths.is_empty())?;
+        Some(nodes.iter().map(|&n| (self.first_node + stride * n, lengths[n as usize])).collect())
     }
 
     /// Names of all sets.

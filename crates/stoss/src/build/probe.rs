@@ -74,11 +74,12 @@ impl Probe {
                 })
             }),
             Quantity::JointAngle => {
-                let angle = self.joint(simulation).and_then(|joint| joint.coordinate);
+                let angle = self.joint(simulation).and_then(|joint| Some(joint.coordinates.first()?.value));
                 [angle.map_or(f64::NAN, f64::to_degrees), 0.0, 0.0]
             }
             Quantity::JointDisplacement => {
-                [self.joint(simulation).and_then(|joint| joint.coordinate).unwrap_or(f64::NAN), 0.0, 0.0]
+                let displacement = self.joint(simulation).and_then(|joint| Some(joint.coordinates.first()?.value));
+                [displacement.unwrap_or(f64::NAN), 0.0, 0.0]
             }
             Quantity::AngularVelocity => self.angular_velocity(simulation),
             Quantity::Position => self.mean(&simulation.state().q),

@@ -12,6 +12,8 @@ pub(super) enum Named {
     Prescription(usize),
     /// Contact or joint.
     Contact(usize),
+    /// Spring.
+    Part(usize),
 }
 
 /// A part of the run between two moments at which something changes.
@@ -64,8 +66,10 @@ impl Schedule {
                     Some(Named::Load(l)) => off.loads.push(*l),
                     Some(Named::Prescription(p)) => off.prescriptions.push(*p),
                     Some(Named::Contact(c)) => off.contacts.push(*c),
+                    Some(Named::Part(p)) => off.parts.push(*p),
                     None => {
-                        let message = "cannot be switched off: it is no joint, contact, prescribed motion or load";
+                        let message =
+                            "cannot be switched off: it is no joint, spring, contact, prescribed motion or load";
                         problems.add(format!("stage[{s}].off[{n}]"), name, message, "remove it from the list");
                     }
                 }
@@ -95,8 +99,9 @@ impl Schedule {
             let release = match names.get(&event.release) {
                 Some(Named::Contact(c)) => Release::Constraint(*c),
                 Some(Named::Prescription(p)) => Release::Prescription(*p),
+                Some(Named::Part(p)) => Release::Part(*p),
                 _ => {
-                    let message = "cannot be released: it is no joint and no prescribed motion";
+                    let message = "cannot be released: it is no joint, spring or prescribed motion";
                     problems.add(format!("event[{e}].release"), &event.release, message, "name a joint");
                     continue;
                 }

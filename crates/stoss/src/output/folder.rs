@@ -7,7 +7,7 @@ use super::lock::FolderLock;
 use super::table::CsvTable;
 use super::watch::{self, RunWatch};
 use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frame};
-use crate::build::{ContactPlan, Probe};
+use crate::build::{ContactPlan, JointPlace, Probe};
 use crate::error::RunError;
 use crate::scene::{Field, OnFault, Watch as WatchTable};
 use serde::{Deserialize, Serialize};
@@ -31,6 +31,9 @@ const JOINTS: &str = "joints.csv";
 /// Columns of each joint.
 const JOINT: [&str; 12] =
     ["fx", "fy", "fz", "mx", "my", "mz", "coordinate", "friction", "viscous", "spring", "motor", "limit"];
+/// Further columns of a joint with two coordinates.
+const SECOND: [&str; 6] =
+    ["second", "second_friction", "second_viscous", "second_spring", "second_motor", "second_limit"];
 
 /// Table of the probes, whose columns the scene names.
 const PROBES: &str = "probes.csv";
@@ -71,8 +74,8 @@ pub struct ResultFolder {
 /// What a folder needs to know of the scene.
 #[derive(Clone, Debug)]
 pub struct FolderSettings {
-    /// Names of the joints and their places in the model's contacts.
-    pub joints: Vec<(String, usize)>,
+    /// The joints.
+    pub joints: Vec<JointPlace>,
     /// Stages of the run.
     pub schedule: crate::build::Schedule,
     /// What frames show beside the solids.
@@ -221,7 +224,10 @@ impl ResultFolder {
             joints: if settings.joints.is_empty() {
                 None
             } else {
-                let heads = settings.joints.iter().flat_map(|(name, _)| JOINT.map(|column| format!("{name}.{column}")));
+                let heads = settings.joints.iter().flat_map(|joint| {
+                    let more = if joint.coordinates > 1 { &SECOND[..] } else { &[] };
+                    JOINT.iter().chain(more).map(|column| format!("{}.{column}", joint.name))
+                });
                 Some(open(JOINTS, &format!("step,time,{}", heads.collect::<Vec<_>>().join(",")))?)
             },
             watch: RunWatch::new(
@@ -312,19 +318,27 @@ impl ResultFolder {
         }
         if let Some(table) = &mut self.joints {
             table.integer(record.step).number(record.time);
-            for &(_, place) in &self.settings.joints {
+            for &JointPlace { place, coordinates, .. } in &self.settings.joints {
+                // Two columns are there also of a joint without any.
+                let coordinates = coordinates.max(1);
                 let pair = &simulation.model().contacts[place];
                 match pair.method.joint(&simulation.state().q, &simulation.pressures()[place]) {
                     Some(joint) => {
-                        let unit = if joint.is_angle { 1f64.to_degrees() } else { 1.0 };
-                        let coordinate = joint.coordinate.map_or(f64::NAN, |value| unit * value);
-                        table.numbers(&joint.force).numbers(&joint.moment).number(coordinate);
-                        let t = joint.torques;
-                        table.numbers(&[t.friction, t.viscous, t.spring, t.motor, t.limit]);
+                        table.numbers(&joint.force).numbers(&joint.moment);
+                        for k in 0..coordinates {
+                            let of = joint.coordinates.get(k);
+                            let value =
+                                of.map_or(f64::NAN, |c| if c.is_angle { 1f64.to_degrees() } else { 1.0 } * c.value);
+                            let t = of.map(|c| c.torques).unwrap_or_default();
+                            table.numbers(&[value, t.friction, t.viscous, t.spring, t.motor, t.limit]);
+                        }
                     }
                     // Released or switched off.
                     None => {
-                        table.numbers(&[0.0; 6]).number(f64::NAN).numbers(&[0.0; 5]);
+                        table.numbers(&[0.0; 6]);
+                        (0..coordinates).for_each(|_| {
+                            table.number(f64::NAN).numbers(&[0.0; 5]);
+                        });
                     }
                 }
             }

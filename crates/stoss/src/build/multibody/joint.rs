@@ -2,7 +2,10 @@
 
 use super::Parts;
 use crate::build::Problems;
-use crate::scene::{Coupling, GROUND, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series, split_set};
+use crate::scene::{
+    ActingOn, CoordinateKind, Coupling, GROUND, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series,
+    split_set,
+};
 use crate::solver::Model;
 use std::sync::Arc;
 use stoss_multibody::{
@@ -106,11 +109,6 @@ fn joint(
     key: &str,
     problems: &mut Problems<'_>,
 ) -> Option<Joint> {
-    if item.kind == SceneKind::Cylindrical && item.motor.as_ref().is_some_and(|motor| motor.displacement.is_some()) {
-        let message = "the coordinate of a cylindrical joint is its angle: a motor cannot push along the axis";
-        problems.add(format!("{key}.motor.displacement"), &item.name, message, "use a slider, or give `angle`");
-        return None;
-    }
     let [at_a, at_b] = item.at.both();
     let axes = match (item.axis, item.axes) {
         (Some(axis), _) => axes_along(axis)?,
@@ -148,15 +146,24 @@ fn joint(
     let weights =
         Weights { mass: Some(smaller(a.mass, b.mass)).filter(|m| m.is_finite()).unwrap_or(1.0), stiffness: 0.0 };
     let made = Joint::new(&item.name, kind, &a.frame, &b.frame, length, &model.reference)
-        .and_then(|joint| joint.with_options(options(item)))
+        .and_then(|joint| {
+            // Of the joints with a pretension, sliders, there is one coordinate.
+            let of = |kind, acting| options(kind, acting, item.pretension.as_ref());
+            let acting = item.coordinates().into_iter().enumerate();
+            acting.fold(Ok(joint), |joint, (k, (kind, acting))| joint?.with_options_of(k, of(kind, acting)))
+        })
         .map(|joint| joint.with_weights(weights));
     let remedy = "points and axes are those of the initial configuration; mend the joint or the place of its parts";
     made.map_err(|error| problems.add(key.to_owned(), &item.name, error.to_string(), remedy)).ok()
 }
 
-/// What acts on the coordinate: angles in radians from here on.
-fn options(item: &SceneJoint) -> CoordinateOptions {
-    let unit = if item.kind.has_angle() { 1f64.to_radians() } else { 1.0 };
+/// What acts on a coordinate: angles in radians from here on.
+fn options(
+    kind: CoordinateKind,
+    item: ActingOn,
+    pretension: Option<&crate::scene::Pretension>,
+) -> CoordinateOptions {
+    let unit = if kind == CoordinateKind::Angle { 1f64.to_radians() } else { 1.0 };
     let drive = |series: &Series, unit: f64| {
         let rows = series.rows().iter().map(|row| (row[0], unit * row[1])).collect();
         Arc::new(PiecewiseLinear(rows)) as Arc<dyn stoss_multibody::Drive>
@@ -175,14 +182,20 @@ fn options(item: &SceneJoint) -> CoordinateOptions {
             radius: f.radius.unwrap_or(1.0),
         }),
         motor,
-        pretension: item.pretension.as_ref().map(|p| Pretension { force: drive(&p.force, 1.0), lock: p.lock }),
+        pretension: pretension.map(|p| Pretension { force: drive(&p.force, 1.0), lock: p.lock }),
         limits: item.limits.map(|limits| limits.map(|l| unit * l)),
     }
 }
 
 /// Adds the springs of a scene.
-pub(super) fn springs(scene: &Scene, parts: &Parts, model: &mut Model, problems: &mut Problems<'_>) {
+pub(super) fn springs(
+    scene: &Scene,
+    parts: &Parts,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+) -> Vec<Option<usize>> {
     const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut places = vec![None; scene.springs.len()];
     for (s, item) in scene.springs.iter().enumerate() {
         let key = format!("spring[{s}]");
         let sides = Sides { scene, parts, model };
@@ -199,8 +212,12 @@ pub(super) fn springs(scene: &Scene, parts: &Parts, model: &mut Model, problems:
             damping: item.damping,
         };
         match Spring::new(&item.name, [a.frame.point, b.frame.point], data) {
-            Ok(spring) => model.parts.push(Box::new(spring)),
+            Ok(spring) => {
+                places[s] = Some(model.parts.len());
+                model.parts.push(Box::new(spring));
+            }
             Err(error) => problems.add(key, &item.name, error.to_string(), "mend the spring's data"),
         }
     }
+    places
 }

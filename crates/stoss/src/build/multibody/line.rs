@@ -7,7 +7,8 @@ use crate::scene::{Beam as SceneBeam, Scene, Section as SceneSection, SectionSha
 use crate::solver::Model;
 use std::collections::BTreeMap;
 use stoss_multibody::{
-    Area, Beam, BeamAxis, ElasticString, PartDataError, PointMass, Section, SectionMaterial, StringMaterial, axes_along,
+    Area, Beam, BeamAxis, ElasticString, PartDataError, PointMass, Section, SectionMaterial, StringMaterial,
+    axes_along, tributary_lengths,
 };
 
 /// Adds beams, strings and point masses to the model; those with problems are left out.
@@ -32,7 +33,8 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
                     beam.section().bending[0],
                     beam.section().mass,
                 ));
-                parts.placed.push(nodes_of(&item.name, positions, Beam::VECTORS, first));
+                let lengths = tributary_lengths(&positions, beam.axis().order()).unwrap_or_default();
+                parts.placed.push(nodes_of(&item.name, positions, lengths, Beam::VECTORS, first));
                 model.parts.push(Box::new(beam.clone()));
                 parts.beams.push(beam);
             }
@@ -54,7 +56,9 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
                     string.natural_length(),
                     item.axial_stiffness(),
                 ));
-                parts.placed.push(nodes_of(&item.name, string.reference().to_vec(), 1, first));
+                let positions = string.reference().to_vec();
+                let lengths = tributary_lengths(&positions, string.order()).unwrap_or_default();
+                parts.placed.push(nodes_of(&item.name, positions, lengths, 1, first));
                 model.parts.push(Box::new(string.clone()));
                 parts.strings.push(string);
             }
@@ -71,7 +75,7 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
                 parts.drawing.points.push(DrawnPoint { name: item.name.clone(), node: vector });
                 parts.lines.push(format!("point {}: mass {:.6e}", item.name, item.mass));
                 let sets = BTreeMap::from([("all".to_owned(), vec![0])]);
-                let shape = Shape::Nodes { positions: vec![item.at], stride: 1, sets };
+                let shape = Shape::Nodes { positions: vec![item.at], stride: 1, sets, lengths: Vec::new() };
                 parts.placed.push(Placed { name: item.name.clone(), shape, first_node: vector });
                 model.parts.push(Box::new(mass.clone()));
                 parts.masses.push(mass);
@@ -103,11 +107,11 @@ fn add_vectors(scene: &Scene, model: &mut Model, reference: &[[f64; 3]], velocit
 }
 
 /// The sets `start`, `end`, `all` of nodes in a row.
-fn nodes_of(name: &str, positions: Vec<[f64; 3]>, stride: u32, first_node: u32) -> Placed {
+fn nodes_of(name: &str, positions: Vec<[f64; 3]>, lengths: Vec<f64>, stride: u32, first_node: u32) -> Placed {
     let last = positions.len() as u32 - 1;
     let sets = [("start", vec![0]), ("end", vec![last]), ("all", (0..=last).collect())];
     let sets = sets.into_iter().map(|(name, nodes)| (name.to_owned(), nodes)).collect();
-    Placed { name: name.to_owned(), shape: Shape::Nodes { positions, stride, sets }, first_node }
+    Placed { name: name.to_owned(), shape: Shape::Nodes { positions, stride, sets, lengths }, first_node }
 }
 
 fn beam(item: &SceneBeam, first: u32) -> Result<Beam, PartDataError> {

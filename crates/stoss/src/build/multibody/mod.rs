@@ -40,6 +40,8 @@ pub(super) struct Parts {
     pub couplings: BTreeMap<(String, Coupling), RigidBody>,
     /// Place of each joint in the model's contacts.
     pub joints: Vec<Option<usize>>,
+    /// Place of each spring in the model's parts.
+    pub springs: Vec<Option<usize>>,
 }
 
 /// Adds the parts to the model.
@@ -105,7 +107,7 @@ pub(super) fn constraints(
             model.contacts.len() - 1
         }));
     }
-    joint::springs(scene, parts, model, problems);
+    parts.springs = joint::springs(scene, parts, model, problems);
 }
 
 fn push(model: &mut Model, constraint: impl Bilateral + 'static) {

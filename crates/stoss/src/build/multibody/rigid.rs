@@ -52,7 +52,7 @@ pub(super) fn rigids(
             None => {
                 parts.drawing.points.push(DrawnPoint { name: item.name.clone(), node: first });
                 let sets = BTreeMap::from([("all".to_owned(), vec![0])]);
-                let shape = Shape::Nodes { positions: vec![body.reference()[0]], stride: 1, sets };
+                let shape = Shape::Nodes { positions: vec![body.reference()[0]], stride: 1, sets, lengths: Vec::new() };
                 Placed { name: item.name.clone(), shape, first_node: first }
             }
         };

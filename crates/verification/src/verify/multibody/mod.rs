@@ -5,6 +5,7 @@ mod build;
 mod chain;
 mod driven;
 mod joints;
+mod pulley;
 mod rigid;
 mod scene;
 mod stiff;
@@ -44,6 +45,7 @@ impl Suite for Multibody {
             ("chain", |bench, found| chain::measure(bench.quick, found)),
             ("beams", |bench, found| beams::measure(bench.quick, found)),
             ("strings", |bench, found| strings::measure(bench.quick, found)),
+            ("pulley", |bench, found| pulley::measure(bench.quick, found)),
             ("stiff", |bench, found| stiff::measure(bench.quick, found)),
             ("work and precision", |bench, found| work::measure(bench.quick, found)),
             ("trebuchet", trebuchet::measure),
