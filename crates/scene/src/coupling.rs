@@ -1,9 +1,6 @@
 //! How sets of deformable bodies follow what acts on them as wholes.
 
 use crate::names::named;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 named! {
     /// How the set of a deformable body follows its reference point.
