@@ -184,7 +184,7 @@ pub struct JointTorques {
     pub viscous: f64,
     /// Of the spring, at the end of the step.
     pub spring: f64,
-    /// Of the motor.
+    /// Of the motor or the pretension.
     pub motor: f64,
     /// Of the limits.
     pub limit: f64,

@@ -69,7 +69,7 @@ pub struct Buffers {
 impl Buffers {
     /// For a system with that many coordinates.
     pub fn new(dimension: usize, inertia: bool, constraints: bool) -> Self {
-        Self::with_own(dimension, vec![0..dimension], inertia, constraints)
+        Self::with_own(dimension, std::iter::once(0..dimension).collect(), inertia, constraints)
     }
 
     /// For a system of which only the coordinates `own` have equations. The others are left alone, in the states too: whoever has them looks after

@@ -80,7 +80,7 @@ mod tests {
             x[30..].fill(0.0);
             assert_eq!(norm2(&x).to_bits(), norm2_of(&x, &[0..5, 11..30]).to_bits());
         }
-        assert_eq!(norm2_of(&[0.0; 3], &[0..3]), 0.0);
+        assert_eq!(norm2_of(&[0.0; 3], std::slice::from_ref(&(0..3))), 0.0);
         assert_eq!(norm2_of(&[3.0, 9.0, 4.0], &[0..1, 2..3]), 5.0);
         assert!(norm2_of(&[1.0, f64::NAN], &[0..1, 1..2]).is_nan());
     }

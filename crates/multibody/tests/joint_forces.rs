@@ -104,6 +104,7 @@ fn torques_of_the_coordinate_are_those_of_their_laws_and_parts_of_the_moment() {
         viscous: 0.7,
         friction: Some(CoordinateFriction { bound: 0.4, ..CoordinateFriction::default() }),
         limits: Some([-0.05, 0.06]),
+        ..CoordinateOptions::default()
     };
     let mut joint = joint(JointKind::Hinge, true).with_options(options).unwrap();
     let (q_n, angle, axis) = (reference(), 0.05, axes()[0]);
@@ -128,8 +129,8 @@ fn torques_of_the_coordinate_are_those_of_their_laws_and_parts_of_the_moment() {
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a}, not {b}");
     let check = |joint: &Joint| {
         let report = joint.joint(&q_np1, &multipliers).unwrap();
-        let t = report.torques;
-        close(report.coordinate.unwrap(), angle);
+        let t = report.coordinates[0].torques;
+        close(report.coordinates[0].value, angle);
         close(t.friction, -0.2 * LENGTH);
         close(t.viscous, -0.7 * angle / 0.05);
         close(t.spring, -3.0 * (angle - 0.3));
@@ -162,7 +163,7 @@ fn friction_and_limits_that_give_energy_are_seen() {
             q
         };
         let of = |by: f64| joint.work(&after(by), &multipliers, &active).unwrap().dissipated;
-        let change = joint.coordinate(&after(0.02)).unwrap();
+        let change = joint.coordinate(0, &after(0.02)).unwrap();
         assert!((change - 0.02).abs() < 1e-12);
         for by in [0.02_f64, -0.02] {
             let expected = multiplier * change * by.signum();

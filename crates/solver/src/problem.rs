@@ -76,10 +76,10 @@ impl StepProblem<'_> {
                 .max(vector::norm2_of(&s.buffers.inertia, &s.own))
                 .max(SMALLEST_RESOLVED_MOTION * s.mass_length * rule.inertia.increment);
         }
-        if let Some(history) = rule.history {
-            if !step.state_n.history.is_empty() {
-                scale = scale.max(history.weight * vector::norm2_of(&step.state_n.history, &s.own));
-            }
+        if let Some(history) = rule.history
+            && !step.state_n.history.is_empty()
+        {
+            scale = scale.max(history.weight * vector::norm2_of(&step.state_n.history, &s.own));
         }
         let mut sum = s.auxiliary_square;
         for (rhs, &component) in s.rhs.iter_mut().zip(&s.numbering.free) {

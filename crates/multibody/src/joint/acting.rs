@@ -299,7 +299,7 @@ impl Coordinate {
             friction: -of(self.slots.friction),
             viscous: self.history.viscous,
             spring: self.options.spring.map_or(0.0, |spring| -spring.stiffness * (value - spring.rest)),
-            motor: of(self.slots.motor),
+            motor: of(self.slots.motor) - of(self.slots.pretension),
             limit: -of(self.slots.limit),
         }
     }

@@ -200,11 +200,7 @@ impl Report for Joint {
         let values = self.evaluate(q).values;
         let report = |c: &Coordinate| {
             let value = c.value(&values);
-            JointCoordinate {
-                value,
-                is_angle: c.kind == CoordinateKind::Angle,
-                torques: c.torques(value, multipliers),
-            }
+            JointCoordinate { value, is_angle: c.kind == CoordinateKind::Angle, torques: c.torques(value, multipliers) }
         };
         let coordinates: Vec<JointCoordinate> = self.coordinates.iter().map(report).collect();
         // Of a step from `q` to `q`, which knows no rate.

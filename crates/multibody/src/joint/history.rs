@@ -67,9 +67,8 @@ impl History for Joint {
             // What a stick or a limit moves within the tolerance must not give energy. More than that is seen in the ledger.
             let is_round_off = c.scale() * change.abs() <= SMALLEST_SLIP * self.length;
             let lost = |work: f64| if is_round_off { work.max(0.0) } else { work };
-            work.dissipated += -c.viscous_torque(&self.step, change) * change
-                + lost(of(c.slots.friction))
-                + lost(of(c.slots.limit));
+            work.dissipated +=
+                -c.viscous_torque(&self.step, change) * change + lost(of(c.slots.friction)) + lost(of(c.slots.limit));
             // Forces of statics are those of the end of a step: their work is that of the trapezium rule, as of supports.
             let share = |m: f64| if self.step.has_rates { m } else { 0.5 * (m + c.history.driving) };
             let by_drive = |slot: usize| c.scale() * share(multipliers[slot]) * change;

@@ -6,7 +6,7 @@ use super::table::Table;
 use super::world::{World, action_name};
 use crate::vector::{norm, perpendicular, sub};
 use crate::{
-    ActingOn, Coupling, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor,
+    ActingOn, CoordinateKind, Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor,
     PartKind, Pretension, Spring, split_set,
 };
 use toml::de::DeValue;

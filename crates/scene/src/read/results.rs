@@ -6,8 +6,7 @@ use super::table::Table;
 use super::world::{World, part_name, set_reference};
 use crate::{
     Component, CoordinateKind, Expect, ExpectedValue, Field, Interval, JointKind, Kind, OnFault, Outcome, Output,
-    PartKind, Probe,
-    Quantity, Verdict, Watch,
+    PartKind, Probe, Quantity, Verdict, Watch,
 };
 
 /// The probe, and its name with its quantity, which `[expect]` needs even if the rest is bad.

@@ -126,7 +126,6 @@ impl PairInput<'_> {
     }
 
     /// Mass per area of the elements behind the surfaces: the larger one, zero in statics. If the slave is a line its mass per length.
-
     pub fn inertia(&self, model: &Model, length: f64) -> f64 {
         let solid = |b: usize| model.bodies.get(b).and_then(|body| body.density).map(|density| density * length);
         // Of a rigid body all of it, over an area of the size of a facet; of a line all of it over its length.

@@ -149,8 +149,8 @@ fn joint(
         .and_then(|joint| {
             // Of the joints with a pretension, sliders, there is one coordinate.
             let of = |kind, acting| options(kind, acting, item.pretension.as_ref());
-            let acting = item.coordinates().into_iter().enumerate();
-            acting.fold(Ok(joint), |joint, (k, (kind, acting))| joint?.with_options_of(k, of(kind, acting)))
+            let mut acting = item.coordinates().into_iter().enumerate();
+            acting.try_fold(joint, |joint, (k, (kind, acting))| joint.with_options_of(k, of(kind, acting)))
         })
         .map(|joint| joint.with_weights(weights));
     let remedy = "points and axes are those of the initial configuration; mend the joint or the place of its parts";
@@ -158,11 +158,7 @@ fn joint(
 }
 
 /// What acts on a coordinate: angles in radians from here on.
-fn options(
-    kind: CoordinateKind,
-    item: ActingOn,
-    pretension: Option<&crate::scene::Pretension>,
-) -> CoordinateOptions {
+fn options(kind: CoordinateKind, item: ActingOn, pretension: Option<&crate::scene::Pretension>) -> CoordinateOptions {
     let unit = if kind == CoordinateKind::Angle { 1f64.to_radians() } else { 1.0 };
     let drive = |series: &Series, unit: f64| {
         let rows = series.rows().iter().map(|row| (row[0], unit * row[1])).collect();

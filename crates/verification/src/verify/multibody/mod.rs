@@ -39,7 +39,7 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 11] = [
+        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 12] = [
             ("rigid bodies", |bench, found| rigid::measure(bench.quick, found)),
             ("joints", |bench, found| joints::measure(bench.quick, found)),
             ("chain", |bench, found| chain::measure(bench.quick, found)),
