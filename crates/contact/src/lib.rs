@@ -8,7 +8,7 @@
 //! Not here: forces and tangents (they are a method's), the global system (the solver's), meshes' files.
 
 pub mod active_set;
-mod carried;
+mod carriers;
 pub mod dual;
 mod enforcement;
 mod error;
@@ -18,9 +18,10 @@ mod method;
 mod potential;
 pub mod search;
 pub mod surface;
+mod surface_tree;
 
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
-pub use carried::{Carriers, SurfaceTree};
+pub use carriers::Carriers;
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use line::ContactLine;
@@ -33,3 +34,4 @@ pub use potential::{Potential, WithoutSlots};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use stoss_reference_element::{FacetKind, FacetNodes};
 pub use surface::{ContactSurface, IrregularEdge};
+pub use surface_tree::SurfaceTree;

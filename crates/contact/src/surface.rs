@@ -3,7 +3,8 @@
 //! Made once from the reference configuration. It holds no positions of the deformed state: whatever depends on them takes
 //! `q` (`3 * nodes` entries, node-major). It searches nothing; that is [`crate::search`].
 
-use crate::{Carriers, ContactError};
+use crate::ContactError;
+use crate::carriers::{Carriers, position};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_geometry::Patch;
@@ -39,12 +40,6 @@ pub struct ContactSurface {
     length_scale: f64,
     irregular_edges: Vec<IrregularEdge>,
     carriers: Option<Carriers>,
-}
-
-/// Position of a global node in `q`.
-pub(crate) fn position(q: &[f64], node: u32) -> Vector3<f64> {
-    let i = 3 * node as usize;
-    Vector3::new(q[i], q[i + 1], q[i + 2])
 }
 
 impl ContactSurface {
