@@ -5,12 +5,14 @@ mod build;
 mod chain;
 mod driven;
 mod joints;
+mod obstacle;
 mod rigid;
 mod scene;
 mod stiff;
 mod strings;
 mod tools;
 mod trebuchet;
+mod wheel;
 mod work;
 
 use super::check::{Bound, Check};
@@ -38,7 +40,7 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 11] = [
+        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 13] = [
             ("rigid bodies", |bench, found| rigid::measure(bench.quick, found)),
             ("joints", |bench, found| joints::measure(bench.quick, found)),
             ("chain", |bench, found| chain::measure(bench.quick, found)),
@@ -48,6 +50,8 @@ impl Suite for Multibody {
             ("work and precision", |bench, found| work::measure(bench.quick, found)),
             ("trebuchet", trebuchet::measure),
             ("rigid tools", tools::measure),
+            ("rigid wheel", wheel::measure),
+            ("obstacle", obstacle::measure),
             ("driven", driven::measure),
             ("redundancy", |bench, found| joints::redundancy(bench.quick, found)),
         ];
