@@ -119,7 +119,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
                 row(
                     "force of the contact and reaction, over the largest force",
                     balance,
-                    Bound::AtMost(1e-6),
+                    Bound::AtMost(1e-9),
                     "100352 facets".into(),
                 );
                 let note = format!("tan(slope + atan mu), slope where a rigid ball touches the waves; {count} steps");
