@@ -5,6 +5,7 @@ mod build;
 mod chain;
 mod driven;
 mod joints;
+mod obstacle;
 mod pulley;
 mod rigid;
 mod scene;
@@ -12,6 +13,7 @@ mod stiff;
 mod strings;
 mod tools;
 mod trebuchet;
+mod wheel;
 mod work;
 
 use super::check::{Bound, Check};
@@ -39,7 +41,7 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 12] = [
+        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 14] = [
             ("rigid bodies", |bench, found| rigid::measure(bench.quick, found)),
             ("joints", |bench, found| joints::measure(bench.quick, found)),
             ("chain", |bench, found| chain::measure(bench.quick, found)),
@@ -50,6 +52,8 @@ impl Suite for Multibody {
             ("work and precision", |bench, found| work::measure(bench.quick, found)),
             ("trebuchet", trebuchet::measure),
             ("rigid tools", tools::measure),
+            ("rigid wheel", wheel::measure),
+            ("obstacle", obstacle::measure),
             ("driven", driven::measure),
             ("redundancy", |bench, found| joints::redundancy(bench.quick, found)),
         ];
