@@ -1,0 +1,119 @@
+'use strict';
+// Which charts the tables of a run make.
+
+/** Sums of a balance that belong into one chart; the rest of the columns of a table makes charts by the names. */
+const BALANCE = [
+  ['Linear momentum', ['lx', 'ly', 'lz']],
+  ['Angular momentum', ['jx', 'jy', 'jz']],
+  ['Energy', ['kinetic', 'strain', 'potential', 'contact', 'total']],
+  ['Ledger', ['external_work', 'dissipation', 'closing_loss', 'contact_remainder', 'restored', 'friction_work', 'friction_stored']],
+];
+const CONTACT = [
+  ['Contact force', ['contact_force_x', 'contact_force_y', 'contact_force_z']],
+  ['Smallest gap', ['min_gap']],
+  ['Largest contact pressure', ['max_pressure']],
+  ['Points of contact', ['active', 'closed', 'released', 'repaired']],
+  ['Coverage defect', ['coverage_defect']],
+];
+const WATCH = [
+  ['Deepest penetration (edge lengths)', ['relative_depth']],
+  ['Nodes inside, edges that cut, passages', ['nodes_inside', 'cutting_edges', 'tunnelled']],
+];
+
+/** Charts of a run: `{ group, title, lines: [{ name, x, y }], isLog, marks }`. */
+function curvesOf(run) {
+  const tables = Object.fromEntries(run.tables.map((table) => [table.name, table]));
+  const charts = [];
+  const put = (group, title, table, names, more = {}) => {
+    const x = column(table, 'time');
+    const lines = names.map((name) => ({ name: name.replaceAll('_', ' '), x, y: column(table, name) }));
+    const moving = lines.filter(({ y }) => y && y.some((value) => value !== null && value !== 0));
+    if (x?.length && (moving.length || more.isKept)) charts.push({ group, title, lines: moving, ...more });
+  };
+  const { balance, newton, contact, probes, joints, watch } = tables;
+  if (balance) {
+    for (const [title, names] of BALANCE) put('Balance', title, balance, names);
+    const drift = changes(balance);
+    charts.push({ group: 'Balance', title: 'Change since the start', isLog: true, lines: drift });
+  }
+  if (contact) {
+    for (const [title, names] of CONTACT) put('Contact', title, contact, names);
+    for (const [title, names] of byPrefix(contact)) put('Contact', title, contact, names);
+  }
+  if (newton) {
+    put('Solver', 'Iterations a step', newton, ['iterations']);
+    put('Solver', 'Last residual', newton, ['last residual'], { isLog: true });
+  }
+  if (balance) put('Solver', 'Step size', balance, ['dt'], { marks: decisions(run), isKept: true });
+  if (probes) for (const [title, names] of byPrefix(probes)) put('Probes', title, probes, names);
+  if (joints) {
+    for (const [title, names] of byPrefix(joints)) {
+      const of = (ends) => names.filter((name) => ends.includes(name.slice(title.length + 1)));
+      put('Joints', `${title}: force`, joints, of(['fx', 'fy', 'fz']));
+      put('Joints', `${title}: moment`, joints, of(['mx', 'my', 'mz']));
+      put('Joints', `${title}: angle or displacement`, joints, of(['coordinate']));
+      put('Joints', `${title}: friction`, joints, of(['friction']));
+    }
+  }
+  if (watch) for (const [title, names] of WATCH) put('Watch', title, watch, names);
+  return charts;
+}
+
+function column(table, name) {
+  return table.values[table.names.indexOf(name)];
+}
+
+/** Columns of a table by what stands before the last point of their names; those of no known chart by themselves. */
+function byPrefix(table) {
+  const known = ['step', 'time', ...CONTACT.flatMap(([, names]) => names)];
+  const groups = new Map();
+  for (const name of table.names.filter((found) => !known.includes(found))) {
+    const prefix = name.includes('.') ? name.slice(0, name.lastIndexOf('.')) : name;
+    groups.set(prefix, [...(groups.get(prefix) ?? []), name]);
+  }
+  return groups;
+}
+
+/** Size of the change of momenta and energy. */
+function changes(balance) {
+  const x = column(balance, 'time');
+  const of = (name, names) => {
+    const columns = names.map((found) => column(balance, found)).filter(Boolean);
+    return { name, x, y: x.map((_, k) => Math.hypot(...columns.map((values) => values[k] - values[0]))) };
+  };
+  const lines = [of('linear momentum', ['lx', 'ly', 'lz']), of('angular momentum', ['jx', 'jy', 'jz']), of('total energy', ['total'])];
+  return lines.filter(({ y }) => y.some((value) => value > 0));
+}
+
+/** Cuts, growths, stages and warnings, with their reasons. */
+function decisions(run) {
+  const colours = { Cut: '#c8553d', Grow: '#4f9a5b', Stage: '#2f6db3' };
+  return (run.summary?.decisions ?? []).map(({ time, kind, reason, dt }) => ({
+    x: time,
+    colour: colours[kind] ?? '#b8860b',
+    text: `t = ${text(time)}: ${kind.toLowerCase()} at step size ${text(dt)}: ${reason}`,
+  }));
+}
+
+/** The charts of several runs in one: those of one group and title together. Of one run lines differ by colour, of several runs runs do. */
+function overlaid(runs) {
+  const charts = new Map();
+  runs.forEach((run, r) => {
+    for (const chart of curvesOf(run)) {
+      const key = `${chart.group}/${chart.title}`;
+      const found = charts.get(key) ?? { ...chart, series: [], marks: [] };
+      chart.lines.forEach((line, k) => {
+        const several = runs.length > 1;
+        found.series.push({
+          ...line,
+          name: several ? `${run.name} ${line.name}` : line.name,
+          colour: COLOURS[(several ? r : k) % COLOURS.length],
+          dash: several ? [[], [6, 3], [2, 2], [8, 3, 2, 3], [1, 3]][k % 5] : [],
+        });
+      });
+      found.marks.push(...(chart.marks ?? []));
+      charts.set(key, found);
+    }
+  });
+  return [...charts.values()];
+}
