@@ -16,11 +16,14 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::Outcome;
 use crate::folder::Folder;
+use crate::{Outcome, read};
 
 /// Name of the page in a folder of results.
 pub const NAME: &str = "report.html";
+
+/// What tells our pages from others.
+const MARK: &str = "<meta name=\"generator\" content=\"Stoss\">";
 
 const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/style.css");
@@ -72,8 +75,11 @@ pub fn page(folders: &[&Path]) -> Outcome<Page> {
 /// As [`page`], and what the system says about writing.
 pub fn write(folders: &[&Path]) -> Outcome<Vec<String>> {
     let Some(first) = folders.first() else { return Err("no folder of results is named".into()) };
-    let Page { text, notes } = page(folders)?;
     let (path, scratch) = (first.join(NAME), first.join(".report.html.part"));
+    if path.exists() && !read(&path)?.contains(MARK) {
+        return Err(format!("{}: it was not written by Stoss; move it away", path.display()).into());
+    }
+    let Page { text, notes } = page(folders)?;
     std::fs::write(&scratch, text).map_err(|error| format!("{}: {error}", scratch.display()))?;
     std::fs::rename(&scratch, &path).map_err(|error| format!("{}: {error}", path.display()))?;
     Ok(notes)
@@ -114,6 +120,7 @@ mod tests {
 
     #[test]
     fn the_template_has_every_place_and_scripts_do_not_end_early() {
+        assert!(PAGE.contains(MARK));
         for name in ["style", "title", "data", "script"] {
             assert_eq!(PAGE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }

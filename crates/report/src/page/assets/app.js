@@ -22,7 +22,8 @@ class App {
       this.listen();
     }
     this.setRun(Math.max(0, runs.findIndex((run) => run.animation?.times.length)));
-    new ResizeObserver(() => this.resized()).observe(document.body);
+    const observer = new ResizeObserver(() => this.resized());
+    for (const id of ['picture', 'panels']) observer.observe(byId(id));
   }
 
   setRun(number) {
@@ -35,6 +36,7 @@ class App {
     const s = run.summary;
     byId('facts').textContent = s ? `${run.name} · ${ending(s)} · ${s.steps} steps to t = ${text(s.time)} · ${text(s.wall_seconds)} s` : run.name;
     this.panels.setRun(run);
+    this.place = null;
     this.pick(null);
     if (this.viewer && run.animation?.times.length) {
       this.viewer.setRun(run.animation);
@@ -250,6 +252,9 @@ class App {
     byId('bar').classList.toggle('off', !field);
     if (!field) return;
     const [low, high] = this.viewer.range();
+    const key = [field.label, low, high].join();
+    if (key === this.barKey) return;
+    this.barKey = key;
     byId('bar-name').textContent = field.label;
     const canvas = byId('bar-colours');
     Object.assign(canvas, { width: 1, height: 256 });
@@ -258,7 +263,9 @@ class App {
       pen.fillStyle = `rgb(${mapColour(1 - k / 255).join(' ')})`;
       pen.fillRect(0, k, 1, 1);
     }
-    const numbers = [0, 1, 2, 3, 4].map((k) => element('span', { textContent: tickText(high - (k / 4) * (high - low), high - low) }));
+    const at = (k) => high - (k / 4) * (high - low);
+    const number = (value) => (Math.abs(value) < 1e-9 * (high - low) ? '0' : text(Number(value.toPrecision(3))));
+    const numbers = [0, 1, 2, 3, 4].map((k) => element('span', { textContent: number(at(k)) }));
     byId('bar-numbers').replaceChildren(...numbers);
   }
 
@@ -310,7 +317,22 @@ class App {
   }
 }
 
+/** What the address asks for behind its `#`, such as `t=0.5&field=velocity&tab=Contact&view=0,90`. */
+function obey(app, wishes) {
+  const time = Number(wishes.get('t'));
+  const field = app.run.animation?.fields.findIndex(({ label }) => label === wishes.get('field')) ?? -1;
+  if (app.viewer && wishes.has('view')) {
+    [app.viewer.camera.azimuth, app.viewer.camera.elevation] = wishes.get('view').split(',').map(Number);
+    app.viewer.home();
+  }
+  if (app.viewer && field >= 0) app.setField(field);
+  if (app.panels.tabs.has(wishes.get('tab'))) app.panels.open(wishes.get('tab'));
+  if (wishes.has('t') && Number.isFinite(time)) app.setTime(time);
+}
+
 async function start() {
   const texts = [...document.querySelectorAll('script.run')].map((script) => script.textContent);
-  return new App(await Promise.all(texts.map(unpack)));
+  const app = new App(await Promise.all(texts.map(unpack)));
+  obey(app, new URLSearchParams(location.hash.slice(1)));
+  return app;
 }

@@ -37,12 +37,13 @@ function placeIn(list, value) {
 /**
  * A chart.
  *
+ * `least`: length that the vertical axis has at least, so that round-off looks like what it is.
  * `series`: lists of `{ name, x, y, colour, dash }`, gaps where `y` is null. `marks`: `{ x, text, colour }`, short lines at the bottom whose text is shown
  * when the pointer is near. `seek(time)` is called for a click. A drag shows a part of the time, a double click all of it.
  */
 class Chart {
-  constructor(parent, { title, series, isLog = false, marks = [] }, seek) {
-    Object.assign(this, { title, series, isLog, marks, seek, hidden: new Set(), span: null });
+  constructor(parent, { title, series, isLog = false, marks = [], least = 0 }, seek) {
+    Object.assign(this, { title, series, isLog, marks, least, seek, hidden: new Set(), span: null });
     this.box = element('figure', { className: 'chart' });
     this.legend = element('figcaption', {}, [element('b', { textContent: isLog ? `${title} (log)` : title })]);
     this.canvas = element('canvas');
@@ -122,7 +123,7 @@ class Chart {
     if (this.isLog) [low, high] = [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high * 1.0001))];
     else {
       // A number that only has round-off is drawn as a straight line.
-      const room = Math.max(0.05 * (high - low), 1e-12 * Math.max(Math.abs(low), Math.abs(high)), 1e-300);
+      const room = Math.max(0.05 * (high - low), 0.5 * (this.least - (high - low)), 1e-12 * Math.max(Math.abs(low), Math.abs(high)), 1e-300);
       [low, high] = [low - room, high + room];
     }
     return { left, right: right > left ? right : left + 1, low, high };

@@ -32,7 +32,7 @@ function curvesOf(run) {
   };
   const { balance, newton, contact, probes, joints, watch } = tables;
   if (balance) {
-    for (const [title, names] of BALANCE) put('Balance', title, balance, names);
+    for (const [title, names] of BALANCE) put('Balance', title, balance, names, { least: title === 'Angular momentum' ? roundOff(run, balance) : 0 });
     const drift = changes(balance);
     charts.push({ group: 'Balance', title: 'Change since the start', isLog: true, lines: drift });
   }
@@ -72,6 +72,12 @@ function byPrefix(table) {
     groups.set(prefix, [...(groups.get(prefix) ?? []), name]);
   }
   return groups;
+}
+
+/** An angular momentum that is nothing beside the linear one at the far side of the picture. */
+function roundOff(run, balance) {
+  const largest = Math.max(...['lx', 'ly', 'lz'].flatMap((name) => column(balance, name) ?? [0]).map(Math.abs));
+  return run.animation ? 1e-9 * largest * size(run.animation.edges) : 0;
 }
 
 /** Size of the change of momenta and energy. */

@@ -29,11 +29,25 @@ class Camera {
     this.distance = 5;
   }
 
-  /** Shows a ball with this centre and radius. */
-  show(centre, radius) {
-    this.target = centre.slice();
-    this.radius = Math.max(radius, 1e-12);
-    this.distance = this.radius / Math.sin((0.5 * Camera.ANGLE * Math.PI) / 180);
+  /** Shows a box from its corner along its edges in a picture of this width over height. */
+  show(corner, edges, aspect) {
+    const half = scaled(edges, 0.5);
+    this.target = add(corner, half);
+    this.radius = Math.max(size(half), 1e-12);
+    const { right, up, eye } = this.axes();
+    const [wide, high] = this.slopes(aspect).map((slope) => 0.9 * slope);
+    this.distance = 1.05 * this.radius;
+    for (let k = 0; k < 8; k++) {
+      const place = half.map((h, axis) => ((k >> axis) & 1 ? h : -h));
+      const away = Math.max(Math.abs(dot(place, right)) / wide, Math.abs(dot(place, up)) / high);
+      this.distance = Math.max(this.distance, away + dot(place, eye));
+    }
+  }
+
+  /** Half of the width and of the height of what is seen at distance 1. */
+  slopes(aspect) {
+    const high = Math.tan((0.5 * Camera.ANGLE * Math.PI) / 180) * Math.max(1, 1 / aspect);
+    return [high * aspect, high];
   }
 
   /** Unit vectors to the right, up and towards the eye. */
@@ -57,12 +71,12 @@ class Camera {
   }
 
   projection(aspect) {
-    const f = 1 / Math.tan((0.5 * Camera.ANGLE * Math.PI) / 180) / Math.max(1, 1 / aspect);
+    const [wide, high] = this.slopes(aspect);
     const far = this.distance + 20 * this.radius;
     const near = Math.max(this.distance - 4 * this.radius, 0.01 * this.distance);
     const out = new Float64Array(16);
-    out[0] = f / aspect;
-    out[5] = f;
+    out[0] = 1 / wide;
+    out[5] = 1 / high;
     out[10] = (far + near) / (near - far);
     out[11] = -1;
     out[14] = (2 * far * near) / (near - far);

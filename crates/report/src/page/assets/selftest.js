@@ -34,6 +34,7 @@ async function tryControls(app) {
   };
   const [first, last] = app.ends();
   const middle = 0.5 * (first + last);
+  use('scrub', 'input', first);
   must('the picture is not blank', pixels().filter((value, k) => k % 4 < 3 && value < 250).length > 3000);
   changes('scrub', () => use('scrub', 'input', middle), () => use('scrub', 'input', first));
   must('the cursor of charts follows', app.panels.charts.every((chart) => chart.time === viewer.time));
@@ -61,6 +62,7 @@ async function tryControls(app) {
   const hasSurface = app.run.animation.facets.length > 0;
   if (hasSurface) changes('mesh', () => use('mesh', 'change', false), () => use('mesh', 'change', true));
   changes('undeformed', () => use('outline', 'change', true), () => use('outline', 'change', false));
+  use('offset', 'input', '0.5');
   changes('clip plane', () => use('clip', 'change', '0'));
   changes('place of the plane', () => use('offset', 'input', '0.25'));
   changes('other side', () => byId('flip').click(), () => byId('flip').click());
@@ -108,6 +110,10 @@ async function tryControls(app) {
   must('playing changes the picture', differing(before, pixels()) > 0);
   byId('play').click();
   must('pause', !app.isPlaying);
+  byId('picture').style.maxHeight = '300px';
+  await new Promise((resolve) => setTimeout(resolve, 200));
+  must('another size', byId('scene').height === byId('scene').clientHeight && byId('scene').height <= 300);
+  byId('picture').style.maxHeight = '';
   return [...done, ...frameTime(app)];
 }
 

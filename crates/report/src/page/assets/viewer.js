@@ -36,6 +36,10 @@ out vec4 result;
 void main() {
   if (dot(clip.xyz, world) > clip.w) discard;
   if (isRound && length(gl_PointCoord - 0.5) > 0.5) discard;
+  if (isRound && length(gl_PointCoord - 0.5) > 0.36) {
+    result = vec4(0.2, 0.23, 0.28, 1.0);
+    return;
+  }
   vec3 base = colour.rgb;
   if (byField && known > 0.999) base = texture(map, vec2((value - range.x) / (range.y - range.x), 0.5)).rgb;
   if (isLit) {
@@ -50,6 +54,9 @@ void main() {
 const STOPS = [[233, 237, 242], [250, 222, 150], [247, 172, 76], [226, 103, 60], [172, 42, 80], [88, 18, 84]];
 const GREY = [0.75, 0.78, 0.81, 1];
 const BODIES = [[0.55, 0.68, 0.8, 1], [0.85, 0.72, 0.52, 1], [0.6, 0.75, 0.6, 1], [0.78, 0.62, 0.72, 1], [0.7, 0.7, 0.74, 1]];
+/** Pixels by which a line is moved to become thick, and wider. */
+const THICK = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]];
+const WIDE = [[2, 0], [-2, 0], [0, 2], [0, -2], [1.4, 1.4], [1.4, -1.4], [-1.4, 1.4], [-1.4, -1.4]];
 /** No number, for the graphics card. */
 const NONE = 1e38;
 
@@ -138,8 +145,7 @@ class Viewer {
 
   /** Looks at all that moves, from the same side. */
   home() {
-    const half = scaled(this.run.edges, 0.5);
-    this.camera.show(add(this.run.corner, half), size(half));
+    this.camera.show(this.run.corner, this.run.edges, this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1));
   }
 
   /** Frame before the time and the part of the way to the next one. */
@@ -257,7 +263,10 @@ class Viewer {
     if (show.outline) {
       gl.uniform1f(at.part, 0);
       this.bind([0, 0], [0, 0]);
-      for (const [, k] of shown) this.drawSides(this.outlines, k, [0.25, 0.35, 0.55, 0.8]);
+      for (const [, k] of shown) {
+        this.drawSides(this.sides, k, [0.25, 0.35, 0.55, 0.15]);
+        this.drawSides(this.outlines, k, [0.25, 0.35, 0.55, 0.8]);
+      }
     }
   }
 
@@ -290,17 +299,23 @@ class Viewer {
     gl.drawElements(gl.LINES, starts[k + 1] - starts[k], gl.UNSIGNED_INT, 4 * starts[k]);
   }
 
-  /** Lines of beams and strings, made thick by drawing them several times beside each other, and single points. */
+  /** Lines of beams and strings, made thick by drawing them several times beside each other, over a wider dark line; and single points. */
   drawLines(body, k, ratio) {
     const { gl, at, canvas } = this;
     const byField = this.show.field >= 0;
-    const colour = byField ? [0.45, 0.48, 0.52, 1] : scaled(BODIES[k % BODIES.length], 0.75).concat(1);
+    const colour = byField ? GREY : BODIES[k % BODIES.length];
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.segments);
-    for (const [x, y] of body.segments[1] ? [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]] : []) {
-      this.paint(colour, { byField, shift: [(2 * ratio * x) / canvas.width, (2 * ratio * y) / canvas.height] });
-      gl.drawElements(gl.LINES, 2 * body.segments[1], gl.UNSIGNED_INT, 8 * body.segments[0]);
-    }
-    gl.uniform1f(at.pointSize, 11 * ratio);
+    const draw = (paint, shifts) => {
+      for (const [x, y] of body.segments[1] ? shifts : []) {
+        this.paint(paint, { byField: byField && paint === colour, shift: [(2 * ratio * x) / canvas.width, (2 * ratio * y) / canvas.height] });
+        gl.drawElements(gl.LINES, 2 * body.segments[1], gl.UNSIGNED_INT, 8 * body.segments[0]);
+      }
+    };
+    gl.depthMask(false);
+    draw([0.2, 0.23, 0.28, 1], WIDE);
+    gl.depthMask(true);
+    draw(colour, THICK);
+    gl.uniform1f(at.pointSize, 12 * ratio);
     this.paint(colour, { byField, isRound: true });
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.points);
     gl.drawElements(gl.POINTS, body.points[1], gl.UNSIGNED_INT, 4 * body.points[0]);
