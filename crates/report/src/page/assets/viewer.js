@@ -72,7 +72,7 @@ class Viewer {
   constructor(canvas) {
     this.canvas = canvas;
     this.camera = new Camera();
-    const gl = canvas.getContext('webgl2', { antialias: true, alpha: false });
+    const gl = canvas.getContext('webgl2', { antialias: !isSoftware(), alpha: false });
     if (!gl) throw new Error('this browser gives no WebGL2: no animation');
     this.gl = gl;
     this.program = programOf(gl, VERTEX, FRAGMENT);
@@ -354,6 +354,15 @@ class Viewer {
     });
     return best.node === undefined ? null : { body: best.body, node: best.node };
   }
+}
+
+/** Whether WebGL is drawn by the processor, for which smooth edges double the cost of a frame. */
+function isSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (!gl) return false;
+  const more = gl.getParameter(gl.RENDERER) === 'WebKit WebGL' && gl.getExtension('WEBGL_debug_renderer_info');
+  const name = gl.getParameter(more ? more.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
+  return /swiftshader|llvmpipe|software/i.test(name);
 }
 
 function programOf(gl, vertex, fragment) {
