@@ -57,7 +57,7 @@ fn folder() -> TempDir {
             cell_data: vec![Field { name: "body", components: 1, values: &[0.0, 1.0, 2.0] }],
             ..VtuFrame::default()
         };
-        write_vtu(&folder.path().join(format!("frames/frame_{frame:06}.vtu")), &data).unwrap();
+        write_vtu(folder.path().join(format!("frames/frame_{frame:06}.vtu")), &data).unwrap();
         collection += &format!("<DataSet timestep=\"{}\" file=\"frames/frame_{frame:06}.vtu\"/>", frame as f64 / 10.0);
         balance += &format!("{frame},{},0.1,1,0,0,0,0,{frame},2,{frame},3\n", frame as f64 / 10.0);
     }

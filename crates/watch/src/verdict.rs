@@ -94,6 +94,7 @@ impl Judge {
             bodies,
             step,
             time,
+            worst_time: None,
             sentence,
             position,
             figure,
@@ -173,7 +174,7 @@ impl Judge {
             Some(known) if finding.level > known.level => *known = finding,
             Some(known) if finding.level == known.level && finding.figure > known.figure => {
                 let (step, time) = (known.step, known.time);
-                *known = Finding { step, time, ..finding };
+                *known = Finding { step, time, worst_time: Some(finding.time), ..finding };
             }
             Some(_) => {}
         }

@@ -34,6 +34,10 @@ impl Field {
         let mut fields = Vec::new();
         for (name, array) in grid.point_data.iter().filter(|(name, _)| *name != "displacement") {
             let label = name.replace('_', " ").replace("von mises", "von Mises stress");
+            let label = match name.as_str() {
+                "contact_status" => "contact status (1 sticks, 2 slides or has no friction)".to_owned(),
+                _ => label,
+            };
             if array.components != 6 {
                 fields.push(field(&label, name, Part::Size));
                 continue;

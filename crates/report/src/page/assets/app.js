@@ -265,7 +265,9 @@ class App {
     }
     const at = (k) => high - (k / 4) * (high - low);
     const number = (value) => (Math.abs(value) < 1e-9 * (high - low) ? '0' : text(Number(value.toPrecision(3))));
-    const numbers = [0, 1, 2, 3, 4].map((k) => element('span', { textContent: number(at(k)) }));
+    // Of a state only whole numbers have a meaning.
+    const parts = field.largest === null ? [...Array(high - low + 1).keys()].map((k) => (4 * k) / (high - low)) : [0, 1, 2, 3, 4];
+    const numbers = parts.map((k) => element('span', { textContent: number(at(k)) }));
     byId('bar-numbers').replaceChildren(...numbers);
   }
 

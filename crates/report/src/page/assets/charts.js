@@ -2,6 +2,8 @@
 // Charts over the time of the run: lines, an axis on each side, a cursor at the time that the animation shows.
 
 const COLOURS = ['#2f6db3', '#c8553d', '#4f9a5b', '#8a5aa8', '#b8860b', '#3f8f93', '#94565a', '#6b7280'];
+/** Dashes that tell the columns of compared runs apart, and how the legend shows them. */
+const DASHES = { '': 'solid', '6,3': 'dashed', '2,2': 'dotted', '8,3,2,3': 'double', '1,3': 'dotted' };
 const MARGIN = { left: 62, right: 10, top: 8, bottom: 20 };
 
 /** A number with four digits, short. */
@@ -50,7 +52,7 @@ class Chart {
     this.cursor = element('div', { className: 'cursor' });
     this.selection = element('div', { className: 'selection' });
     const plot = element('div', { className: 'plot' }, [this.canvas, this.selection, this.cursor]);
-    this.labels = series.map((line, k) => this.label(line, k));
+    this.labels = [...new Set(series.map(({ name }) => name))].map((name) => this.label(name));
     this.legend.append(...this.labels.map((label) => label.button));
     this.note = element('span', { className: 'note' });
     this.legend.append(this.note);
@@ -59,18 +61,19 @@ class Chart {
     this.listen(plot);
   }
 
-  label(line, k) {
+  /** A button with the value of each series of that name: runs that are compared share it. */
+  label(name) {
+    const series = this.series.filter((line) => line.name === name);
     const swatch = element('i');
-    swatch.style.borderTopColor = line.colour;
-    swatch.style.borderTopStyle = line.dash?.length ? 'dashed' : 'solid';
-    const value = element('output');
-    const button = element('button', { type: 'button', title: 'show or hide' }, [swatch, line.name, value]);
+    swatch.style.borderTop = `2px ${DASHES[series[0].dash?.join() ?? ''] ?? 'solid'} ${series.length > 1 ? '#5b6472' : series[0].colour}`;
+    const values = series.map(({ colour }) => element('output', { style: series.length > 1 ? `color: ${colour}` : '' }));
+    const button = element('button', { type: 'button', title: 'show or hide' }, [swatch, name, ...values]);
     button.onclick = () => {
-      if (!this.hidden.delete(k)) this.hidden.add(k);
-      button.classList.toggle('off', this.hidden.has(k));
+      if (!this.hidden.delete(name)) this.hidden.add(name);
+      button.classList.toggle('off', this.hidden.has(name));
       this.draw();
     };
-    return { button, value };
+    return { button, series, values };
   }
 
   listen(plot) {
@@ -104,7 +107,7 @@ class Chart {
 
   /** Series that are shown. */
   lines() {
-    return this.series.filter((_, k) => !this.hidden.has(k));
+    return this.series.filter(({ name }) => !this.hidden.has(name));
   }
 
   /** Ends of both axes. */
@@ -208,10 +211,12 @@ class Chart {
 
   /** Writes the values at a time beside the names, and the mark that is near the pointer. */
   tell(time, pixel) {
-    this.series.forEach(({ x, y }, k) => {
-      const place = placeIn(x, time * (1 + 1e-12));
-      this.labels[k].value.textContent = place < 0 ? '-' : text(y[place]);
-    });
+    for (const { series, values } of this.labels) {
+      series.forEach(({ x, y }, k) => {
+        const place = placeIn(x, time * (1 + 1e-12));
+        values[k].textContent = place < 0 ? '-' : text(y[place]);
+      });
+    }
     const near = (mark) => Math.abs(this.toX(mark.x) - pixel);
     const mark = pixel === null || !this.marks.length ? null : this.marks.reduce((a, b) => (near(b) < near(a) ? b : a));
     this.note.textContent = mark && near(mark) < 6 ? mark.text : '';

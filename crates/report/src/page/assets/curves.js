@@ -28,7 +28,7 @@ function curvesOf(run) {
     const x = column(table, 'time');
     const lines = names.map((name) => ({ name: name.replaceAll('_', ' '), x, y: column(table, name) }));
     const moving = lines.filter(({ y }) => y && y.some((value) => value !== null && value !== 0));
-    if (x?.length && (moving.length || more.isKept)) charts.push({ group, title, lines: moving, ...more });
+    if (x?.length && moving.length) charts.push({ group, title, lines: moving, ...more });
   };
   const { balance, newton, contact, probes, joints, watch } = tables;
   if (balance) {
@@ -44,7 +44,7 @@ function curvesOf(run) {
     put('Solver', 'Iterations a step', newton, ['iterations']);
     put('Solver', 'Last residual', newton, ['last residual'], { isLog: true });
   }
-  if (balance) put('Solver', 'Step size', balance, ['dt'], { marks: decisions(run), isKept: true });
+  if (balance) charts.push(stepSize(run, balance));
   if (probes) for (const [title, names] of byPrefix(probes)) put('Probes', title, probes, names);
   if (joints) {
     for (const [title, names] of byPrefix(joints)) {
@@ -80,6 +80,16 @@ function roundOff(run, balance) {
   return run.animation ? 1e-9 * largest * size(run.animation.edges) : 0;
 }
 
+/** A stair: a step has its size from its beginning on. Logarithmic if sizes are far apart. */
+function stepSize(run, balance) {
+  const [time, dt] = [column(balance, 'time'), column(balance, 'dt')];
+  const x = time.flatMap((end, k) => (k ? [time[k - 1], end] : []));
+  const y = dt.flatMap((step, k) => (k ? [step, step] : []));
+  const steps = dt.filter((step) => step > 0);
+  const isLog = steps.reduce((a, b) => Math.max(a, b), 0) > 20 * steps.reduce((a, b) => Math.min(a, b), Infinity);
+  return { group: 'Solver', title: 'Step size', lines: [{ name: 'step', x, y }], isLog, marks: decisions(run) };
+}
+
 /** Size of the change of momenta and energy. */
 function changes(balance) {
   const x = column(balance, 'time');
@@ -101,7 +111,7 @@ function decisions(run) {
   }));
 }
 
-/** The charts of several runs in one: those of one group and title together. Of one run lines differ by colour, of several runs runs do. */
+/** The charts of several runs in one: those of one group and title together. Lines differ by colour in one run, by dashes in several runs, whose colours differ. */
 function overlaid(runs) {
   const charts = new Map();
   runs.forEach((run, r) => {
@@ -112,9 +122,8 @@ function overlaid(runs) {
         const several = runs.length > 1;
         found.series.push({
           ...line,
-          name: several ? `${run.name} ${line.name}` : line.name,
           colour: COLOURS[(several ? r : k) % COLOURS.length],
-          dash: several ? [[], [6, 3], [2, 2], [8, 3, 2, 3], [1, 3]][k % 5] : [],
+          dash: several ? Object.keys(DASHES)[k % 5].split(',').filter(Boolean).map(Number) : [],
         });
       });
       found.marks.push(...(chart.marks ?? []));

@@ -8,7 +8,10 @@ class Panels {
     this.go = go;
     this.tabs = new Map();
     this.charts = [];
-    if (runs.length > 1) this.tab('Compare').append(comparison(runs));
+    if (runs.length > 1) {
+      this.tab('Compare').append(comparison(runs));
+      document.getElementById('key').append(...runs.map((run, r) => coloured(element('span', { textContent: run.name }), r)));
+    }
     for (const chart of overlaid(runs)) this.chart(this.tab(chart.group), chart);
     this.tab('Verdict');
     this.tab('Run');
@@ -75,6 +78,12 @@ class Panels {
   }
 }
 
+/** Gives an element the colour of a run. */
+function coloured(made, run) {
+  made.style.color = COLOURS[run % COLOURS.length];
+  return made;
+}
+
 function message(words) {
   return element('p', { className: 'message', textContent: words });
 }
@@ -96,7 +105,7 @@ function verdict(run, go) {
     type: 'button',
     className: `finding ${finding.level}`,
     textContent: `${finding.level}: ${finding.sentence}`,
-    onclick: () => go({ time: finding.time, place: finding.position }),
+    onclick: () => go({ time: finding.worst_time ?? finding.time, place: finding.position }),
   });
   const looked = watch ? ` It looked every ${watch.every === 1 ? 'step' : `${watch.every} steps`}.` : '';
   const words = found.reasons.length ? 'What the watch found; a click goes to the time and the place.' : 'The watch found nothing.';
