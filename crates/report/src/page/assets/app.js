@@ -15,15 +15,26 @@ class App {
     byId('runs').style.display = runs.length > 1 ? '' : 'none';
     byId('run').append(...runs.map((run, k) => element('option', { value: k, textContent: run.name })));
     byId('run').onchange = () => this.setRun(Number(byId('run').value));
-    const animated = runs.some((run) => run.animation?.times.length);
-    document.querySelector('main').classList.toggle('plain', !animated);
-    if (animated) {
-      this.viewer = new Viewer(byId('scene'));
-      this.listen();
-    }
+    if (runs.some((run) => run.animation?.times.length)) this.makeViewer();
     this.setRun(Math.max(0, runs.findIndex((run) => run.animation?.times.length)));
     const observer = new ResizeObserver(() => this.resized());
     for (const id of ['picture', 'panels']) observer.observe(byId(id));
+  }
+
+  /** The animation; without WebGL2 a message, and the rest of the page is as it is. */
+  makeViewer() {
+    try {
+      this.viewer = new Viewer(byId('scene'));
+    } catch (error) {
+      document.querySelector('main').before(message(error.message));
+      return;
+    }
+    this.listen();
+  }
+
+  /** Whether there is something to see of the present run. */
+  isAnimated() {
+    return Boolean(this.viewer && this.run.animation?.times.length);
   }
 
   setRun(number) {
@@ -38,7 +49,9 @@ class App {
     this.panels.setRun(run);
     this.place = null;
     this.pick(null);
-    if (this.viewer && run.animation?.times.length) {
+    this.play(false);
+    document.querySelector('main').classList.toggle('plain', !this.isAnimated());
+    if (this.isAnimated()) {
       this.viewer.setRun(run.animation);
       this.makeChoices(run.animation);
       this.setTime(this.viewer.time);
@@ -115,7 +128,7 @@ class App {
       this.redraw();
     };
     document.onkeydown = (event) => {
-      if (['INPUT', 'SELECT', 'BUTTON'].includes(event.target.tagName)) return;
+      if (['INPUT', 'SELECT', 'BUTTON'].includes(event.target.tagName) || !this.isAnimated()) return;
       const act = { ' ': () => this.play(!this.isPlaying), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1) }[event.key];
       if (!act) return;
       event.preventDefault();
@@ -188,7 +201,7 @@ class App {
   }
 
   setTime(time) {
-    if (this.viewer && this.run.animation) {
+    if (this.isAnimated()) {
       const [first, last] = this.ends();
       this.viewer.time = Math.min(Math.max(time, first), last);
       Object.assign(byId('scrub'), { min: first, max: last, value: this.viewer.time });
@@ -203,7 +216,7 @@ class App {
   go({ time, place }) {
     this.play(false);
     this.place = place ?? null;
-    if (place && this.viewer) {
+    if (place && this.isAnimated()) {
       this.viewer.camera.target = place.slice();
       this.viewer.camera.distance = 2.5 * this.viewer.camera.radius;
     }
@@ -240,7 +253,7 @@ class App {
   }
 
   draw() {
-    if (!this.viewer?.run) return;
+    if (!this.isAnimated()) return;
     this.viewer.draw();
     this.drawBar();
     this.drawPicked();
@@ -323,11 +336,11 @@ class App {
 function obey(app, wishes) {
   const time = Number(wishes.get('t'));
   const field = app.run.animation?.fields.findIndex(({ label }) => label === wishes.get('field')) ?? -1;
-  if (app.viewer && wishes.has('view')) {
+  if (app.isAnimated() && wishes.has('view')) {
     [app.viewer.camera.azimuth, app.viewer.camera.elevation] = wishes.get('view').split(',').map(Number);
     app.viewer.home();
   }
-  if (app.viewer && field >= 0) app.setField(field);
+  if (app.isAnimated() && field >= 0) app.setField(field);
   if (app.panels.tabs.has(wishes.get('tab'))) app.panels.open(wishes.get('tab'));
   if (wishes.has('t') && Number.isFinite(time)) app.setTime(time);
 }

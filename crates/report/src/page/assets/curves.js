@@ -56,7 +56,8 @@ function curvesOf(run) {
     }
   }
   if (watch) for (const [title, names] of WATCH) put('Watch', title, watch, names);
-  return charts;
+  // A run that failed in its first step has no line of some.
+  return charts.filter(({ lines }) => lines.some(({ x }) => x.length));
 }
 
 function column(table, name) {

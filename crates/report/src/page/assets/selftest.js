@@ -4,7 +4,6 @@
 /** What a control must do: the picture differs after it, and is the same again after it is taken back. */
 async function tryControls(app) {
   const { viewer } = app;
-  if (!viewer) return ['no animation'];
   const done = [];
   const pixels = () => {
     app.draw();
@@ -164,7 +163,7 @@ async function test(app) {
     byId('run').value = k;
     byId('run').dispatchEvent(new Event('change'));
     if (app.run !== app.runs[k]) throw new Error('test: choice of the run');
-    if (app.run.animation) done.push(...(await tryControls(app)));
+    if (app.isAnimated()) done.push(...(await tryControls(app)));
   }
   return [...done, ...tryPanels(app)];
 }
