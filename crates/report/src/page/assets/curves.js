@@ -20,13 +20,16 @@ const WATCH = [
   ['Nodes inside, edges that cut, passages', ['nodes_inside', 'cutting_edges', 'tunnelled']],
 ];
 
+/** What the columns of a joint are, by the ends of their names. */
+const JOINT = { f: ': force', m: ': moment', coordinate: ': angle or displacement', friction: ': friction' };
+
 /** Charts of a run: `{ group, title, lines: [{ name, x, y }], isLog, marks }`. */
 function curvesOf(run) {
   const tables = Object.fromEntries(run.tables.map((table) => [table.name, table]));
   const charts = [];
   const put = (group, title, table, names, more = {}) => {
     const x = column(table, 'time');
-    const lines = names.map((name) => ({ name: name.replaceAll('_', ' '), x, y: column(table, name) }));
+    const lines = names.map((name) => ({ name: nameOf(name), x, y: column(table, name) }));
     const moving = lines.filter(({ y }) => y && y.some((value) => value !== null && value !== 0));
     if (x?.length && moving.length) charts.push({ group, title, lines: moving, ...more });
   };
@@ -38,22 +41,16 @@ function curvesOf(run) {
   }
   if (contact) {
     for (const [title, names] of CONTACT) put('Contact', title, contact, names);
-    for (const [title, names] of byPrefix(contact)) put('Contact', title, contact, names);
+    for (const [title, names] of together(contact)) put('Contact', title, contact, names);
   }
   if (newton) {
     put('Solver', 'Iterations a step', newton, ['iterations']);
     put('Solver', 'Last residual', newton, ['last residual'], { isLog: true });
   }
   if (balance) charts.push(stepSize(run, balance));
-  if (probes) for (const [title, names] of byPrefix(probes)) put('Probes', title, probes, names);
+  if (probes) for (const [title, names] of together(probes)) put('Probes', title, probes, names);
   if (joints) {
-    for (const [title, names] of byPrefix(joints)) {
-      const of = (ends) => names.filter((name) => ends.includes(name.slice(title.length + 1)));
-      put('Joints', `${title}: force`, joints, of(['fx', 'fy', 'fz']));
-      put('Joints', `${title}: moment`, joints, of(['mx', 'my', 'mz']));
-      put('Joints', `${title}: angle or displacement`, joints, of(['coordinate']));
-      put('Joints', `${title}: friction`, joints, of(['friction']));
-    }
+    for (const [title, names] of together(joints)) put('Joints', title.replace(/[.]([a-z]+)$/, (_, end) => JOINT[end] ?? `.${end}`), joints, names);
   }
   if (watch) for (const [title, names] of WATCH) put('Watch', title, watch, names);
   // A run that failed in its first step has no line of some.
@@ -64,15 +61,23 @@ function column(table, name) {
   return table.values[table.names.indexOf(name)];
 }
 
-/** Columns of a table by what stands before the last point of their names; those of no known chart by themselves. */
-function byPrefix(table) {
+/** The end of the name of a component, of a vector or of a tensor. */
+const COMPONENT = /(?:^[lj]|[._]|[.][fm])([xyz]{1,2})$/;
+
+/** Columns of a table that belong into one chart, those that are components of the same; without those of known charts. */
+function together(table) {
   const known = ['step', 'time', ...CONTACT.flatMap(([, names]) => names)];
   const groups = new Map();
   for (const name of table.names.filter((found) => !known.includes(found))) {
-    const prefix = name.includes('.') ? name.slice(0, name.lastIndexOf('.')) : name;
-    groups.set(prefix, [...(groups.get(prefix) ?? []), name]);
+    const stem = name.replace(/[xyz]{1,2}$/, (end) => (COMPONENT.test(name) ? '' : end)).replace(/[._]$/, '');
+    groups.set(stem, [...(groups.get(stem) ?? []), name]);
   }
   return groups;
+}
+
+/** Name of a line: that of the component, if it is one. */
+function nameOf(name) {
+  return COMPONENT.exec(name)?.[1] ?? name.replace(/^.*[.]/, '').replaceAll('_', ' ');
 }
 
 /** An angular momentum that is nothing beside the linear one at the far side of the picture. */
