@@ -42,9 +42,19 @@ enum Command {
         /// Write the first N linear systems that are factorised into the folder `systems` of the results, as Matrix Market files.
         #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
         systems: u32,
+        /// Write no page for a browser at the end (`report.html` in the folder).
+        #[arg(long)]
+        no_report: bool,
         /// Print nothing but errors.
         #[arg(long)]
         quiet: bool,
+    },
+    /// Writes a page for a browser, `report.html`, into the first of these folders: the run as an animation, its charts and its verdict. Several
+    /// runs are compared.
+    Report {
+        /// Folders of results.
+        #[arg(required = true)]
+        out: Vec<PathBuf>,
     },
     /// Reports all problems of a scene, or the plan of its run.
     Check {
@@ -62,7 +72,7 @@ enum Command {
 
 fn main() -> ExitCode {
     match Arguments::parse().command {
-        Command::Run { scene, out, threads, until, resume, systems, quiet } => {
+        Command::Run { scene, out, threads, until, resume, systems, no_report, quiet } => {
             if let Some(threads) = threads
                 && let Err(error) = stoss::run::set_threads(usize::from(threads))
             {
@@ -70,8 +80,10 @@ fn main() -> ExitCode {
                 return ExitCode::from(1);
             }
             let out = out.unwrap_or_else(|| default_folder(&scene));
-            run(&scene, RunOptions { out, until, resume, systems, ..RunOptions::default() }, quiet)
+            let options = RunOptions { out, until, resume, systems, ..RunOptions::default() };
+            run(&scene, options, Talk { quiet, report: !no_report })
         }
+        Command::Report { out } => report(&out),
         Command::Check { scene } => check(&scene),
         Command::Judge { out } => judge(&out),
         Command::Schema => tell(&stoss::scene::json_schema()),
@@ -100,12 +112,31 @@ fn default_folder(scene: &Path) -> PathBuf {
     PathBuf::from(format!("{stem}.out"))
 }
 
-fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
-    let mut progress = progress::Progress::new(quiet);
-    match stoss::run::run_scene(path, &options, &mut |event| progress.show(&event)) {
+/// What a run says and leaves beside its results.
+#[derive(Clone, Copy)]
+struct Talk {
+    quiet: bool,
+    /// Whether it ends with a page.
+    report: bool,
+}
+
+fn run(path: &Path, options: RunOptions, talk: Talk) -> ExitCode {
+    let mut progress = progress::Progress::new(talk.quiet);
+    let result = stoss::run::run_scene(path, &options, &mut |event| progress.show(&event));
+    let has_results = matches!(result, Ok(_) | Err(RunError::Simulation { .. }));
+    if has_results && talk.report {
+        progress.abandon();
+        // A page is no part of the results: without it the run is as good.
+        match page(&[&options.out]) {
+            Ok(page) if !talk.quiet => say!("page: {}", page.display()),
+            Ok(_) => {}
+            Err(error) => say!("warning: no page: {error}"),
+        }
+    }
+    match result {
         Ok(summary) => {
             progress.finish(&summary);
-            if quiet && summary.is_fault() {
+            if talk.quiet && summary.is_fault() {
                 say!("{}", summary.verdict);
             }
             if summary.is_fault() { ExitCode::from(WRONG) } else { ExitCode::SUCCESS }
@@ -118,13 +149,27 @@ fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
             say!("error: {error}");
             ExitCode::from(2)
         }
-        Err(error @ RunError::Simulation { .. }) => {
-            progress.abandon();
-            say!("error: {error}");
-            ExitCode::from(3)
-        }
         Err(error) => {
             progress.abandon();
+            say!("error: {error}");
+            ExitCode::from(if has_results { 3 } else { 1 })
+        }
+    }
+}
+
+/// Writes the page of these runs, with warnings about what it has to leave out; returns its file.
+fn page(folders: &[&Path]) -> stoss_report::Outcome<PathBuf> {
+    for note in stoss_report::page::write(folders)? {
+        say!("warning: {note}");
+    }
+    Ok(folders[0].join(stoss_report::page::NAME))
+}
+
+fn report(folders: &[PathBuf]) -> ExitCode {
+    let folders: Vec<&Path> = folders.iter().map(PathBuf::as_path).collect();
+    match page(&folders) {
+        Ok(page) => tell(&page.display().to_string()),
+        Err(error) => {
             say!("error: {error}");
             ExitCode::from(1)
         }

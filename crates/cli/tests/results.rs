@@ -74,13 +74,13 @@ fn run(folder: &Path, out: &str, more: &[&str]) -> Output {
     output
 }
 
-/// Every file of a folder of results but the checkpoint and the summary, which holds times of computing.
+/// Every file of a folder of results but the checkpoint, the summary, which holds times of computing, and the page, which holds the summary.
 fn results(out: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut files: Vec<PathBuf> = [out.to_owned(), out.join("frames")]
         .iter()
         .flat_map(|folder| std::fs::read_dir(folder).expect("the folder exists"))
         .map(|entry| entry.expect("an entry").path())
-        .filter(|path| path.is_file() && path.extension().is_some_and(|e| e != "json"))
+        .filter(|path| path.is_file() && path.extension().is_some_and(|e| e != "json" && e != "html"))
         .collect();
     files.sort();
     files.iter().map(|path| (path.strip_prefix(out).unwrap().to_owned(), std::fs::read(path).unwrap())).collect()
@@ -177,7 +177,18 @@ fn a_run_that_fails_shows_its_last_good_step() {
 
 #[test]
 fn files_of_others_are_left_alone() {
-    for name in ["balance.csv", "newton.csv", "contact.csv", "probes.csv", "frames.pvd", "summary.json", "checkpoint"] {
+    let names = [
+        "balance.csv",
+        "newton.csv",
+        "contact.csv",
+        "probes.csv",
+        "frames.pvd",
+        "run.json",
+        "report.html",
+        "summary.json",
+        "checkpoint",
+    ];
+    for name in names {
         let folder = folder_with(SCENE);
         let mine = folder.path().join(name);
         std::fs::write(&mine, "year,gain\n2024,3\n").unwrap();

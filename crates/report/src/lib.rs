@@ -1,11 +1,14 @@
-//! Charts and pictures of results as SVG texts, and reading the files that a run leaves.
+//! Reading the files that a run leaves, charts and pictures of them as SVG texts, and the page that shows a run.
 //!
+//! - [`folder`]: a folder of results; [`page`]: one HTML file with the run as an animation, its charts and its verdict;
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
 //! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
 //! - [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
 //! An SVG text refers to nothing outside of itself. Not here: running anything, and which scene is drawn how.
 
+pub mod folder;
+pub mod page;
 pub mod paint;
 pub mod plot;
 pub mod table;

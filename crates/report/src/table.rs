@@ -44,6 +44,11 @@ impl Table {
         }
     }
 
+    /// Names of the columns.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
     /// Three columns as vectors.
     pub fn vectors(&self, names: [&str; 3]) -> Result<Vec<[f64; 3]>, String> {
         let [x, y, z] = [self.column(names[0])?, self.column(names[1])?, self.column(names[2])?];

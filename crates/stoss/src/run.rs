@@ -2,8 +2,8 @@
 
 use crate::build::{Built, OwnLaws, Schedule, build_with};
 use crate::output::{
-    FolderSettings, Outcome, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies, judge_start,
-    promises,
+    Description, FolderSettings, Outcome, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies,
+    judge_start, promises,
 };
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -91,6 +91,12 @@ fn scheme_name(scene: &Scene) -> String {
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
     let (scene, built) = load(path, &options.laws)?;
+    let description = Description {
+        plan: plan_lines(&scene, &built),
+        file: scene.file().to_owned(),
+        scene: scene.text().to_owned(),
+        ..Description::new(built.simulation.model(), &built.drawing)
+    };
     let Built { mut simulation, schedule, joints, probes, warnings, contacts, mesh_files, drawing, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
@@ -106,6 +112,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     }
     let settings = FolderSettings {
         title: scene.header.title.clone(),
+        description,
         identity,
         scheme: scheme_name(&scene),
         every: u64::from(scene.output.every),
@@ -233,6 +240,16 @@ pub fn check_scene(path: &Path) -> Result<PlanReport, RunError> {
 /// As [`check_scene`].
 pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunError> {
     let (scene, built) = load(path, laws)?;
+    let mut lines = plan_lines(&scene, &built);
+    lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
+    let start = judge_start(&built.simulation, &scene, &built.drawing)?;
+    lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
+    lines.push("no problems found".to_owned());
+    Ok(PlanReport { lines })
+}
+
+/// What a run uses: bodies, contacts, unknowns, time stepping, memory.
+fn plan_lines(scene: &Scene, built: &Built) -> Vec<String> {
     let plan = built.simulation.plan();
     let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
     lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));
@@ -248,13 +265,13 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
         "  unknowns: {} free and {} prescribed displacement components{}",
         plan.free_components,
         plan.prescribed_components,
-        constraint_unknowns(&built, plan.slots)
+        constraint_unknowns(built, plan.slots)
     ));
     lines.push(format!("  matrix: {} entries without contact", plan.matrix_entries));
     let used = |yes: bool| if yes { "used" } else { "not used, not built" };
     lines.push(format!(
         "  time stepping: {}; mass matrix: {}; contact search and pressure rows: {}; prescribed motion: {}; loads: {}",
-        scheme_name(&scene),
+        scheme_name(scene),
         used(plan.mass_matrix),
         used(plan.contact_search),
         used(plan.prescribed_components > 0),
@@ -274,9 +291,5 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
     } else {
         lines.push(format!("  steps: {steps} in {} stages to t = {}", scene.stages.len(), scene.time.end));
     }
-    lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
-    let start = judge_start(&built.simulation, &scene, &built.drawing)?;
-    lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
-    lines.push("no problems found".to_owned());
-    Ok(PlanReport { lines })
+    lines
 }

@@ -81,7 +81,17 @@ impl BalanceWatch {
         let mut broken = |level, what: String, figure: f64| {
             let kind = FindingKind::Balance;
             let sentence = format!("at t = {time:.4} {what}");
-            found.push(Finding { level, kind, bodies: None, step, time, sentence, position: None, figure });
+            found.push(Finding {
+                level,
+                kind,
+                bodies: None,
+                step,
+                time,
+                worst_time: None,
+                sentence,
+                position: None,
+                figure,
+            });
         };
         let part = |change: f64, scale: f64| if scale > 0.0 { change / scale } else { 0.0 };
         let exceeds = |part: f64, limit: f64| part > limit || part.is_nan();

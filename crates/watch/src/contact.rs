@@ -69,7 +69,17 @@ pub(crate) fn observe(
     let mut found: Vec<Finding> = Vec::new();
     let mut add = |level, what: String, figure: f64| {
         let sentence = format!("at t = {time:.4} {what}");
-        found.push(Finding { level, kind: FindingKind::Contact, bodies, step, time, sentence, position: None, figure });
+        found.push(Finding {
+            level,
+            kind: FindingKind::Contact,
+            bodies,
+            step,
+            time,
+            worst_time: None,
+            sentence,
+            position: None,
+            figure,
+        });
     };
     for point in points {
         let node = || format!("{} in contact {name}", name_of(point.node));

@@ -61,6 +61,9 @@ pub struct Finding {
     pub step: u64,
     /// See `step`.
     pub time: f64,
+    /// Time when it was worst, if that was later.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_time: Option<f64>,
     /// In words, when it was worst.
     pub sentence: String,
     /// Where, when it was worst.

@@ -94,6 +94,7 @@ impl Judge {
             bodies,
             step,
             time,
+            worst_time: None,
             sentence,
             position,
             figure,
@@ -173,7 +174,7 @@ impl Judge {
             Some(known) if finding.level > known.level => *known = finding,
             Some(known) if finding.level == known.level && finding.figure > known.figure => {
                 let (step, time) = (known.step, known.time);
-                *known = Finding { step, time, ..finding };
+                *known = Finding { step, time, worst_time: Some(finding.time), ..finding };
             }
             Some(_) => {}
         }
@@ -191,4 +192,33 @@ impl Judge {
 fn short(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e4).contains(&size) { format!("{value:.1e}") } else { format!("{value:.3}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of one kind stays the worst one, with the time at which it first was of that level and that at which it was worst.
+    #[test]
+    fn a_finding_has_its_first_and_its_worst_time() {
+        let mut judge = Judge::new([("ball".to_owned(), 0..8)], Vec::new(), Limits::default());
+        let at = |time: f64, level, figure| Finding {
+            level,
+            kind: FindingKind::Penetration,
+            bodies: Some([0, 0]),
+            step: time as u64,
+            time,
+            worst_time: None,
+            sentence: String::new(),
+            position: Some([figure; 3]),
+            figure,
+        };
+        for (time, level, figure) in [(1.0, Level::Doubtful, 0.1), (2.0, Level::Wrong, 0.4), (3.0, Level::Wrong, 0.9)] {
+            judge.add(at(time, level, figure));
+        }
+        judge.add(at(4.0, Level::Wrong, 0.5));
+        let worst =
+            Finding { worst_time: Some(3.0), position: Some([0.9; 3]), figure: 0.9, ..at(2.0, Level::Wrong, 0.0) };
+        assert_eq!(judge.verdict().reasons, [worst]);
+    }
 }

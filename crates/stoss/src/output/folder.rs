@@ -82,6 +82,8 @@ pub struct FolderSettings {
     pub drawing: super::Drawing,
     /// Title of the scene.
     pub title: String,
+    /// Names of bodies, plan and text of the scene.
+    pub description: super::Description,
     /// What the results depend on.
     pub identity: SceneIdentity,
     /// Scheme, or "quasi-static".
@@ -138,6 +140,7 @@ impl ResultFolder {
         let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
         folder.remove_other_frames()?;
         folder.watch.write_file(path)?;
+        folder.settings.description.write(path)?;
         let record = simulation.initial_record();
         folder.write(simulation, &record)?;
         // A run that is killed before its first regular checkpoint can be resumed from the start.
@@ -194,6 +197,7 @@ impl ResultFolder {
         folder.watch.load(judged, positions, &simulation.state().q).map_err(damaged)?;
         folder.check_frames()?;
         folder.remove_other_frames()?;
+        folder.settings.description.write(path)?;
         folder.write_collection()?;
         // The tables may have been written anew, with other columns.
         folder.flush()?;

@@ -3,6 +3,7 @@
 //! Tables and frames are complete after every step, so that a run that is killed leaves what it had done; a resumed run cuts
 //! them back to its checkpoint and then writes the same bytes as a run that was never interrupted.
 
+mod description;
 mod drift;
 mod earlier;
 mod folder;
@@ -20,6 +21,7 @@ pub use crate::build::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
 mod tests;
 
 pub use crate::error::OutputError;
+pub use description::Description;
 pub use drift::Drift;
 pub use folder::{FolderSettings, ResultFolder};
 pub use identity::SceneIdentity;

@@ -1,0 +1,178 @@
+'use strict';
+// What stands beside the animation: charts, verdict, plan, scene, and the differences between runs.
+
+class Panels {
+  /** `go({ time, place })` shows a time, and a place if there is one. */
+  constructor(runs, go) {
+    this.runs = runs;
+    this.go = go;
+    this.tabs = new Map();
+    this.charts = [];
+    if (runs.length > 1) {
+      this.tab('Compare').append(comparison(runs));
+      document.getElementById('key').append(...runs.map((run, r) => coloured(element('span', { textContent: run.name }), r)));
+    }
+    for (const chart of overlaid(runs)) this.chart(this.tab(chart.group), chart);
+    this.tab('Verdict');
+    this.tab('Run');
+    this.tab('Scene');
+    this.open(this.tabs.keys().next().value);
+  }
+
+  /** The panel of that name; it is made when it is first asked for. */
+  tab(name) {
+    if (!this.tabs.has(name)) {
+      const button = element('button', { type: 'button', textContent: name, onclick: () => this.open(name) });
+      const panel = element('div', { className: 'panel' });
+      document.getElementById('tabs').append(button);
+      document.getElementById('panels').append(panel);
+      this.tabs.set(name, { button, panel });
+    }
+    return this.tabs.get(name).panel;
+  }
+
+  chart(panel, chart) {
+    const made = new Chart(panel, chart, (time) => this.go({ time }));
+    this.charts.push(made);
+    return made;
+  }
+
+  open(name) {
+    for (const [found, { button, panel }] of this.tabs) {
+      button.classList.toggle('on', found === name);
+      panel.classList.toggle('on', found === name);
+    }
+    this.opened = name;
+    this.redraw();
+  }
+
+  /** Charts that can be seen. */
+  seen() {
+    return this.charts.filter((chart) => chart.canvas.clientWidth > 0);
+  }
+
+  redraw() {
+    for (const chart of this.seen()) chart.draw();
+  }
+
+  setTime(time) {
+    for (const chart of this.charts) chart.time = time;
+    for (const chart of this.seen()) chart.setTime(time);
+  }
+
+  /** Texts about the run that is shown. */
+  setRun(run) {
+    this.tab('Verdict').replaceChildren(...verdict(run, this.go));
+    this.tab('Run').replaceChildren(...facts(run));
+    const scene = run.run?.scene;
+    this.tab('Scene').replaceChildren(scene ? element('pre', { textContent: scene }) : message('The folder has no scene (run.json).'));
+  }
+
+  /** A chart of the field at the picked node, in the place of the last one. */
+  node(chart) {
+    const panel = this.tab('Node');
+    const old = this.charts.findIndex((found) => found.box.parentNode === panel);
+    if (old >= 0) this.charts.splice(old, 1)[0].box.remove();
+    this.chart(panel, chart);
+    this.redraw();
+  }
+}
+
+/** Gives an element the colour of a run. */
+function coloured(made, run) {
+  made.style.color = COLOURS[run % COLOURS.length];
+  return made;
+}
+
+function message(words) {
+  return element('p', { className: 'message', textContent: words });
+}
+
+function table(rows) {
+  const row = ([name, ...values]) => element('tr', {}, [element('th', { textContent: name }), ...values.map(cell)]);
+  return element('table', {}, rows.map(row));
+}
+
+function cell(value) {
+  return value instanceof Node ? value : element('td', { textContent: typeof value === 'number' ? text(value) : String(value ?? '-') });
+}
+
+function verdict(run, go) {
+  const { verdict: found, watch } = run.summary ?? {};
+  const out = run.notes.map(message);
+  if (!found) return [...out, message('The folder has no summary (summary.json).')];
+  const reason = (finding) => element('button', {
+    type: 'button',
+    className: `finding ${finding.level}`,
+    textContent: `${finding.level}: ${finding.sentence}`,
+    onclick: () => go({ time: finding.worst_time ?? finding.time, place: finding.position }),
+  });
+  const looked = watch ? ` It looked every ${watch.every === 1 ? 'step' : `${watch.every} steps`}.` : '';
+  const words = found.reasons.length ? 'What the watch found; a click goes to the time and the place.' : 'The watch found nothing.';
+  return [...out, element('h2', { textContent: `Verdict: ${found.level}` }), element('p', { textContent: words + looked }), ...found.reasons.map(reason)];
+}
+
+/** How a run ended, in words. */
+function ending({ outcome }) {
+  return outcome ? outcome.kind + (outcome.reason ? `: ${outcome.reason}` : '') : '-';
+}
+
+function driftOf({ relative, reason }) {
+  return relative === null || relative === undefined ? reason ?? '-' : text(relative);
+}
+
+/** What a summary says, by name. */
+function summaryRows(run) {
+  const s = run.summary;
+  if (!s) return [];
+  const drifts = Object.entries(s.drift ?? {}).map(([name, drift]) => [`drift of ${name.replaceAll('_', ' ')}`, driftOf(drift)]);
+  const memory = s.memory?.peak_resident_bytes;
+  return [
+    ['outcome', ending(s)], ['verdict', s.verdict?.level], ['scheme', s.scheme], ['time reached', s.time], ['steps', s.steps],
+    ['halved steps', s.cuts], ['iterations a step', s.mean_iterations], ['most iterations', s.max_iterations], ...drifts,
+    ['wall seconds', s.wall_seconds], ['CPU seconds', s.cpu_seconds], ['part of contact', s.contact_share],
+    ['memory in MB', memory ? memory / 1e6 : '-'], ...Object.entries(s.unknowns ?? {}).map(([name, value]) => [name.replaceAll('_', ' '), value]),
+    ['linear solver', s.linear_solver], ['version', s.version],
+  ];
+}
+
+function facts(run) {
+  const out = run.notes.map(message);
+  out.push(element('h2', { textContent: `How it went: ${run.name}` }), table(summaryRows(run)));
+  const seconds = Object.entries(run.summary?.seconds ?? {});
+  if (seconds.length) out.push(element('h2', { textContent: 'Wall seconds' }), table(seconds.map(([name, { wall }]) => [name, wall])));
+  for (const contact of run.summary?.contacts ?? []) {
+    const rows = Object.entries(contact).map(([name, value]) => [name.replaceAll('_', ' '), typeof value === 'object' && value ? JSON.stringify(value) : value]);
+    out.push(element('h2', { textContent: 'Contact' }), table(rows));
+  }
+  if (run.run?.plan) out.push(element('h2', { textContent: 'Plan' }), element('pre', { textContent: run.run.plan.join('\n') }));
+  const made = run.summary?.decisions ?? [];
+  if (made.length) {
+    const rows = made.slice(0, 500).map(({ step, kind, reason, time }) => [`t = ${text(time)}`, step, kind, reason]);
+    const more = made.length > 500 ? [message(`The first 500 of ${made.length}.`)] : [];
+    out.push(element('h2', { textContent: 'Decisions' }), ...more, table(rows));
+  }
+  return out;
+}
+
+/** What differs between runs: summaries, and the last row of each table. */
+function comparison(runs) {
+  const lists = runs.map((run) => new Map([...summaryRows(run), ...finals(run)]));
+  const names = [...new Set(lists.flatMap((list) => [...list.keys()]))];
+  const rows = names.map((name) => {
+    const values = lists.map((list) => list.get(name) ?? '-');
+    const cells = values.map((value) => {
+      const made = cell(value);
+      made.classList.toggle('differs', value !== values[0]);
+      return made;
+    });
+    return [name, ...cells];
+  });
+  return table([['', ...runs.map((run) => run.name)], ...rows]);
+}
+
+function finals(run) {
+  const shown = run.tables.filter(({ name }) => ['balance', 'probes', 'joints'].includes(name));
+  return shown.flatMap(({ names, values }) =>
+    names.map((name, k) => [`${name} at the end`, values[k][values[k].length - 1] ?? null]).filter(([name]) => !/^(step|time|dt) at/.test(name)));
+}

@@ -1,0 +1,185 @@
+'use strict';
+// Starts the page. With `#test` behind its address it then uses every control, and the title says `ready` or what went wrong.
+
+/** What a control must do: the picture differs after it, and is the same again after it is taken back. */
+async function tryControls(app) {
+  const { viewer } = app;
+  const done = [];
+  const pixels = () => {
+    app.draw();
+    const { gl } = viewer;
+    const out = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+    gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, out);
+    return out;
+  };
+  const differing = (a, b) => a.reduce((count, value, k) => count + (value !== b[k] ? 1 : 0), 0);
+  const must = (name, holds) => {
+    if (!holds) throw new Error(`test: ${name}`);
+    done.push(name);
+  };
+  const use = (id, event, value) => {
+    const control = byId(id);
+    if (value !== undefined) control[typeof value === 'boolean' ? 'checked' : 'value'] = value;
+    control.dispatchEvent(new Event(event));
+  };
+  const changes = (name, act, undo) => {
+    const before = pixels();
+    act();
+    const after = pixels();
+    must(name, differing(before, after) > 0);
+    if (!undo) return;
+    undo();
+    must(`${name}, taken back`, differing(before, pixels()) === 0);
+  };
+  const [first, last] = app.ends();
+  const middle = 0.5 * (first + last);
+  use('scrub', 'input', first);
+  must('the picture is not blank', pixels().filter((value, k) => k % 4 < 3 && value < 250).length > 3000);
+  changes('scrub', () => use('scrub', 'input', middle), () => use('scrub', 'input', first));
+  must('the cursor of charts follows', app.panels.charts.every((chart) => chart.time === viewer.time));
+  changes('step forth', () => byId('forth').click(), () => byId('back').click());
+  use('scrub', 'input', middle);
+  const field = byId('field').value;
+  for (let k = -1; k < app.run.animation.fields.length; k++) {
+    use('field', 'change', String(k));
+    must(`field ${byId('field').selectedOptions[0].textContent}`, viewer.show.field === k && pixels().length > 0);
+  }
+  use('field', 'change', '0');
+  changes('another field', () => use('field', 'change', '-1'), () => use('field', 'change', '0'));
+  changes('fixed range', () => {
+    use('high', 'input', String(0.2 * app.run.animation.fields[0].range[1]));
+    use('range', 'input', 'fixed');
+  }, () => use('range', 'input', 'run'));
+  changes('range of the frame', () => {
+    use('scrub', 'input', 0.9 * first + 0.1 * last);
+    use('range', 'input', 'frame');
+  });
+  use('range', 'input', 'run');
+  use('scrub', 'input', middle);
+  use('field', 'change', field);
+  const hasSurface = app.run.animation.facets.length > 0;
+  if (hasSurface) changes('mesh', () => use('mesh', 'change', false), () => use('mesh', 'change', true));
+  changes('undeformed', () => use('outline', 'change', true), () => use('outline', 'change', false));
+  use('offset', 'input', '0.5');
+  changes('clip plane', () => use('clip', 'change', '0'));
+  changes('place of the plane', () => use('offset', 'input', '0.25'));
+  changes('other side', () => byId('flip').click(), () => byId('flip').click());
+  use('clip', 'change', '');
+  const body = byId('bodies').querySelector('input');
+  changes('hide a body', () => body.click(), () => body.click());
+  changes('view', () => byId('views').querySelectorAll('button')[3].click());
+  byId('views').querySelector('button').click();
+  const pointer = (type, x, y, more = {}) => {
+    const box = byId('scene').getBoundingClientRect();
+    byId('scene').dispatchEvent(new PointerEvent(type, { clientX: box.left + x, clientY: box.top + y, pointerId: 1, ...more }));
+  };
+  byId('scene').setPointerCapture = () => {};
+  const drag = (more) => {
+    pointer('pointerdown', 100, 100);
+    pointer('pointermove', 130, 120, more);
+    pointer('pointerup', 130, 120);
+  };
+  changes('turn', () => drag({}));
+  changes('move', () => drag({ shiftKey: true }));
+  changes('zoom', () => byId('scene').dispatchEvent(new WheelEvent('wheel', { deltaY: 200 })));
+  byId('views').querySelector('button').click();
+  pixels();
+  let seen = null;
+  for (let node = 0; node < app.run.animation.nodes && !seen; node++) {
+    const [x, y] = viewer.project(viewer.place(node));
+    const found = viewer.pick(x, y);
+    if (found?.node === node) seen = [x, y];
+  }
+  must('a node can be picked', seen !== null);
+  pointer('pointerdown', ...seen);
+  pointer('pointerup', ...seen);
+  app.draw();
+  must('its values are shown', byId('picked').textContent.includes('position'));
+  const place = app.run.animation.corner;
+  changes('go to a finding', () => app.go({ time: first, place }));
+  must('time of the finding', viewer.time === first);
+  byId('views').querySelector('button').click();
+  use('scrub', 'input', first);
+  const before = pixels();
+  const time = viewer.time;
+  byId('play').click();
+  await new Promise((resolve) => setTimeout(resolve, 400));
+  must('playing moves time', viewer.time !== time);
+  must('playing changes the picture', differing(before, pixels()) > 0);
+  byId('play').click();
+  must('pause', !app.isPlaying);
+  byId('picture').style.maxHeight = '300px';
+  await new Promise((resolve) => setTimeout(resolve, 200));
+  must('another size', byId('scene').height === byId('scene').clientHeight && byId('scene').height <= 300);
+  byId('picture').style.maxHeight = '';
+  return [...done, ...frameTime(app)];
+}
+
+/** CPU time of a frame, of which nothing is left to the graphics card: reading a pixel waits for it. */
+function frameTime(app) {
+  const { gl } = app.viewer;
+  const [first, last] = app.ends();
+  const pixel = new Uint8Array(4);
+  const count = 20;
+  const start = performance.now();
+  for (let k = 0; k < count; k++) {
+    app.setTime(first + ((last - first) * k) / count);
+    app.draw();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  }
+  return [`ms a frame: ${((performance.now() - start) / count).toFixed(1)}`];
+}
+
+/** Every panel opens, a chart takes a click, a drag and a double click, and its lines can be hidden. */
+function tryPanels(app) {
+  const { panels } = app;
+  for (const name of panels.tabs.keys()) {
+    panels.tabs.get(name).button.click();
+    if (!panels.tabs.get(name).panel.textContent) throw new Error(`test: panel ${name} is empty`);
+    const [chart] = panels.seen();
+    if (!chart) continue;
+    const plot = chart.canvas.parentNode;
+    plot.setPointerCapture = () => {};
+    const box = plot.getBoundingClientRect();
+    const pointer = (type, part) => plot.dispatchEvent(new PointerEvent(type, { clientX: box.left + part * box.width, pointerId: 1 }));
+    const press = (from, to) => [['pointerdown', from], ['pointermove', to], ['pointerup', to]].forEach(([type, part]) => pointer(type, part));
+    press(0.5, 0.5);
+    const { left, right } = chart.ends();
+    if (!(chart.time > left && chart.time < right)) throw new Error(`test: click in ${chart.title}`);
+    press(0.4, 0.6);
+    if (!(chart.ends().right - chart.ends().left < 0.5 * (right - left))) throw new Error(`test: part of ${chart.title}`);
+    plot.dispatchEvent(new MouseEvent('dblclick'));
+    if (chart.span !== null) throw new Error(`test: all of ${chart.title}`);
+    chart.labels[0].button.click();
+    if (chart.lines().length !== chart.series.length - chart.labels[0].series.length) throw new Error(`test: a line of ${chart.title}`);
+    chart.labels[0].button.click();
+  }
+  return [...panels.tabs.keys()].map((name) => `panel ${name}`);
+}
+
+async function test(app) {
+  const done = [];
+  for (let k = 0; k < app.runs.length; k++) {
+    byId('run').value = k;
+    byId('run').dispatchEvent(new Event('change'));
+    if (app.run !== app.runs[k]) throw new Error('test: choice of the run');
+    if (app.isAnimated()) done.push(...(await tryControls(app)));
+  }
+  return [...done, ...tryPanels(app)];
+}
+
+const began = performance.now();
+start()
+  .then(async (app) => {
+    document.body.dataset.state = 'ready';
+    const loaded = `loaded in ${Math.round(performance.now() - began)} ms`;
+    if (location.hash !== '#test') return;
+    const done = await test(app);
+    document.body.append(element('pre', { id: 'tested', textContent: [loaded, ...done].join('\n') }));
+    document.title = 'ready';
+  })
+  .catch((error) => {
+    document.body.dataset.state = 'error';
+    document.body.prepend(message(error.message));
+    if (location.hash === '#test') document.title = `error ${error.message}`;
+  });

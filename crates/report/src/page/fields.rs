@@ -1,0 +1,130 @@
+//! The numbers by which a frame can be coloured.
+
+use serde::Serialize;
+
+use crate::vtu::{Array, Grid};
+
+/// What is taken of an array.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    /// The number itself, or the length of a vector.
+    Size,
+    /// A principal value of a symmetric tensor, the largest first.
+    Principal(usize),
+    /// Minus the mean of the principal values.
+    Pressure,
+}
+
+/// A scalar field of the page.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Field {
+    /// Its name for people.
+    pub label: String,
+    /// Array of the frames.
+    #[serde(skip)]
+    array: String,
+    #[serde(skip)]
+    part: Part,
+}
+
+impl Field {
+    /// All fields of a frame. Displacement is left out: positions tell it.
+    pub fn of(grid: &Grid) -> Vec<Self> {
+        let field = |label: &str, array: &str, part| Self { label: label.to_owned(), array: array.to_owned(), part };
+        let mut fields = Vec::new();
+        for (name, array) in grid.point_data.iter().filter(|(name, _)| *name != "displacement") {
+            let label = name.replace('_', " ").replace("von mises", "von Mises stress");
+            let label = match name.as_str() {
+                "contact_status" => "contact status (1 sticks, 2 slides or has no friction)".to_owned(),
+                _ => label,
+            };
+            if array.components != 6 {
+                fields.push(field(&label, name, Part::Size));
+                continue;
+            }
+            for (k, place) in ["largest", "middle", "smallest"].into_iter().enumerate() {
+                fields.push(field(&format!("{place} principal {label}"), name, Part::Principal(k)));
+            }
+            fields.push(field(&format!("pressure of {label}"), name, Part::Pressure));
+        }
+        fields
+    }
+
+    /// Its value at each of these points, no number where it has none.
+    pub fn values(&self, grid: &Grid, points: &[usize]) -> Vec<f32> {
+        let Some(array) = grid.point_data.get(&self.array) else { return vec![f32::NAN; points.len()] };
+        points.iter().map(|&point| self.value(array, point) as f32).collect()
+    }
+
+    fn value(&self, array: &Array, point: usize) -> f64 {
+        match (self.part, array.row(point)) {
+            (Part::Principal(k), &[xx, yy, zz, xy, yz, xz]) => principal([xx, yy, zz, xy, yz, xz])[k],
+            (Part::Pressure, [xx, yy, zz, ..]) => -(xx + yy + zz) / 3.0,
+            _ => array.magnitude(point),
+        }
+    }
+}
+
+/// Principal values of the symmetric tensor `xx yy zz xy yz xz`, the largest first: with mean `m`, deviator `D` and
+/// `p^2 = D:D / 6` they are `m + 2 p cos(phi + 2 pi k / 3)`, `cos(3 phi) = det(D / p) / 2` (O. K. Smith, Comm. ACM 4, 1961, 168).
+pub fn principal([xx, yy, zz, xy, yz, xz]: [f64; 6]) -> [f64; 3] {
+    let mean = (xx + yy + zz) / 3.0;
+    let [a, b, c] = [xx - mean, yy - mean, zz - mean];
+    let p = ((a * a + b * b + c * c + 2.0 * (xy * xy + yz * yz + xz * xz)) / 6.0).sqrt();
+    // Not a number stays one.
+    if p == 0.0 {
+        return [mean; 3];
+    }
+    let [a, b, c, d, e, f] = [a, b, c, xy, yz, xz].map(|entry| entry / p);
+    let determinant = a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f);
+    let phi = (determinant / 2.0).clamp(-1.0, 1.0).acos() / 3.0;
+    let third = 2.0 * std::f64::consts::FRAC_PI_3;
+    let [largest, smallest] = [phi, phi + third].map(|angle| mean + 2.0 * p * angle.cos());
+    [largest, 3.0 * mean - largest - smallest, smallest]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vtu::tests::cube;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Sum, sum of squares and determinant of the principal values are those of the tensor.
+        #[test]
+        fn invariants_are_kept(t in prop::array::uniform6(-10.0..10.0_f64)) {
+            let [xx, yy, zz, xy, yz, xz] = t;
+            let [a, b, c] = principal(t);
+            prop_assert!(a >= b - 1e-9 && b >= c - 1e-9);
+            let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+            let squares = xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz);
+            prop_assert!((a + b + c - xx - yy - zz).abs() < 1e-11);
+            prop_assert!((a * a + b * b + c * c - squares).abs() < 1e-9);
+            prop_assert!((a * b * c - determinant).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn shear_and_pressure() {
+        assert_eq!(principal([2.0, 2.0, 2.0, 0.0, 0.0, 0.0]), [2.0; 3]);
+        let [a, b, c] = principal([0.0, 0.0, 0.0, 3.0, 0.0, 0.0]);
+        assert!((a - 3.0).abs() < 1e-14 && b.abs() < 1e-14 && (c + 3.0).abs() < 1e-14);
+        assert!(principal([f64::NAN; 6]).iter().all(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn a_tensor_gives_four_fields_and_displacement_none() {
+        let mut grid = cube(&[1.0; 8]);
+        let array = |components, value| Array { components, values: vec![value; 8 * components] };
+        grid.point_data.insert("cauchy_stress".into(), array(6, 0.0));
+        grid.point_data.insert("displacement".into(), array(3, 1.0));
+        grid.point_data.insert("velocity".into(), array(3, 2.0));
+        let fields = Field::of(&grid);
+        let labels: Vec<&str> = fields.iter().map(|field| field.label.as_str()).collect();
+        assert_eq!(labels[..2], ["largest principal cauchy stress", "middle principal cauchy stress"]);
+        assert_eq!(labels[3..], ["pressure of cauchy stress", "speed", "velocity"]);
+        assert_eq!(fields[5].values(&grid, &[3, 4]), [12.0_f32.sqrt(); 2]);
+        grid.point_data.clear();
+        assert!(fields[5].values(&grid, &[3]).iter().all(|value| value.is_nan()));
+    }
+}

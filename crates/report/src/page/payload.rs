@@ -1,0 +1,232 @@
+//! What the page knows of a run, packed: a length (4 bytes, little endian), a header of that length in JSON, and arrays one behind the other, all
+//! of it in one gzip member. The header says where each array is, counted from its own end.
+
+use std::io::Write;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::coding::{Scale, encode};
+use super::fields::Field;
+use super::shape::{Body, Shape};
+use super::tables::{self, Columns};
+use crate::Outcome;
+use crate::folder::Folder;
+use crate::vtu::Grid;
+
+/// Most numbers in the streams of a run: they fill 2 bytes each in a browser's memory. Beyond, frames are left out evenly.
+const NUMBERS: usize = 40_000_000;
+/// Largest code of a position.
+const CODES: f64 = 65_535.0;
+
+/// Where an array is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Place {
+    start: usize,
+    bytes: usize,
+}
+
+/// Positions and fields over the frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Animation {
+    /// Times of the frames.
+    times: Vec<f64>,
+    /// Every how many stored frames one is shown.
+    every: usize,
+    bodies: Vec<Body>,
+    /// Number of nodes.
+    nodes: usize,
+    /// Smallest corner and edges of the box of all positions: `position = corner + code / 65535 edge`.
+    corner: [f64; 3],
+    edges: [f64; 3],
+    /// Facets (four `u32`), segments (two), points (one), and the points of the frames that the nodes are (one).
+    facets: Place,
+    segments: Place,
+    points: Place,
+    numbers: Place,
+    /// Positions in the reference configuration and then those of the frames, streams of `x` of all nodes, `y`, `z`.
+    positions: Place,
+    fields: Vec<Packed>,
+}
+
+/// A field over the frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Packed {
+    #[serde(flatten)]
+    field: Field,
+    /// Largest magnitude, see [`Scale::Root`]; nothing for [`Scale::Integer`].
+    largest: Option<f64>,
+    /// Smallest and largest value.
+    range: [f64; 2],
+    stream: Place,
+}
+
+/// The header.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Header<'a> {
+    name: String,
+    summary: Option<&'a Value>,
+    run: Option<&'a Value>,
+    tables: Vec<Columns>,
+    animation: Option<Animation>,
+    notes: Vec<String>,
+}
+
+/// Places and values of the drawn nodes in all frames.
+struct Streams {
+    times: Vec<f64>,
+    reference: Vec<[f64; 3]>,
+    positions: Vec<[f64; 3]>,
+    fields: Vec<Vec<f32>>,
+}
+
+/// Packs a run; the notes say what is missing or was left out.
+///
+/// # Errors
+/// None but of the compression.
+pub fn pack(folder: &Folder) -> Outcome<(Vec<u8>, Vec<String>)> {
+    let mut notes = folder.notes.clone();
+    let mut arrays = Vec::new();
+    let animation = animation(folder, &mut arrays, &mut notes);
+    let tables = tables::all(folder, &mut notes);
+    let header = Header {
+        name: folder.name(),
+        summary: folder.summary.as_ref(),
+        run: folder.run.as_ref(),
+        tables,
+        animation,
+        notes: notes.clone(),
+    };
+    let header = serde_json::to_vec(&header)?;
+    let mut out = GzEncoder::new(Vec::new(), Compression::default());
+    out.write_all(&(header.len() as u32).to_le_bytes())?;
+    out.write_all(&header)?;
+    out.write_all(&arrays)?;
+    Ok((out.finish()?, notes))
+}
+
+/// The animation; nothing for a folder without frames that can be read.
+fn animation(folder: &Folder, arrays: &mut Vec<u8>, notes: &mut Vec<String>) -> Option<Animation> {
+    if folder.frames.is_empty() {
+        return None;
+    }
+    let first = folder.grid(0).map_err(|error| notes.push(error.to_string())).ok()?;
+    let shape = Shape::new(&first, &folder.bodies);
+    let fields = Field::of(&first);
+    if shape.nodes.is_empty() {
+        return None;
+    }
+    let count = folder.frames.len();
+    let most = (NUMBERS / (shape.nodes.len() * (3 + fields.len()))).max(2);
+    let every = count.div_ceil(most);
+    if every > 1 {
+        notes.push(format!("{}: one of {every} frames is shown, for there are many", folder.path().display()));
+    }
+    let streams = streams(folder, &shape, &fields, every, first, notes);
+    Some(packed(&streams, shape, fields, every, arrays))
+}
+
+/// Reads the frames as far as they can be read.
+fn streams(
+    folder: &Folder,
+    shape: &Shape,
+    fields: &[Field],
+    every: usize,
+    first: Grid,
+    notes: &mut Vec<String>,
+) -> Streams {
+    let reference: Vec<[f64; 3]> = shape.nodes.iter().map(|&point| first.points[point]).collect();
+    let mut streams =
+        Streams { times: Vec::new(), reference, positions: Vec::new(), fields: vec![Vec::new(); fields.len()] };
+    let last = folder.frames.len() - 1;
+    let mut grid = Some(first);
+    for k in (0..last).step_by(every).chain([last]) {
+        let read = grid.take().map_or_else(|| folder.grid(k), Ok);
+        let grid = match read.and_then(|grid| if shape.fits(&grid) { Ok(grid) } else { Err(unlike(folder, k).into()) })
+        {
+            Ok(grid) => grid,
+            Err(error) => {
+                notes.push(format!("{error}; this frame and those after it are not shown"));
+                break;
+            }
+        };
+        streams.times.push(folder.frames[k].time);
+        let displacement = grid.point_data.get("displacement").filter(|array| array.components == 3);
+        streams.positions.extend(shape.nodes.iter().zip(&streams.reference).map(|(&point, reference)| {
+            let moved = displacement.map_or(&[0.0; 3][..], |array| array.row(point));
+            // What is no number stays where it was.
+            std::array::from_fn(|k| reference[k] + if moved[k].is_finite() { moved[k] } else { 0.0 })
+        }));
+        for (field, values) in fields.iter().zip(&mut streams.fields) {
+            values.extend(field.values(&grid, &shape.nodes));
+        }
+    }
+    streams
+}
+
+fn unlike(folder: &Folder, frame: usize) -> String {
+    format!("{}: it has other cells or points than the first frame", folder.frames[frame].path.display())
+}
+
+/// Smallest corner and edges of the box around places.
+fn bounds<'a>(places: impl Iterator<Item = &'a [f64; 3]>) -> ([f64; 3], [f64; 3]) {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for place in places {
+        for k in 0..3 {
+            low[k] = low[k].min(place[k]);
+            high[k] = high[k].max(place[k]);
+        }
+    }
+    (low, std::array::from_fn(|k| high[k] - low[k]))
+}
+
+fn packed(streams: &Streams, shape: Shape, fields: Vec<Field>, every: usize, arrays: &mut Vec<u8>) -> Animation {
+    let nodes = shape.nodes.len();
+    let (corner, edges) = bounds(streams.reference.iter().chain(&streams.positions));
+    let code = |place: &[f64; 3], k: usize| match edges[k] > 0.0 {
+        true => ((place[k] - corner[k]) / edges[k] * CODES).round() as u16,
+        false => 0,
+    };
+    let rows = std::iter::once(streams.reference.as_slice()).chain(streams.positions.chunks(nodes));
+    let codes: Vec<u16> =
+        rows.flat_map(|row| (0..3).flat_map(move |k| row.iter().map(move |place| code(place, k)))).collect();
+    let mut put = |bytes: &mut dyn FnMut(&mut Vec<u8>)| {
+        let start = arrays.len();
+        bytes(arrays);
+        Place { start, bytes: arrays.len() - start }
+    };
+    let mut whole = |numbers: &[u32]| put(&mut |out| out.extend(numbers.iter().flat_map(|n| n.to_le_bytes())));
+    let facets = whole(shape.facets.as_flattened());
+    let segments = whole(shape.segments.as_flattened());
+    let points = whole(&shape.points);
+    let numbers = whole(&shape.nodes.iter().map(|&point| point as u32).collect::<Vec<_>>());
+    let positions = put(&mut |out| encode(&codes, 3 * nodes, out));
+    let fields = fields.into_iter().zip(&streams.fields).map(|(field, values)| {
+        let scale = Scale::of(values);
+        let codes: Vec<u16> = values.iter().map(|value| scale.code(*value)).collect();
+        let finite = || values.iter().copied().filter(|value| value.is_finite()).map(f64::from);
+        let range = [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)];
+        let largest = match scale {
+            Scale::Root { largest } => Some(largest),
+            Scale::Integer => None,
+        };
+        Packed { field, largest, range, stream: put(&mut |out| encode(&codes, nodes, out)) }
+    });
+    let fields: Vec<Packed> = fields.filter(|packed| packed.range[0] <= packed.range[1]).collect();
+    Animation {
+        times: streams.times.clone(),
+        every,
+        bodies: shape.bodies,
+        nodes,
+        corner,
+        edges,
+        facets,
+        segments,
+        points,
+        numbers,
+        positions,
+        fields,
+    }
+}

@@ -1,0 +1,278 @@
+//! The page: what is in it is what the run left, and a browser shows it.
+
+use std::io::Read;
+use std::path::Path;
+use std::process::Command;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
+use stoss_mesh_io::{Field, VtuFrame, write_vtu};
+use stoss_report::page::coding::decode;
+use stoss_report::page::{NAME, page, write};
+use tempfile::TempDir;
+
+const FRAMES: usize = 6;
+const CUBE: [[f64; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+];
+/// Two points of a rope and a single point behind the cube.
+const MORE: [[f64; 3]; 3] = [[2.0, 0.0, 0.5], [3.0, 0.5, 0.5], [3.0, 1.0, 1.5]];
+
+/// Place of a point in a frame: a turn, a stretch and a way.
+fn moved([x, y, z]: [f64; 3], frame: usize) -> [f64; 3] {
+    let time = frame as f64 / FRAMES as f64;
+    let (s, c) = (0.7 * time).sin_cos();
+    [c * x - s * y + time, s * x + c * y, z * (1.0 + 0.3 * time) - 0.2 * time * time]
+}
+
+/// A folder of results: a cube, a rope and a point that move, with a pressure on the cube only.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    std::fs::create_dir(folder.path().join("frames")).unwrap();
+    let points: Vec<[f64; 3]> = CUBE.iter().chain(&MORE).copied().collect();
+    let mut collection = String::from("<VTKFile><Collection>");
+    let mut balance = String::from("step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,total\n");
+    for frame in 0..FRAMES {
+        let way: Vec<f64> = points.iter().flat_map(|&p| (0..3).map(move |k| moved(p, frame)[k] - p[k])).collect();
+        let pressure: Vec<f64> = (0..11).map(|k| if k < 8 { (k * frame) as f64 * 0.125 } else { f64::NAN }).collect();
+        let point_data = vec![
+            Field { name: "displacement", components: 3, values: &way },
+            Field { name: "contact_pressure", components: 1, values: &pressure },
+        ];
+        let data = VtuFrame {
+            points: &points,
+            hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+            lines: &[vec![8, 9]],
+            vertices: &[10],
+            point_data,
+            cell_data: vec![Field { name: "body", components: 1, values: &[0.0, 1.0, 2.0] }],
+            ..VtuFrame::default()
+        };
+        write_vtu(folder.path().join(format!("frames/frame_{frame:06}.vtu")), &data).unwrap();
+        collection += &format!("<DataSet timestep=\"{}\" file=\"frames/frame_{frame:06}.vtu\"/>", frame as f64 / 10.0);
+        balance += &format!("{frame},{},0.1,1,0,0,0,0,{frame},2,{frame},3\n", frame as f64 / 10.0);
+    }
+    put("frames.pvd", &(collection + "</Collection></VTKFile>"));
+    put("balance.csv", &balance);
+    let scene = "title = '</script><b>$& http://a'";
+    let bodies = serde_json::json!({"bodies": ["cube", "rope", "mass"], "plan": ["one line"], "scene": scene});
+    put("run.json", &bodies.to_string());
+    let finding =
+        serde_json::json!({"level": "wrong", "sentence": "a node is inside", "time": 0.2, "position": [0.5, 0.5, 1.0]});
+    let summary = serde_json::json!({
+        "title": "A cube </title> & more", "steps": 5, "time": 0.5, "wall_seconds": 1.0, "outcome": {"kind": "completed"},
+        "decisions": [{"step": 2, "time": 0.2, "dt": 0.2, "kind": "Cut", "reason": "no convergence"}],
+        "verdict": {"level": "wrong", "reasons": [finding]},
+    });
+    put("summary.json", &summary.to_string());
+    folder
+}
+
+/// Header and arrays of the first run of a page.
+fn unpacked(text: &str) -> (Value, Vec<u8>) {
+    let (_, rest) = text.split_once("class=\"run\">").unwrap();
+    let (data, _) = rest.split_once("</script>").unwrap();
+    let packed = STANDARD.decode(data).unwrap();
+    // The reader for a single member must come to the end of the data: a browser refuses bytes behind it.
+    let mut reader = flate2::bufread::GzDecoder::new(packed.as_slice());
+    let mut bytes = Vec::new();
+    reader.read_to_end(&mut bytes).unwrap();
+    assert!(reader.into_inner().is_empty());
+    let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
+    (serde_json::from_slice(&bytes[4..4 + length]).unwrap(), bytes[4 + length..].to_vec())
+}
+
+fn array<'a>(bytes: &'a [u8], place: &Value) -> &'a [u8] {
+    let [start, length] = ["start", "bytes"].map(|key| place[key].as_u64().unwrap() as usize);
+    &bytes[start..start + length]
+}
+
+fn whole(bytes: &[u8], place: &Value) -> Vec<usize> {
+    let chunks = array(bytes, place).chunks(4);
+    chunks.map(|four| u32::from_le_bytes(four.try_into().unwrap()) as usize).collect()
+}
+
+#[test]
+fn positions_and_values_come_back() {
+    let folder = folder();
+    let (header, bytes) = unpacked(&page(&[folder.path()]).unwrap().text);
+    let animation = &header["animation"];
+    let numbers = whole(&bytes, &animation["numbers"]);
+    assert_eq!((numbers.len(), animation["times"].as_array().unwrap().len()), (11, FRAMES));
+    let names: Vec<&str> =
+        animation["bodies"].as_array().unwrap().iter().map(|b| b["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["cube", "rope", "mass"]);
+    let points: Vec<[f64; 3]> = CUBE.iter().chain(&MORE).copied().collect();
+    let codes = decode(array(&bytes, &animation["positions"]), 33);
+    assert_eq!(codes.len(), 33 * (FRAMES + 1));
+    for row in 0..=FRAMES {
+        for (node, &point) in numbers.iter().enumerate() {
+            // The reference configuration stands before the frames.
+            let wanted = if row == 0 { points[point] } else { moved(points[point], row - 1) };
+            for axis in 0..3 {
+                let [corner, edge] = ["corner", "edges"].map(|key| animation[key][axis].as_f64().unwrap());
+                let found = corner + edge * f64::from(codes[33 * row + 11 * axis + node]) / 65535.0;
+                assert!((found - wanted[axis]).abs() <= edge * 0.5001 / 65535.0, "{row} {point} {axis}");
+            }
+        }
+    }
+    let field = &animation["fields"][0];
+    assert_eq!((field["label"].as_str(), field["largest"].as_f64()), (Some("contact pressure"), Some(4.375)));
+    let codes = decode(array(&bytes, &field["stream"]), 11);
+    for frame in 0..FRAMES {
+        for (node, &point) in numbers.iter().enumerate() {
+            let code = codes[11 * frame + node];
+            let root = (f64::from(code) - 2048.0) / 2047.0;
+            let wanted = (point * frame) as f64 * 0.125;
+            match point < 8 {
+                true => assert!((4.375 * root * root.abs() - wanted).abs() <= 4.375 / 2047.0),
+                false => assert_eq!(code, 0),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_page_stands_by_itself() {
+    let folder = folder();
+    let page = page(&[folder.path()]).unwrap();
+    assert_eq!(page.notes, Vec::<String>::new());
+    for word in ["http:", "https:", "src=", "@import", "{{", "</title> & more"] {
+        assert!(!page.text.contains(word), "{word}");
+    }
+    assert!(page.text.contains("<title>A cube &lt;/title> &amp; more</title>"));
+    let (header, _) = unpacked(&page.text);
+    assert_eq!(header["run"]["scene"], "title = '</script><b>$& http://a'");
+}
+
+#[test]
+fn what_is_broken_is_named_and_the_rest_is_shown() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("balance.csv"), "step,time\n1\n").unwrap();
+    std::fs::write(path.join("probes.csv"), "").unwrap();
+    std::fs::write(path.join("newton.csv"), "step,time\n1,2\n").unwrap();
+    std::fs::write(path.join("frames/frame_000003.vtu"), "<VTK").unwrap();
+    let (header, _) = unpacked(&page(&[path]).unwrap().text);
+    let notes: Vec<&str> = header["notes"].as_array().unwrap().iter().map(|note| note.as_str().unwrap()).collect();
+    assert_eq!(notes.len(), 4, "{notes:?}");
+    for name in ["balance.csv", "probes.csv", "newton.csv", "frame_000003.vtu"] {
+        assert!(notes.iter().any(|note| note.contains(name)), "{name}: {notes:?}");
+    }
+    assert_eq!(header["animation"]["times"].as_array().unwrap().len(), 3);
+    std::fs::remove_file(path.join("frames/frame_000000.vtu")).unwrap();
+    let page = page(&[path]).unwrap();
+    assert!(page.notes.iter().any(|note| note.contains("frame_000000.vtu")));
+    assert!(unpacked(&page.text).0["animation"].is_null());
+}
+
+#[test]
+fn a_file_of_somebody_else_is_kept() {
+    let folder = folder();
+    let file = folder.path().join(NAME);
+    std::fs::write(&file, "my own").unwrap();
+    assert!(write(&[folder.path()]).unwrap_err().to_string().contains(NAME));
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "my own");
+    std::fs::remove_file(&file).unwrap();
+    write(&[folder.path()]).unwrap();
+    write(&[folder.path()]).unwrap();
+}
+
+/// The browser, if there is one.
+fn chromium() -> Option<&'static str> {
+    let starts = |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    ["chromium", "chromium-browser", "google-chrome"].into_iter().find(starts)
+}
+
+/// Loads a page and returns its document and what the browser's console got.
+fn load(browser: &str, file: &Path, hash: &str) -> (String, Vec<String>) {
+    let profile = tempfile::tempdir().unwrap();
+    let flags = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        "--enable-logging=stderr",
+        "--window-size=1400,900",
+        "--virtual-time-budget=30000",
+        "--dump-dom",
+    ];
+    let output = Command::new(browser)
+        .args(flags)
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(format!("file://{}{hash}", file.display()))
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    // A driver may remark that reading pixels takes time: only the test does that.
+    let is_told = |line: &&str| line.contains("CONSOLE") && !line.contains("GPU stall due to ReadPixels");
+    let console = errors.lines().filter(is_told).map(str::to_owned).collect();
+    (String::from_utf8_lossy(&output.stdout).into_owned(), console)
+}
+
+fn title(document: &str) -> &str {
+    let (_, rest) = document.split_once("<title>").unwrap_or(("", document));
+    rest.split_once("</title>").map_or(rest, |(title, _)| title)
+}
+
+/// Loads the page, lets it use all of its own controls, and wants `ready`, the names of what was tried, and an empty console.
+fn passes(browser: &str, folders: &[&Path], tried: &[&str]) {
+    write(folders).unwrap();
+    let (document, console) = load(browser, &folders[0].join(NAME), "#test");
+    assert_eq!(title(&document), "ready", "{console:?}");
+    assert_eq!(console, Vec::<String>::new());
+    let (_, list) = document.split_once("id=\"tested\">").unwrap();
+    for name in tried {
+        assert!(list.lines().any(|line| line == *name), "{name} was not tried: {list}");
+    }
+}
+
+#[test]
+fn a_browser_shows_it() {
+    let Some(browser) = chromium() else {
+        println!("skipped: no chromium on this machine");
+        return;
+    };
+    let (one, two, plain) = (folder(), folder(), folder());
+    let controls =
+        ["the picture is not blank", "scrub", "clip plane", "a node can be picked", "playing changes the picture"];
+    passes(browser, &[one.path()], &controls);
+    passes(browser, &[one.path(), two.path()], &["panel Compare", "hide a body", "panel Verdict"]);
+    // Without frames: charts only.
+    std::fs::remove_file(plain.path().join("frames.pvd")).unwrap();
+    passes(browser, &[plain.path()], &["panel Balance", "panel Solver"]);
+    passes(browser, &[plain.path(), two.path()], &["panel Compare", "scrub"]);
+    // A run that failed in its first step, and has one frame and one row.
+    for (name, keep) in [("frames.pvd", "frame_000000.vtu\"/>"), ("balance.csv", "3\n")] {
+        let file = plain.path().join(name);
+        let text = std::fs::read_to_string(two.path().join(name)).unwrap();
+        let (before, _) = text.split_once(keep).unwrap();
+        std::fs::write(
+            file,
+            format!("{before}{keep}{}", if name == "frames.pvd" { "</Collection></VTKFile>" } else { "" }),
+        )
+        .unwrap();
+    }
+    write(&[plain.path()]).unwrap();
+    let (document, console) = load(browser, &plain.path().join(NAME), "#t=0&tab=Solver&view=0,90");
+    assert!(document.contains("data-state=\"ready\"") && console.is_empty(), "{console:?}");
+    // An error of the page is told, so that the test can fail.
+    let file = one.path().join(NAME);
+    let text = std::fs::read_to_string(&file).unwrap().replacen("class=\"run\">H4s", "class=\"run\">H5s", 1);
+    std::fs::write(&file, text).unwrap();
+    assert!(title(&load(browser, &file, "#test").0).starts_with("error"));
+}

@@ -1,0 +1,41 @@
+//! `run.json`: what the other files do not say of a run and what people want to read beside its results.
+
+use super::{Drawing, OutputError};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use stoss_solver::Model;
+
+/// Names, plan and scene of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// Names of solids, surfaces, lines and points, by the number that the cell field `body` of the frames has.
+    pub bodies: Vec<String>,
+    /// Lines of the plan that `stoss check` prints.
+    pub plan: Vec<String>,
+    /// File of the scene as it was named.
+    pub file: String,
+    /// Text of the scene.
+    pub scene: String,
+}
+
+impl Description {
+    /// Of a model and what is drawn beside its solids.
+    pub fn new(model: &Model, drawing: &Drawing) -> Self {
+        let solids = model.bodies.iter().map(|body| body.solid.name().to_owned());
+        let surfaces = drawing.surfaces.iter().map(|surface| surface.name.clone());
+        let lines = drawing.lines.iter().map(|line| line.name.clone());
+        let points = drawing.points.iter().map(|point| point.name.clone());
+        Self { bodies: solids.chain(surfaces).chain(lines).chain(points).collect(), ..Self::default() }
+    }
+
+    /// Writes it into a folder of results.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn write(&self, folder: &Path) -> Result<(), OutputError> {
+        let path = folder.join("run.json");
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
+        std::fs::write(&path, text + "\n").map_err(OutputError::io(&path))
+    }
+}
