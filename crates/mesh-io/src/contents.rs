@@ -231,13 +231,7 @@ impl Contents {
         let group = group.map(|name| self.find_group(name)).transpose()?;
         let group = group.as_deref();
         self.refuse_others(group)?;
-        let kept = match group {
-            None => self.keep(0..self.elements.len() as u32),
-            Some(name) => {
-                let elements = self.instances.get(name).or_else(|| self.element_sets.get(name));
-                self.keep(elements.into_iter().flatten().copied())
-            }
-        };
+        let kept = self.keep_group(group);
         let mut mesh = self.unchecked(&kept, group.is_some())?;
         if let Some(instance) = group.filter(|name| self.instances.contains_key(*name)) {
             without_prefix(&mut mesh.node_sets, instance);
@@ -260,9 +254,21 @@ impl Contents {
         mesh.check_but_coincident().map_err(|problem| self.in_file_numbers(problem, &mesh, &kept))
     }
 
-    /// The nodes that hexahedra use.
-    pub(crate) fn used_nodes(&self) -> Vec<u32> {
-        self.keep(0..self.elements.len() as u32).old_nodes
+    /// The nodes and elements of the mesh of a group, by their indices here.
+    pub(crate) fn kept_of(&self, group: Option<&str>) -> (Vec<u32>, Vec<u32>) {
+        let group = group.and_then(|name| self.find_group(name).ok());
+        let kept = self.keep_group(group.as_deref());
+        (kept.old_nodes, kept.old_elements)
+    }
+
+    fn keep_group(&self, group: Option<&str>) -> Kept {
+        match group {
+            None => self.keep(0..self.elements.len() as u32),
+            Some(name) => {
+                let elements = self.instances.get(name).or_else(|| self.element_sets.get(name));
+                self.keep(elements.into_iter().flatten().copied())
+            }
+        }
     }
 
     fn keep(&self, elements: impl Iterator<Item = u32>) -> Kept {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use stoss_mesh::Mesh;
 
-use crate::{Contents, MeshIoError, abaqus, gmsh};
+use crate::{Contents, MeshIoError, abaqus, gmsh, vtu_mesh};
 
 /// How a reader gets at the files that a file includes.
 pub type Include<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
@@ -26,6 +26,12 @@ pub struct Format {
 pub const FORMATS: &[Format] = &[
     Format { name: "Gmsh MSH 2.2 and 4.1", extensions: &["msh"], recognise: gmsh::recognise, read: gmsh::read },
     Format { name: "Abaqus input", extensions: &["inp"], recognise: abaqus::recognise, read: abaqus::read },
+    Format {
+        name: "VTK unstructured grid",
+        extensions: &["vtu"],
+        recognise: vtu_mesh::recognise,
+        read: vtu_mesh::read,
+    },
 ];
 
 /// So many bytes decide about the format if the extension does not.

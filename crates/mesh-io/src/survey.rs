@@ -27,7 +27,7 @@ pub struct MeshSurvey {
     pub nodes: usize,
     /// Smallest and largest coordinates (lengths).
     pub bounding_box: ([f64; 3], [f64; 3]),
-    /// Quality of the elements.
+    /// Quality of the elements, which are told by their numbers in the file.
     pub quality: QualityReport,
     /// Pieces of which no two have a node in common.
     pub pieces: usize,
@@ -92,8 +92,8 @@ impl Contents {
         let mut reasons: Vec<String> = checked.as_ref().err().map(ToString::to_string).into_iter().collect();
         // What the hexahedra are like is told even if there are others beside them.
         let mesh = match (&checked, group) {
-            (Ok(mesh), _) => Some(self.survey_mesh(mesh)),
-            (Err(_), None) => self.hexahedra().ok().map(|mesh| self.survey_mesh(&mesh)),
+            (Ok(mesh), _) => Some(self.survey_mesh(mesh, group)),
+            (Err(_), None) => self.hexahedra().ok().map(|mesh| self.survey_mesh(&mesh, None)),
             (Err(_), Some(_)) => None,
         };
         if checked.is_err()
@@ -121,19 +121,23 @@ impl Contents {
         }
     }
 
-    fn survey_mesh(&self, mesh: &Mesh) -> MeshSurvey {
+    fn survey_mesh(&self, mesh: &Mesh, group: Option<&str>) -> MeshSurvey {
         let coincident = mesh.coincident_nodes();
-        let kept = self.used_nodes();
-        let number = |n: u32| kept.get(n as usize).map(|&old| self.node_source[old as usize].number);
+        // Elements and nodes are told by their numbers in the file.
+        let (nodes, elements) = self.kept_of(group);
+        let number = |n: u32| nodes.get(n as usize).map(|&old| self.node_source[old as usize].number);
+        let in_file =
+            |e: u32| elements.get(e as usize).map_or(e, |&old| self.element_source[old as usize].number as u32);
+        let mut quality = mesh.quality();
+        quality.worst_element = in_file(quality.worst_element);
+        quality.slenderest_element = in_file(quality.slenderest_element);
         MeshSurvey {
             nodes: mesh.nodes.len(),
             bounding_box: mesh.bounding_box(),
-            quality: mesh.quality(),
+            quality,
             pieces: mesh.pieces(),
             coincident,
-            coincident_numbers: coincident
-                .filter(|_| kept.len() == mesh.nodes.len())
-                .and_then(|c| Some([number(c.first)?, number(c.second)?])),
+            coincident_numbers: coincident.and_then(|c| Some([number(c.first)?, number(c.second)?])),
             element_sets: mesh.element_sets.iter().map(|(name, set)| (name.clone(), set.len())).collect(),
             facet_sets: mesh.facet_sets.iter().map(|(name, set)| (name.clone(), set.len())).collect(),
             node_sets: mesh.node_sets.iter().map(|(name, set)| (name.clone(), set.len())).collect(),
