@@ -43,17 +43,13 @@ pub fn write_mesh(path: impl AsRef<Path>, mesh: &Mesh) -> Result<(), MeshIoError
 
 /// Names must not have these characters or line ends, or differ by case only where that is the same.
 fn check_names(mesh: &Mesh, forbidden: &[char], ignores_case: bool) -> Result<(), MeshIoError> {
-    for names in [mesh.node_sets.keys(), mesh.element_sets.keys()]
-        .into_iter()
-        .map(Iterator::collect::<Vec<_>>)
-        .chain([mesh.facet_sets.keys().collect()])
-    {
+    let names: [Vec<&String>; 3] =
+        [mesh.node_sets.keys().collect(), mesh.element_sets.keys().collect(), mesh.facet_sets.keys().collect()];
+    for names in names {
         let mut seen = BTreeSet::new();
         for name in names {
-            let problem = if name.trim() != name
-                || name.is_empty()
-                || name.contains(|c: char| c.is_control() || forbidden.contains(&c))
-            {
+            let is_bad = |c: char| c.is_control() || forbidden.contains(&c);
+            let problem = if name.trim() != name || name.is_empty() || name.contains(is_bad) {
                 "a set of this name cannot be written in this format: rename it"
             } else if ignores_case && !seen.insert(name.to_uppercase()) {
                 "another set has this name but for upper and lower case: rename one of them"
@@ -66,21 +62,35 @@ fn check_names(mesh: &Mesh, forbidden: &[char], ignores_case: bool) -> Result<()
     Ok(())
 }
 
-/// Which sets each of `count` things belongs to: all combinations that occur, with their members. Names by their number.
-fn combinations<'m>(
-    sets: impl Iterator<Item = &'m Vec<u32>>,
-    count: usize,
-    keep_rest: bool,
-) -> BTreeMap<Vec<usize>, Vec<u32>> {
-    let mut of = vec![Vec::new(); count];
-    for (s, set) in sets.enumerate() {
-        set.iter().for_each(|&i| of[i as usize].push(s));
+/// Things by the combination of sets that they belong to.
+struct Combinations {
+    /// All combinations that occur, as numbers of sets.
+    all: Vec<Vec<usize>>,
+    /// Runs of things of one combination in their own order: combination, members.
+    runs: Vec<(usize, Vec<u32>)>,
+}
+
+impl Combinations {
+    /// Of `count` things; those in no set are kept or not.
+    fn new<'m>(sets: impl Iterator<Item = &'m Vec<u32>>, count: usize, keep_rest: bool) -> Combinations {
+        let mut of = vec![Vec::new(); count];
+        for (s, set) in sets.enumerate() {
+            set.iter().for_each(|&i| of[i as usize].push(s));
+        }
+        let mut numbers: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
+        let mut combinations = Combinations { all: Vec::new(), runs: Vec::new() };
+        for (i, sets) in of.into_iter().enumerate().filter(|(_, sets)| keep_rest || !sets.is_empty()) {
+            let number = *numbers.entry(sets.clone()).or_insert_with(|| {
+                combinations.all.push(sets);
+                combinations.all.len() - 1
+            });
+            match combinations.runs.last_mut() {
+                Some((last, run)) if *last == number => run.push(i as u32),
+                _ => combinations.runs.push((number, vec![i as u32])),
+            }
+        }
+        combinations
     }
-    let mut combinations: BTreeMap<Vec<usize>, Vec<u32>> = BTreeMap::new();
-    for (i, sets) in of.into_iter().enumerate().filter(|(_, sets)| keep_rest || !sets.is_empty()) {
-        combinations.entry(sets).or_default().push(i as u32);
-    }
-    combinations
 }
 
 /// All facets of facet sets, and each set by their numbers.
@@ -101,9 +111,9 @@ fn write_msh(out: &mut impl Write, mesh: &Mesh) -> io::Result<()> {
     let names: [Vec<&String>; 3] =
         [node_names.iter().collect(), mesh.facet_sets.keys().collect(), mesh.element_sets.keys().collect()];
     let entities = [
-        combinations(mesh.node_sets.values(), mesh.nodes.len(), false),
-        combinations(facet_sets.iter(), facets.len(), false),
-        combinations(mesh.element_sets.values(), mesh.elements.len(), true),
+        Combinations::new(mesh.node_sets.values(), mesh.nodes.len(), false),
+        Combinations::new(facet_sets.iter(), facets.len(), false),
+        Combinations::new(mesh.element_sets.values(), mesh.elements.len(), true),
     ];
     // Of the dimensions 0, 2 and 3; physical groups are numbered through.
     let dimensions = [0, 2, 3];
@@ -118,11 +128,11 @@ fn write_msh(out: &mut impl Write, mesh: &Mesh) -> io::Result<()> {
             writeln!(out, "{} {} \"{name}\"", dimensions[k], first[k] + i)?;
         }
     }
-    let counts = entities.each_ref().map(BTreeMap::len);
+    let counts = entities.each_ref().map(|e| e.all.len());
     writeln!(out, "$EndPhysicalNames\n$Entities\n{} 0 {} {}", counts[0], counts[1], counts[2])?;
     let (low, high) = mesh.bounding_box();
     for k in 0..3 {
-        for (e, sets) in entities[k].keys().enumerate() {
+        for (e, sets) in entities[k].all.iter().enumerate() {
             let [x, y, z] = low;
             write!(out, "{} {x} {y} {z} ", e + 1)?;
             if k > 0 {
@@ -138,12 +148,12 @@ fn write_msh(out: &mut impl Write, mesh: &Mesh) -> io::Result<()> {
     writeln!(out, "$EndEntities\n$Nodes\n1 {nodes} 1 {nodes}\n3 1 0 {nodes}")?;
     (1..=nodes).try_for_each(|n| writeln!(out, "{n}"))?;
     mesh.nodes.iter().try_for_each(|[x, y, z]| writeln!(out, "{x} {y} {z}"))?;
-    let blocks: usize = counts.iter().sum();
-    let elements: usize = entities.iter().flat_map(BTreeMap::values).map(Vec::len).sum();
+    let blocks: usize = entities.iter().map(|e| e.runs.len()).sum();
+    let elements: usize = entities.iter().flat_map(|e| &e.runs).map(|(_, run)| run.len()).sum();
     writeln!(out, "$EndNodes\n$Elements\n{blocks} {elements} 1 {elements}")?;
     let mut number = 0;
     for k in 0..3 {
-        for (e, members) in entities[k].values().enumerate() {
+        for (e, members) in &entities[k].runs {
             writeln!(out, "{} {} {} {}", dimensions[k], e + 1, [15, 3, 5][k], members.len())?;
             for &i in members {
                 number += 1;

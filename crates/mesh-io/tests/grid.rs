@@ -86,10 +86,8 @@ fn errors_say_what_is_wrong() {
     }
     // a tetrahedron with four of the points of the second cube
     let types = |kind: &str| {
-        let line = text.lines().position(|l| l.contains("Name=\"types\"")).unwrap();
-        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        lines[line + 1] = format!("12 {kind} 9");
-        lines.join("\n")
+        let start = text.find("Name=\"types\"").unwrap();
+        format!("{}{}", &text[..start], text[start..].replacen("12\n12\n9", &format!("12\n{kind}\n9"), 1))
     };
     let contents = read(types("10").as_bytes()).unwrap();
     let error = contents.mesh(None).unwrap_err().to_string();

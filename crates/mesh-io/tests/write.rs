@@ -8,7 +8,7 @@ use stoss_mesh_io::{MeshIoError, read_contents, read_mesh, write_mesh};
 
 fn ball() -> Mesh {
     let mut mesh = HollowBall { inner_diameter: 0.8, outer_diameter: 1.0, divisions: [3, 2] }.generate().unwrap();
-    mesh.element_sets.insert("first, second".replace(", ", " "), vec![0, 1]);
+    mesh.element_sets.insert("first second".into(), vec![0, 1]);
     mesh.element_sets.insert("second".into(), vec![1, 2]);
     mesh.node_sets.insert("some".into(), vec![0, 5, 7]);
     mesh.node_sets.insert("others".into(), vec![5, 6]);
@@ -26,7 +26,7 @@ fn what_is_written_is_read_again() {
             let mut again = read_mesh(&path).unwrap();
             // the reader's names for all values of an array
             again.element_sets.retain(|name, _| !name.contains('='));
-            assert_eq!(again, mesh, "{name}");
+            assert!(again == mesh, "{name}");
         }
     }
 }
@@ -45,7 +45,7 @@ fn conversions() {
         path = folder.path().join(next);
         write_mesh(&path, &mesh).unwrap();
     }
-    assert_eq!(read_mesh(&path).unwrap(), lower);
+    assert!(read_mesh(&path).unwrap() == lower);
 }
 
 #[test]
