@@ -26,6 +26,7 @@ mod build;
 mod contents;
 mod error;
 mod gmsh;
+mod include;
 mod inflate;
 mod lines;
 mod place;
@@ -41,8 +42,9 @@ mod xml;
 
 pub use contents::Contents;
 pub use error::MeshIoError;
+pub use include::Include;
 pub use pvd::{PvdEntry, PvdWriter, read_pvd_from_str};
-pub use registry::{FORMATS, Format, Include, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};
+pub use registry::{FORMATS, Format, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};
 pub use stl::{SurfaceFile, read_surface, read_surface_counted, read_surface_from_bytes};
 pub use survey::{CellCount, MeshSurvey, Survey};
 pub use vtu::{Field, VtuFrame, write_vtu, write_vtu_to};

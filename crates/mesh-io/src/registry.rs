@@ -5,10 +5,8 @@ use std::path::Path;
 
 use stoss_mesh::Mesh;
 
+use crate::include::Include;
 use crate::{Contents, MeshIoError, abaqus, gmsh, vtu_mesh};
-
-/// How a reader gets at the files that a file includes.
-pub type Include<'a> = &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>;
 
 /// A mesh format.
 pub struct Format {

@@ -17,6 +17,7 @@
 //! all others (materials, steps, ...) are skipped: no physics of a file is read.
 
 mod data;
+mod data_lines;
 mod flatten;
 mod keyword;
 mod model;
@@ -26,7 +27,7 @@ mod sets;
 
 use std::path::Path;
 
-use crate::registry::Include;
+use crate::include::Include;
 use crate::{Contents, MeshIoError};
 
 /// Does a text look like an input file?

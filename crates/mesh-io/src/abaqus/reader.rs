@@ -7,9 +7,9 @@ use super::keyword::{Item, Keyword, next};
 use super::model::{Instance, Kind, Names, Part};
 use super::section::Section;
 use super::sets::Labels;
+use crate::include::Include;
 use crate::lines::{Lines, unsupported};
 use crate::place::Place;
-use crate::registry::Include;
 use crate::{Contents, MeshIoError};
 
 /// Keywords that would change the mesh.

@@ -20,9 +20,9 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use crate::build::Builder;
+use crate::include::Include;
 use crate::lines::{Lines, unsupported};
 use crate::place::Place;
-use crate::registry::Include;
 use crate::{Contents, MeshIoError};
 
 /// Does a text begin like an MSH file?

@@ -17,8 +17,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::contents::{Source, entry};
+use crate::include::Include;
 use crate::place::Place;
-use crate::registry::Include;
 use crate::{Contents, MeshIoError, xml};
 use arrays::Arrays;
 
