@@ -1,9 +1,10 @@
 //! The program `stoss`: runs scenes, checks them, prints the scene format's schema.
 //!
-//! Exit codes: 0 done; 1 files could not be read or written; 2 the scene or the command line is wrong; 3 the
+//! Exit codes: 0 done; 1 files could not be read or written; 2 the scene, a mesh file or the command line is wrong; 3 the
 //! simulation stopped early (all completed steps are kept); 4 the run went on, but the watch found its result wrong.
 
 mod diagnostics;
+mod mesh;
 mod progress;
 mod terminal;
 
@@ -66,6 +67,11 @@ enum Command {
         /// A folder of results.
         out: PathBuf,
     },
+    /// Looks at mesh files.
+    Mesh {
+        #[command(subcommand)]
+        command: mesh::MeshCommand,
+    },
     /// Prints the JSON schema of the scene format.
     Schema,
 }
@@ -86,6 +92,7 @@ fn main() -> ExitCode {
         Command::Report { out } => report(&out),
         Command::Check { scene } => check(&scene),
         Command::Judge { out } => judge(&out),
+        Command::Mesh { command } => mesh::command(command),
         Command::Schema => tell(&stoss::scene::json_schema()),
     }
 }

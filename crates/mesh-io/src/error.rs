@@ -95,23 +95,6 @@ pub enum MeshIoError {
         /// `det J` (a volume per reference volume).
         jacobian: f64,
     },
-    /// Two nodes at the same place.
-    #[error(
-        "{}:{line}: node {second} is at the place of node {first} (distance {distance:e}): merge coincident nodes (in Gmsh: Coherence \
-         Mesh), or write one file for each body", path.display()
-    )]
-    CoincidentNodes {
-        /// The file.
-        path: PathBuf,
-        /// The line of the second node.
-        line: usize,
-        /// The one node.
-        first: u64,
-        /// The other node.
-        second: u64,
-        /// Their distance.
-        distance: f64,
-    },
     /// Two elements on the same side of a facet.
     #[error("{}:{line}: elements {} and {} overlap: remove one of them", path.display(), elements[0], elements[1])]
     OverlappingElements {
@@ -121,6 +104,16 @@ pub enum MeshIoError {
         line: usize,
         /// Their numbers.
         elements: [u64; 2],
+    },
+    /// The file has no such group of elements.
+    #[error("{}: {problem}; {known}", path.display())]
+    NoGroup {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with the name.
+        problem: String,
+        /// The groups that there are.
+        known: String,
     },
     /// Any other problem of the mesh.
     #[error("{}: {source}", path.display())]

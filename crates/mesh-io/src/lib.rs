@@ -1,6 +1,9 @@
-//! Readers of Gmsh and Abaqus meshes and of STL surfaces, writers of VTU frames and PVD collections.
+//! Readers of Gmsh, Abaqus and VTU meshes and of STL surfaces, writers of meshes, of VTU frames and PVD collections.
 //!
-//! * [`read_mesh`]: a mesh file of any format of the registry [`FORMATS`], checked and ready to compute with;
+//! * [`read_contents`]: what a mesh file of any format of the registry [`FORMATS`] says; [`Contents::mesh`]: the mesh of the file or of
+//!   one of its groups, checked and ready to compute with; [`Contents::survey`]: what is in it, and whether it can be used;
+//! * [`read_mesh`]: both at once for a whole file;
+//! * [`write_mesh`]: a mesh with its sets as a Gmsh, Abaqus or VTU file;
 //! * [`read_surface`]: the surface of a rigid body from an STL file, text or binary;
 //! * [`VtuFrame`], [`write_vtu`], [`read_vtu`]: one frame of results for ParaView;
 //! * [`PvdWriter`]: the collection of frames over time.
@@ -13,28 +16,37 @@
 //! Nothing here knows what a result means, and no physics of a file (materials, steps, boundary conditions) is read.
 //!
 //! # How to add a format
-//! Write `src/<format>.rs` (or a folder) with `fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError>`. Go
-//! through the file with `lines::Lines`, which counts lines and makes errors; put what is found into `build::Builder`,
-//! which takes arbitrary numbers, drops unused nodes, matches facets and checks the mesh. Then add a row to
-//! [`FORMATS`], files to `tests/data`, and a line to the mutation test in `tests/fuzz.rs`. Nothing else changes.
+//! See `docs/how-to-add/mesh-format.md`: a reader that fills [`Contents`], a row of [`FORMATS`], files to `tests/data`, and a line to the
+//! mutation tests in `tests/fuzz.rs`.
 
 mod abaqus;
 mod atomic;
 mod base64;
 mod build;
+mod contents;
 mod error;
 mod gmsh;
+mod include;
+mod inflate;
 mod lines;
+mod place;
 mod pvd;
 mod registry;
 mod stl;
+mod survey;
 mod vtu;
+mod vtu_mesh;
 mod vtu_read;
+mod write;
 mod xml;
 
+pub use contents::Contents;
 pub use error::MeshIoError;
+pub use include::Include;
 pub use pvd::{PvdEntry, PvdWriter, read_pvd_from_str};
-pub use registry::{FORMATS, Format, read_mesh, read_mesh_from_str};
+pub use registry::{FORMATS, Format, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};
 pub use stl::{SurfaceFile, read_surface, read_surface_counted, read_surface_from_bytes};
+pub use survey::{CellCount, MeshSurvey, Survey};
 pub use vtu::{Field, VtuFrame, write_vtu, write_vtu_to};
 pub use vtu_read::{OwnedField, VtuData, read_vtu, read_vtu_from_str};
+pub use write::write_mesh;

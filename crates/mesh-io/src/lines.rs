@@ -5,6 +5,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use crate::MeshIoError;
+use crate::place::Place;
 
 /// The longest piece of a file that an error repeats.
 const EXCERPT: usize = 60;
@@ -13,6 +14,8 @@ const EXCERPT: usize = 60;
 #[derive(Clone)]
 pub(crate) struct Lines<'a> {
     pub path: &'a Path,
+    /// Number of the file among those that are read together.
+    pub file: u32,
     rest: std::iter::Enumerate<std::str::Lines<'a>>,
     /// Number of the last line returned.
     pub number: usize,
@@ -21,7 +24,12 @@ pub(crate) struct Lines<'a> {
 impl<'a> Lines<'a> {
     pub fn new(path: &'a Path, text: &'a str) -> Lines<'a> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        Lines { path, rest: text.lines().enumerate(), number: 0 }
+        Lines { path, file: 0, rest: text.lines().enumerate(), number: 0 }
+    }
+
+    /// The current line.
+    pub fn place(&self) -> Place {
+        Place { file: self.file, at: self.number as u64 }
     }
 
     /// The next line that is not blank, or `None` at the end.

@@ -1,10 +1,12 @@
 //! The list of formats, and the choice among them.
 
+use std::io;
 use std::path::Path;
 
 use stoss_mesh::Mesh;
 
-use crate::{MeshIoError, abaqus, gmsh};
+use crate::include::Include;
+use crate::{Contents, MeshIoError, abaqus, gmsh, vtu_mesh};
 
 /// A mesh format.
 pub struct Format {
@@ -12,46 +14,85 @@ pub struct Format {
     pub name: &'static str,
     /// Extensions in lower case, without the point.
     pub extensions: &'static [&'static str],
-    /// True if the beginning of a text looks like this format; asked only if the extension decides nothing.
+    /// True if the beginning of a file looks like this format; asked only if the extension decides nothing.
     pub recognise: fn(&str) -> bool,
-    /// The reader; the path serves messages only.
-    pub read: fn(&Path, &str) -> Result<Mesh, MeshIoError>,
+    /// The reader; the path serves messages and the names of included files only.
+    pub read: fn(&Path, &[u8], Include<'_>) -> Result<Contents, MeshIoError>,
 }
 
 /// All formats.
 pub const FORMATS: &[Format] = &[
-    Format { name: "Gmsh MSH 2.2 and 4.1 (text)", extensions: &["msh"], recognise: gmsh::recognise, read: gmsh::read },
+    Format { name: "Gmsh MSH 2.2 and 4.1", extensions: &["msh"], recognise: gmsh::recognise, read: gmsh::read },
     Format { name: "Abaqus input", extensions: &["inp"], recognise: abaqus::recognise, read: abaqus::read },
+    Format {
+        name: "VTK unstructured grid",
+        extensions: &["vtu"],
+        recognise: vtu_mesh::recognise,
+        read: vtu_mesh::read,
+    },
 ];
 
+/// So many bytes decide about the format if the extension does not.
+const BEGINNING: usize = 1 << 16;
+
 /// Reads a mesh file: the format follows from the extension, or else from the content. The mesh is checked
-/// ([`Mesh::check`]); nodes that no hexahedron uses are dropped, and so are sets that have nothing else.
+/// ([`Contents::mesh`]); nodes that no hexahedron uses are dropped, and so are sets that have nothing else.
 ///
 /// # Errors
 /// Everything in [`MeshIoError`] that concerns reading.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, MeshIoError> {
-    let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
-    // names of sets may be in any encoding; everything else is ASCII
-    read_mesh_from_str(path, &String::from_utf8_lossy(&bytes))
+    read_contents(path)?.mesh(None)
 }
 
-/// [`read_mesh`] for a text in memory; `path` chooses the format and stands in messages.
+/// What a mesh file says, before a group is chosen and the mesh is checked.
 ///
 /// # Errors
-/// As for [`read_mesh`].
-pub fn read_mesh_from_str(path: impl AsRef<Path>, text: &str) -> Result<Mesh, MeshIoError> {
+/// As for [`read_mesh`], but for what is wrong with the mesh itself.
+pub fn read_contents(path: impl AsRef<Path>) -> Result<Contents, MeshIoError> {
+    let path = path.as_ref();
+    let bytes = regular(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
+    read_contents_from_bytes(path, &bytes, &mut regular)
+}
+
+/// [`read_contents`] for bytes in memory; `path` chooses the format and stands in messages, `include` gives the files that the
+/// file includes.
+///
+/// # Errors
+/// As for [`read_contents`].
+pub fn read_contents_from_bytes(
+    path: impl AsRef<Path>,
+    bytes: &[u8],
+    include: Include<'_>,
+) -> Result<Contents, MeshIoError> {
     let path = path.as_ref();
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let beginning = || String::from_utf8_lossy(&bytes[..bytes.len().min(BEGINNING)]);
     let format = FORMATS
         .iter()
         .find(|f| f.extensions.contains(&extension.as_str()))
-        .or_else(|| FORMATS.iter().find(|f| (f.recognise)(text)));
+        .or_else(|| FORMATS.iter().find(|f| (f.recognise)(&beginning())));
     match format {
-        Some(format) => (format.read)(path, text),
+        Some(format) => (format.read)(path, bytes, include),
         None => Err(MeshIoError::UnknownFormat {
             path: path.to_owned(),
             known: FORMATS.iter().map(|f| format!("{} (.{})", f.name, f.extensions.join(", ."))).collect(),
         }),
     }
+}
+
+/// [`read_mesh`] for a text in memory, which includes no other files; `path` chooses the format and stands in messages.
+///
+/// # Errors
+/// As for [`read_mesh`].
+pub fn read_mesh_from_str(path: impl AsRef<Path>, text: &str) -> Result<Mesh, MeshIoError> {
+    let mut none = |_: &Path| Err(io::Error::new(io::ErrorKind::Unsupported, "a text in memory includes no files"));
+    read_contents_from_bytes(path, text.as_bytes(), &mut none)?.mesh(None)
+}
+
+/// The content of a regular file; a pipe or a device may have no end.
+fn regular(path: &Path) -> io::Result<Vec<u8>> {
+    if std::fs::metadata(path)?.is_file() {
+        return std::fs::read(path);
+    }
+    Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file; save it as one and name that"))
 }

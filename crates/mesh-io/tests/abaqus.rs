@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use stoss_mesh::Mesh;
-use stoss_mesh_io::{MeshIoError, read_mesh, read_mesh_from_str};
+use stoss_mesh_io::{Contents, MeshIoError, read_contents_from_bytes, read_mesh, read_mesh_from_str};
 use stoss_reference_element::hex8;
 
 fn read(text: &str) -> Result<Mesh, MeshIoError> {
@@ -98,13 +98,19 @@ fn a_part_with_one_instance() {
 
 #[test]
 fn errors_name_the_line() {
+    // a cube as a part with a node set "a" and a surface "side", with one instance
+    let as_part = |more: &str, placement: &str| {
+        let text = CUBE.replace("*NODE, NSET", "*PART, NAME=p\n*NODE, NSET");
+        format!(
+            "{text}*NSET, NSET=a\n1\n*SURFACE, NAME=side\n7, S3\n*INSTANCE, NAME=i, PART=P\n{placement}\n*END INSTANCE\n{more}\n"
+        )
+    };
     let replaced = |from: &str, to: &str| {
         assert!(CUBE.contains(from));
         CUBE.replacen(from, to, 1)
     };
     let add = |more: &str| format!("{CUBE}{more}\n");
     let rows = [
-        (replaced("2, 1, -1, -1", "2, 1, -1"), 5, "end of line"),
         (replaced("2, 1, -1, -1", "2, 1, one, -1"), 5, "\"one\""),
         (replaced("2, 1, -1, -1", "2, 1, 1e999, -1"), 5, "finite"),
         (replaced("2, 1, -1, -1", "1, 1, -1, -1"), 5, "line 4"),
@@ -115,7 +121,7 @@ fn errors_name_the_line() {
         (replaced("5, 6, 7, 80", "5, 6, 7, 80, 3"), 15, "more than 8 nodes"),
         (replaced("5, 6, 7, 80", "5, 6, 7, 7"), 15, "twice"),
         (replaced("7, 1, 2, 3, 4, 5", "7, 4, 3, 2, 1, 5"), 15, "element 7"),
-        (replaced("Type=c3d8", "Type=C3D8R"), 13, "1 elements C3D8R"),
+        (replaced("Type=c3d8", "Type=C3D8H"), 13, "1 elements C3D8H"),
         (replaced("Type=c3d8", "Typ=c3d8"), 13, "needs the parameter TYPE"),
         (add("*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n2,1,2,\n3,4"), 16, "2 elements C3D4"),
         (add("*ELEMENT, TYPE=MASS\n1,1"), 16, "1 elements MASS"),
@@ -128,16 +134,24 @@ fn errors_name_the_line() {
             "2 elements C3D10",
         ),
         (
-            replaced("Type=c3d8", "Type=C3D8R") + "*SURFACE, NAME=top\nbody, S2\n*NSET, NSET=foot, ELSET=body\n",
+            replaced("Type=c3d8", "Type=C3D8T") + "*SURFACE, NAME=top\nbody, S2\n*NSET, NSET=foot, ELSET=body\n",
             13,
-            "1 elements C3D8R",
+            "1 elements C3D8T",
         ),
         (add("*ELEMENT, TYPE=S4, ELSET=shell\n30,1,2,3,4\n*SURFACE, NAME=top\nshell, SPOS"), 16, "1 elements S4"),
         (add("*ELEMENT, TYPE=S4\n30,1,2,3,4\n*SURFACE, NAME=top\nshell, S1"), 16, "1 elements S4"),
-        (add("*INCLUDE, INPUT=more.inp"), 16, "*INCLUDE"),
+        (add("*INCLUDE, INPUT=more.inp"), 16, "a text in memory includes no files"),
+        (add("*INCLUDE"), 16, "needs the parameter INPUT"),
+        (add("*NODE, INPUT=part.inp"), 16, "in a circle"),
         (add("*NGEN\n1,3"), 16, "*NGEN"),
-        (add("*PART, NAME=a\n*PART, NAME=b"), 17, "a second *PART"),
-        (add("*INSTANCE, NAME=a, PART=p\n*END INSTANCE\n*INSTANCE, NAME=b, PART=p"), 18, "a second *INSTANCE"),
+        (add("*PART, NAME=a\n*END PART\n*PART, NAME=A"), 18, "there is a part of this name"),
+        (
+            add("*PART, NAME=p\n*INSTANCE, NAME=a, PART=p\n*INSTANCE, NAME=A, PART=P"),
+            18,
+            "there is an instance of this name",
+        ),
+        (add("*INSTANCE, NAME=a, PART=p"), 16, "no part p"),
+        (add("*NSET, NSET=a\n1, 2\n*ASSEMBLY\n*NSET, NSET=b, INSTANCE=i\n1"), 19, "no instance i"),
         (add("*NSET\n1"), 16, "needs the parameter NSET"),
         (add("*NSET, NSET=a\n1, 9"), 17, "no node 9"),
         (add("*NSET, NSET=a\nb"), 17, "node set (or number) b"),
@@ -151,10 +165,13 @@ fn errors_name_the_line() {
         (add("*SURFACE, NAME=a\nbody, S7"), 17, "S1 to S6"),
         (add("*SURFACE, NAME=a\nbody, SPOS"), 17, "S1 to S6"),
         (add("*SURFACE, NAME=a\nnobody, S1"), 17, "nobody"),
-        (add("*SURFACE, NAME=a, TYPE=SEGMENTS\n1,2"), 16, "SEGMENTS"),
         (add("*SURFACE, TYPE=ELEMENT\n1,S1"), 16, "NAME"),
-        (add("*NSET, NSET=a\n1\n*ASSEMBLY\n*NSET, NSET=A, INSTANCE=i\n2"), 19, "other content"),
-        (add("*INSTANCE, NAME=i, PART=p\n1, 2"), 17, "placement"),
+        (as_part("*NSET, NSET=A, INSTANCE=i\n2", ""), 24, "other content"),
+        (as_part("*SURFACE, NAME=Top\nbody, S2\n*SURFACE, NAME=side\nbody, S3", ""), 20, "both have a surface"),
+        (as_part("", "1, 2, 3\n0, 0, 0, 1, 0, 90"), 23, "7 numbers"),
+        (as_part("", "1, 2, 3\n0,0,0,0,0,0,90"), 23, "rotation axis"),
+        (as_part("", "1, 2, 3\n0,0,0,0,0,1,90\n0"), 24, "at most a translation and a rotation"),
+        (as_part("", "1, 2, x"), 22, "\"x\""),
     ];
     for (source, line, message) in rows {
         let error = read(&source).unwrap_err().to_string();
@@ -164,8 +181,118 @@ fn errors_name_the_line() {
         );
     }
     assert!(matches!(read("*HEADING\n"), Err(MeshIoError::NoHexahedra { .. })));
-    let rotated = add("*INSTANCE, NAME=i, PART=p\n1, 2, 3\n0,0,0,0,0,0,90");
-    assert!(read(&rotated).unwrap_err().to_string().contains("rotation axis"));
+}
+
+fn contents(text: &str) -> Contents {
+    read_contents_from_bytes("part.inp", text.as_bytes(), &mut |_| Err(std::io::ErrorKind::NotFound.into())).unwrap()
+}
+
+/// What is read otherwise than it is written is told.
+#[test]
+fn notes() {
+    let text = format!("{CUBE}*SURFACE, NAME=a, TYPE=SEGMENTS\n1,2\n").replace("c3d8", "c3d8r");
+    let contents = contents(&text);
+    let mesh = contents.mesh(None).unwrap();
+    assert_eq!((mesh.elements.len(), mesh.facet_sets.len()), (1, 0));
+    let notes = contents.notes().join("\n");
+    assert!(notes.contains("1 elements C3D8R (first in line 15) are computed as C3D8"), "{notes}");
+    assert!(notes.contains("surface \"a\" (line 16) is left out: its type is SEGMENTS"), "{notes}");
+}
+
+/// Coordinates that are left out are zero, at the end of a line and within.
+#[test]
+fn blank_coordinates_are_zero() {
+    let shift = |x: &str| CUBE.replace(" -1", " 0").replace("*NODE, NSET=everything\n1, 0, 0, 0", x);
+    let mesh = read(&shift("*NODE\n1").replace("2, 1, 0, 0", "2, 1").replace("5, 0, 0, 1", "5,,,1")).unwrap();
+    assert_eq!((mesh.nodes[0], mesh.nodes[1], mesh.nodes[4]), ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]));
+}
+
+/// A part with two instances, moved and turned, and a part of its own: groups, and sets with the names of their instances.
+const PARTS: &str = include_str!("data/parts.inp");
+
+#[test]
+fn instances_are_groups() {
+    let contents = contents(PARTS);
+    assert_eq!(contents.groups(), ["Both", "Lower", "Lower.whole", "Point", "Upper", "Upper.whole"]);
+    // the whole file has a tetrahedron
+    let error = contents.mesh(None).unwrap_err().to_string();
+    assert!(error.starts_with("part.inp:24: 1 elements C3D4 (line 24): "), "{error}");
+    let error = contents.mesh(Some("Point")).unwrap_err().to_string();
+    assert!(error.contains("1 elements C3D4"), "{error}");
+
+    let lower = contents.mesh(Some("Lower")).unwrap();
+    assert_eq!((lower.nodes[6], lower.elements.len()), ([1.0; 3], 1));
+    assert_eq!(lower.nodes_of("foot").unwrap(), [0, 1, 2, 3]);
+    assert_eq!(lower.nodes_of("Feet").unwrap(), [0, 1, 2, 3]);
+    assert_eq!(lower.facets_of("Top").unwrap()[0].nodes, [4, 5, 6, 7]);
+    assert!(!lower.has_set("Contact") && !lower.has_set("Upper.Top"));
+
+    // up by 1, then by 90 degrees about the z-axis: (1, 1, 1) -> (1, 1, 2) -> (-1, 1, 2)
+    let upper = contents.mesh(Some("upper")).unwrap();
+    assert_eq!(upper.nodes_of("Feet").unwrap(), [6]);
+    for (a, b) in upper.nodes[6].into_iter().zip([-1.0, 1.0, 2.0]) {
+        assert!((a - b).abs() < 1e-14);
+    }
+    let contact = upper.facets_of("Contact").unwrap();
+    assert!(contact.len() == 1 && contact[0].nodes.iter().all(|&n| upper.nodes[n as usize][2] == 1.0));
+    let both = contents.mesh(Some("Both")).unwrap();
+    assert_eq!((both.elements.len(), both.nodes.len(), both.pieces()), (2, 16, 2));
+    assert_eq!(both.facets_of("Upper.Top").unwrap().len(), 1);
+    // the top of the one and the bottom of the other, turned, have the edge from (0, 0, 1) to (0, 1, 1) in common
+    assert_eq!(both.coincident_nodes().unwrap().count, 2);
+
+    let error = contents.mesh(Some("Middle")).unwrap_err().to_string();
+    assert!(error.contains("no group \"Middle\"") && error.contains("\"Lower\""), "{error}");
+    let error = contents.mesh(Some("contact")).unwrap_err().to_string();
+    assert!(error.contains("is a group of facets"), "{error}");
+    let error = contents.mesh(Some("Feet")).unwrap_err().to_string();
+    assert!(error.contains("is a group of nodes"), "{error}");
+
+    let survey = contents.survey(None);
+    assert_eq!(survey.usable_groups, ["Both", "Lower", "Lower.whole", "Upper", "Upper.whole"]);
+    assert_eq!(survey.reasons.len(), 1);
+    let cells: Vec<_> = survey.cells.iter().map(|c| (c.name.as_str(), c.count, c.first.as_str(), c.read)).collect();
+    // the brick stands in the file once and in the assembly twice
+    assert_eq!(cells, [("C3D8", 2, "line 12", true), ("elements C3D4", 1, "line 24", false)]);
+    assert!(contents.survey(Some("Lower")).reasons.is_empty());
+}
+
+#[test]
+fn files_within_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    let (nodes, rest) = CUBE.split_once("** a comment\n").unwrap();
+    let (last_nodes, elements) = rest.split_once("*Element").unwrap();
+    write("main.inp", "*include, input=sub/nodes.inp\n*INCLUDE, INPUT=\"sub/rest.inp\"\n");
+    write("sub/nodes.inp", &format!("{nodes}*INCLUDE,\n INPUT = more nodes.inp\n"));
+    write("sub/more nodes.inp", last_nodes);
+    write("sub/rest.inp", &format!("*Element{elements}*NSET, NSET=far\n7, 80\n"));
+    let mesh = read_mesh(folder.path().join("main.inp")).unwrap();
+    assert_eq!(mesh, read(&format!("{CUBE}*NSET, NSET=far\n7, 80\n")).unwrap());
+
+    // data of a keyword in a file of its own
+    write("main.inp", &format!("*NODE, NSET=everything, INPUT=data.inp\n*Element{elements}"));
+    write("data.inp", &CUBE.lines().filter(|l| l.starts_with(char::is_numeric)).take(8).collect::<Vec<_>>().join("\n"));
+    assert_eq!(read_mesh(folder.path().join("main.inp")).unwrap(), read(CUBE).unwrap());
+
+    let error = |text: &str| {
+        write("main.inp", text);
+        read_mesh(folder.path().join("main.inp")).unwrap_err().to_string()
+    };
+    let absent = error("*HEADING\n*INCLUDE, INPUT=none.inp\n");
+    assert!(absent.contains("main.inp:2: *INCLUDE, INPUT=none.inp: ") && absent.contains("relative"), "{absent}");
+    write("sub/circle.inp", "\n*INCLUDE, INPUT=circle.inp\n");
+    let circle = error("*INCLUDE, INPUT=sub/circle.inp\n");
+    assert!(circle.contains("circle.inp:2: ") && circle.contains("circle"), "{circle}");
+    // a circle by ever longer names
+    write("sub/longer.inp", "*INCLUDE, INPUT=../sub/longer.inp\n");
+    let longer = error("*INCLUDE, INPUT=sub/longer.inp\n");
+    assert!(longer.contains("too many files"), "{longer}");
+    write("sub/bad.inp", "*NODE\n1, x\n");
+    let bad = error("*INCLUDE, INPUT=sub/bad.inp\n");
+    assert!(bad.contains("bad.inp:2: \"x\""), "{bad}");
+    assert!(error("*INCLUDE, INPUT=sub\n").contains("not a regular file"));
 }
 
 /// Sets of sets cannot explode.

@@ -1,10 +1,12 @@
 //! Gmsh files. `tests/data/ring-*.msh` were saved by Gmsh 4: a quarter ring (radii 1 and 2, height 0.5) of two
 //! volumes of 45 degrees with 2 x 3 x 2 hexahedra each, groups of all dimensions, one surface between the volumes.
+//! `tests/data/two-*.msh`: two cubes of 2 x 2 x 2 hexahedra on one another with common nodes, saved by Gmsh 4.15 as text and binary;
+//! those with other byte orders and sizes, which Gmsh does not write on this machine, were made from the text by a script of 40 lines.
 
 use std::path::Path;
 
 use stoss_mesh::{Mesh, MeshError};
-use stoss_mesh_io::{MeshIoError, read_mesh, read_mesh_from_str};
+use stoss_mesh_io::{MeshIoError, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};
 
 fn data(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -88,7 +90,7 @@ fn content_decides_without_an_extension() {
     let error = read_mesh_from_str("part.stl", "solid x").unwrap_err().to_string();
     assert_eq!(
         error,
-        "part.stl: unknown mesh format; known are Gmsh MSH 2.2 and 4.1 (text) (.msh), Abaqus input (.inp)"
+        "part.stl: unknown mesh format; known are Gmsh MSH 2.2 and 4.1 (.msh), Abaqus input (.inp), VTK unstructured grid (.vtu)"
     );
     assert!(matches!(read_mesh("no/such/file.msh"), Err(MeshIoError::Io { .. })));
 }
@@ -138,7 +140,7 @@ fn errors_name_the_line() {
     let rows = [
         (replaced("2.2 0 8", "1.0 0 8"), 2, "MSH version 1.0"),
         (replaced("2.2 0 8", "4.0 0 8"), 2, "MSH version 4.0"),
-        (replaced("2.2 0 8", "2.2 1 8"), 2, "binary"),
+        (replaced("2.2 0 8", "2.2 2 8"), 2, "1 for binary"),
         (replaced("$MeshFormat", "$NOD"), 1, "begins with $MeshFormat"),
         (replaced("2 7 \"lid\"", "2 7 lid"), 6, "in quotes"),
         (replaced("5 -1 -1 -1", "5 -1 x -1"), 10, "\"x\": expected a coordinate"),
@@ -159,7 +161,7 @@ fn errors_name_the_line() {
         (replaced("$Elements", "$Elephants").replace("$EndElements", "$EndElephants"), 23, "no $Elements section"),
         (replaced("$Nodes", "$NodeData").replace("$EndNodes", "$EndNodeData"), 19, "$Nodes must come before"),
         (replaced("$EndNodes\n", "$EndNodes\nhello\n"), 19, "beginning of a section"),
-        (replaced("3 5 2 0 1", "3 17 2 0 1"), 21, "1 20-node hexahedra (type 17)"),
+        (replaced("3 5 2 0 1", "3 17 2 0 1 5 5 5 5 5 5 5 5 5 5 5 5"), 21, "1 20-node hexahedra (type 17)"),
         (String::new(), 1, "expected $MeshFormat"),
         (
             cube(&["1 1 2 7 1 45 55"])
@@ -180,15 +182,16 @@ fn errors_name_the_line() {
 
 #[test]
 fn problems_of_the_mesh_are_told_in_the_numbers_of_the_file() {
-    // two cubes on one another with their own nodes each
+    // two cubes on one another with their own nodes each: two bodies that touch
     let mut two = cube(&["4 5 2 0 1 105 115 125 135 145 155 165 175"]).replace("$Nodes\n8", "$Nodes\n16");
     let mut extra = String::new();
     for (i, x) in stoss_reference_element::hex8::VERTICES.iter().enumerate() {
         extra += &format!("{} {} {} {}\n", 105 + 10 * i, x[0], x[1], x[2] + 2.0);
     }
     two = two.replace("$EndNodes", &format!("{extra}$EndNodes"));
-    let error = read(&two).unwrap_err();
-    assert!(matches!(error, MeshIoError::CoincidentNodes { first: 45, second: 105, line: 18, .. }), "{error}");
+    let mesh = read(&two).unwrap();
+    let coincident = mesh.coincident_nodes().unwrap();
+    assert_eq!((coincident.count, coincident.first, coincident.second, mesh.pieces()), (4, 4, 8, 2));
     let overlap = cube(&["8 5 2 0 1 15 25 35 5 55 65 75 45"]);
     let error = read(&overlap).unwrap_err();
     assert!(matches!(error, MeshIoError::OverlappingElements { elements: [3, 8], line: 22, .. }), "{error}");
@@ -202,4 +205,93 @@ fn an_element_of_two_groups_is_one_element() {
     let mesh = read(&cube(&["4 5 2 8 1 5 15 25 35 45 55 65 75", "4 5 2 9 1 5 15 25 35 45 55 65 75"])).unwrap();
     assert_eq!(mesh.elements.len(), 1);
     assert_eq!((mesh.elements_of("volume-8").unwrap(), mesh.elements_of("volume-9").unwrap()), (vec![0], vec![0]));
+}
+
+const BINARY: [(&str, &str, &str); 6] = [
+    ("two-22-binary.msh", "two-22-text.msh", "Gmsh MSH 2.2, binary, little-endian"),
+    ("two-22-big-endian.msh", "two-22-text.msh", "Gmsh MSH 2.2, binary, big-endian"),
+    ("two-41-binary.msh", "two-41-text.msh", "Gmsh MSH 4.1, binary, little-endian"),
+    ("two-41-parametric.msh", "two-41-text.msh", "Gmsh MSH 4.1, binary, little-endian"),
+    ("two-41-big-endian.msh", "two-41-text.msh", "Gmsh MSH 4.1, binary, big-endian"),
+    ("two-41-size-4.msh", "two-41-text.msh", "Gmsh MSH 4.1, binary, little-endian"),
+];
+
+#[test]
+fn binary_files_say_what_text_says() {
+    for (binary, text, format) in BINARY {
+        let contents = read_contents(data(binary)).unwrap();
+        assert_eq!(contents.format(), format, "{binary}");
+        let of_text = read_contents(data(text)).unwrap();
+        for group in [None, Some("Lower"), Some("Upper"), Some("Both")] {
+            let (a, b) = (contents.mesh(group).unwrap(), of_text.mesh(group).unwrap());
+            // Gmsh writes 16 digits: coordinates of this mesh are halves
+            assert_eq!(a, b, "{binary}, {group:?}");
+        }
+    }
+}
+
+/// A body from a physical volume has the sets of the file where it has part of them; a surface between two volumes is a surface of each.
+#[test]
+fn a_body_from_a_group() {
+    for name in ["two-22-text.msh", "two-41-binary.msh"] {
+        let contents = read_contents(data(name)).unwrap();
+        let whole = contents.mesh(None).unwrap();
+        assert!(matches!(whole.facets_of("lower contact"), Err(MeshError::WrongSetKind { .. })));
+        for (group, z, other) in [("Lower", [0.0, 1.0], "top"), ("Upper", [1.0, 2.0], "bottom")] {
+            let mesh = contents.mesh(Some(group)).unwrap();
+            assert_eq!((mesh.elements.len(), mesh.nodes.len()), (8, 27));
+            assert!((mesh.quality().volume - 1.0).abs() < 1e-12);
+            assert_eq!((mesh.bounding_box().0[2], mesh.bounding_box().1[2]), (z[0], z[1]));
+            let contact = mesh.facets_of("lower contact").unwrap();
+            assert!(
+                contact.len() == 4 && contact.iter().flat_map(|f| f.nodes).all(|n| mesh.nodes[n as usize][2] == 1.0)
+            );
+            assert!(!mesh.has_set(other));
+        }
+        let error = contents.mesh(Some("lower")).unwrap_err().to_string();
+        assert!(
+            error.contains("there is no group \"lower\"; the groups of elements are \"Both\", \"Lower\", \"Upper\""),
+            "{error}"
+        );
+        let error = contents.mesh(Some("top")).unwrap_err().to_string();
+        assert!(error.contains("is a group of facets"), "{error}");
+    }
+}
+
+#[test]
+fn errors_of_binary_files_name_the_byte() {
+    let read = |bytes: &[u8]| {
+        read_contents_from_bytes("part.msh", bytes, &mut |_| unreachable!()).and_then(|contents| contents.mesh(None))
+    };
+    let good = std::fs::read(data("two-22-binary.msh")).unwrap();
+    let place = |text: &str| good.windows(text.len()).position(|w| w == text.as_bytes()).unwrap();
+    let first_node = place("$Nodes\n45\n") + 10;
+    let changed = |offset: usize, bytes: &[u8]| {
+        let mut file = good.clone();
+        file[offset..offset + bytes.len()].copy_from_slice(bytes);
+        read(&file).unwrap_err().to_string()
+    };
+    assert_eq!(changed(20, b"\x07").split(':').nth(1), Some(" byte 20"));
+    assert!(changed(20, b"\x07").contains("byte order"));
+    let error = changed(first_node + 4, &f64::NAN.to_le_bytes());
+    assert!(error.starts_with(&format!("part.msh: byte {}: NaN", first_node + 4)), "{error}");
+    let error = changed(first_node, &(-1_i32).to_le_bytes());
+    assert!(error.starts_with(&format!("part.msh: byte {first_node}: -1")), "{error}");
+    let error = changed(first_node + 28, &1_i32.to_le_bytes());
+    assert!(error.starts_with(&format!("part.msh: byte {}: 1: node 1 is already", first_node + 28)), "{error}");
+    let many = [&good[..first_node - 3], b"9999999999", &good[first_node - 1..]].concat();
+    let error = read(&many).unwrap_err().to_string();
+    assert!(error.contains(&format!("byte {}: 9999999999: more nodes than", first_node - 3)), "{error}");
+    let error = changed(first_node - 3, b"44");
+    assert!(error.contains("expected $EndNodes"), "{error}");
+    let error = changed(place("2.2 1 8"), b"3.2");
+    assert!(error.contains("MSH version 3.2"), "{error}");
+    // every prefix but for the last line feed
+    for name in BINARY.map(|b| b.0) {
+        let good = std::fs::read(data(name)).unwrap();
+        for end in 0..good.len() - 1 {
+            let error = read(&good[..end]).unwrap_err().to_string();
+            assert!(error.starts_with("part.msh"), "{error}");
+        }
+    }
 }

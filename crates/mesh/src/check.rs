@@ -4,12 +4,28 @@ use std::collections::HashMap;
 
 use stoss_reference_element::quadrature::GAUSS_HEX_2;
 
-use crate::quality::{det, edge_range, jacobian};
+use crate::quality::{EDGES, det, distance, edge_range, jacobian};
 use crate::{Facet, FacetIndex, Mesh, MeshError, SetKind};
 
 /// Two nodes are one if they are closer than this times the shortest edge of the mesh. Files with 6 digits of an element
 /// of 1/1000 of the body's size still tell neighbours from copies.
 const COINCIDENT: f64 = 1e-4;
+
+/// An edge has no length if it is shorter than this times the longest one of its element: round-off of the coordinates.
+const NO_LENGTH: f64 = 1e-10;
+
+/// What [`Mesh::coincident_nodes`] found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coincident {
+    /// Number of nodes at the place of an earlier one.
+    pub count: usize,
+    /// The earlier node of the first such pair.
+    pub first: u32,
+    /// The other node of that pair.
+    pub second: u32,
+    /// Their distance.
+    pub distance: f64,
+}
 
 impl Mesh {
     /// Checks that the mesh can be computed with: elements exist, their nodes exist and differ, coordinates are finite,
@@ -24,9 +40,46 @@ impl Mesh {
         self.check_node_numbers()?;
         self.check_geometry()?;
         self.check_unused()?;
-        self.check_coincident()?;
+        if let Some(Coincident { first, second, distance, .. }) = self.coincident_nodes() {
+            let coordinates = self.nodes[first as usize];
+            return Err(MeshError::DuplicateNodes { first, second, coordinates, distance });
+        }
         self.check_overlap()?;
         self.check_sets()
+    }
+
+    /// [`Mesh::check`], but two nodes may lie at the same place if no element has both: bodies that
+    /// touch in one file, a crack. Whoever allows that
+    /// tells the user of [`Mesh::coincident_nodes`], for it may be an oversight.
+    ///
+    /// # Errors
+    /// As for [`Mesh::check`].
+    pub fn check_but_coincident(&self) -> Result<(), MeshError> {
+        if self.elements.is_empty() {
+            return Err(MeshError::NoElements);
+        }
+        self.check_node_numbers()?;
+        self.check_geometry()?;
+        self.check_unused()?;
+        self.check_edges()?;
+        self.check_overlap()?;
+        self.check_sets()
+    }
+
+    /// No edge without a length: two nodes of an element at the same place.
+    fn check_edges(&self) -> Result<(), MeshError> {
+        for nodes in &self.elements {
+            let x = nodes.map(|n| self.nodes[n as usize]);
+            let longest = edge_range(&x).1;
+            for [a, b] in EDGES {
+                let distance = distance(x[a], x[b]);
+                if distance <= NO_LENGTH * longest {
+                    let (first, second) = (nodes[a].min(nodes[b]), nodes[a].max(nodes[b]));
+                    return Err(MeshError::DuplicateNodes { first, second, coordinates: x[a], distance });
+                }
+            }
+        }
+        Ok(())
     }
 
     pub(crate) fn check_node_numbers(&self) -> Result<(), MeshError> {
@@ -77,8 +130,10 @@ impl Mesh {
         }
     }
 
-    /// Sorts the nodes into cells as large as the shortest edge, so that each cell holds few, and compares within a tolerance.
-    fn check_coincident(&self) -> Result<(), MeshError> {
+    /// The nodes that lie at the place of an earlier one, within a ten-thousandth of the shortest edge; `None` if there are none.
+    ///
+    /// The nodes are sorted into cells as large as the shortest edge, so that each cell holds few.
+    pub fn coincident_nodes(&self) -> Option<Coincident> {
         let shortest = (0..self.elements.len() as u32)
             .map(|e| edge_range(&self.element_coordinates(e)).0)
             .fold(f64::INFINITY, f64::min);
@@ -87,33 +142,65 @@ impl Mesh {
         let size = (0..3).map(|i| max[i] - min[i]).fold(0.0, f64::max);
         let cell = shortest.max(1e-12 * size).max(f64::MIN_POSITIVE);
         let tolerance = COINCIDENT * cell;
-        let index = |x: [f64; 3], shift: [f64; 3]| -> [i64; 3] {
-            std::array::from_fn(|i| ((x[i] - min[i] + shift[i]) / cell).floor() as i64)
+        let index = |x: [f64; 3], shift: f64| -> [i64; 3] {
+            std::array::from_fn(|i| ((x[i] - min[i] + shift) / cell).floor() as i64)
         };
         let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(self.nodes.len());
+        let mut found: Option<Coincident> = None;
         for (n, &x) in self.nodes.iter().enumerate() {
-            let (low, high) = (index(x, [-tolerance; 3]), index(x, [tolerance; 3]));
-            for i in low[0]..=high[0] {
-                for j in low[1]..=high[1] {
-                    for k in low[2]..=high[2] {
-                        for &m in cells.get(&[i, j, k]).map_or(&[][..], Vec::as_slice) {
-                            let y = self.nodes[m as usize];
-                            let distance = (0..3).map(|c| (x[c] - y[c]) * (x[c] - y[c])).sum::<f64>().sqrt();
-                            if distance <= tolerance {
-                                return Err(MeshError::DuplicateNodes {
-                                    first: m,
-                                    second: n as u32,
-                                    coordinates: y,
-                                    distance,
-                                });
-                            }
+            let second = n as u32;
+            match self.node_near(x, &cells, index(x, -tolerance), index(x, tolerance), tolerance) {
+                None => cells.entry(index(x, 0.0)).or_default().push(second),
+                Some((first, distance)) => {
+                    found.get_or_insert(Coincident { count: 0, first, second, distance }).count += 1;
+                }
+            }
+        }
+        found
+    }
+
+    /// A node of the cells `low` to `high` within a distance.
+    fn node_near(
+        &self,
+        x: [f64; 3],
+        cells: &HashMap<[i64; 3], Vec<u32>>,
+        low: [i64; 3],
+        high: [i64; 3],
+        tolerance: f64,
+    ) -> Option<(u32, f64)> {
+        for i in low[0]..=high[0] {
+            for j in low[1]..=high[1] {
+                for k in low[2]..=high[2] {
+                    for &m in cells.get(&[i, j, k]).map_or(&[][..], Vec::as_slice) {
+                        let distance = distance(x, self.nodes[m as usize]);
+                        if distance <= tolerance {
+                            return Some((m, distance));
                         }
                     }
                 }
             }
-            cells.entry(index(x, [0.0; 3])).or_default().push(n as u32);
         }
-        Ok(())
+        None
+    }
+
+    /// Number of pieces of which no two have a node in common.
+    pub fn pieces(&self) -> usize {
+        // Each node points at one of its piece with a smaller number, the first at itself.
+        let mut parent: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        fn root(parent: &mut [u32], mut n: u32) -> u32 {
+            while parent[n as usize] != n {
+                parent[n as usize] = parent[parent[n as usize] as usize];
+                n = parent[n as usize];
+            }
+            n
+        }
+        for nodes in &self.elements {
+            for &n in &nodes[1..] {
+                let (a, b) = (root(&mut parent, nodes[0]), root(&mut parent, n));
+                parent[a.max(b) as usize] = a.min(b);
+            }
+        }
+        parent.iter().enumerate().filter(|&(n, &p)| n == p as usize).count()
     }
 
     fn check_overlap(&self) -> Result<(), MeshError> {

@@ -30,6 +30,7 @@ mod region;
 pub mod surface;
 mod transform;
 
+pub use check::Coincident;
 pub use error::{MeshError, SetKind};
 pub use facet::{Facet, FacetIndex};
 pub use mesh::{ALL, BOUNDARY, Mesh};

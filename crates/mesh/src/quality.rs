@@ -5,7 +5,7 @@ use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
 use crate::Mesh;
 
 /// Edges of the hexahedron as pairs of local nodes.
-const EDGES: [[usize; 2]; 12] =
+pub(crate) const EDGES: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 
 /// What [`Mesh::quality`] found.
@@ -49,7 +49,8 @@ fn scaled(j: &[[f64; 3]; 3], det: f64) -> f64 {
     if lengths > 0.0 { det / lengths } else { 0.0 }
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+/// Distance of two points.
+pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
 }
 

@@ -20,13 +20,26 @@ pub enum MeshSource {
     Generator(Generator),
 }
 
-/// A mesh from a file: Gmsh MSH 2.2 or 4.1 (text, `.msh`) or Abaqus (`.inp`).
+/// A mesh from a file: Gmsh MSH 2.2 or 4.1 (`.msh`), Abaqus (`.inp`) or VTK (`.vtu`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
     /// Path, relative to the folder of the scene file.
     pub file: String,
+    /// The group of elements that is the body: a physical volume of Gmsh, an instance or a set of elements of Abaqus, `array=value` of a VTU
+    /// file. Sets are restricted to it. The whole file if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
+    /// Factor on the coordinates, for another unit of length: positive; 1 if left out.
+    #[serde(default = "MeshFile::default_scale")]
+    pub scale: f64,
+}
+
+impl MeshFile {
+    pub(crate) fn default_scale() -> f64 {
+        1.0
+    }
 }
 
 /// Mesh generators. Lengths are positive, divisions are numbers of elements and at least 1.

@@ -2,6 +2,7 @@
 
 use crate::MeshIoError;
 use crate::lines::Lines;
+use crate::place::Place;
 
 /// A keyword line: `*NAME, PARAMETER=VALUE, FLAG`.
 pub(super) struct Keyword {
@@ -9,8 +10,8 @@ pub(super) struct Keyword {
     pub name: String,
     /// Names in upper case without spaces; values without quotes.
     parameters: Vec<(String, Option<String>)>,
-    /// Its line.
-    pub line: usize,
+    /// Its place.
+    pub place: Place,
 }
 
 impl Keyword {
@@ -30,14 +31,14 @@ impl Keyword {
             Some(value) if !value.is_empty() => Ok(value),
             _ => Err(crate::lines::syntax(
                 lines.path,
-                self.line,
+                self.place.at as usize,
                 format_args!("*{}", self.name),
                 format_args!("needs the parameter {parameter}=..."),
             )),
         }
     }
 
-    fn parse(text: &str, line: usize) -> Keyword {
+    fn parse(text: &str, place: Place) -> Keyword {
         let mut fields = fields(text);
         let name = fields.next().unwrap_or_default().trim_start_matches('*');
         let name = name.split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase();
@@ -48,7 +49,7 @@ impl Keyword {
                 None => (squeeze(field), None),
             })
             .collect();
-        Keyword { name, parameters, line }
+        Keyword { name, parameters, place }
     }
 }
 
@@ -84,7 +85,7 @@ pub(super) fn next<'a>(lines: &mut Lines<'a>) -> Option<Item<'a>> {
     if !line.starts_with('*') {
         return Some(Item::Data(line));
     }
-    let start = lines.number;
+    let start = lines.place();
     if !line.ends_with(',') {
         return Some(Item::Keyword(Keyword::parse(line, start)));
     }

@@ -1,38 +1,46 @@
-//! Abaqus input files: nodes, C3D8 elements, node, element and surface sets.
+//! Abaqus input files: nodes, C3D8 elements, node, element and surface sets, parts and their instances.
 //!
 //! | in the file | in the mesh |
 //! |---|---|
 //! | `*NODE`, `*ELEMENT, TYPE=C3D8` | nodes, elements (the numbering of the nodes is the same) |
+//! | `TYPE=C3D8R`, `C3D8I` | the same, with a note: the fully integrated element is used |
 //! | `*NSET`, `*NODE, NSET=`, `*SURFACE, TYPE=NODE` | node set |
 //! | `*ELSET`, `*ELEMENT, ELSET=` | element set |
 //! | `*SURFACE, TYPE=ELEMENT` | facet set; S1 to S6 are the rows of `hex8::FACETS`; without a face: all free faces |
+//! | `*PART`, `*INSTANCE` | a group of elements by the name of the instance, in its place (translation, then rotation) |
+//! | `*INCLUDE, INPUT=`, `*NODE, INPUT=` and the like | the content of the file, whose name is relative to the folder of the file that has it |
 //!
-//! Flat files, and files with one part and one instance, whose placement is applied. Names keep the spelling of their first
-//! occurrence; within the file they are compared without regard to case. Sets of an assembly that refer to nodes of the
-//! assembly itself (reference points) lose them. Keywords that would change the mesh and are not read (`*INCLUDE`, `*NGEN`,
-//! ...) are refused; all others (materials, steps, ...) are skipped: no physics of a file is read.
+//! A flat file is one part with one instance; so is a part without an instance. Sets of an instance are called `instance.set` where
+//! there are several instances, and `set` where there is one. Coordinates that are left out are zero. Names keep the spelling of
+//! their first occurrence; within the file they are compared without regard to case. Sets of an assembly that refer to nodes of
+//! the assembly itself (reference points) lose them. Keywords that would change the mesh and are not read (`*NGEN`, ...) are refused;
+//! all others (materials, steps, ...) are skipped: no physics of a file is read.
 
 mod data;
+mod data_lines;
+mod flatten;
 mod keyword;
+mod model;
 mod reader;
+mod section;
 mod sets;
 
 use std::path::Path;
 
-use stoss_mesh::Mesh;
-
-use crate::MeshIoError;
+use crate::include::Include;
+use crate::{Contents, MeshIoError};
 
 /// Does a text look like an input file?
 pub(crate) fn recognise(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim_start).filter(|l| !l.is_empty() && !l.starts_with("**")).take(200);
     lines.any(|l| {
         let keyword: String = l.chars().take_while(|c| *c != ',').collect::<String>().trim_end().to_uppercase();
-        ["*NODE", "*HEADING", "*PART"].contains(&keyword.as_str())
+        ["*NODE", "*HEADING", "*PART", "*INCLUDE"].contains(&keyword.as_str())
     })
 }
 
 /// Reads a file.
-pub(crate) fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError> {
-    reader::Reader::new(path).read(text)
+pub(crate) fn read(path: &Path, bytes: &[u8], include: Include<'_>) -> Result<Contents, MeshIoError> {
+    // Names of sets may be in any encoding; everything else is ASCII.
+    reader::Reader::new(path, include).read(path, &String::from_utf8_lossy(bytes))
 }

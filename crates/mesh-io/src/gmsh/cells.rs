@@ -1,11 +1,5 @@
 //! Gmsh's cell types: which are used, and what to say about the others.
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
-use crate::MeshIoError;
-use crate::lines::unsupported;
-
 pub(super) const LINE: u32 = 1;
 pub(super) const QUADRILATERAL: u32 = 3;
 pub(super) const HEXAHEDRON: u32 = 5;
@@ -37,40 +31,25 @@ fn describe(kind: u32) -> (&'static str, &'static str) {
     }
 }
 
-/// Number of nodes of the types that are used.
+/// Number of nodes of a type; `None` for types that a reader need not know.
 pub(super) fn node_count(kind: u32) -> Option<usize> {
+    // Types 1 to 31 in the order of Gmsh's reference manual, section "MSH file format".
+    const COUNTS: [usize; 31] =
+        [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5, 6, 20, 35, 56];
     match kind {
-        LINE => Some(2),
-        QUADRILATERAL => Some(4),
-        HEXAHEDRON => Some(8),
-        POINT => Some(1),
-        _ => None,
+        92 => Some(64),
+        93 => Some(125),
+        _ => COUNTS.get((kind as usize).checked_sub(1)?).copied(),
     }
 }
 
-/// Counts of cells that Stoss does not compute with.
-#[derive(Default)]
-pub(super) struct OtherCells {
-    /// By type: how many, and the line of the first.
-    counts: BTreeMap<u32, (usize, usize)>,
+/// True of types that fill a volume.
+pub(super) fn is_volume(kind: u32) -> bool {
+    matches!(kind, 4..=7 | 11..=14 | 17..=19 | 29..=31 | 92 | 93)
 }
 
-impl OtherCells {
-    pub fn count(&mut self, kind: u32, line: usize) {
-        self.counts.entry(kind).or_insert((0, line)).0 += 1;
-    }
-
-    /// An error if there are any.
-    pub fn refuse(&self, path: &Path) -> Result<(), MeshIoError> {
-        let Some((first, &(_, line))) = self.counts.iter().min_by_key(|(_, (_, line))| *line) else {
-            return Ok(());
-        };
-        let list: Vec<String> = self
-            .counts
-            .iter()
-            .map(|(&kind, (count, _))| format!("{count} {} (type {kind})", describe(kind).0))
-            .collect();
-        let remedy = format!("Stoss computes with 8-node hexahedra (type 5); {}", describe(*first).1);
-        Err(unsupported(path, line, list.join(", "), remedy))
-    }
+/// What a type is called when cells are counted, and what to do instead.
+pub(super) fn other(kind: u32) -> (String, String) {
+    let (name, advice) = describe(kind);
+    (format!("{name} (type {kind})"), format!("Stoss computes with 8-node hexahedra (type 5); {advice}"))
 }

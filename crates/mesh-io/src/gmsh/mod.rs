@@ -1,4 +1,4 @@
-//! Gmsh MSH 2.2 and 4.1, text.
+//! Gmsh MSH 2.2 and 4.1, text and binary of either byte order.
 //!
 //! | in the file | in the mesh |
 //! |---|---|
@@ -8,8 +8,10 @@
 //!
 //! A group without a name is called `volume-7`, `surface-7`, `curve-7` or `point-7` after its number. Elements without a
 //! physical group belong to no set. Points, curves and surfaces without a group are ignored; so are all sections but
-//! `$PhysicalNames`, `$Entities`, `$Nodes`, `$Elements`. Partitioned meshes, binary files and older versions are refused.
+//! `$PhysicalNames`, `$Entities`, `$Nodes`, `$Elements`. Partitioned meshes and other versions are refused.
 
+mod binary;
+mod binary_sections;
 mod cells;
 mod v2;
 mod v4;
@@ -17,31 +19,42 @@ mod v4;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use stoss_mesh::Mesh;
-
-use crate::MeshIoError;
 use crate::build::Builder;
-use crate::lines::{Lines, syntax, unsupported};
-use cells::OtherCells;
+use crate::include::Include;
+use crate::lines::{Lines, unsupported};
+use crate::place::Place;
+use crate::{Contents, MeshIoError};
 
 /// Does a text begin like an MSH file?
 pub(crate) fn recognise(text: &str) -> bool {
     text.trim_start().starts_with("$MeshFormat")
 }
 
+const PARTITIONED: &str = "save it without partitions: Mesh.PartitionSaveTopology = 0, or gmsh -part 0";
+const EMPTY: &str = "there is no $Elements section; mesh the volumes before saving";
+const SAVE: &str = "save it as MSH 4.1 or 2.2: gmsh -3 -format msh41, or Mesh.MshFileVersion = 4.1";
+
 /// What the sections of a file fill.
-struct State<'a> {
-    builder: Builder<'a>,
+struct State {
+    builder: Builder,
     /// Names of physical groups by dimension and number.
     names: HashMap<(usize, i64), String>,
     /// Physical groups of the entities (4.1) by dimension and number.
     groups: HashMap<(usize, i64), Vec<i64>>,
-    others: OtherCells,
-    /// Surfaces and node groups wait until all nodes are known: (dimension, group, nodes, line).
-    lower: Vec<(usize, i64, Vec<u64>, usize)>,
+    /// Surfaces and node groups wait until all nodes are known: (dimension, group, nodes, place).
+    lower: Vec<(usize, i64, Vec<u64>, Place)>,
 }
 
-impl State<'_> {
+impl State {
+    fn new(path: &Path, format: String) -> State {
+        State {
+            builder: Builder::new(Contents::new(path, format)),
+            names: HashMap::new(),
+            groups: HashMap::new(),
+            lower: Vec::new(),
+        }
+    }
+
     fn group_name(&self, dimension: usize, group: i64) -> String {
         match self.names.get(&(dimension, group)) {
             Some(name) => name.clone(),
@@ -52,16 +65,18 @@ impl State<'_> {
     /// One element of the file with its physical groups.
     fn element(
         &mut self,
-        lines: &Lines,
         number: u64,
         kind: u32,
         groups: &[i64],
         nodes: &[u64],
+        place: Place,
     ) -> Result<(), MeshIoError> {
         match (kind, nodes) {
             (cells::HEXAHEDRON, nodes) => {
-                let nodes = nodes.try_into().map_err(|_| lines.error(number, "a hexahedron needs 8 nodes"))?;
-                let element = self.builder.hexahedron(number, nodes, lines.number)?;
+                let Ok(nodes) = nodes.try_into() else {
+                    return Err(self.builder.contents.error(place, number, "a hexahedron needs 8 nodes"));
+                };
+                let element = self.builder.hexahedron(number, nodes, "hexahedra (type 5)", place)?;
                 for &group in groups {
                     let name = self.group_name(3, group);
                     self.builder.add_to_element_set(&name, element);
@@ -74,87 +89,75 @@ impl State<'_> {
                     _ => 0,
                 };
                 for &group in groups {
-                    self.lower.push((dimension, group, nodes.to_vec(), lines.number));
+                    self.lower.push((dimension, group, nodes.to_vec(), place));
                 }
             }
-            _ => self.others.count(kind, lines.number),
+            _ => {
+                let (what, remedy) = cells::other(kind);
+                let volume = cells::is_volume(kind);
+                let names: Vec<String> =
+                    groups.iter().filter(|_| volume).map(|&group| self.group_name(3, group)).collect();
+                self.builder.contents.count_other(&what, &remedy, Some(&names), place);
+            }
         }
         Ok(())
     }
 
-    fn finish(mut self, path: &Path) -> Result<Mesh, MeshIoError> {
-        self.others.refuse(path)?;
-        self.refuse_ambiguous_names(path)?;
-        for (dimension, group, nodes, line) in std::mem::take(&mut self.lower) {
+    fn finish(mut self) -> Result<Contents, MeshIoError> {
+        self.refuse_ambiguous_names()?;
+        for (dimension, group, nodes, place) in std::mem::take(&mut self.lower) {
             let name = self.group_name(dimension, group);
             match <[u64; 4]>::try_from(nodes.as_slice()) {
-                Ok(quad) if dimension == 2 => self.builder.add_quad(&name, quad, line)?,
-                _ => nodes.iter().try_for_each(|&n| self.builder.add_to_node_set(&name, n, line))?,
+                Ok(quad) if dimension == 2 => self.builder.add_quad(&name, quad, place)?,
+                _ => nodes.iter().try_for_each(|&n| self.builder.add_to_node_set(&name, n, place))?,
             }
         }
-        self.builder.finish()
+        Ok(self.builder.contents)
     }
-}
 
-impl State<'_> {
     /// A curve or a point must not share its name with a surface or a volume: which nodes the name means would be a guess.
-    fn refuse_ambiguous_names(&self, path: &Path) -> Result<(), MeshIoError> {
+    fn refuse_ambiguous_names(&self) -> Result<(), MeshIoError> {
         let above: HashSet<&String> = self.names.iter().filter(|((d, _), _)| *d >= 2).map(|(_, name)| name).collect();
-        for &(dimension, group, _, line) in self.lower.iter().filter(|l| l.0 < 2) {
+        for &(dimension, group, _, place) in self.lower.iter().filter(|l| l.0 < 2) {
             let name = self.group_name(dimension, group);
             if above.contains(&name) {
-                return Err(syntax(
-                    path,
-                    line,
-                    name,
-                    "this name is also that of a surface or a volume: rename one of the groups",
-                ));
+                let remedy = "this name is also that of a surface or a volume: rename one of the groups";
+                return Err(self.builder.contents.error(place, name, remedy));
             }
         }
         Ok(())
     }
 }
 
-/// Reads a file of either version.
-pub(crate) fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError> {
+/// Reads a file of either version, text or binary.
+pub(crate) fn read(path: &Path, bytes: &[u8], _: Include<'_>) -> Result<Contents, MeshIoError> {
+    if binary::is_binary(bytes) {
+        return binary_sections::read(path, bytes);
+    }
+    // Names of groups may be in any encoding; everything else is ASCII.
+    read_text(path, &String::from_utf8_lossy(bytes))
+}
+
+fn read_text(path: &Path, text: &str) -> Result<Contents, MeshIoError> {
     let mut lines = Lines::new(path, text);
     if lines.expect("$MeshFormat")? != "$MeshFormat" {
         return Err(lines.error(
             text.trim_start().lines().next().unwrap_or_default(),
-            "a Gmsh file begins with $MeshFormat; save it with Gmsh as MSH 4.1 or 2.2, text",
+            "a Gmsh file begins with $MeshFormat; save it with Gmsh as MSH 4.1 or 2.2",
         ));
     }
     let format = lines.expect("version, file type and data size")?;
     let mut tokens = format.split_whitespace();
     let version = tokens.next().unwrap_or_default();
-    let kind = tokens.next();
-    let save = "save it as MSH 4.1 or 2.2: gmsh -3 -format msh41, or Mesh.MshFileVersion = 4.1";
-    let new = match version {
-        "2.2" | "2.1" | "2" => false,
-        "4.1" => true,
-        _ => return Err(unsupported(path, lines.number, format!("MSH version {version}"), save)),
+    let Some(new) = is_new(version) else {
+        return Err(unsupported(path, lines.number, format!("MSH version {version}"), SAVE));
     };
-    match kind {
-        Some("0") => {}
-        Some("1") => {
-            return Err(unsupported(
-                path,
-                lines.number,
-                "a binary file",
-                "save it as text: Mesh.Binary = 0, or gmsh without -bin",
-            ));
-        }
-        _ => return Err(lines.error(format, "expected version, file type (0 for text) and data size")),
+    if tokens.next() != Some("0") {
+        return Err(lines.error(format, "expected version, file type (0 for text, 1 for binary) and data size"));
     }
     end(&mut lines, "MeshFormat")?;
 
-    let mut state = State {
-        builder: Builder::new(path),
-        names: HashMap::new(),
-        groups: HashMap::new(),
-        others: OtherCells::default(),
-        lower: Vec::new(),
-    };
+    let mut state = State::new(path, format!("Gmsh MSH {version}, text"));
     let (mut nodes, mut elements) = (false, false);
     while let Some(line) = lines.next() {
         let Some(section) = line.strip_prefix('$') else {
@@ -164,8 +167,7 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError> {
             "PhysicalNames" => physical_names(&mut lines, &mut state)?,
             "Entities" if new => v4::entities(&mut lines, &mut state)?,
             "PartitionedEntities" => {
-                let remedy = "save it without partitions: Mesh.PartitionSaveTopology = 0, or gmsh -part 0";
-                return Err(unsupported(path, lines.number, "a partitioned mesh", remedy));
+                return Err(unsupported(path, lines.number, "a partitioned mesh", PARTITIONED));
             }
             "Nodes" => {
                 nodes = true;
@@ -187,9 +189,18 @@ pub(crate) fn read(path: &Path, text: &str) -> Result<Mesh, MeshIoError> {
         end(&mut lines, section)?;
     }
     if !elements {
-        return Err(lines.error("end of file", "there is no $Elements section; mesh the volumes before saving"));
+        return Err(lines.error("end of file", EMPTY));
     }
-    state.finish(path)
+    state.finish()
+}
+
+/// Is the version 4.1, or else 2.2? `None` for others.
+fn is_new(version: &str) -> Option<bool> {
+    match version {
+        "2.2" | "2.1" | "2" => Some(false),
+        "4.1" => Some(true),
+        _ => None,
+    }
 }
 
 /// The end of a section.
@@ -208,16 +219,21 @@ fn physical_names(lines: &mut Lines, state: &mut State) -> Result<(), MeshIoErro
     let count: usize = lines.parse(Some(line), "the number of names")?;
     for _ in 0..count {
         let line = lines.expect("dimension, number and name of a physical group")?;
-        let mut tokens = line.split_whitespace();
-        let dimension: usize = lines.parse(tokens.next(), "a dimension")?;
-        let group: i64 = lines.parse(tokens.next(), "the number of a physical group")?;
-        let name = line.split_once('"').and_then(|(_, rest)| rest.rsplit_once('"')).map(|(name, _)| name.trim());
-        match name {
-            Some(name) if !name.is_empty() && dimension <= 3 => {
-                state.names.insert((dimension, group), name.to_owned());
-            }
-            _ => return Err(lines.error(line, "expected a dimension (0 to 3), a number and a name in quotes")),
+        match physical_name(line) {
+            Some((dimension, group, name)) => drop(state.names.insert((dimension, group), name)),
+            None => return Err(lines.error(line, PHYSICAL_NAME)),
         }
     }
     Ok(())
+}
+
+const PHYSICAL_NAME: &str = "expected a dimension (0 to 3), a number and a name in quotes";
+
+/// Dimension, number and name of a physical group.
+fn physical_name(line: &str) -> Option<(usize, i64, String)> {
+    let mut tokens = line.split_whitespace();
+    let dimension = tokens.next()?.parse().ok()?;
+    let group = tokens.next()?.parse().ok()?;
+    let name = line.split_once('"')?.1.rsplit_once('"')?.0.trim();
+    (!name.is_empty() && dimension <= 3).then(|| (dimension, group, name.to_owned()))
 }

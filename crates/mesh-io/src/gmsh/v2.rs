@@ -15,7 +15,7 @@ pub(super) fn nodes(lines: &mut Lines, state: &mut State) -> Result<(), MeshIoEr
         for c in &mut x {
             *c = lines.parse_real(tokens.next(), "a coordinate")?;
         }
-        state.builder.node(number, x, lines.number)?;
+        state.builder.node(number, x, lines.place())?;
     }
     Ok(())
 }
@@ -45,7 +45,7 @@ pub(super) fn elements(lines: &mut Lines, state: &mut State) -> Result<(), MeshI
         if let Some(wanted) = super::cells::node_count(kind).filter(|&wanted| wanted != nodes.len()) {
             return Err(lines.error(line, format!("an element of type {kind} has {wanted} nodes, not {}", nodes.len())));
         }
-        state.element(lines, number, kind, group.as_slice(), &nodes)?;
+        state.element(number, kind, group.as_slice(), &nodes, lines.place())?;
     }
     Ok(())
 }

@@ -52,7 +52,7 @@ pub(super) fn nodes(lines: &mut Lines, state: &mut State) -> Result<(), MeshIoEr
             for c in &mut x {
                 *c = lines.parse_real(tokens.next(), "a coordinate")?;
             }
-            state.builder.node(number, x, lines.number)?;
+            state.builder.node(number, x, lines.place())?;
         }
     }
     Ok(())
@@ -81,7 +81,7 @@ pub(super) fn elements(lines: &mut Lines, state: &mut State) -> Result<(), MeshI
                 let remedy = format!("an element of type {kind} has {wanted} nodes, not {}", nodes.len());
                 return Err(lines.error(line, remedy));
             }
-            state.element(lines, number, kind, &groups, &nodes)?;
+            state.element(number, kind, &groups, &nodes, lines.place())?;
         }
     }
     Ok(())

@@ -17,7 +17,12 @@ pub(super) fn mesh(node: &Node<'_>) -> Option<MeshSource> {
             return generator.fail("a mesh has either a generator or a file", "remove one of them");
         }
         (None, None) => return table.missing("generator", "generator = \"block\"` or `file = \"part.msh\""),
-        (Some(file), None) => file_name(&file).map(|file| MeshSource::File(MeshFile { file })),
+        (Some(file), None) => {
+            let file = file_name(&file);
+            let group = table.optional("group", Node::text);
+            let scale = table.default("scale", MeshFile::default_scale(), Node::positive);
+            (|| Some(MeshSource::File(MeshFile { file: file?, group: group?, scale: scale? })))()
+        }
         (None, Some(name)) => {
             let reader = name.choice(Generator::NAMES, |name| match name {
                 "block" => Some(block as fn(&Table<'_>) -> Option<Generator>),
@@ -41,8 +46,8 @@ pub(super) fn mesh(node: &Node<'_>) -> Option<MeshSource> {
 fn file_name(node: &Node<'_>) -> Option<String> {
     let file = node.text()?;
     let lower = file.to_lowercase();
-    if !(lower.ends_with(".msh") || lower.ends_with(".inp")) {
-        return node.fail("is no known mesh format", "use a Gmsh (.msh) or Abaqus (.inp) file");
+    if ![".msh", ".inp", ".vtu"].iter().any(|extension| lower.ends_with(extension)) {
+        return node.fail("is no known mesh format", "use a Gmsh (.msh), Abaqus (.inp) or VTK (.vtu) file");
     }
     Some(file)
 }

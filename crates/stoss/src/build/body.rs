@@ -3,8 +3,8 @@
 use super::placed::{Placed, Shape};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
-    Generator, Mass, Material, MeshSource, Part as ScenePart, Refinement as SceneRefinement, Rotation as SceneRotation,
-    Rotations, Scene, SetDefinition,
+    Generator, Mass, Material, MeshFile, MeshSource, Part as ScenePart, Refinement as SceneRefinement,
+    Rotation as SceneRotation, Rotations, Scene, SetDefinition,
 };
 use crate::solver::Model;
 use std::path::Path;
@@ -42,7 +42,8 @@ pub(super) fn bodies(
                 None
             }
         };
-        let mesh = mesh(scene, b, folder, mesh_files, problems);
+        let mut notes = Vec::new();
+        let mesh = mesh(scene, b, folder, mesh_files, &mut notes, problems);
         let (Some(law), Some(mesh)) = (law, mesh) else { continue };
         let first_node = (model.reference.len() / 3) as u32;
         let solid = match SolidBody::new(&body.name, &mesh, first_node, Arc::clone(&law)) {
@@ -68,6 +69,7 @@ pub(super) fn bodies(
             moduli.poisson_ratio(),
             mesh.quality(),
         ));
+        lines.extend(notes.iter().map(|note| format!("{}: note: {note}", body.name)));
         model.bodies.push(crate::solver::Body {
             solid,
             nodes: first_node..first_node + mesh.nodes.len() as u32,
@@ -169,13 +171,14 @@ fn mesh(
     b: usize,
     folder: &Path,
     mesh_files: &mut Vec<Vec<u8>>,
+    notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
     let body = &scene.bodies[b];
     let key = format!("body[{b}]");
-    let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), folder, mesh_files, problems)?;
+    let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), folder, mesh_files, notes, problems)?;
     place(&key, &body.rotation, body.position, problems, |rotation, by| mesh.transform(rotation, by))?;
-    if let Err(error) = mesh.check() {
+    if let Err(error) = mesh.check_but_coincident() {
         problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");
         return None;
     }
@@ -188,19 +191,20 @@ fn mesh(
     Some(mesh)
 }
 
-/// The mesh of a generator or a file, where that has it.
+/// The mesh of a generator or a file, where that has it; `notes` get what the user should know about a file.
 pub(super) fn source_mesh(
     source: &MeshSource,
     key: &str,
     folder: &Path,
     mesh_files: &mut Vec<Vec<u8>>,
+    notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
     match source {
         MeshSource::Generator(generator) => generate(generator)
             .map_err(|error| problems.add(key.to_owned(), "", error.to_string(), "mend the generator's parameters"))
             .ok(),
-        MeshSource::File(source) => read(folder, &source.file, &format!("{key}.file"), mesh_files, problems),
+        MeshSource::File(source) => read(folder, source, key, mesh_files, notes, problems),
     }
 }
 
@@ -254,28 +258,66 @@ pub(super) fn place(
 #[cfg(feature = "mesh-files")]
 fn read(
     folder: &Path,
-    file: &str,
+    source: &MeshFile,
     key: &str,
     mesh_files: &mut Vec<Vec<u8>>,
+    notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
+    let MeshFile { file, group, scale } = source;
     let path = folder.join(file);
     let bytes = match crate::regular::read(&path) {
         Ok(bytes) => bytes,
         Err(error) => {
-            problems.add(key.to_owned(), file, error.to_string(), "paths are relative to the scene's file");
+            problems.add(format!("{key}.file"), file, error.to_string(), "paths are relative to the scene's file");
             return None;
         }
     };
-    // Names of sets may be in any encoding; everything else is ASCII.
-    let mesh = stoss_mesh_io::read_mesh_from_str(&path, &String::from_utf8_lossy(&bytes));
+    // Included files belong to the identity of the scene as well.
+    let mut include = |path: &Path| {
+        let bytes = crate::regular::read(path)?;
+        mesh_files.push(bytes.clone());
+        Ok(bytes)
+    };
+    let contents = stoss_mesh_io::read_contents_from_bytes(&path, &bytes, &mut include);
     mesh_files.push(bytes);
-    mesh.map_err(|error| problems.add(key.to_owned(), file, error.to_string(), "mend the file or name another")).ok()
+    let mesh = contents.and_then(|contents| {
+        notes.extend(contents.notes().iter().cloned());
+        contents.mesh(group.as_deref())
+    });
+    let mut mesh = match mesh {
+        Ok(mesh) => mesh,
+        Err(error @ stoss_mesh_io::MeshIoError::NoGroup { .. }) => {
+            let group = group.as_deref().unwrap_or_default();
+            problems.add(format!("{key}.group"), group, error.to_string(), "name one of the groups of the file");
+            return None;
+        }
+        Err(error) => {
+            problems.add(format!("{key}.file"), file, error.to_string(), "mend the file or name another");
+            return None;
+        }
+    };
+    mesh.nodes.iter_mut().flatten().for_each(|x| *x *= scale);
+    if let Some(coincident) = mesh.coincident_nodes() {
+        notes.push(format!(
+            "{} nodes lie at the place of another one, in {} pieces: elements that do not share nodes are not joined",
+            coincident.count,
+            mesh.pieces()
+        ));
+    }
+    Some(mesh)
 }
 
 #[cfg(not(feature = "mesh-files"))]
-fn read(_: &Path, file: &str, key: &str, _: &mut Vec<Vec<u8>>, problems: &mut Problems<'_>) -> Option<Mesh> {
+fn read(
+    _: &Path,
+    source: &MeshFile,
+    key: &str,
+    _: &mut Vec<Vec<u8>>,
+    _: &mut Vec<String>,
+    problems: &mut Problems<'_>,
+) -> Option<Mesh> {
     let message = "this build of Stoss reads no mesh files";
-    problems.add(key.to_owned(), file, message, "build it with the cargo feature `mesh-files`");
+    problems.add(format!("{key}.file"), &source.file, message, "build it with the cargo feature `mesh-files`");
     None
 }

@@ -23,7 +23,8 @@ pub(super) fn rigids(
 ) {
     for (r, item) in scene.rigids.iter().enumerate() {
         let key = format!("rigid[{r}]");
-        let Some(shape) = shape(scene, item, &key, folder, mesh_files, problems) else { continue };
+        let mut notes = Vec::new();
+        let Some(shape) = shape(scene, item, &key, folder, mesh_files, &mut notes, problems) else { continue };
         let first = model.node_count() as u32;
         let Some(body) = body(item, &key, shape.as_ref(), first, problems) else { continue };
         model.reference.extend(body.reference().iter().flatten());
@@ -57,6 +58,7 @@ pub(super) fn rigids(
             }
         };
         parts.lines.push(line(item, &body, &placed));
+        parts.lines.extend(notes.iter().map(|note| format!("{}: note: {note}", item.name)));
         parts.placed.push(placed);
         model.parts.push(Box::new(body.clone()));
         parts.rigids.push(body);
@@ -76,6 +78,7 @@ fn shape(
     key: &str,
     folder: &Path,
     mesh_files: &mut Vec<Vec<u8>>,
+    notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Option<Outline>> {
     let refused = |name: &str, error: &MeshError, problems: &mut Problems<'_>| {
@@ -85,7 +88,7 @@ fn shape(
         let made = generate(shape).map_err(|error| refused("shape", &error, problems)).ok()?;
         (made, None, "shape")
     } else if let Some(source) = &item.mesh {
-        let mesh = source_mesh(source, &format!("{key}.mesh"), folder, mesh_files, problems)?;
+        let mesh = source_mesh(source, &format!("{key}.mesh"), folder, mesh_files, notes, problems)?;
         let surface = SurfaceMesh::from_mesh(&mesh).map_err(|error| refused("mesh", &error, problems)).ok()?;
         (surface, Some(mesh), "mesh")
     } else if let Some(file) = &item.surface {
@@ -96,7 +99,7 @@ fn shape(
     place(key, &item.rotation, item.position, problems, |rotation, by| surface.transform(rotation, by))?;
     if let Some(mesh) = &mut mesh {
         place(key, &item.rotation, item.position, problems, |rotation, by| mesh.transform(rotation, by))?;
-        mesh.check().map_err(|error| refused(name, &error, problems)).ok()?;
+        mesh.check_but_coincident().map_err(|error| refused(name, &error, problems)).ok()?;
     }
     surface.check().map_err(|error| refused(name, &error, problems)).ok()?;
     for (s, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.body == item.name) {

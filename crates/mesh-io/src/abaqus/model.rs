@@ -1,0 +1,84 @@
+//! What a file says, by parts and instances.
+
+use std::collections::BTreeMap;
+
+use stoss_mesh::Rotation;
+
+use super::sets::{Labels, Sets};
+use crate::place::Place;
+
+/// What a set holds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Node,
+    Element,
+}
+
+/// A piece of a surface: elements and a face, "S1" to "S6" of hexahedra, or "" for all free faces.
+#[derive(Clone)]
+pub(super) struct Piece {
+    pub labels: Labels,
+    pub face: String,
+    pub place: Place,
+}
+
+/// Sets and surfaces of a part, of an instance or of the assembly.
+#[derive(Clone, Default)]
+pub(super) struct Names {
+    pub nodes: Sets,
+    pub elements: Sets,
+    /// By name in upper case: name as written, pieces.
+    pub surfaces: BTreeMap<String, (String, Vec<Piece>)>,
+    /// Node sets that get the nodes of elements.
+    pub nodes_of_elements: Vec<(String, Labels)>,
+}
+
+impl Names {
+    pub fn sets(&self, kind: Kind) -> &Sets {
+        match kind {
+            Kind::Node => &self.nodes,
+            Kind::Element => &self.elements,
+        }
+    }
+
+    pub fn sets_mut(&mut self, kind: Kind) -> &mut Sets {
+        match kind {
+            Kind::Node => &mut self.nodes,
+            Kind::Element => &mut self.elements,
+        }
+    }
+}
+
+/// A hexahedron: its number, nodes, type and place.
+pub(super) type Hexahedron = (u64, [u64; 8], &'static str, Place);
+
+/// A part, or what stands in a file outside of parts.
+#[derive(Clone, Default)]
+pub(super) struct Part {
+    pub name: String,
+    pub nodes: Vec<(u64, [f64; 3], Place)>,
+    pub elements: Vec<Hexahedron>,
+    /// Elements of other types by number: index of the type.
+    pub others: BTreeMap<u64, usize>,
+    pub names: Names,
+}
+
+impl Part {
+    /// How much a copy of it weighs.
+    pub fn size(&self) -> usize {
+        let sets = self.names.nodes.all.values().chain(self.names.elements.all.values());
+        let labels: usize = sets.map(|s| 1 + s.labels.numbers.len() + s.labels.ranges.len()).sum();
+        let pieces = self.names.surfaces.values().flat_map(|(_, pieces)| pieces);
+        let faces: usize = pieces.map(|p| 1 + p.labels.numbers.len() + p.labels.ranges.len()).sum();
+        self.nodes.len() + self.elements.len() + self.others.len() + labels + faces
+    }
+}
+
+/// A part in its place.
+pub(super) struct Instance {
+    pub name: String,
+    /// A copy of the part, with what the instance itself adds.
+    pub part: Part,
+    pub translation: [f64; 3],
+    pub rotation: Option<Rotation>,
+}

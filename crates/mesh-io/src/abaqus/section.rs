@@ -1,0 +1,53 @@
+//! What data lines belong to.
+
+use super::model::Kind;
+use crate::place::Place;
+use crate::{Contents, MeshIoError};
+
+/// What the data lines that come next belong to.
+pub(super) enum Section {
+    Skip,
+    Node {
+        set: Option<String>,
+    },
+    Element {
+        kind: &'static str,
+        set: Option<String>,
+        pending: Vec<u64>,
+        place: Place,
+    },
+    /// Elements of another type are counted; true within a continued line.
+    OtherElement {
+        kind: usize,
+        set: Option<String>,
+        continued: bool,
+    },
+    Set {
+        kind: Kind,
+        name: String,
+        generate: bool,
+        /// That of the numbers, if it is named.
+        instance: Option<usize>,
+    },
+    Surface {
+        name: String,
+        nodes: bool,
+    },
+    Instance {
+        lines: usize,
+    },
+}
+
+impl Section {
+    /// At its end nothing may be missing.
+    pub fn close(&self, contents: &Contents) -> Result<(), MeshIoError> {
+        match self {
+            Section::Element { kind, pending, place, .. } if !pending.is_empty() => Err(contents.error(
+                *place,
+                format_args!("element {}", pending[0]),
+                format_args!("has {} nodes, but {kind} needs 8", pending.len() - 1),
+            )),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,434 @@
+//! What a file says, and the checked mesh of it or of one of its groups.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use stoss_mesh::{Facet, FacetIndex, Mesh, MeshError};
+
+use crate::MeshIoError;
+use crate::lines::{syntax, unsupported};
+use crate::place::Place;
+
+/// A node or an element: its number in the file and its place.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Source {
+    pub number: u64,
+    pub place: Place,
+}
+
+/// Something that stands in a file and that Stoss does not compute with.
+#[derive(Debug, Clone)]
+pub(crate) struct Other {
+    /// As in "3 tetrahedra (type 4)", without the number.
+    pub what: String,
+    pub count: usize,
+    pub first: Place,
+    /// The groups of elements that it belongs to; `None` if it concerns the whole file.
+    pub groups: Option<BTreeSet<String>>,
+    /// What to do instead.
+    pub remedy: String,
+}
+
+/// Everything that a mesh file says about nodes, hexahedra and sets, before a choice is made and the mesh is checked.
+///
+/// [`Contents::mesh`] gives the mesh of the whole file or of one group of elements; [`Contents::survey`] tells about all of it.
+#[derive(Debug, Clone, Default)]
+pub struct Contents {
+    /// Name and version of the format.
+    pub(crate) format: String,
+    /// The file and those that it includes.
+    pub(crate) files: Vec<PathBuf>,
+    /// Are places bytes?
+    pub(crate) binary: bool,
+    pub(crate) nodes: Vec<[f64; 3]>,
+    pub(crate) node_source: Vec<Source>,
+    pub(crate) elements: Vec<[u32; 8]>,
+    pub(crate) element_source: Vec<Source>,
+    /// Types of the cells that are read: how many, and the first.
+    pub(crate) cells: BTreeMap<String, (usize, Place)>,
+    pub(crate) others: Vec<Other>,
+    /// What a user should know.
+    pub(crate) notes: Vec<String>,
+    /// Instances of parts, by name.
+    pub(crate) instances: BTreeMap<String, BTreeSet<u32>>,
+    pub(crate) node_sets: BTreeMap<String, BTreeSet<u32>>,
+    pub(crate) element_sets: BTreeMap<String, BTreeSet<u32>>,
+    pub(crate) facet_sets: BTreeMap<String, BTreeSet<(u32, usize)>>,
+    /// Quadrilaterals that must be facets of hexahedra.
+    pub(crate) quads: BTreeMap<String, Vec<([u32; 4], Place)>>,
+    /// All boundary facets of these elements.
+    pub(crate) free_facets: BTreeMap<String, BTreeSet<u32>>,
+    /// Names compare without regard to case.
+    pub(crate) ignore_case: bool,
+}
+
+const UNUSED: u32 = u32::MAX;
+/// So many names stand in an error at most.
+const NAMES: usize = 30;
+
+/// Old to new numbers of what is kept.
+struct Kept {
+    nodes: Vec<u32>,
+    elements: Vec<u32>,
+    /// Old numbers of the new ones.
+    old_nodes: Vec<u32>,
+    old_elements: Vec<u32>,
+}
+
+impl Contents {
+    pub(crate) fn new(path: &Path, format: impl Into<String>) -> Contents {
+        Contents { format: format.into(), files: vec![path.to_owned()], ..Contents::default() }
+    }
+
+    /// The file that was read.
+    pub fn path(&self) -> &Path {
+        // cannot fail: `new` gives the first one
+        &self.files[0]
+    }
+
+    /// Name and version of the format.
+    pub fn format(&self) -> &str {
+        &self.format
+    }
+
+    /// What a user should know: elements that are taken for others, groups that are left out.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The names that [`Contents::mesh`] takes: instances and sets of elements, sorted.
+    pub fn groups(&self) -> Vec<String> {
+        let others = self.others.iter().filter_map(|o| o.groups.as_ref()).flatten();
+        let names: BTreeSet<&String> = self.instances.keys().chain(self.element_sets.keys()).chain(others).collect();
+        names.into_iter().cloned().collect()
+    }
+
+    /// The file of a place.
+    fn file(&self, place: Place) -> &Path {
+        self.files.get(place.file as usize).map_or_else(|| self.path(), PathBuf::as_path)
+    }
+
+    /// "line 3", "byte 3", with the file if it is an included one.
+    pub(crate) fn place_name(&self, place: Place) -> String {
+        let unit = if self.binary { "byte" } else { "line" };
+        if place.file == 0 {
+            format!("{unit} {}", place.at)
+        } else {
+            format!("{unit} {} of {}", place.at, self.file(place).display())
+        }
+    }
+
+    /// An error at a place.
+    pub(crate) fn error(&self, place: Place, value: impl ToString, remedy: impl ToString) -> MeshIoError {
+        if self.binary {
+            let path = self.file(place).to_owned();
+            return MeshIoError::Binary {
+                path,
+                offset: place.at,
+                value: value.to_string(),
+                remedy: remedy.to_string(),
+            };
+        }
+        syntax(self.file(place), place.at as usize, value.to_string(), remedy.to_string())
+    }
+
+    /// The error that something does not exist.
+    pub(crate) fn unknown(&self, kind: &'static str, number: impl ToString, place: Place) -> MeshIoError {
+        let number = number.to_string();
+        if self.binary {
+            return self.error(
+                place,
+                format_args!("{kind} {number}"),
+                "it does not exist: define it or remove the reference",
+            );
+        }
+        MeshIoError::Unknown { path: self.file(place).to_owned(), line: place.at as usize, kind, number }
+    }
+
+    /// Counts what Stoss does not compute with; `groups` are the groups of elements that it belongs to.
+    pub(crate) fn count_other(&mut self, what: &str, remedy: &str, groups: Option<&[String]>, place: Place) {
+        let index = self.others.iter().position(|o| o.what == what).unwrap_or_else(|| {
+            self.others.push(Other {
+                what: what.to_owned(),
+                count: 0,
+                first: place,
+                groups: groups.map(|_| BTreeSet::new()),
+                remedy: remedy.to_owned(),
+            });
+            self.others.len() - 1
+        });
+        let other = &mut self.others[index];
+        other.count += 1;
+        if let (Some(all), Some(groups)) = (&mut other.groups, groups) {
+            all.extend(groups.iter().cloned());
+        }
+    }
+
+    /// Counts a cell that is read.
+    pub(crate) fn count_cell(&mut self, kind: &str, place: Place) {
+        match self.cells.get_mut(kind) {
+            Some(cell) => cell.0 += 1,
+            None => drop(self.cells.insert(kind.to_owned(), (1, place))),
+        }
+    }
+
+    /// An error if a group, or the file, has what Stoss does not compute with.
+    pub(crate) fn refuse_others(&self, group: Option<&str>) -> Result<(), MeshIoError> {
+        let concerned: Vec<&Other> = self
+            .others
+            .iter()
+            .filter(|o| match (&o.groups, group) {
+                (Some(groups), Some(group)) => groups.contains(group),
+                _ => true,
+            })
+            .collect();
+        let Some(first) = concerned.iter().min_by_key(|o| o.first) else { return Ok(()) };
+        let list: Vec<String> =
+            concerned.iter().map(|o| format!("{} {} ({})", o.count, o.what, self.place_name(o.first))).collect();
+        if self.binary {
+            return Err(self.error(first.first, list.join(", "), &first.remedy));
+        }
+        Err(unsupported(self.file(first.first), first.first.at as usize, list.join(", "), &first.remedy))
+    }
+
+    /// The group that a name means, in its own spelling.
+    fn find_group(&self, name: &str) -> Result<String, MeshIoError> {
+        let groups = self.groups();
+        if groups.iter().any(|g| g == name) {
+            return Ok(name.to_owned());
+        }
+        let same = |other: &str| self.ignore_case && other.eq_ignore_ascii_case(name);
+        if let Some(found) = groups.iter().find(|g| same(g)) {
+            return Ok(found.clone());
+        }
+        let is = |other: &String| other == name || same(other);
+        let problem = if self.facet_sets.keys().chain(self.quads.keys()).chain(self.free_facets.keys()).any(is) {
+            format!("{name:?} is a group of facets, and a body needs one of elements")
+        } else if self.node_sets.keys().any(is) {
+            format!("{name:?} is a group of nodes, and a body needs one of elements")
+        } else {
+            format!("there is no group {name:?}")
+        };
+        let known = match groups.len() {
+            0 => "the file has no groups of elements: leave the group out".to_owned(),
+            n => {
+                let names: Vec<String> = groups.iter().take(NAMES).map(|g| format!("{g:?}")).collect();
+                let more = if n > NAMES { format!(" and {} more", n - NAMES) } else { String::new() };
+                format!("the groups of elements are {}{more}", names.join(", "))
+            }
+        };
+        Err(MeshIoError::NoGroup { path: self.path().to_owned(), problem, known })
+    }
+
+    /// The checked mesh of the whole file, or of one group of elements: an instance or a set. Sets are restricted to it; of an
+    /// instance its own sets have no prefix. Nodes that no hexahedron uses are dropped. Two nodes may lie at the same place
+    /// ([`Mesh::coincident_nodes`]), but not two of one element.
+    ///
+    /// # Errors
+    /// [`MeshIoError::NoGroup`]; [`MeshIoError::Unsupported`] for cells that Stoss does not compute with; everything that makes the
+    /// mesh unusable, in the numbers of the file.
+    pub fn mesh(&self, group: Option<&str>) -> Result<Mesh, MeshIoError> {
+        let group = group.map(|name| self.find_group(name)).transpose()?;
+        let group = group.as_deref();
+        self.refuse_others(group)?;
+        let kept = self.keep_group(group);
+        let mut mesh = self.unchecked(&kept, group.is_some())?;
+        if let Some(instance) = group.filter(|name| self.instances.contains_key(*name)) {
+            without_prefix(&mut mesh.node_sets, instance);
+            without_prefix(&mut mesh.element_sets, instance);
+            without_prefix(&mut mesh.facet_sets, instance);
+        }
+        mesh.check_but_coincident().map_err(|problem| self.in_file_numbers(problem, &mesh, &kept))?;
+        Ok(mesh)
+    }
+
+    /// The hexahedra, whatever else there is, not checked.
+    pub(crate) fn hexahedra(&self) -> Result<Mesh, MeshIoError> {
+        self.unchecked(&self.keep(0..self.elements.len() as u32), true)
+    }
+
+    /// What is wrong with the hexahedra, whatever else there is.
+    pub(crate) fn check_hexahedra(&self) -> Result<(), MeshIoError> {
+        let kept = self.keep(0..self.elements.len() as u32);
+        let mesh = self.unchecked(&kept, true)?;
+        mesh.check_but_coincident().map_err(|problem| self.in_file_numbers(problem, &mesh, &kept))
+    }
+
+    /// The nodes and elements of the mesh of a group, by their indices here.
+    pub(crate) fn kept_of(&self, group: Option<&str>) -> (Vec<u32>, Vec<u32>) {
+        let group = group.and_then(|name| self.find_group(name).ok());
+        let kept = self.keep_group(group.as_deref());
+        (kept.old_nodes, kept.old_elements)
+    }
+
+    fn keep_group(&self, group: Option<&str>) -> Kept {
+        match group {
+            None => self.keep(0..self.elements.len() as u32),
+            Some(name) => {
+                let elements = self.instances.get(name).or_else(|| self.element_sets.get(name));
+                self.keep(elements.into_iter().flatten().copied())
+            }
+        }
+    }
+
+    fn keep(&self, elements: impl Iterator<Item = u32>) -> Kept {
+        let old_elements: Vec<u32> = elements.collect();
+        let mut kept = Kept {
+            nodes: vec![UNUSED; self.nodes.len()],
+            elements: vec![UNUSED; self.elements.len()],
+            old_nodes: Vec::new(),
+            old_elements,
+        };
+        for (new, &e) in kept.old_elements.iter().enumerate() {
+            kept.elements[e as usize] = new as u32;
+            self.elements[e as usize].iter().for_each(|&n| kept.nodes[n as usize] = 0);
+        }
+        for (n, new) in kept.nodes.iter_mut().enumerate().filter(|(_, new)| **new != UNUSED) {
+            *new = kept.old_nodes.len() as u32;
+            kept.old_nodes.push(n as u32);
+        }
+        kept
+    }
+
+    fn unchecked(&self, kept: &Kept, is_part: bool) -> Result<Mesh, MeshIoError> {
+        if kept.old_elements.is_empty() {
+            return Err(MeshIoError::NoHexahedra { path: self.path().to_owned() });
+        }
+        let nodes = kept.old_nodes.iter().map(|&n| self.nodes[n as usize]).collect();
+        let elements =
+            kept.old_elements.iter().map(|&e| self.elements[e as usize].map(|n| kept.nodes[n as usize])).collect();
+        let mut mesh =
+            Mesh::new(nodes, elements).map_err(|source| MeshIoError::Mesh { path: self.path().to_owned(), source })?;
+        let restrict = |set: &BTreeSet<u32>, new: &[u32]| -> Vec<u32> {
+            set.iter().map(|&i| new[i as usize]).filter(|&i| i != UNUSED).collect()
+        };
+        let sets = |sets: &BTreeMap<String, BTreeSet<u32>>, new: &[u32]| -> BTreeMap<String, Vec<u32>> {
+            let restricted = sets.iter().map(|(name, set)| (name.clone(), restrict(set, new)));
+            restricted.filter(|(_, set)| !set.is_empty()).collect()
+        };
+        mesh.node_sets = sets(&self.node_sets, &kept.nodes);
+        mesh.element_sets = sets(&self.element_sets, &kept.elements);
+        for (name, set) in &self.instances {
+            let elements = restrict(set, &kept.elements);
+            if !elements.is_empty() {
+                mesh.element_sets.entry(name.clone()).or_insert(elements);
+            }
+        }
+        let mut facets: BTreeMap<String, BTreeSet<Facet>> = BTreeMap::new();
+        for (name, set) in &self.facet_sets {
+            let kept_facets = set.iter().map(|&(e, local)| (kept.elements[e as usize], local));
+            let kept_facets = kept_facets.filter(|&(e, _)| e != UNUSED).map(|(e, local)| mesh.facet(e, local));
+            entry(&mut facets, name).extend(kept_facets);
+        }
+        if !self.quads.is_empty() || !self.free_facets.is_empty() {
+            let index = mesh.facet_index();
+            self.match_quads(&index, &kept.nodes, is_part, &mut mesh, &mut facets)?;
+            let boundary = if self.free_facets.is_empty() { Vec::new() } else { index.boundary() };
+            for (name, elements) in &self.free_facets {
+                let of_set = |f: &&Facet| elements.contains(&kept.old_elements[f.element as usize]);
+                entry(&mut facets, name).extend(boundary.iter().filter(of_set));
+            }
+        }
+        mesh.facet_sets =
+            facets.into_iter().filter(|(_, s)| !s.is_empty()).map(|(n, s)| (n, s.into_iter().collect())).collect();
+        Ok(mesh)
+    }
+
+    /// Quadrilaterals to facets. A group that has a facet between two elements has no outside: it becomes a node set. Of a part of
+    /// a file the quadrilaterals of the other parts are left out.
+    fn match_quads(
+        &self,
+        index: &FacetIndex,
+        new: &[u32],
+        is_part: bool,
+        mesh: &mut Mesh,
+        facets: &mut BTreeMap<String, BTreeSet<Facet>>,
+    ) -> Result<(), MeshIoError> {
+        for (name, quads) in &self.quads {
+            let mut matched = BTreeSet::new();
+            let mut inner = false;
+            for &(nodes, place) in quads {
+                let found = index.find(nodes.map(|n| new[n as usize]));
+                if found.len() == 0 && !is_part {
+                    let numbers = nodes.map(|n| self.node_source[n as usize].number);
+                    let remedy = format!(
+                        "this quadrilateral of group \"{name}\" is no facet of a hexahedron: mesh the volume behind it with \
+                         hexahedra, or take the surface out of its physical group"
+                    );
+                    return Err(self.error(place, format_args!("nodes {numbers:?}"), remedy));
+                }
+                inner |= found.len() > 1;
+                matched.extend(found.copied());
+            }
+            if inner {
+                let nodes: BTreeSet<u32> = matched.iter().flat_map(|f| f.nodes).collect();
+                mesh.node_sets.insert(name.clone(), nodes.into_iter().collect());
+            } else {
+                entry(facets, name).extend(matched);
+            }
+        }
+        Ok(())
+    }
+
+    /// Problems of the mesh in the numbers of the file.
+    fn in_file_numbers(&self, problem: MeshError, mesh: &Mesh, kept: &Kept) -> MeshIoError {
+        let element = |e: u32| self.element_source[kept.old_elements[e as usize] as usize];
+        match problem {
+            MeshError::InvertedElement { element: e, jacobian, .. } => {
+                let Source { number, place } = element(e);
+                let nodes =
+                    mesh.elements[e as usize].map(|n| self.node_source[kept.old_nodes[n as usize] as usize].number);
+                let path = self.file(place).to_owned();
+                let error =
+                    MeshIoError::InvertedElement { path, line: place.at as usize, element: number, nodes, jacobian };
+                self.with_byte(error, place)
+            }
+            MeshError::OverlappingElements { elements, .. } => {
+                let [a, b] = elements.map(element);
+                let place = a.place.max(b.place);
+                let path = self.file(place).to_owned();
+                let error =
+                    MeshIoError::OverlappingElements { path, line: place.at as usize, elements: [a.number, b.number] };
+                self.with_byte(error, place)
+            }
+            source => MeshIoError::Mesh { path: self.path().to_owned(), source },
+        }
+    }
+
+    /// The same error of a binary file, which has no lines.
+    fn with_byte(&self, error: MeshIoError, place: Place) -> MeshIoError {
+        if !self.binary {
+            return error;
+        }
+        let text = error.to_string();
+        let (value, remedy) = match &error {
+            MeshIoError::InvertedElement { element, nodes, jacobian, .. } => (
+                format!("element {element} with nodes {nodes:?} has det J = {jacobian:e} at a Gauss point"),
+                "it is inverted or degenerate; number the bottom counter-clockwise seen from the top, then the top",
+            ),
+            MeshIoError::OverlappingElements { elements: [a, b], .. } => {
+                (format!("elements {a} and {b} overlap"), "remove one of them")
+            }
+            _ => (text, "mend the mesh"),
+        };
+        self.error(place, value, remedy)
+    }
+}
+
+/// Sets of an instance lose its name, unless the shorter name is taken.
+fn without_prefix<T>(sets: &mut BTreeMap<String, T>, instance: &str) {
+    let prefix = format!("{instance}.");
+    let names: Vec<String> = sets.keys().filter(|name| name.starts_with(&prefix)).cloned().collect();
+    for name in names {
+        let short = name[prefix.len()..].to_owned();
+        if !sets.contains_key(&short)
+            && let Some(set) = sets.remove(&name)
+        {
+            sets.insert(short, set);
+        }
+    }
+}
+
+pub(crate) fn entry<'m, T: Default>(map: &'m mut BTreeMap<String, T>, name: &str) -> &'m mut T {
+    map.entry(name.to_owned()).or_default()
+}
