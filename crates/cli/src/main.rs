@@ -1,10 +1,14 @@
 //! The program `stoss`: runs scenes, checks them, prints the scene format's schema.
 //!
 //! Exit codes: 0 done; 1 files could not be read or written; 2 the scene or the command line is wrong; 3 the
-//! simulation stopped early (all completed steps are kept); 4 the run went on, but the watch found its result wrong.
+//! simulation stopped early (all completed steps are kept); 4 the run went on, but the watch found its result wrong;
+//! 5 Ctrl-C or SIGTERM ended the run after a step.
 
 mod diagnostics;
+mod interrupt;
+mod job;
 mod progress;
+mod sweep;
 mod terminal;
 
 use clap::{Parser, Subcommand};
@@ -24,62 +28,43 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Runs a scene and writes a folder of results.
-    Run {
-        /// The scene (TOML).
-        scene: PathBuf,
-        /// Folder for the results [default: the scene's name with `.out`, in the present folder].
-        #[arg(long)]
-        out: Option<PathBuf>,
-        /// Threads for element loops; the results do not depend on it [default: all cores].
-        #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-        threads: Option<u16>,
-        /// Stop with the first step that reaches this time, before the scene's end.
-        #[arg(long)]
-        until: Option<f64>,
-        /// Continue from the checkpoint in the folder.
-        #[arg(long)]
-        resume: bool,
-        /// Write the first N linear systems that are factorised into the folder `systems` of the results, as Matrix Market files.
-        #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-        systems: u32,
-        /// Print nothing but errors.
-        #[arg(long)]
-        quiet: bool,
-    },
+    Run(job::Job),
+    /// Runs a scene for all the values of its parameters that its table `[sweep]` gives.
+    Sweep(sweep::SweepOptions),
     /// Reports all problems of a scene, or the plan of its run.
     Check {
         /// The scene (TOML).
         scene: PathBuf,
+        /// Gives a parameter of the scene another value; may be given several times.
+        #[arg(long, value_name = "NAME=VALUE", value_parser = job::assignment)]
+        set: Vec<(String, String)>,
     },
     /// Judges the stored frames of a run: bodies inside each other, bad elements, anything that passed through a body.
     Judge {
         /// A folder of results.
         out: PathBuf,
     },
-    /// Prints the JSON schema of the scene format.
-    Schema,
+    /// Prints the JSON schema of the scene format, or of the events of a run.
+    Schema {
+        /// Of the events that `stoss run --json` prints.
+        #[arg(long)]
+        events: bool,
+    },
 }
 
 fn main() -> ExitCode {
     match Arguments::parse().command {
-        Command::Run { scene, out, threads, until, resume, systems, quiet } => {
-            if let Some(threads) = threads
-                && let Err(error) = stoss::run::set_threads(usize::from(threads))
-            {
-                say!("error: {error}");
-                return ExitCode::from(1);
-            }
-            let out = out.unwrap_or_else(|| default_folder(&scene));
-            run(&scene, RunOptions { out, until, resume, systems, ..RunOptions::default() }, quiet)
-        }
-        Command::Check { scene } => check(&scene),
+        Command::Run(job) => job::run(job),
+        Command::Sweep(options) => sweep::sweep(options),
+        Command::Check { scene, set } => check(&scene, set),
         Command::Judge { out } => judge(&out),
-        Command::Schema => tell(&stoss::scene::json_schema()),
+        Command::Schema { events: true } => tell(&stoss::events::json_schema()),
+        Command::Schema { events: false } => tell(&stoss::scene::json_schema()),
     }
 }
 
 /// Exit code of a run whose result the watch found wrong.
-const WRONG: u8 = 4;
+pub(crate) const WRONG: u8 = 4;
 
 fn judge(out: &Path) -> ExitCode {
     match stoss::run::judge_folder(out) {
@@ -94,45 +79,8 @@ fn judge(out: &Path) -> ExitCode {
     }
 }
 
-/// `scenes/ball-plate.toml` -> `ball-plate.out`.
-fn default_folder(scene: &Path) -> PathBuf {
-    let stem = scene.file_stem().map_or_else(|| "run".into(), |s| s.to_string_lossy().into_owned());
-    PathBuf::from(format!("{stem}.out"))
-}
-
-fn run(path: &Path, options: RunOptions, quiet: bool) -> ExitCode {
-    let mut progress = progress::Progress::new(quiet);
-    match stoss::run::run_scene(path, &options, &mut |event| progress.show(&event)) {
-        Ok(summary) => {
-            progress.finish(&summary);
-            if quiet && summary.is_fault() {
-                say!("{}", summary.verdict);
-            }
-            if summary.is_fault() { ExitCode::from(WRONG) } else { ExitCode::SUCCESS }
-        }
-        Err(RunError::Scene(problems)) => {
-            diagnostics::print(path, &problems);
-            ExitCode::from(2)
-        }
-        Err(error @ (RunError::Option(_) | RunError::Encoding { .. })) => {
-            say!("error: {error}");
-            ExitCode::from(2)
-        }
-        Err(error @ RunError::Simulation { .. }) => {
-            progress.abandon();
-            say!("error: {error}");
-            ExitCode::from(3)
-        }
-        Err(error) => {
-            progress.abandon();
-            say!("error: {error}");
-            ExitCode::from(1)
-        }
-    }
-}
-
-fn check(path: &Path) -> ExitCode {
-    match stoss::run::check_scene(path) {
+fn check(path: &Path, set: Vec<(String, String)>) -> ExitCode {
+    match stoss::run::check_scene_for(path, &RunOptions { set, ..RunOptions::default() }) {
         Ok(plan) => tell(&plan.to_string()),
         Err(RunError::Scene(problems)) => {
             diagnostics::print(path, &problems);

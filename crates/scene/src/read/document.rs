@@ -3,10 +3,10 @@
 use super::node::is_name;
 use super::table::Table;
 use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
-use super::{beam, body, conditions, event, general, joint, prescribe, results, rigid, string, tie};
+use super::{beam, body, conditions, event, general, joint, parameters, prescribe, results, rigid, string, sweep, tie};
 use crate::source::Source;
 use crate::{Beam, Body, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeValue;
 
 type Tables<'a> = Vec<Option<Table<'a>>>;
@@ -148,9 +148,13 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
     let watch = root.default("watch", crate::Watch::default(), results::watch);
     let expect = root.optional("expect", |n| results::expect(n, &world));
+    let parameters = root.default(parameters::TABLE, BTreeMap::new(), parameters::values);
+    let sweep = root.optional("sweep", sweep::sweep);
     root.finish();
 
     Some(Scene {
+        parameters: parameters?,
+        sweep: sweep?,
         header: header?,
         time: time?,
         solver: solver?,

@@ -6,7 +6,8 @@ use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
 /// Tables of a scene that say what is written and judged, not what is computed.
-const WITHOUT_INFLUENCE: [&str; 4] = ["probe", "output", "watch", "expect"];
+/// Of parameters what counts is where they are used.
+const WITHOUT_INFLUENCE: [&str; 6] = ["probe", "output", "watch", "expect", "parameters", "sweep"];
 
 /// How many differences are named.
 const NAMED: usize = 5;

@@ -1,0 +1,360 @@
+//! Jobs: interruption, parameters, events, sweeps.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A block that falls freely from a height: exact in closed form.
+const FALL: &str = r#"[parameters]
+g = 10.0
+height = 1.0
+stiffness = 1e4
+
+[scene]
+title = "fall"
+kind = "dynamic"
+
+[time]
+end = 0.5
+step = "0.5 / 50"
+integrator = { scheme = "energy-momentum" }
+
+[gravity]
+acceleration = [0.0, 0.0, "-g"]
+
+[[body]]
+name = "block"
+mesh = { generator = "block", min = [0.0, 0.0, "height"], max = [1.0, 1.0, "height + 1"], divisions = [2, 2, 2] }
+material = { law = "neo-hooke", young = "stiffness", poisson = 0.3 }
+density = 2.0
+
+[[probe]]
+name = "block"
+set = "block.top"
+quantity = "displacement"
+
+[output]
+every = 10
+checkpoint_every = 1000
+
+[sweep]
+grid = { g = [5.0, 10.0], height = [1.0, "2*height"] }
+extremes = ["balance.kinetic", "probes.block.z"]
+"#;
+
+fn stoss(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stoss"));
+    command.args(arguments).current_dir(folder).stdin(Stdio::null()).output().expect("the program starts")
+}
+
+fn start(folder: &Path, arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stoss"));
+    command.args(arguments).current_dir(folder).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().expect("the program starts")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn write(folder: &Path, name: &str, text: &str) {
+    std::fs::write(folder.join(name), text).expect("the temporary folder is writable");
+}
+
+fn rows(out: &Path) -> usize {
+    std::fs::read_to_string(out.join("balance.csv")).map_or(0, |text| text.lines().count())
+}
+
+fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !holds() {
+        assert!(start.elapsed() < Duration::from_secs(120), "waited too long: {what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// A run of very many steps.
+fn long() -> String {
+    FALL.replacen("end = 0.5", "end = 500.0", 1)
+}
+
+#[cfg(unix)]
+fn send(child: &Child, signal: &str) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("there is `kill`");
+    assert!(sent.success());
+}
+
+/// The first signal leaves a checkpoint from which the run goes on as if it had not been interrupted.
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_the_run_after_a_step_and_it_goes_on_with_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "scene.toml", &long());
+    for signal in ["-INT", "-TERM"] {
+        let out = folder.path().join(signal);
+        let mut child = start(folder.path(), &["run", "scene.toml", "--out", &format!("./{signal}"), "--set", "g=9"]);
+        // Nobody reads what it says of its steps; the pipe holds what 40 steps say.
+        wait_until("some steps", || rows(&out) > 5);
+        send(&child, signal);
+        let mut told = String::new();
+        std::io::Read::read_to_string(child.stderr.as_mut().unwrap(), &mut told).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(5), "{told}");
+        let last = told.lines().last().unwrap();
+        assert!(last.contains("run scene.toml --out") && last.contains("--set g=9 --resume"), "{told}");
+        let summary: Value = serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
+        assert_eq!(summary["outcome"]["kind"], "interrupted");
+        let steps = summary["outcome"]["last_step"].as_u64().unwrap();
+        assert_eq!(rows(&out) as u64, steps + 2, "a header and the steps from 0");
+        // Go on for some steps, and compare with a run that was not interrupted.
+        let until = (summary["time"].as_f64().unwrap() + 0.1).to_string();
+        let more = ["--set", "g=9", "--until", &until, "--quiet"];
+        let resumed = stoss(
+            folder.path(),
+            &[&["run", "scene.toml", "--out", &format!("./{signal}"), "--resume"][..], &more].concat(),
+        );
+        assert_eq!(resumed.status.code(), Some(0), "{}", stderr(&resumed));
+        let whole = stoss(folder.path(), &[&["run", "scene.toml", "--out", "whole"][..], &more].concat());
+        assert_eq!(whole.status.code(), Some(0), "{}", stderr(&whole));
+        for table in ["balance.csv", "newton.csv", "probes.csv"] {
+            let read = |folder: &Path| std::fs::read(folder.join(table)).unwrap();
+            assert!(read(&out) == read(&folder.path().join("whole")), "{table} differs");
+        }
+    }
+}
+
+/// A step that lasts: the first signal cannot end it, the second one does.
+#[cfg(unix)]
+#[test]
+fn a_second_signal_ends_the_program_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "scene.toml", &long().replacen("divisions = [2, 2, 2]", "divisions = [36, 36, 36]", 1));
+    let mut child = start(folder.path(), &["run", "scene.toml", "--out", "out", "--threads", "1"]);
+    wait_until("the first state", || rows(&folder.path().join("out")) >= 2);
+    send(&child, "-INT");
+    std::thread::sleep(Duration::from_millis(100));
+    send(&child, "-INT");
+    let begun = Instant::now();
+    let status = child.wait().unwrap();
+    assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
+    assert_eq!(status.code(), Some(130), "{status}");
+}
+
+#[test]
+fn parameters_are_set_from_outside() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "scene.toml", FALL);
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--set", "g=2*2", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let table = std::fs::read_to_string(folder.path().join("out/probes.csv")).unwrap();
+    let last: Vec<f64> = table.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    // g t^2 / 2 after half a second; the scheme is exact for it.
+    assert!((last[4] + 0.5).abs() < 1e-9, "{last:?}");
+    let output = stoss(folder.path(), &["check", "scene.toml", "--set", "gee=1"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("scene.toml:1:") && stderr(&output).contains("--set gee=1"),
+        "{}",
+        stderr(&output)
+    );
+    assert_eq!(stoss(folder.path(), &["check", "scene.toml", "--set", "g"]).status.code(), Some(2));
+    // Other values are another scene.
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--set", "g=5", "--resume"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("gravity"), "{}", stderr(&output));
+}
+
+#[test]
+fn force_replaces_what_stoss_did_not_write() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "scene.toml", FALL);
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    write(folder.path(), "out/balance.csv", "my own\n");
+    write(folder.path(), "out/notes.txt", "mine\n");
+    let arguments = ["run", "scene.toml", "--out", "out", "--until", "0.05", "--quiet"];
+    let refused = stoss(folder.path(), &arguments);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(stderr(&refused).contains("--force"), "{}", stderr(&refused));
+    assert_eq!(std::fs::read_to_string(folder.path().join("out/balance.csv")).unwrap(), "my own\n");
+    let forced = stoss(folder.path(), &[&arguments[..], &["--force"]].concat());
+    assert_eq!(forced.status.code(), Some(0), "{}", stderr(&forced));
+    assert!(rows(&folder.path().join("out")) > 2 && folder.path().join("out/notes.txt").exists());
+    assert_eq!(stoss(folder.path(), &[&arguments[..], &["--force", "--resume"]].concat()).status.code(), Some(2));
+}
+
+fn events(output: &Output) -> Vec<Value> {
+    let text = String::from_utf8_lossy(&output.stdout);
+    text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{line}: {error}"))).collect()
+}
+
+/// Every key of an event is in the schema, and every event has all that the schema requires.
+fn assert_described(schema: &Value, event: &Value) {
+    let kind = &event["event"];
+    let branches = schema["oneOf"].as_array().expect("a list of events");
+    let branch = branches.iter().find(|branch| branch["properties"]["event"]["const"] == *kind);
+    let branch = branch.unwrap_or_else(|| panic!("{kind} is not in the schema"));
+    let definition = branch["$ref"].as_str().map(|name| schema.pointer(&name[1..]).expect("a definition"));
+    let known =
+        |key: &str| [Some(branch), definition].into_iter().flatten().any(|table| !table["properties"][key].is_null());
+    for key in event.as_object().unwrap().keys() {
+        assert!(known(key), "{key} of {kind} is not in the schema");
+    }
+    for table in [Some(branch), definition].into_iter().flatten() {
+        for key in table["required"].as_array().into_iter().flatten() {
+            assert!(event.get(key.as_str().unwrap()).is_some(), "{kind} has no {key}");
+        }
+    }
+}
+
+#[test]
+fn events_are_json_as_the_schema_says() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "scene.toml", FALL);
+    let schema: Value = serde_json::from_slice(&stoss(folder.path(), &["schema", "--events"]).stdout).unwrap();
+    let output = stoss(folder.path(), &["run", "scene.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(output.stderr.is_empty(), "{}", stderr(&output));
+    let list = events(&output);
+    list.iter().for_each(|event| assert_described(&schema, event));
+    let count = |kind: &str| list.iter().filter(|event| event["event"] == kind).count();
+    assert_eq!((count("start"), count("step"), count("end"), list.len()), (1, 50, 1, 52));
+    assert_eq!((&list[0]["title"], &list[50]["step"]), (&"fall".into(), &50.into()));
+    let end = &list[51];
+    assert_eq!(
+        (&end["outcome"], &end["verdict"], &end["exit_code"]),
+        (&"completed".into(), &"sound".into(), &0.into())
+    );
+    // Potential energy becomes kinetic energy: 1/2 m (g t)^2 with m = 2.
+    assert!((list[50]["kinetic"].as_f64().unwrap() - 25.0).abs() < 1e-6, "{}", list[50]);
+
+    write(folder.path(), "bad.toml", &FALL.replacen("density = 2.0", "density = -2.0", 1));
+    let output = stoss(folder.path(), &["run", "bad.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let list = events(&output);
+    list.iter().for_each(|event| assert_described(&schema, event));
+    assert_eq!((list.len(), &list[0]["event"], &list[0]["exit_code"]), (1, &"error".into(), &2.into()));
+    assert_eq!(list[0]["problems"][0]["key"], "body[0].density");
+}
+
+/// The rows of `sweep.csv` by name of the column.
+fn table(folder: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
+    let text = std::fs::read_to_string(folder.join("sweep.csv")).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
+    // No reason in these tests has a comma outside of the last cells that are looked at.
+    lines.map(|line| names.iter().cloned().zip(line.split(',').map(str::to_owned)).collect()).collect()
+}
+
+fn number(row: &std::collections::BTreeMap<String, String>, name: &str) -> f64 {
+    row[name].parse().unwrap_or_else(|_| panic!("{name}: {row:?}"))
+}
+
+#[test]
+fn a_sweep_has_a_folder_and_a_row_for_each_case() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "fall.toml", FALL);
+    let output = stoss(folder.path(), &["sweep", "fall.toml", "--jobs", "2", "--threads", "1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let out = folder.path().join("fall.sweep");
+    let rows = table(&out);
+    assert_eq!(rows.len(), 4);
+    for (row, [g, height]) in rows.iter().zip([[5.0, 1.0], [5.0, 2.0], [10.0, 1.0], [10.0, 2.0]]) {
+        assert_eq!((number(row, "g"), number(row, "height")), (g, height));
+        assert_eq!(
+            (row["outcome"].as_str(), row["verdict"].as_str(), row["reason"].as_str()),
+            ("completed", "sound", "")
+        );
+        assert!((number(row, "last.block.z") + g / 8.0).abs() < 1e-9, "{row:?}");
+        assert!((number(row, "max.balance.kinetic") - g * g / 4.0).abs() < 1e-6, "{row:?}");
+        assert!((number(row, "min.probes.block.z") + g / 8.0).abs() < 1e-9, "{row:?}");
+        assert_eq!((number(row, "time"), number(row, "steps")), (0.5, 50.0));
+    }
+    // Nothing is left to do.
+    let marks = |name: &str| std::fs::metadata(out.join(name)).unwrap().modified().unwrap();
+    let before = marks("cases/0001/summary.json");
+    let again = stoss(folder.path(), &["sweep", "fall.toml"]);
+    assert_eq!(again.status.code(), Some(0));
+    assert!(stderr(&again).contains("0 of 4 cases to run"), "{}", stderr(&again));
+    assert_eq!(marks("cases/0001/summary.json"), before);
+    // A value more is two cases more, and what is there already is not done again where the numbers stay.
+    write(folder.path(), "fall.toml", &FALL.replacen("g = [5.0, 10.0]", "g = [5.0, 10.0, 20.0]", 1));
+    let more = stoss(folder.path(), &["sweep", "fall.toml"]);
+    assert!(stderr(&more).contains("2 of 6 cases to run"), "{}", stderr(&more));
+    assert_eq!((marks("cases/0001/summary.json"), table(&out).len()), (before, 6));
+}
+
+/// A case that fails is a row with its reason; one whose scene is wrong as well. Others go on.
+#[test]
+fn failed_cases_stay_with_their_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = FALL
+        .replacen(
+            "grid = { g = [5.0, 10.0], height = [1.0, \"2*height\"] }",
+            "cases = [{ g = 1.0 }, { stiffness = -1.0 }, { g = 1e9 }]",
+            1,
+        )
+        .replacen(
+            "[[probe]]",
+            "[[prescribe]]\nset = \"block.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\n[[probe]]",
+            1,
+        )
+        .replacen("integrator", "max_cuts = 1\nintegrator", 1);
+    write(folder.path(), "fall.toml", &text);
+    let output = stoss(folder.path(), &["sweep", "fall.toml", "--quiet", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    let text = std::fs::read_to_string(folder.path().join("out/sweep.csv")).unwrap();
+    let rows = table(&folder.path().join("out"));
+    let outcomes: Vec<&str> = rows.iter().map(|row| row["outcome"].as_str()).collect();
+    assert_eq!(outcomes, ["completed", "failed", "failed"], "{text}");
+    assert!(text.lines().nth(2).unwrap().contains("body[0].material.young"), "{text}");
+    assert!(rows[2]["reason"].len() > 10, "{text}");
+    // They are left alone, and done again where that is wanted.
+    let again = stoss(folder.path(), &["sweep", "fall.toml", "--out", "out"]);
+    assert!(stderr(&again).contains("0 of 3 cases to run"), "{}", stderr(&again));
+    let retried = stoss(folder.path(), &["sweep", "fall.toml", "--out", "out", "--retry"]);
+    assert!(stderr(&retried).contains("2 of 3 cases to run"), "{}", stderr(&retried));
+}
+
+/// Lines for a scheduler do what the sweep does.
+#[cfg(unix)]
+#[test]
+fn commands_are_lines_for_a_shell() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "a fall.toml", FALL);
+    let output = stoss(folder.path(), &["sweep", "a fall.toml", "--commands", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let lines = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(lines.lines().count(), 4, "{lines}");
+    assert!(lines.lines().all(|line| line.starts_with("stoss run 'a fall.toml' --out out/cases/000")), "{lines}");
+    let program = Path::new(env!("CARGO_BIN_EXE_stoss")).parent().unwrap().display().to_string();
+    let path = format!("{program}:{}", std::env::var("PATH").unwrap());
+    for line in lines.lines().take(2) {
+        let status = Command::new("sh").args(["-c", line]).current_dir(folder.path()).env("PATH", &path).status();
+        assert!(status.unwrap().success(), "{line}");
+    }
+    let collected = stoss(folder.path(), &["sweep", "a fall.toml", "--collect", "--out", "out", "--quiet"]);
+    assert_eq!(collected.status.code(), Some(0), "{}", stderr(&collected));
+    let outcomes: Vec<String> = table(&folder.path().join("out")).iter().map(|row| row["outcome"].clone()).collect();
+    assert_eq!(outcomes, ["completed", "completed", "missing", "missing"]);
+}
+
+/// A sweep that is interrupted leaves cases that go on from their checkpoints.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = FALL.replacen("end = 0.5", "end = 3.0", 1).replacen("[2, 2, 2]", "[5, 5, 5]", 1);
+    write(folder.path(), "fall.toml", &text);
+    let mut child = start(folder.path(), &["sweep", "fall.toml", "--out", "out", "--threads", "1"]);
+    let first = folder.path().join("out/cases/0001");
+    wait_until("some steps of the first case", || rows(&first) > 3);
+    send(&child, "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(5));
+    let interrupted = rows(&first);
+    let outcomes: Vec<String> = table(&folder.path().join("out")).iter().map(|row| row["outcome"].clone()).collect();
+    assert_eq!(outcomes, ["interrupted", "missing", "missing", "missing"]);
+    let lines = stoss(folder.path(), &["sweep", "fall.toml", "--out", "out", "--commands"]).stdout;
+    let lines = String::from_utf8(lines).unwrap();
+    assert_eq!(lines.lines().filter(|line| line.contains("--resume")).count(), 1, "{lines}");
+    assert_eq!(rows(&first), interrupted);
+}
