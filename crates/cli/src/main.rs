@@ -5,13 +5,15 @@
 //! 5 Ctrl-C or SIGTERM ended the run after a step.
 
 mod diagnostics;
+mod examples;
 mod interrupt;
 mod job;
 mod progress;
+mod shell;
 mod sweep;
 mod terminal;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use stoss::run::{RunError, RunOptions};
@@ -19,7 +21,7 @@ use terminal::{say, tell};
 
 /// Large-deformation contact elastodynamics.
 #[derive(Parser)]
-#[command(version, about, long_about = None)]
+#[command(name = "stoss", version, about = "Large-deformation contact elastodynamics", long_about = None)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -44,6 +46,30 @@ enum Command {
         /// A folder of results.
         out: PathBuf,
     },
+    /// Writes a new scene, taken from an example.
+    Init {
+        /// Name of the scene: NAME.toml is written, unless there is such a file.
+        name: PathBuf,
+        /// The example, see `stoss examples` [default: two-blocks].
+        #[arg(long, value_name = "EXAMPLE")]
+        from: Option<String>,
+    },
+    /// Lists the scenes that come with the program, or prints one.
+    Examples {
+        /// Name of an example.
+        name: Option<String>,
+    },
+    /// Prints completions for a shell.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+    /// Prints the manual page.
+    Man {
+        /// Write the pages of the program and of all its commands into this folder instead.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
     /// Prints the JSON schema of the scene format, or of the events of a run.
     Schema {
         /// Of the events that `stoss run --json` prints.
@@ -58,6 +84,10 @@ fn main() -> ExitCode {
         Command::Sweep(options) => sweep::sweep(options),
         Command::Check { scene, set } => check(&scene, set),
         Command::Judge { out } => judge(&out),
+        Command::Init { name, from } => examples::init(&name, from.as_deref()),
+        Command::Examples { name } => examples::examples(name.as_deref()),
+        Command::Completions { shell } => shell::completions(shell, Arguments::command()),
+        Command::Man { out } => shell::manual(out.as_deref(), Arguments::command()),
         Command::Schema { events: true } => tell(&stoss::events::json_schema()),
         Command::Schema { events: false } => tell(&stoss::scene::json_schema()),
     }

@@ -358,3 +358,35 @@ fn an_interrupted_sweep_goes_on() {
     assert_eq!(lines.lines().filter(|line| line.contains("--resume")).count(), 1, "{lines}");
     assert_eq!(rows(&first), interrupted);
 }
+
+#[test]
+fn a_new_scene_comes_from_an_example_and_replaces_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let listed = String::from_utf8(stoss(folder.path(), &["examples"]).stdout).unwrap();
+    assert!(listed.lines().count() >= 10 && listed.contains("trebuchet"), "{listed}");
+    let written = stoss(folder.path(), &["init", "mine", "--from", "flight"]);
+    assert_eq!(written.status.code(), Some(0), "{}", stderr(&written));
+    assert_eq!(stoss(folder.path(), &["check", "mine.toml"]).status.code(), Some(0));
+    let text = std::fs::read_to_string(folder.path().join("mine.toml")).unwrap();
+    let printed = String::from_utf8(stoss(folder.path(), &["examples", "flight"]).stdout).unwrap();
+    assert_eq!(printed.trim_end(), text.trim_end());
+    let again = stoss(folder.path(), &["init", "mine.toml"]);
+    assert_eq!(again.status.code(), Some(1), "{}", stderr(&again));
+    assert_eq!(std::fs::read_to_string(folder.path().join("mine.toml")).unwrap(), text);
+    let unknown = stoss(folder.path(), &["init", "other", "--from", "fligth"]);
+    assert!(unknown.status.code() == Some(2) && stderr(&unknown).contains("flight"), "{}", stderr(&unknown));
+}
+
+#[test]
+fn shells_and_man_know_the_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish"] {
+        let output = stoss(folder.path(), &["completions", shell]);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success() && text.contains("sweep") && text.contains("resume"), "{shell}: {text}");
+    }
+    let page = String::from_utf8(stoss(folder.path(), &["man"]).stdout).unwrap();
+    assert!(page.contains(".TH stoss 1"), "{page}");
+    assert!(stoss(folder.path(), &["man", "--out", "man1"]).status.success());
+    assert!(std::fs::read_to_string(folder.path().join("man1/stoss-run.1")).unwrap().contains("resume"));
+}
