@@ -390,3 +390,38 @@ fn shells_and_man_know_the_commands() {
     assert!(stoss(folder.path(), &["man", "--out", "man1"]).status.success());
     assert!(std::fs::read_to_string(folder.path().join("man1/stoss-run.1")).unwrap().contains("resume"));
 }
+
+/// A free block under a total force: momentum is force times time, and the ledger is exact. A traction of the same resultant
+/// does the same.
+#[test]
+fn a_total_force_has_this_resultant() {
+    let folder = tempfile::tempdir().unwrap();
+    let load = |load: &str| {
+        FALL.replacen("[gravity]\nacceleration = [0.0, 0.0, \"-g\"]\n", "", 1)
+            .replacen("divisions = [2, 2, 2]", "divisions = [2, 3, 2], grading = [1.0, 3.0, 1.0]", 1)
+            .replacen("[1.0, 1.0, \"height + 1\"]", "[4.0, 0.5, \"height + 1\"]", 1)
+            .replacen("g = 10.0", "g = 10.0\nF = 3.0", 1)
+            .replacen("g = [5.0, 10.0], ", "", 1)
+            .replacen("[[probe]]", &format!("[[load]]\nset = \"block.top\"\n{load}\n\n[[probe]]"), 1)
+    };
+    write(folder.path(), "total.toml", &load("total_force = [0.25, 0.0, \"F\"]"));
+    write(folder.path(), "traction.toml", &load("traction = [0.125, 0.0, \"F/2\"]"));
+    let last = |name: &str| {
+        let output = stoss(folder.path(), &["run", &format!("{name}.toml"), "--quiet"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let text = std::fs::read_to_string(folder.path().join(format!("{name}.out/balance.csv"))).unwrap();
+        let row = |line: &str| line.split(',').map(|cell| cell.parse::<f64>().unwrap()).collect::<Vec<_>>();
+        (row(text.lines().nth(1).unwrap()), row(text.lines().last().unwrap()))
+    };
+    let (first, total) = last("total");
+    // The columns lx, ly, lz. The area is two.
+    for (found, force) in total[3..6].iter().zip([0.25, 0.0, 3.0]) {
+        assert!((found - force * 0.5).abs() < 1e-11, "{total:?}");
+    }
+    assert!((total[15] - first[15]).abs() < 1e-9 * (total[9] + total[10]), "{first:?} {total:?}");
+    let (_, traction) = last("traction");
+    total.iter().zip(&traction).for_each(|(a, b)| assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{a} {b}"));
+    write(folder.path(), "bad.toml", &load("total_force = 3.0"));
+    let output = stoss(folder.path(), &["check", "bad.toml"]);
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("load[0].total_force"), "{}", stderr(&output));
+}

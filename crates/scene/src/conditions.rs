@@ -393,6 +393,8 @@ named! {
         FollowerPressure = "follower_pressure",
         /// Force on each node; on the centre of mass of a rigid body; three values.
         Force = "force",
+        /// Force on a set of facets altogether, distributed over its nodes by their parts of the reference area; three values.
+        TotalForce = "total_force",
     }
 }
 
@@ -401,7 +403,7 @@ impl LoadKind {
     pub fn columns(self) -> usize {
         match self {
             Self::Pressure | Self::FollowerPressure => 1,
-            Self::Traction | Self::BodyForce | Self::Force => 3,
+            Self::Traction | Self::BodyForce | Self::Force | Self::TotalForce => 3,
         }
     }
 }
@@ -414,7 +416,7 @@ pub struct Load {
     /// Unique name, by which a `[[stage]]` switches it off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Set of facets (`pressure`, `traction`, `follower_pressure`), elements (`body_force`) or nodes (`force`), `body.set`. A `force` may also
+    /// Set of facets (`pressure`, `traction`, `follower_pressure`, `total_force`), elements (`body_force`) or nodes (`force`), `body.set`. A `force` may also
     /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
@@ -436,6 +438,9 @@ pub struct Load {
     /// Force on each node of the set; on a rigid body once, at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<Series>,
+    /// Dead force on the whole set of facets: the traction `total_force / area` of the reference configuration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub total_force: Option<Series>,
 }
 
 impl Load {
@@ -447,6 +452,7 @@ impl Load {
             (LoadKind::BodyForce, &self.body_force),
             (LoadKind::FollowerPressure, &self.follower_pressure),
             (LoadKind::Force, &self.force),
+            (LoadKind::TotalForce, &self.total_force),
         ]
         .into_iter()
         .find_map(|(kind, series)| series.as_ref().map(|series| (kind, series)))

@@ -245,6 +245,7 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     let body_force = value("body_force", LoadKind::BodyForce);
     let follower_pressure = value("follower_pressure", LoadKind::FollowerPressure);
     let force = value("force", LoadKind::Force);
+    let total_force = value("total_force", LoadKind::TotalForce);
     let given: Vec<&'static str> = LoadKind::NAMES.iter().copied().filter(|key| table.has(key)).collect();
     let one_kind = match given.as_slice() {
         [_] => Some(()),
@@ -282,6 +283,7 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
         body_force: body_force?,
         follower_pressure: follower_pressure?,
         force: force?,
+        total_force: total_force?,
     })
 }
 

@@ -206,6 +206,15 @@ fn pattern(
     }
 }
 
+/// Scales nodal forces of unit traction, whose sum is the area, to the sum one.
+fn to_resultant_one(pattern: &mut [(u32, f64)]) {
+    let area: f64 = pattern.iter().map(|(_, force)| force).sum();
+    // A set has a facet at least, and facets without area are no mesh.
+    if area > 0.0 {
+        pattern.iter_mut().for_each(|(_, force)| *force /= area);
+    }
+}
+
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn load_kind(
@@ -258,10 +267,16 @@ fn load_kind(
             Some(LoadKind::Dead { patterns: vec![unit] })
         }
         _ => {
-            let patterns = AXES.map(|axis| {
-                pattern(components, &key, problems, |f| stoss_fe_solid::dead_traction(&facets, reference, axis, f))
-            });
-            Some(LoadKind::Dead { patterns: patterns.into_iter().collect::<Option<_>>()? })
+            let mut patterns = Vec::new();
+            for axis in AXES {
+                let made =
+                    pattern(components, &key, problems, |f| stoss_fe_solid::dead_traction(&facets, reference, axis, f));
+                patterns.push(made?);
+            }
+            if kind == SceneLoad::TotalForce {
+                patterns.iter_mut().for_each(|pattern| to_resultant_one(pattern));
+            }
+            Some(LoadKind::Dead { patterns })
         }
     }
 }
