@@ -425,3 +425,97 @@ fn a_total_force_has_this_resultant() {
     let output = stoss(folder.path(), &["check", "bad.toml"]);
     assert!(output.status.code() == Some(2) && stderr(&output).contains("load[0].total_force"), "{}", stderr(&output));
 }
+
+/// The numbers of a table of results, row by row.
+fn read_rows(path: &Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
+}
+
+/// A rigid motion of a block on springs and dashpots: the midpoint rule for one mass, and the damped oscillation in the limit.
+#[test]
+fn a_block_on_springs_and_dashpots_is_a_damped_oscillator() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = FALL
+        .replacen("[gravity]\nacceleration = [0.0, 0.0, \"-g\"]\n", "", 1)
+        .replacen("g = [5.0, 10.0], ", "", 1)
+        .replacen("divisions = [2, 2, 2]", "divisions = [1, 1, 1]", 1)
+        .replacen("density = 2.0", "density = 2.0\nmass = \"lumped\"\nvelocity = [0.0, 0.0, 1.0]", 1)
+        .replacen(
+            "[[probe]]",
+            "[[support]]\nset = \"block.all\"\nper = \"node\"\nstiffness = [0, 0, 30]\ndamping = [0, 0, 0.7]\n\n[[probe]]",
+            1,
+        );
+    write(folder.path(), "scene.toml", &text);
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let probes = read_rows(&folder.path().join("out/probes.csv"));
+    let balance = read_rows(&folder.path().join("out/balance.csv"));
+    let (m, k, d, h) = (2.0, 8.0 * 30.0, 8.0 * 0.7, 0.01);
+    let (mut u, mut v, mut loss) = (0.0, 1.0, 0.0);
+    let decay: f64 = d / (2.0 * m);
+    let omega = f64::sqrt(k / m - decay * decay);
+    for (step, (row, ledger)) in probes.iter().zip(&balance).enumerate() {
+        assert!((row[4] - u).abs() < 1e-11, "step {step}: {} {u}", row[4]);
+        // dissipation, and the total, which stays.
+        assert!((ledger[13] - loss).abs() < 1e-11 && (ledger[15] - 1.0).abs() < 1e-11, "step {step}: {ledger:?}");
+        let t = h * step as f64;
+        assert!((u - (-decay * t).exp() * (omega * t).sin() / omega).abs() < 1e-3);
+        let mean = (2.0 * m * v / h - k * u) / (2.0 * m / h + 0.5 * k * h + d);
+        (u, v, loss) = (u + h * mean, 2.0 * mean - v, loss + d * h * mean * mean);
+    }
+    assert_eq!(probes.len(), 51);
+}
+
+/// A column under pressure on an elastic foundation sinks by pressure over stiffness, whatever the mesh.
+#[test]
+fn a_foundation_yields_by_pressure_over_stiffness() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"[scene]
+title = "foundation"
+kind = "quasi-static"
+
+[time]
+end = 1.0
+step = 0.5
+
+[[body]]
+name = "block"
+mesh = { generator = "block", size = [2.0, 1.0, 1.0], divisions = [2, 3, 2], grading = [3.0, 0.5, 1.0] }
+material = { law = "neo-hooke", young = 1e3, poisson = 0.0 }
+
+[[support]]
+set = "block.bottom"
+stiffness = [1e3, 1e3, 2e3]
+damping = [7.0, 7.0, 7.0]
+
+[[load]]
+set = "block.top"
+pressure = { table = [[0.0, 0.0], [1.0, 100.0]] }
+
+[[probe]]
+name = "bottom"
+set = "block.bottom"
+quantity = "displacement"
+"#;
+    write(folder.path(), "scene.toml", text);
+    let checked = stoss(folder.path(), &["check", "scene.toml"]);
+    let plan = String::from_utf8_lossy(&checked.stdout).into_owned();
+    assert!(checked.status.success() && !plan.contains("warning"), "{plan}");
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let last = read_rows(&folder.path().join("out/probes.csv")).pop().unwrap();
+    assert!(last[2].abs() < 1e-9 && last[3].abs() < 1e-9 && (last[4] + 0.05).abs() < 1e-9, "{last:?}");
+    for (from, to, key) in [
+        ("stiffness = [1e3, 1e3, 2e3]\ndamping = [7.0, 7.0, 7.0]\n", "", "support[0].stiffness"),
+        ("1e3, 1e3, 2e3", "1e3, -1e3, 2e3", "support[0].stiffness[1]"),
+        ("1e3, 1e3, 2e3", "1e3", "support[0].stiffness"),
+        ("set = \"block.bottom\"\nstiffness", "set = \"block.belly\"\nstiffness", "support[0].set"),
+        ("damping", "per = \"volume\"\ndamping", "support[0].per"),
+        ("damping", "dumping", "support[0].dumping"),
+    ] {
+        write(folder.path(), "bad.toml", &text.replacen(from, to, 1));
+        let output = stoss(folder.path(), &["check", "bad.toml"]);
+        assert!(output.status.code() == Some(2) && stderr(&output).contains(key), "{key}: {}", stderr(&output));
+    }
+}

@@ -34,6 +34,7 @@ mod samples;
 mod schema;
 mod source;
 mod string;
+mod support;
 mod sweep;
 mod tie;
 mod vector;
@@ -67,6 +68,7 @@ pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, Sp
 pub use schema::json_schema;
 pub use source::Location;
 pub use string::{ElasticString, PointMass};
+pub use support::{Support, SupportPer};
 pub use sweep::{Sweep, SweepRange, SweepValues};
 pub use tie::{Interface, Multipliers, Tie, TieForm};
 pub use watch::{OnFault, Verdict, Watch};
@@ -136,6 +138,9 @@ pub struct Scene {
     /// `[[load]]`.
     #[serde(default, rename = "load", skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
+    /// `[[support]]`.
+    #[serde(default, rename = "support", skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<Support>,
     /// `[[event]]`.
     #[serde(default, rename = "event", skip_serializing_if = "Vec::is_empty")]
     pub events: Vec<Event>,

@@ -19,6 +19,7 @@ mod prescribe;
 mod results;
 mod rigid;
 mod string;
+mod support;
 mod sweep;
 mod table;
 mod tie;

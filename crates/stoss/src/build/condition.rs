@@ -7,7 +7,7 @@ use crate::solver::{AxisRotation, Load, LoadKind, Model, Prescription, Table};
 use stoss_mesh::{MeshError, SetKind};
 
 /// Facets of a deformable body's set in global node numbers.
-fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
+pub(super) fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
     let list = placed.mesh().map_or_else(|| Ok(Vec::new()), |mesh| mesh.facets_of(set))?;
     Ok(list.iter().map(|facet| facet.nodes.map(|n| n + placed.first_node)).collect())
 }
