@@ -426,6 +426,41 @@ fn a_total_force_has_this_resultant() {
     assert!(output.status.code() == Some(2) && stderr(&output).contains("load[0].total_force"), "{}", stderr(&output));
 }
 
+/// Of two bodies one is accelerated, by a function of time: its momentum is mass times the integral, the other one rests.
+#[test]
+fn an_acceleration_is_that_of_one_body() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = FALL
+        .replacen("[gravity]\nacceleration = [0.0, 0.0, \"-g\"]\n", "", 1)
+        .replacen("g = [5.0, 10.0], ", "", 1)
+        .replacen(
+            "[[probe]]",
+            "[[body]]\nname = \"other\"\nmesh = { generator = \"block\", size = [1, 1, 1], divisions = [1, 1, 1] }\nposition = [5, 5, 5]\n\
+             material = { law = \"neo-hooke\", young = 1e4, poisson = 0.3 }\ndensity = 7.0\n\n[[load]]\nbody = \"block\"\n\
+             acceleration = { table = [[0, 0, 0, 0], [0.5, 4, 0, \"-g\"]] }\n\n[[probe]]",
+            1,
+        );
+    write(folder.path(), "scene.toml", &text);
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let last = read_rows(&folder.path().join("out/balance.csv")).pop().unwrap();
+    // Mass 2; a ramp of half a second, integrated exactly by the midpoint: 2 * a * 0.25.
+    for (found, momentum) in last[3..6].iter().zip([2.0, 0.0, -5.0]) {
+        assert!((found - momentum).abs() < 1e-10, "{last:?}");
+    }
+    // Kinetic energy p^2 / 2m is the work.
+    assert!((last[9] - 29.0 / 4.0).abs() < 1e-9 && last[15].abs() < 1e-9, "{last:?}");
+    for (from, to, key) in [
+        ("body = \"block\"\nacc", "set = \"block.all\"\nacc", "load[0].set"),
+        ("body = \"block\"\nacc", "body = \"blok\"\nacc", "load[0].body"),
+    ] {
+        assert!(text.contains(from));
+        write(folder.path(), "bad.toml", &text.replacen(from, to, 1));
+        let output = stoss(folder.path(), &["check", "bad.toml"]);
+        assert!(output.status.code() == Some(2) && stderr(&output).contains(key), "{key}: {}", stderr(&output));
+    }
+}
+
 /// The numbers of a table of results, row by row.
 fn read_rows(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).unwrap();

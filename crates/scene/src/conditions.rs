@@ -393,6 +393,8 @@ named! {
         FollowerPressure = "follower_pressure",
         /// Force on each node; on the centre of mass of a rigid body; three values.
         Force = "force",
+        /// Acceleration of a whole body, a force per mass; three values.
+        Acceleration = "acceleration",
         /// Force on a set of facets altogether, distributed over its nodes by their parts of the reference area; three values.
         TotalForce = "total_force",
     }
@@ -403,7 +405,7 @@ impl LoadKind {
     pub fn columns(self) -> usize {
         match self {
             Self::Pressure | Self::FollowerPressure => 1,
-            Self::Traction | Self::BodyForce | Self::Force | Self::TotalForce => 3,
+            Self::Traction | Self::BodyForce | Self::Force | Self::Acceleration | Self::TotalForce => 3,
         }
     }
 }
@@ -420,7 +422,7 @@ pub struct Load {
     /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
-    /// Name of a body, instead of a set, for a `body_force` on all of it.
+    /// Name of a body, instead of a set, for a `body_force` or an `acceleration` on all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<String>,
     /// Dead pressure (force per reference area), positive when it presses on the body.
@@ -438,6 +440,9 @@ pub struct Load {
     /// Force on each node of the set; on a rigid body once, at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<Series>,
+    /// Force per mass on a whole body with a density: what `[gravity]` is for all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acceleration: Option<Series>,
     /// Dead force on the whole set of facets: the traction `total_force / area` of the reference configuration.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total_force: Option<Series>,
@@ -452,6 +457,7 @@ impl Load {
             (LoadKind::BodyForce, &self.body_force),
             (LoadKind::FollowerPressure, &self.follower_pressure),
             (LoadKind::Force, &self.force),
+            (LoadKind::Acceleration, &self.acceleration),
             (LoadKind::TotalForce, &self.total_force),
         ]
         .into_iter()

@@ -245,6 +245,7 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     let body_force = value("body_force", LoadKind::BodyForce);
     let follower_pressure = value("follower_pressure", LoadKind::FollowerPressure);
     let force = value("force", LoadKind::Force);
+    let acceleration = value("acceleration", LoadKind::Acceleration);
     let total_force = value("total_force", LoadKind::TotalForce);
     let given: Vec<&'static str> = LoadKind::NAMES.iter().copied().filter(|key| table.has(key)).collect();
     let one_kind = match given.as_slice() {
@@ -264,9 +265,12 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     let target = match (table.has("set"), table.has("body")) {
         (true, true) => table.fail("body", "a load has either a set or a body", "remove one of them"),
         (false, false) => table.missing("set", "set = \"plate.bottom\""),
-        (false, true) if !table.has("body_force") => table.fail(
+        (true, false) if table.has("acceleration") => {
+            table.fail("set", "an `acceleration` acts on a whole body", "write `body` with the name of a body instead")
+        }
+        (false, true) if !(table.has("body_force") || table.has("acceleration")) => table.fail(
             "body",
-            "only a `body_force` acts on a whole body",
+            "only a `body_force` or an `acceleration` acts on a whole body",
             "name a set, for instance `set = \"plate.bottom\"`",
         ),
         _ => Some(()),
@@ -283,6 +287,7 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
         body_force: body_force?,
         follower_pressure: follower_pressure?,
         force: force?,
+        acceleration: acceleration?,
         total_force: total_force?,
     })
 }

@@ -227,7 +227,7 @@ fn load_kind(
     problems: &mut Problems<'_>,
 ) -> Option<LoadKind> {
     let components = model.reference.len();
-    if kind == SceneLoad::BodyForce {
+    if matches!(kind, SceneLoad::BodyForce | SceneLoad::Acceleration) {
         // On a whole body: `body`, or a set of which the body is meant.
         let name = item.body.as_deref().or_else(|| item.set.as_deref().and_then(split_set).map(|(body, _)| body))?;
         let b = scene.body_index(name)?;
@@ -241,8 +241,25 @@ fn load_kind(
                 return None;
             }
         }
+        let density = match (kind, scene.bodies[b].density) {
+            (SceneLoad::Acceleration, None) => {
+                let message = format!("`{name}` has no density, and a body without mass needs no force");
+                problems.add(
+                    format!("{key}.acceleration"),
+                    "",
+                    message,
+                    "give the body a density, or write `body_force`",
+                );
+                return None;
+            }
+            (SceneLoad::Acceleration, Some(density)) => density,
+            _ => 1.0,
+        };
         let solid = &model.bodies[b].solid;
-        let patterns = AXES.map(|axis| pattern(components, key, problems, |f| solid.body_force(axis, f)));
+        let patterns = AXES.map(|axis| {
+            let force_per_volume = axis.map(|a| density * a);
+            pattern(components, key, problems, |f| solid.body_force(force_per_volume, f))
+        });
         return Some(LoadKind::Dead { patterns: patterns.into_iter().collect::<Option<_>>()? });
     }
     let set = item.set.as_deref()?;
