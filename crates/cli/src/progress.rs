@@ -62,6 +62,14 @@ impl Progress {
         }
     }
 
+    /// Prints a line, above the bar if there is one.
+    pub fn note(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            None => say!("{text}"),
+        }
+    }
+
     /// Removes the bar and prints the outcome.
     pub fn finish(&mut self, summary: &Summary) {
         self.abandon();

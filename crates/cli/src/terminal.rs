@@ -23,3 +23,9 @@ pub(crate) fn tell(text: &str) -> ExitCode {
         _ => ExitCode::SUCCESS,
     }
 }
+
+/// Writes a line to standard output at once; a reader that has gone away does not want it.
+pub(crate) fn tell_line(text: &str) {
+    let mut out = std::io::stdout();
+    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+}

@@ -95,7 +95,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("step = 0.02", "step = 0.0", "step = 0.0", "time.step"),
     ("step = 0.02", "step = -0.02", "step = -0.02", "time.step"),
     ("step = 0.02", "step = nan", "step = nan", "time.step"),
-    ("step = 0.02", "step = \"0.02\"", "step = \"0.02\"", "time.step"),
+    ("step = 0.02", "step = \"slow\"", "step = \"slow\"", "time.step"),
     ("end = 0.4", "end = -1.0", "end = -1.0", "time.end"),
     ("end = 0.4", "end = inf", "end = inf", "time.end"),
     ("\"energy-momentum\"", "\"leapfrog\"", "leapfrog", "time.integrator.scheme"),

@@ -32,6 +32,7 @@ mod rigid;
 mod section;
 mod spring;
 mod string;
+mod support;
 
 pub use axis::{BeamAxis, Triad};
 pub use beam::{Beam, Resultant};
@@ -55,3 +56,4 @@ pub use rigid::{RigidBody, RigidError, RigidMass};
 pub use section::{Area, Section, SectionMaterial};
 pub use spring::{Spring, SpringData};
 pub use string::{ElasticString, StringMaterial};
+pub use support::{ElasticSupport, SupportedNode};

@@ -398,6 +398,10 @@ named! {
         Force = "force",
         /// Moment fixed in space on a rigid body, a node of a beam, or a set of a deformable body as a whole; three values.
         Moment = "moment",
+        /// Acceleration of a whole body, a force per mass; three values.
+        Acceleration = "acceleration",
+        /// Force on a set of facets altogether, distributed over its nodes by their parts of the reference area; three values.
+        TotalForce = "total_force",
     }
 }
 
@@ -406,7 +410,7 @@ impl LoadKind {
     pub fn columns(self) -> usize {
         match self {
             Self::Pressure | Self::FollowerPressure => 1,
-            Self::Traction | Self::BodyForce | Self::Force | Self::Moment => 3,
+            Self::Traction | Self::BodyForce | Self::Force | Self::Moment | Self::Acceleration | Self::TotalForce => 3,
         }
     }
 }
@@ -419,12 +423,12 @@ pub struct Load {
     /// Unique name, by which a `[[stage]]` switches it off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Set of facets (`pressure`, `traction`, `follower_pressure`), elements (`body_force`) or nodes (`force`), `body.set`. A `force` may also
+    /// Set of facets (`pressure`, `traction`, `follower_pressure`, `total_force`), elements (`body_force`) or nodes (`force`), `body.set`. A `force` may also
     /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass, a `moment` on `part.all` of a rigid body, on sets of beams, and on sets of deformable bodies
     /// as wholes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
-    /// Name of a body, instead of a set, for a `body_force` on all of it.
+    /// Name of a body, instead of a set, for a `body_force` or an `acceleration` on all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<String>,
     /// Dead pressure (force per reference area), positive when it presses on the body.
@@ -448,6 +452,12 @@ pub struct Load {
     /// How a set of a deformable body follows the point that the moment acts on; `distributing` if left out. With a `moment` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
+    /// Force per mass on a whole body with a density: what `[gravity]` is for all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acceleration: Option<Series>,
+    /// Dead force on the whole set of facets: the traction `total_force / area` of the reference configuration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub total_force: Option<Series>,
 }
 
 impl Load {
@@ -465,6 +475,8 @@ impl Load {
             (LoadKind::FollowerPressure, &self.follower_pressure),
             (LoadKind::Force, &self.force),
             (LoadKind::Moment, &self.moment),
+            (LoadKind::Acceleration, &self.acceleration),
+            (LoadKind::TotalForce, &self.total_force),
         ]
         .into_iter()
         .find_map(|(kind, series)| series.as_ref().map(|series| (kind, series)))

@@ -16,6 +16,7 @@ mod body;
 mod conditions;
 mod coupling;
 mod event;
+mod expression;
 mod friction;
 mod general;
 mod gravity;
@@ -34,6 +35,8 @@ mod samples;
 mod schema;
 mod source;
 mod string;
+mod support;
+mod sweep;
 mod tie;
 mod vector;
 mod watch;
@@ -70,6 +73,8 @@ pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, Sp
 pub use schema::json_schema;
 pub use source::Location;
 pub use string::{ElasticString, PointMass};
+pub use support::{Support, SupportPer};
+pub use sweep::{Sweep, SweepRange, SweepValues};
 pub use tie::{Interface, Multipliers, Tie, TieForm};
 pub use watch::{OnFault, Verdict, Watch};
 
@@ -77,12 +82,20 @@ pub use watch::{OnFault, Verdict, Watch};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use source::Source;
+use std::collections::BTreeMap;
 
 /// A scene, as [`parse`] returns it: complete, and consistent as far as that can be told without meshes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
+    /// `[parameters]`: numbers by name, for expressions. Every number of a scene may be a string with an expression over them,
+    /// for instance `"2*radius"`; so may a parameter.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
+    /// `[sweep]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Sweep>,
     /// `[scene]`.
     #[serde(rename = "scene")]
     pub header: Header,
@@ -130,6 +143,9 @@ pub struct Scene {
     /// `[[load]]`.
     #[serde(default, rename = "load", skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
+    /// `[[support]]`.
+    #[serde(default, rename = "support", skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<Support>,
     /// `[[event]]`.
     #[serde(default, rename = "event", skip_serializing_if = "Vec::is_empty")]
     pub events: Vec<Event>,
@@ -192,7 +208,7 @@ impl Scene {
 /// All problems of the scene: those of TOML's syntax if there are any, otherwise unknown keys, wrong types, missing keys, values
 /// out of range and contradictions.
 pub fn parse(text: &str, file: &str) -> Result<Scene, SceneErrors> {
-    read::scene(text, file, &OwnNames::default())
+    read::scene(text, file, &OwnNames::default(), &[])
 }
 
 /// Names of laws beside the catalogues.
@@ -211,5 +227,19 @@ pub struct OwnNames<'a> {
 /// # Errors
 /// As [`parse`].
 pub fn parse_with(text: &str, file: &str, own_laws: &OwnNames<'_>) -> Result<Scene, SceneErrors> {
-    read::scene(text, file, own_laws)
+    read::scene(text, file, own_laws, &[])
+}
+
+/// As [`parse_with`], and some parameters have other values than the text gives them: names and expressions over the parameters, as in
+/// `--set radius=2*width`. Of two for the same name the last one counts.
+///
+/// # Errors
+/// As [`parse`]; a name that is no parameter of the scene is a problem of its table `[parameters]`.
+pub fn parse_set(
+    text: &str,
+    file: &str,
+    own_laws: &OwnNames<'_>,
+    overrides: &[(String, String)],
+) -> Result<Scene, SceneErrors> {
+    read::scene(text, file, own_laws, overrides)
 }

@@ -84,7 +84,7 @@ pub enum OutputError {
         reason: String,
     },
     /// A file has the name of a file of results, but is none.
-    #[error("{path} was not written by Stoss, but a run would replace it; move it away, or choose another folder with --out",
+    #[error("{path} was not written by Stoss, but a run would replace it; move it away, choose another folder with --out, or replace it with --force",
         path = .path.display())]
     NotOurs {
         /// The file.

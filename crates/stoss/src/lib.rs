@@ -45,6 +45,8 @@ pub mod build;
 #[cfg(feature = "output")]
 mod error;
 #[cfg(feature = "output")]
+pub mod events;
+#[cfg(feature = "output")]
 pub mod output;
 #[cfg(any(feature = "output", all(feature = "scene", any(feature = "nts", feature = "mortar"))))]
 mod points;
@@ -52,6 +54,8 @@ mod points;
 mod regular;
 #[cfg(feature = "output")]
 pub mod run;
+#[cfg(feature = "output")]
+pub mod sweep;
 
 /// The code in the README compiles and runs.
 #[cfg(all(doctest, feature = "scene"))]

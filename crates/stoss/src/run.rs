@@ -2,11 +2,13 @@
 
 use crate::build::{Built, OwnLaws, Schedule, build_with};
 use crate::output::{
-    Description, FolderSettings, Outcome, ResultFolder, SceneIdentity, SystemWriter, changed_by, contact_bodies,
-    judge_start, promises,
+    Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, changed_by,
+    contact_bodies, judge_start, promises,
 };
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use stoss_solver::{Simulation, SimulationError, StepRecord};
 
 pub use crate::error::RunError;
@@ -26,6 +28,12 @@ pub struct RunOptions {
     /// Writes so many linear systems, the first ones that are factorised, into the folder `systems` of the results
     /// ([`stoss_linalg::matrix_market`]). Zero: none.
     pub systems: u32,
+    /// Which files in the folder a new run replaces.
+    pub overwrite: Overwrite,
+    /// Parameters of the scene with other values than it gives: names and expressions.
+    pub set: Vec<(String, String)>,
+    /// Once true, the run ends after the step that it is doing, with a checkpoint, and its outcome is [`Outcome::Interrupted`].
+    pub stop: Arc<AtomicBool>,
 }
 
 /// What happens during a run.
@@ -64,14 +72,20 @@ pub fn set_threads(threads: usize) -> Result<(), String> {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(|e| e.to_string())
 }
 
-fn load(path: &Path, laws: &OwnLaws) -> Result<(Scene, Built), RunError> {
+/// Text of a scene file.
+pub(crate) fn read_text(path: &Path) -> Result<String, RunError> {
     let bytes = crate::regular::read(path).map_err(|source| RunError::Read { path: path.to_path_buf(), source })?;
-    let text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..good].iter().filter(|&&byte| byte == b'\n').count();
         RunError::Encoding { path: path.to_path_buf(), line }
-    })?;
-    let scene = crate::scene::parse_with(&text, &path.display().to_string(), &laws.names()).map_err(RunError::Scene)?;
+    })
+}
+
+fn load(path: &Path, laws: &OwnLaws, set: &[(String, String)]) -> Result<(Scene, Built), RunError> {
+    let text = read_text(path)?;
+    let scene =
+        crate::scene::parse_set(&text, &path.display().to_string(), &laws.names(), set).map_err(RunError::Scene)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let built = build_with(&scene, folder, laws).map_err(RunError::Scene)?;
     Ok((scene, built))
@@ -90,7 +104,7 @@ fn scheme_name(scene: &Scene) -> String {
 /// See [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
-    let (scene, built) = load(path, &options.laws)?;
+    let (scene, built) = load(path, &options.laws, &options.set)?;
     let description = Description {
         plan: plan_lines(&scene, &built),
         file: scene.file().to_owned(),
@@ -145,7 +159,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     let mut folder = if options.resume {
         ResultFolder::resume(&options.out, settings, &mut simulation)?
     } else {
-        ResultFolder::create(&options.out, settings, &mut simulation)?
+        ResultFolder::create(&options.out, options.overwrite, settings, &mut simulation)?
     };
     let systems = match options.systems {
         0 => None,
@@ -153,7 +167,12 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     };
     // The grid of steps is the scene's; stopping early only stops.
     let mut change = schedule.events(&mut simulation, &probes).and_then(|()| next_stage(&schedule, &mut simulation));
+    let mut interrupted = false;
     while simulation.state().time < end * (1.0 - 1.0e-12) {
+        interrupted = change.is_ok() && options.stop.load(Ordering::Relaxed);
+        if interrupted {
+            break;
+        }
         let goes_on = std::mem::replace(&mut change, Ok(true));
         if matches!(goes_on, Ok(false)) {
             break;
@@ -189,7 +208,12 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     let outcome = if simulation.finished() && simulation.stage() as usize == schedule.len() {
         Outcome::Completed
     } else {
-        Outcome::Stopped { last_step: simulation.step(), last_time: simulation.state().time }
+        let (last_step, last_time) = (simulation.step(), simulation.state().time);
+        if interrupted {
+            Outcome::Interrupted { last_step, last_time }
+        } else {
+            Outcome::Stopped { last_step, last_time }
+        }
     };
     Ok(folder.summarise(&simulation, outcome)?)
 }
@@ -239,7 +263,15 @@ pub fn check_scene(path: &Path) -> Result<PlanReport, RunError> {
 /// # Errors
 /// As [`check_scene`].
 pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunError> {
-    let (scene, built) = load(path, laws)?;
+    check_scene_for(path, &RunOptions { laws: laws.clone(), ..RunOptions::default() })
+}
+
+/// As [`check_scene`] for a run with these options, of which laws and parameters are used.
+///
+/// # Errors
+/// As [`check_scene`].
+pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, RunError> {
+    let (scene, built) = load(path, &options.laws, &options.set)?;
     let mut lines = plan_lines(&scene, &built);
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
     let start = judge_start(&built.simulation, &scene, &built.drawing)?;

@@ -284,6 +284,8 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
             _ => Some(coupling),
         }
     });
+    let acceleration = value("acceleration", LoadKind::Acceleration);
+    let total_force = value("total_force", LoadKind::TotalForce);
     let given: Vec<&'static str> = LoadKind::NAMES.iter().copied().filter(|key| table.has(key)).collect();
     let one_kind = match given.as_slice() {
         [_] => Some(()),
@@ -302,9 +304,12 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     let target = match (table.has("set"), table.has("body")) {
         (true, true) => table.fail("body", "a load has either a set or a body", "remove one of them"),
         (false, false) => table.missing("set", "set = \"plate.bottom\""),
-        (false, true) if !table.has("body_force") => table.fail(
+        (true, false) if table.has("acceleration") => {
+            table.fail("set", "an `acceleration` acts on a whole body", "write `body` with the name of a body instead")
+        }
+        (false, true) if !(table.has("body_force") || table.has("acceleration")) => table.fail(
             "body",
-            "only a `body_force` acts on a whole body",
+            "only a `body_force` or an `acceleration` acts on a whole body",
             "name a set, for instance `set = \"plate.bottom\"`",
         ),
         _ => Some(()),
@@ -323,6 +328,8 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
         force: force?,
         moment: moment?,
         coupling: coupling?,
+        acceleration: acceleration?,
+        total_force: total_force?,
     })
 }
 

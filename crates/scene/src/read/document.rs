@@ -3,10 +3,12 @@
 use super::node::is_name;
 use super::table::Table;
 use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
-use super::{beam, body, conditions, event, general, joint, prescribe, results, rigid, string, tie};
+use super::{
+    beam, body, conditions, event, general, joint, parameters, prescribe, results, rigid, string, support, sweep, tie,
+};
 use crate::source::Source;
 use crate::{Beam, Body, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeValue;
 
 type Tables<'a> = Vec<Option<Table<'a>>>;
@@ -122,6 +124,9 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
 
     let loads: Vec<_> = load_tables.iter().map(|table| conditions::load(table.as_ref()?, &world)).collect();
 
+    let supports: Vec<_> =
+        root.tables("support").iter().map(|table| support::support(table.as_ref()?, &world)).collect();
+
     let mut unique = Unique::new("probe");
     let mut probes = Vec::new();
     for table in root.tables("probe") {
@@ -148,9 +153,13 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
     let watch = root.default("watch", crate::Watch::default(), results::watch);
     let expect = root.optional("expect", |n| results::expect(n, &world));
+    let parameters = root.default(parameters::TABLE, BTreeMap::new(), parameters::values);
+    let sweep = root.optional("sweep", sweep::sweep);
     root.finish();
 
     Some(Scene {
+        parameters: parameters?,
+        sweep: sweep?,
         header: header?,
         time: time?,
         solver: solver?,
@@ -167,6 +176,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         springs: all(springs)?,
         prescriptions: all(prescriptions)?,
         loads: all(loads)?,
+        supports: all(supports)?,
         events: all(events)?,
         stages: all(stages)?,
         probes: all(probes)?,

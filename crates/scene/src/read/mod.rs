@@ -14,10 +14,13 @@ mod joint;
 mod material;
 mod mesh;
 mod node;
+mod parameters;
 mod prescribe;
 mod results;
 mod rigid;
 mod string;
+mod support;
+mod sweep;
 mod table;
 mod tie;
 mod world;
@@ -25,10 +28,15 @@ mod world;
 use crate::source::Source;
 use crate::{OwnNames, Problem, Scene, SceneErrors};
 use node::{Node, Report};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use toml::de::{DeTable, DeValue};
 
-pub(crate) fn scene(text: &str, file: &str, own_laws: &OwnNames<'_>) -> Result<Scene, SceneErrors> {
+pub(crate) fn scene(
+    text: &str,
+    file: &str,
+    own_laws: &OwnNames<'_>,
+    overrides: &[(String, String)],
+) -> Result<Scene, SceneErrors> {
     let mut source = Source::new(text, file);
     let (document, errors) = DeTable::parse_recoverable(text);
     let syntax: Vec<Problem> = errors.iter().map(|error| syntax_problem(&source, error)).collect();
@@ -36,7 +44,13 @@ pub(crate) fn scene(text: &str, file: &str, own_laws: &OwnNames<'_>) -> Result<S
         return Err(errors);
     }
     source.index(document.get_ref());
-    let report = Report { source: &source, problems: RefCell::default() };
+    let mut report = Report {
+        source: &source,
+        problems: RefCell::default(),
+        parameters: Default::default(),
+        evaluated: Cell::default(),
+    };
+    report.parameters = parameters::read(&report, document.get_ref(), overrides);
     let root = DeValue::Table(document.into_inner());
     let node = Node { report: &report, value: &root, span: 0..0, key: String::new() };
     let scene = node.table().and_then(|table| document::document(&table, own_laws));

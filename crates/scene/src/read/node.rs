@@ -2,17 +2,21 @@
 //!
 //! Every reader returns `None` after it has reported what is wrong, so that reading goes on and all problems are found.
 
+use super::parameters::{self, Parameters};
 pub(super) use crate::names::known;
 use crate::source::{Source, element};
 use crate::{Location, Problem};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::{Range, RangeInclusive};
 use toml::de::DeValue;
 
-/// The text and the problems found so far.
+/// The text, the parameters of its expressions, and the problems found so far.
 pub(super) struct Report<'a> {
     pub(super) source: &'a Source,
     pub(super) problems: RefCell<Vec<Problem>>,
+    pub(super) parameters: Parameters,
+    /// Start and value of the expression that was evaluated last.
+    pub(super) evaluated: Cell<Option<(usize, f64)>>,
 }
 
 impl Report<'_> {
@@ -42,8 +46,32 @@ impl<'a> Node<'a> {
             source.slice(&self.span)
         };
         let location = source.location(self.span.clone());
-        self.report.add(location, self.key.clone(), value, message.into(), remedy.into());
+        let mut message = message.into();
+        if let Some((start, number)) = self.report.evaluated.get()
+            && start == self.span.start
+            && self.is_string()
+        {
+            message = format!("is {number}, {message}");
+        }
+        self.report.add(location, self.key.clone(), value, message, remedy.into());
         None
+    }
+
+    /// True for a string, which may be an expression.
+    pub(super) fn is_string(&self) -> bool {
+        matches!(self.value, DeValue::String(_))
+    }
+
+    /// The value of an expression.
+    fn expression(&self, text: &str) -> Option<f64> {
+        match parameters::evaluate(text, &self.report.parameters) {
+            Ok(value) => {
+                self.report.evaluated.set(Some((self.span.start, value)));
+                Some(value)
+            }
+            Err(Some((message, remedy))) => self.fail(message, remedy),
+            Err(None) => None,
+        }
     }
 
     /// Reports that this value is something else; always `None`.
@@ -84,9 +112,10 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A number, infinite ones included, NaN not.
+    /// A number, infinite ones included, NaN not; or an expression.
     pub(super) fn extended(&self) -> Option<f64> {
         let value = match self.value {
+            DeValue::String(text) => return self.expression(text),
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
             DeValue::Integer(integer) => i128::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64),
             _ => return self.wrong_type("a number", "1.0"),
@@ -133,10 +162,17 @@ impl<'a> Node<'a> {
 
     /// A whole number in a range.
     pub(super) fn whole(&self, range: RangeInclusive<u64>) -> Option<u64> {
-        let DeValue::Integer(integer) = self.value else {
-            return self.wrong_type("a whole number", "1");
+        let value = match self.value {
+            DeValue::Integer(integer) => i128::from_str_radix(integer.as_str(), integer.radix()).ok(),
+            DeValue::String(text) => {
+                let value = self.expression(text)?;
+                if value.fract() != 0.0 || value.abs() > EXACT {
+                    return self.fail("must be a whole number", "use round(...), floor(...) or ceil(...)");
+                }
+                Some(value as i128)
+            }
+            _ => return self.wrong_type("a whole number", "1"),
         };
-        let value = i128::from_str_radix(integer.as_str(), integer.radix()).ok();
         match value.and_then(|i| u64::try_from(i).ok()).filter(|i| range.contains(i)) {
             Some(value) => Some(value),
             None if *range.end() == u64::MAX => {
@@ -218,6 +254,9 @@ impl<'a> Node<'a> {
         Some(vector)
     }
 }
+
+/// Whole numbers up to here are exact in floating-point numbers.
+const EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// True for names of letters, digits, `-` and `_`.
 pub(super) fn is_name(text: &str) -> bool {

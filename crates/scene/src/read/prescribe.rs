@@ -27,7 +27,7 @@ pub(super) fn series(node: &Node<'_>, columns: usize) -> Option<Series> {
             }
             Some(Series::Vector(values))
         }
-        DeValue::Integer(_) | DeValue::Float(_) => {
+        DeValue::Integer(_) | DeValue::Float(_) | DeValue::String(_) => {
             let value = node.number()?;
             if columns != 1 {
                 return node.fail(

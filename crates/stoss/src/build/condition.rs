@@ -7,7 +7,7 @@ use crate::solver::{AxisRotation, Load, LoadKind, Model, Prescription, Table};
 use stoss_mesh::{MeshError, SetKind};
 
 /// Facets of a deformable body's set in global node numbers.
-fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
+pub(super) fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
     let list = placed.mesh().map_or_else(|| Ok(Vec::new()), |mesh| mesh.facets_of(set))?;
     Ok(list.iter().map(|facet| facet.nodes.map(|n| n + placed.first_node)).collect())
 }
@@ -223,6 +223,15 @@ fn pattern(
     }
 }
 
+/// Scales nodal forces of unit traction, whose sum is the area, to the sum one.
+fn to_resultant_one(pattern: &mut [(u32, f64)]) {
+    let area: f64 = pattern.iter().map(|(_, force)| force).sum();
+    // A set has a facet at least, and facets without area are no mesh.
+    if area > 0.0 {
+        pattern.iter_mut().for_each(|(_, force)| *force /= area);
+    }
+}
+
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn load_kind(
@@ -235,7 +244,7 @@ fn load_kind(
     problems: &mut Problems<'_>,
 ) -> Option<LoadKind> {
     let components = model.reference.len();
-    if kind == SceneLoad::BodyForce {
+    if matches!(kind, SceneLoad::BodyForce | SceneLoad::Acceleration) {
         // On a whole body: `body`, or a set of which the body is meant.
         let name = item.body.as_deref().or_else(|| item.set.as_deref().and_then(split_set).map(|(body, _)| body))?;
         let b = scene.body_index(name)?;
@@ -249,8 +258,25 @@ fn load_kind(
                 return None;
             }
         }
+        let density = match (kind, scene.bodies[b].density) {
+            (SceneLoad::Acceleration, None) => {
+                let message = format!("`{name}` has no density, and a body without mass needs no force");
+                problems.add(
+                    format!("{key}.acceleration"),
+                    "",
+                    message,
+                    "give the body a density, or write `body_force`",
+                );
+                return None;
+            }
+            (SceneLoad::Acceleration, Some(density)) => density,
+            _ => 1.0,
+        };
         let solid = &model.bodies[b].solid;
-        let patterns = AXES.map(|axis| pattern(components, key, problems, |f| solid.body_force(axis, f)));
+        let patterns = AXES.map(|axis| {
+            let force_per_volume = axis.map(|a| density * a);
+            pattern(components, key, problems, |f| solid.body_force(force_per_volume, f))
+        });
         return Some(LoadKind::Dead { patterns: patterns.into_iter().collect::<Option<_>>()? });
     }
     let set = item.set.as_deref()?;
@@ -288,10 +314,16 @@ fn load_kind(
             Some(LoadKind::Dead { patterns: vec![unit] })
         }
         _ => {
-            let patterns = AXES.map(|axis| {
-                pattern(components, &key, problems, |f| stoss_fe_solid::dead_traction(&facets, reference, axis, f))
-            });
-            Some(LoadKind::Dead { patterns: patterns.into_iter().collect::<Option<_>>()? })
+            let mut patterns = Vec::new();
+            for axis in AXES {
+                let made =
+                    pattern(components, &key, problems, |f| stoss_fe_solid::dead_traction(&facets, reference, axis, f));
+                patterns.push(made?);
+            }
+            if kind == SceneLoad::TotalForce {
+                patterns.iter_mut().for_each(|pattern| to_resultant_one(pattern));
+            }
+            Some(LoadKind::Dead { patterns })
         }
     }
 }

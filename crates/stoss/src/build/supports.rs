@@ -38,6 +38,10 @@ pub(super) fn warnings(scene: &Scene, model: &Model) -> Vec<String> {
             .contacts
             .iter()
             .any(|contact| contact.surfaces().into_iter().filter_map(body).any(|b| members.contains(&b)));
+        // So may elastic supports.
+        if scene.supports.iter().filter_map(|support| body(&support.set)).any(|b| members.contains(&b)) {
+            continue;
+        }
         // Joints and springs may hold it; whether they do, the solution tells.
         let joined = scene.joints.iter().map(|joint| &joint.between).chain(scene.springs.iter().map(|s| &s.between));
         if joined.flatten().filter_map(|side| body(side)).any(|b| members.contains(&b)) {

@@ -24,11 +24,21 @@ const FILES: [(&str, &str); 12] = [
 /// Where the marks of [`FILES`] are; a summary begins with the scene's title.
 const BEGINNING: u64 = 1 << 16;
 
-/// Removes the files of an earlier run: all of them, or none if one is not ours.
-pub(super) fn remove(folder: &Path) -> Result<(), OutputError> {
+/// Which files that are in the way of a new run it replaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overwrite {
+    /// Those of an earlier run; a file of the same name that this program did not write is an error.
+    #[default]
+    Own,
+    /// All that have the name of one of ours. Other files stay.
+    Any,
+}
+
+/// Removes the files of an earlier run: all of them, or none if one is not ours and `overwrite` does not allow it.
+pub(super) fn remove(folder: &Path, overwrite: Overwrite) -> Result<(), OutputError> {
     for (name, mark) in FILES {
         let path = folder.join(name);
-        if path.exists() && !is_ours(&path, mark)? {
+        if overwrite == Overwrite::Own && path.exists() && !is_ours(&path, mark)? {
             return Err(OutputError::NotOurs { path });
         }
     }

@@ -1,7 +1,7 @@
 //! Writes a run into a folder.
 
 use super::drift::Drifts;
-use super::earlier;
+use super::earlier::{self, Overwrite};
 use super::identity::SceneIdentity;
 use super::lock::FolderLock;
 use super::table::CsvTable;
@@ -117,14 +117,19 @@ impl FolderSettings {
 }
 
 impl ResultFolder {
-    /// Creates the folder (replacing the results of an earlier run) and writes the initial state.
+    /// Creates the folder (replacing the results of an earlier run, and more if `overwrite` allows it) and writes the initial state.
     ///
     /// # Errors
     /// [`OutputError`]; [`OutputError::NotOurs`], before anything is touched, if a file in the folder has the name of one of ours but
     /// was not written by this program.
-    pub fn create(path: &Path, settings: FolderSettings, simulation: &mut Simulation) -> Result<Self, OutputError> {
+    pub fn create(
+        path: &Path,
+        overwrite: Overwrite,
+        settings: FolderSettings,
+        simulation: &mut Simulation,
+    ) -> Result<Self, OutputError> {
         let lock = FolderLock::take(path)?;
-        earlier::remove(path)?;
+        earlier::remove(path, overwrite)?;
         let frames = path.join("frames");
         std::fs::create_dir_all(&frames).map_err(OutputError::io(&frames))?;
         let memo = Memo {

@@ -6,7 +6,8 @@ use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
 /// Tables of a scene that say what is written and judged, not what is computed.
-const WITHOUT_INFLUENCE: [&str; 3] = ["output", "watch", "expect"];
+/// Of parameters what counts is where they are used.
+const WITHOUT_INFLUENCE: [&str; 5] = ["output", "watch", "expect", "parameters", "sweep"];
 
 /// How many differences are named.
 const NAMED: usize = 5;

@@ -23,6 +23,7 @@ mod tests;
 pub use crate::error::OutputError;
 pub use description::Description;
 pub use drift::Drift;
+pub use earlier::Overwrite;
 pub use folder::{FolderSettings, ResultFolder};
 pub use identity::SceneIdentity;
 pub use summary::{Memory, Outcome, Summary, WatchSummary};

@@ -21,6 +21,13 @@ pub enum Outcome {
         /// Time of the last completed step.
         last_time: f64,
     },
+    /// Ended by the user before the scene's end ([`crate::run::RunOptions::stop`]); it can be resumed.
+    Interrupted {
+        /// Last completed step.
+        last_step: u64,
+        /// Time of the last completed step.
+        last_time: f64,
+    },
     /// Still running (or killed).
     Running,
     /// Stopped with an error; everything up to the last completed step is valid.
@@ -109,6 +116,19 @@ pub struct Summary {
     pub outcome: Outcome,
 }
 
+impl Outcome {
+    /// Its name in `summary.json`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Completed => "completed",
+            Self::Stopped { .. } => "stopped",
+            Self::Interrupted { .. } => "interrupted",
+            Self::Running => "running",
+            Self::Failed { .. } => "failed",
+        }
+    }
+}
+
 impl Summary {
     /// Whether the result is wrong and the scene does not say that this is to be ignored.
     pub fn is_fault(&self) -> bool {
@@ -121,6 +141,7 @@ impl std::fmt::Display for Summary {
         match &self.outcome {
             Outcome::Completed => write!(f, "completed: ")?,
             Outcome::Stopped { .. } => write!(f, "stopped before the scene's end: ")?,
+            Outcome::Interrupted { .. } => write!(f, "interrupted: ")?,
             Outcome::Running => write!(f, "running: ")?,
             Outcome::Failed { .. } => write!(f, "failed: ")?,
         }

@@ -6,6 +6,7 @@ mod line;
 mod motion;
 mod redundant;
 mod rigid;
+mod support;
 
 use super::placed::Placed;
 use super::{Drawing, Problems};
@@ -108,6 +109,7 @@ pub(super) fn constraints(
         }));
     }
     parts.springs = joint::springs(scene, parts, model, problems);
+    support::supports(scene, placed, model, problems);
 }
 
 fn push(model: &mut Model, constraint: impl Bilateral + 'static) {

@@ -1,0 +1,230 @@
+//! `stoss run`: one scene into one folder, with progress for people or events for programs.
+
+use crate::progress::Progress;
+use crate::terminal::{say, tell_line};
+use crate::{WRONG, diagnostics, interrupt, page};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
+use stoss::events::EventRecord;
+use stoss::output::{Outcome, Overwrite};
+use stoss::run::{Event, RunError, RunOptions, Summary};
+
+/// Exit code of a run that Ctrl-C or SIGTERM has ended after a step.
+pub const INTERRUPTED: u8 = 5;
+
+/// Options of `stoss run`.
+#[derive(Args)]
+pub struct Job {
+    /// The scene (TOML).
+    scene: PathBuf,
+    /// Folder for the results [default: the scene's name with `.out`, in the present folder].
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Gives a parameter of the scene another value; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    set: Vec<(String, String)>,
+    /// Threads for element loops; the results do not depend on it [default: all cores].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Stop with the first step that reaches this time, before the scene's end.
+    #[arg(long)]
+    until: Option<f64>,
+    /// Continue from the checkpoint in the folder.
+    #[arg(long)]
+    resume: bool,
+    /// Start anew even if files in the folder that were not written by Stoss are replaced by this.
+    #[arg(long, conflicts_with = "resume")]
+    force: bool,
+    /// Write the first N linear systems that are factorised into the folder `systems` of the results, as Matrix Market files.
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    systems: u32,
+    /// Write no page for a browser at the end (`report.html` in the folder).
+    #[arg(long)]
+    no_report: bool,
+    /// Print the events of the run as JSON, one a line, on standard output, and nothing but errors beside (see `stoss schema --events`).
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// `name=value`.
+pub fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("write a parameter and its value, for instance radius=0.5".to_owned()),
+    }
+}
+
+/// `scenes/ball-plate.toml` -> `ball-plate.out`.
+fn default_folder(scene: &Path) -> PathBuf {
+    let stem = scene.file_stem().map_or_else(|| "run".into(), |s| s.to_string_lossy().into_owned());
+    PathBuf::from(format!("{stem}.out"))
+}
+
+/// Where events go.
+struct Listener {
+    progress: Progress,
+    json: bool,
+}
+
+impl Listener {
+    fn tell(&self, record: Option<EventRecord>) {
+        if let Some(record) = record.filter(|_| self.json) {
+            tell_line(&record.to_line());
+        }
+    }
+
+    fn show(&mut self, event: &Event<'_>) {
+        self.tell(EventRecord::of(event));
+        self.progress.show(event);
+    }
+
+    fn finish(&mut self, summary: &Summary, out: &Path, code: u8) {
+        self.tell(Some(EventRecord::end(summary, out, code)));
+        self.progress.finish(summary);
+    }
+
+    fn fail(&mut self, error: &RunError, code: u8) {
+        self.tell(Some(EventRecord::error(error, code)));
+        self.progress.abandon();
+    }
+}
+
+/// Runs the scene.
+pub fn run(job: Job) -> ExitCode {
+    if let Some(threads) = job.threads
+        && let Err(error) = stoss::run::set_threads(usize::from(threads))
+    {
+        say!("error: {error}");
+        return ExitCode::from(1);
+    }
+    let out = job.out.clone().unwrap_or_else(|| default_folder(&job.scene));
+    let quiet = job.quiet || job.json;
+    let stop = Arc::new(AtomicBool::new(false));
+    let listener = Arc::new(Mutex::new(Listener { progress: Progress::new(quiet), json: job.json }));
+    let raised = {
+        let listener = Arc::clone(&listener);
+        move || {
+            if let Ok(listener) = listener.lock() {
+                listener.tell(Some(EventRecord::Interrupting));
+                listener.progress.note("interrupted: ending after the present step; once more ends at once");
+            }
+        }
+    };
+    if let Err(error) = interrupt::watch(&stop, raised) {
+        say!("warning: Ctrl-C will end the run at once, without a checkpoint: {error}");
+    }
+    let options = RunOptions {
+        out: out.clone(),
+        until: job.until,
+        resume: job.resume,
+        systems: job.systems,
+        overwrite: if job.force { Overwrite::Any } else { Overwrite::Own },
+        set: job.set.clone(),
+        stop,
+        ..RunOptions::default()
+    };
+    let result = stoss::run::run_scene(&job.scene, &options, &mut |event| {
+        if let Ok(mut listener) = listener.lock() {
+            listener.show(&event);
+        }
+    });
+    // The lock is poisoned only by a panic of the thread that says that the run was interrupted.
+    let mut listener = listener.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    if matches!(result, Ok(_) | Err(RunError::Simulation { .. })) && !job.no_report {
+        listener.progress.abandon();
+        // A page is no part of the results: without it the run is as good.
+        match page::write(&[&out]) {
+            Ok(page) if !quiet => say!("page: {}", page.display()),
+            Ok(_) => {}
+            Err(error) => say!("warning: no page: {error}"),
+        }
+    }
+    match result {
+        Ok(summary) => {
+            let code = code_of(&summary);
+            listener.finish(&summary, &out, code);
+            if quiet && summary.is_fault() {
+                say!("{}", summary.verdict);
+            }
+            if let Outcome::Interrupted { last_step, last_time } = summary.outcome {
+                say!("interrupted after step {last_step} at t = {last_time}; the checkpoint is in {}", out.display());
+                say!("to go on: {}", resume_command(&job, &out));
+            }
+            ExitCode::from(code)
+        }
+        Err(error) => {
+            let code = match &error {
+                RunError::Scene(_) | RunError::Option(_) | RunError::Encoding { .. } => 2,
+                RunError::Simulation { .. } => 3,
+                _ => 1,
+            };
+            listener.fail(&error, code);
+            match &error {
+                RunError::Scene(problems) => diagnostics::print(&job.scene, problems),
+                error => say!("error: {error}"),
+            }
+            ExitCode::from(code)
+        }
+    }
+}
+
+fn code_of(summary: &Summary) -> u8 {
+    match summary.outcome {
+        Outcome::Interrupted { .. } => INTERRUPTED,
+        _ if summary.is_fault() => WRONG,
+        _ => 0,
+    }
+}
+
+/// The command line that continues a run.
+fn resume_command(job: &Job, out: &Path) -> String {
+    let mut words = vec!["stoss".to_owned(), "run".to_owned(), job.scene.display().to_string()];
+    words.extend(["--out".to_owned(), out.display().to_string()]);
+    for (name, value) in &job.set {
+        words.extend(["--set".to_owned(), format!("{name}={value}")]);
+    }
+    if let Some(until) = job.until {
+        words.extend(["--until".to_owned(), until.to_string()]);
+    }
+    words.push("--resume".to_owned());
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a shell reads it back.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{assignment, quoted};
+
+    #[test]
+    fn words_are_quoted_where_a_shell_needs_it() {
+        assert_eq!(quoted("a/b-1.toml"), "a/b-1.toml");
+        assert_eq!(quoted("two words"), "'two words'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn assignments_have_two_sides() {
+        assert_eq!(assignment("radius = 2*0.5"), Ok(("radius".into(), "2*0.5".into())));
+        for wrong in ["radius", "=1", "radius=", ""] {
+            assert!(assignment(wrong).is_err(), "{wrong}");
+        }
+    }
+}

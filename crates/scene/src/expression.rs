@@ -1,0 +1,355 @@
+//! Arithmetic expressions over parameters: `"2*radius + 1e-3"`.
+//!
+//! | written | is |
+//! |---|---|
+//! | `+ - * / ^` | as usual; `^` binds closest and to the right, so that `-2^2` is -4 and `2^3^2` is 512 |
+//! | `( )` | brackets |
+//! | `pi`, other names | the number pi; parameters |
+//! | `sqrt exp ln log10 abs sin cos tan asin acos atan floor ceil round radians degrees` | of one argument, angles in radians |
+//! | `min max atan2 hypot` | of two arguments |
+//!
+//! It is a parser of its own because the crates that were tried read `1e-3` as `1e - 3` (exmex 0.21), have a licence that Stoss cannot
+//! have (evalexpr from 12 on) or are without maintenance (meval, fasteval), and none says where in the expression the mistake is.
+
+/// Deepest nesting of brackets, signs and powers.
+const DEPTH: usize = 64;
+
+/// Functions of one argument.
+const UNARY: [(&str, fn(f64) -> f64); 15] = [
+    ("sqrt", f64::sqrt),
+    ("exp", f64::exp),
+    ("ln", f64::ln),
+    ("log10", f64::log10),
+    ("abs", f64::abs),
+    ("sin", f64::sin),
+    ("cos", f64::cos),
+    ("tan", f64::tan),
+    ("asin", f64::asin),
+    ("acos", f64::acos),
+    ("atan", f64::atan),
+    ("floor", f64::floor),
+    ("ceil", f64::ceil),
+    ("round", f64::round),
+    ("radians", f64::to_radians),
+];
+
+/// Functions of two arguments.
+const BINARY: [(&str, fn(f64, f64) -> f64); 4] =
+    [("min", f64::min), ("max", f64::max), ("atan2", f64::atan2), ("hypot", f64::hypot)];
+
+/// Why an expression has no value.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ExpressionError {
+    /// What is wrong, and at which character, from 1.
+    Wrong { message: String, at: usize },
+    /// A name that is no parameter.
+    UnknownName(String),
+    /// A parameter whose own value is wrong, which is reported where it stands.
+    Reported,
+}
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Name {
+    Value(f64),
+    /// It is known, but its value is wrong, which is reported elsewhere.
+    Wrong,
+    Unknown,
+}
+
+/// Whether a name can stand in an expression for a parameter: a letter, then letters, digits and `_`, and no name of this module's.
+pub(crate) fn is_parameter_name(name: &str) -> bool {
+    let mut characters = name.chars();
+    characters.next().is_some_and(char::is_alphabetic)
+        && characters.all(|c| c.is_alphanumeric() || c == '_')
+        && !is_reserved(name)
+}
+
+/// Names of functions and constants.
+fn is_reserved(name: &str) -> bool {
+    matches!(name, "pi" | "degrees")
+        || UNARY.iter().any(|(known, _)| *known == name)
+        || BINARY.iter().any(|(known, _)| *known == name)
+}
+
+/// The value of an expression, which is finite.
+pub(crate) fn evaluate(text: &str, lookup: &dyn Fn(&str) -> Name) -> Result<f64, ExpressionError> {
+    let mut parser = Parser { text, at: 0, depth: 0, lookup };
+    let value = parser.sum()?;
+    parser.skip_space();
+    if parser.at < text.len() {
+        return Err(parser.wrong("an operator is missing here, or a bracket is too much"));
+    }
+    if !value.is_finite() {
+        return Err(ExpressionError::Wrong { message: format!("gives {value}, which is no finite number"), at: 1 });
+    }
+    Ok(value)
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    /// Byte at which the rest begins.
+    at: usize,
+    depth: usize,
+    lookup: &'a dyn Fn(&str) -> Name,
+}
+
+type Value = Result<f64, ExpressionError>;
+
+impl Parser<'_> {
+    fn rest(&self) -> &str {
+        // `at` moves by whole characters only.
+        self.text.get(self.at..).unwrap_or_default()
+    }
+
+    fn skip_space(&mut self) {
+        let rest = self.rest();
+        self.at += rest.len() - rest.trim_start().len();
+    }
+
+    /// The next character that is no space, which stays.
+    fn peek(&mut self) -> Option<char> {
+        self.skip_space();
+        self.rest().chars().next()
+    }
+
+    /// Takes a character if it is the next one.
+    fn take(&mut self, character: char) -> bool {
+        let found = self.peek() == Some(character);
+        if found {
+            self.at += character.len_utf8();
+        }
+        found
+    }
+
+    fn wrong(&self, message: &str) -> ExpressionError {
+        let at = 1 + self.text.get(..self.at).map_or(0, |before| before.chars().count());
+        ExpressionError::Wrong { message: message.to_owned(), at }
+    }
+
+    fn sum(&mut self) -> Value {
+        let mut value = self.product()?;
+        loop {
+            if self.take('+') {
+                value += self.product()?;
+            } else if self.take('-') {
+                value -= self.product()?;
+            } else {
+                return Ok(value);
+            }
+        }
+    }
+
+    fn product(&mut self) -> Value {
+        let mut value = self.signed()?;
+        loop {
+            if self.take('*') {
+                value *= self.signed()?;
+            } else if self.take('/') {
+                value /= self.signed()?;
+            } else {
+                return Ok(value);
+            }
+        }
+    }
+
+    fn signed(&mut self) -> Value {
+        self.depth += 1;
+        if self.depth > DEPTH {
+            return Err(self.wrong("is nested too deeply"));
+        }
+        let value = if self.take('-') {
+            -self.signed()?
+        } else if self.take('+') {
+            self.signed()?
+        } else {
+            self.power()?
+        };
+        self.depth -= 1;
+        Ok(value)
+    }
+
+    fn power(&mut self) -> Value {
+        let base = self.atom()?;
+        if self.take('^') { Ok(base.powf(self.signed()?)) } else { Ok(base) }
+    }
+
+    fn atom(&mut self) -> Value {
+        match self.peek() {
+            Some('(') => {
+                self.take('(');
+                let value = self.sum()?;
+                self.close()?;
+                Ok(value)
+            }
+            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
+            Some(c) if c.is_alphabetic() => self.name(),
+            Some(_) => Err(self.wrong("a number, a parameter or a bracket is missing here")),
+            None => Err(self.wrong("ends too early")),
+        }
+    }
+
+    fn close(&mut self) -> Result<(), ExpressionError> {
+        if self.take(')') { Ok(()) } else { Err(self.wrong("a closing bracket is missing here")) }
+    }
+
+    /// Digits with a point and an exponent.
+    fn number(&mut self) -> Value {
+        let rest = self.rest();
+        let bytes = rest.as_bytes();
+        let digits =
+            |from: usize| bytes[from.min(bytes.len())..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let mut end = digits(0);
+        if bytes.get(end) == Some(&b'.') {
+            end += 1;
+            end += digits(end);
+        }
+        if matches!(bytes.get(end), Some(b'e' | b'E')) {
+            let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+            let exponent = digits(end + 1 + sign);
+            if exponent > 0 {
+                end += 1 + sign + exponent;
+            }
+        }
+        let value = rest.get(..end).and_then(|text| text.parse().ok());
+        let value = value.ok_or_else(|| self.wrong("is no number"))?;
+        self.at += end;
+        Ok(value)
+    }
+
+    fn name(&mut self) -> Value {
+        let rest = self.rest();
+        let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+        let name = rest.get(..length).unwrap_or_default().to_owned();
+        if name == "pi" {
+            self.at += length;
+            return Ok(std::f64::consts::PI);
+        }
+        let unary = UNARY.iter().find(|(known, _)| *known == name).map(|(_, function)| *function);
+        let unary = unary.or((name == "degrees").then_some(f64::to_degrees as fn(f64) -> f64));
+        let binary = BINARY.iter().find(|(known, _)| *known == name).map(|(_, function)| *function);
+        if unary.is_some() || binary.is_some() {
+            self.at += length;
+            if !self.take('(') {
+                return Err(self.wrong(&format!("`{name}` needs its arguments in brackets")));
+            }
+            let first = self.sum()?;
+            let value = match (unary, binary) {
+                (Some(function), _) => function(first),
+                (None, Some(function)) => {
+                    if !self.take(',') {
+                        return Err(self.wrong(&format!("`{name}` needs two arguments with a comma between them")));
+                    }
+                    function(first, self.sum()?)
+                }
+                (None, None) => first,
+            };
+            self.close()?;
+            return Ok(value);
+        }
+        match (self.lookup)(&name) {
+            Name::Value(value) => {
+                self.at += length;
+                Ok(value)
+            }
+            Name::Wrong => Err(ExpressionError::Reported),
+            Name::Unknown => Err(ExpressionError::UnknownName(name)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn value(text: &str) -> Result<f64, ExpressionError> {
+        evaluate(text, &|name| match name {
+            "radius" => Name::Value(0.5),
+            "x_1" => Name::Value(-3.0),
+            "bad" => Name::Wrong,
+            _ => Name::Unknown,
+        })
+    }
+
+    #[test]
+    fn expressions_have_the_values_of_arithmetic() {
+        for (text, expected) in [
+            ("2*radius", 1.0),
+            ("1e-3", 1e-3),
+            ("1e-3*2", 2e-3),
+            ("2.5E+2 - .5", 249.5),
+            ("1.", 1.0),
+            ("-2^2", -4.0),
+            ("2^3^2", 512.0),
+            ("2^-1", 0.5),
+            ("--2", 2.0),
+            ("7 - 2 - 1", 4.0),
+            ("8 / 4 / 2", 1.0),
+            ("1 + 2 * 3", 7.0),
+            ("(1 + 2) * 3", 9.0),
+            ("x_1 ^ 2", 9.0),
+            ("sqrt(16) + abs(x_1)", 7.0),
+            ("min(1, 2) + max(1, 2)", 3.0),
+            ("hypot(3, 4)", 5.0),
+            ("atan2(1, 1) * 4 / pi", 1.0),
+            ("degrees(radians(30))", 30.0),
+            ("log10(1000)", 3.0),
+            ("round(2.4) + floor(2.6) + ceil(2.2)", 7.0),
+        ] {
+            let found = value(text).unwrap();
+            assert!((found - expected).abs() <= 4.0 * f64::EPSILON * expected.abs(), "{text}: {found}");
+        }
+    }
+
+    #[test]
+    fn mistakes_are_located() {
+        for (text, at) in [
+            ("", 1),
+            ("2*", 3),
+            ("(1 + 2", 7),
+            ("1 + 2)", 6),
+            ("2 radius", 3),
+            ("2**3", 3),
+            ("sqrt 4", 6),
+            ("min(1)", 6),
+            ("max(1, 2, 3)", 9),
+            ("é + $", 1),
+            (".", 1),
+            ("1 + é * $", 5),
+            ("1 / 0", 1),
+            ("sqrt(-1)", 1),
+        ] {
+            match value(text) {
+                Err(ExpressionError::Wrong { at: found, .. }) => assert_eq!(found, at, "{text}"),
+                Err(ExpressionError::UnknownName(name)) => assert_eq!(name, "é", "{text}"),
+                other => panic!("{text}: {other:?}"),
+            }
+        }
+        assert_eq!(value("2*raduis"), Err(ExpressionError::UnknownName("raduis".into())));
+        assert_eq!(value("2*bad"), Err(ExpressionError::Reported));
+        for text in ["(".repeat(100_000), "-".repeat(100_000), "2^".repeat(100_000)] {
+            assert!(matches!(value(&text), Err(ExpressionError::Wrong { .. })));
+        }
+    }
+
+    #[test]
+    fn names_of_functions_are_no_parameters() {
+        assert!(["radius", "x_1", "µ", "e"].into_iter().all(is_parameter_name));
+        assert!(!["", "1x", "a-b", "a.b", "pi", "min", "sqrt", "degrees", "_a"].into_iter().any(is_parameter_name));
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_panics(text in "[-+*/^()., 0-9a-eéµ]{0,40}") {
+            let _ = value(&text);
+        }
+
+        /// Numbers come back with all their digits.
+        #[test]
+        fn numbers_are_read_exactly(number in proptest::num::f64::NORMAL) {
+            prop_assert_eq!(value(&format!("{number:e}")), Ok(number));
+            prop_assert_eq!(value(&format!("{number}")), Ok(number));
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Reads `[[support]]`.
+
+use super::node::Node;
+use super::table::Table;
+use super::world::{World, set_reference};
+use crate::{PartKind, Support, SupportPer, split_set};
+
+pub(super) fn support(table: &Table<'_>, world: &World<'_>) -> Option<Support> {
+    let set = table.required("set", "set = \"block.bottom\"", |n| supported_set(n, world));
+    let per = table.default("per", Support::default_per(), |n| n.choice(SupportPer::NAMES, SupportPer::from_name));
+    let stiffness = table.default("stiffness", [0.0; 3], |n| n.array(Node::not_negative));
+    let damping = table.default("damping", [0.0; 3], |n| n.array(Node::not_negative));
+    table.finish();
+    let support = Support { set: set?, per: per?, stiffness: stiffness?, damping: damping? };
+    if support.stiffness == [0.0; 3] && support.damping == [0.0; 3] {
+        return table.fail("stiffness", "a support needs stiffness or damping", "add `stiffness = [0.0, 0.0, 1e5]`");
+    }
+    Some(support)
+}
+
+fn supported_set(node: &Node<'_>, world: &World<'_>) -> Option<String> {
+    let text = set_reference(node, world)?;
+    match split_set(&text).and_then(|(part, _)| world.part(part)) {
+        Some(part) if part.kind != PartKind::Body => node.fail(
+            format!("`{}` is {}: a support holds deformable bodies", part.name, part.kind.noun()),
+            "use a [[spring]] or a [[joint]] to the ground",
+        ),
+        _ => Some(text),
+    }
+}

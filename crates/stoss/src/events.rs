@@ -1,0 +1,270 @@
+//! The events of a run as records for programs: what `stoss run --json` prints, one JSON object a line.
+//!
+//! Every object has the key `event`. A stream begins with `start` (unless the run does not begin) and its last object is `end` or `error`.
+//! Programs should ignore keys and events that they do not know: later versions may have more.
+//!
+//! # What it is not
+//! No callback and no log: [`crate::run::run_scene`] hands out its own [`Event`]s, and these are made from them.
+
+use crate::output::Summary;
+use crate::run::{Event, RunError};
+use crate::scene::Problem;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use stoss_solver::StepRecord;
+
+/// One line of `stoss run --json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(tag = "event", rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum EventRecord {
+    /// The run begins.
+    Start {
+        /// Title of the scene.
+        title: String,
+        /// Folder of the results.
+        out: String,
+        /// Time at which the run ends.
+        end: f64,
+        /// Nominal size of a step.
+        step: f64,
+        /// Whether it continues from a checkpoint.
+        resumed: bool,
+    },
+    /// No error, but it deserves a look.
+    Warning {
+        /// In words.
+        message: String,
+    },
+    /// A step was completed; its results are in the folder.
+    Step(StepEvent),
+    /// Ctrl-C or SIGTERM: the run will end after the present step.
+    Interrupting,
+    /// The run has ended, at its end or before.
+    End(EndEvent),
+    /// The run did not begin, or stopped early.
+    Error(ErrorEvent),
+}
+
+/// A completed step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct StepEvent {
+    /// Number of the step, from 1.
+    pub step: u64,
+    /// Number of the stage, from 1.
+    pub stage: u32,
+    /// Time at its end.
+    pub time: f64,
+    /// Its size.
+    pub dt: f64,
+    /// Time at which the run ends.
+    pub end: f64,
+    /// Linear solves.
+    pub iterations: u32,
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Strain energy.
+    pub strain: f64,
+    /// Total of the ledger, see `balance.csv`.
+    pub total: f64,
+    /// Contact, if the scene has any.
+    pub contact: Option<ContactEvent>,
+    /// What the step control decided on the way to this step.
+    pub decisions: Vec<DecisionEvent>,
+}
+
+/// Contact at the end of a step, all pairs together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct ContactEvent {
+    /// Closed contacts.
+    pub active: usize,
+    /// Contacts that closed in the step.
+    pub closed: usize,
+    /// Contacts that opened in the step.
+    pub released: usize,
+    /// Smallest gap; null if nothing is near.
+    pub min_gap: Option<f64>,
+    /// Largest pressure, per current area.
+    pub max_pressure: f64,
+}
+
+/// A decision of the step control or of the active set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct DecisionEvent {
+    /// `cut`, `grow`, `restart`, `warning`, `stage` or `release`.
+    pub kind: String,
+    /// Time at the start of the step that was being done.
+    pub time: f64,
+    /// Why.
+    pub reason: String,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct EndEvent {
+    /// `completed`, `stopped` (by `--until` or the watch) or `interrupted`.
+    pub outcome: String,
+    /// Completed steps.
+    pub steps: u64,
+    /// Time reached.
+    pub time: f64,
+    /// Folder of the results.
+    pub out: String,
+    /// Verdict of the watch: `sound`, `doubtful` or `wrong`.
+    pub verdict: String,
+    /// Why it is not sound, the worst first.
+    pub reasons: Vec<String>,
+    /// Wall seconds of this session.
+    pub wall_seconds: f64,
+    /// Exit code of the program.
+    pub exit_code: u8,
+}
+
+/// Why a run did not begin, or stopped early.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct ErrorEvent {
+    /// In words.
+    pub message: String,
+    /// Problems of the scene; empty if it is none of the scene.
+    pub problems: Vec<ProblemEvent>,
+    /// Last completed step, if the simulation stopped early.
+    pub last_step: Option<u64>,
+    /// Its time.
+    pub last_time: Option<f64>,
+    /// Exit code of the program.
+    pub exit_code: u8,
+}
+
+/// A problem of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct ProblemEvent {
+    /// The scene's file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Path of the key; empty for errors of syntax.
+    pub key: String,
+    /// The value as written; empty if there is none.
+    pub value: String,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl EventRecord {
+    /// Of an event of a run; `None` for an event that has no record.
+    pub fn of(event: &Event<'_>) -> Option<Self> {
+        match event {
+            Event::Start { title, out, end, step, resumed } => Some(Self::Start {
+                title: (*title).to_owned(),
+                out: out.display().to_string(),
+                end: *end,
+                step: *step,
+                resumed: *resumed,
+            }),
+            Event::Warning(text) => Some(Self::Warning { message: (*text).to_owned() }),
+            Event::Step { record, end } => Some(Self::Step(step_event(record, *end))),
+        }
+    }
+
+    /// Of a run that ended, and the exit code that the program gives for it.
+    pub fn end(summary: &Summary, out: &std::path::Path, exit_code: u8) -> Self {
+        Self::End(EndEvent {
+            outcome: summary.outcome.kind().to_owned(),
+            steps: summary.steps,
+            time: summary.time,
+            out: out.display().to_string(),
+            verdict: summary.verdict.level.to_string(),
+            reasons: summary.verdict.reasons.iter().map(|found| found.sentence.clone()).collect(),
+            wall_seconds: summary.wall_seconds,
+            exit_code,
+        })
+    }
+
+    /// Of a run that failed, and the exit code that the program gives for it.
+    pub fn error(error: &RunError, exit_code: u8) -> Self {
+        let problems = match error {
+            RunError::Scene(errors) => errors.problems().iter().map(problem_event).collect(),
+            _ => Vec::new(),
+        };
+        let last = match error {
+            RunError::Simulation { last_step, last_time, .. } => Some((*last_step, *last_time)),
+            _ => None,
+        };
+        Self::Error(ErrorEvent {
+            message: error.to_string(),
+            problems,
+            last_step: last.map(|(step, _)| step),
+            last_time: last.map(|(_, time)| time),
+            exit_code,
+        })
+    }
+
+    /// One line of JSON, without a line feed. Numbers that are not finite are `null`.
+    pub fn to_line(&self) -> String {
+        // Strings, numbers and lists with string keys: printing cannot fail.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+fn step_event(record: &StepRecord, end: f64) -> StepEvent {
+    StepEvent {
+        step: record.step,
+        stage: record.stage,
+        time: record.time,
+        dt: record.dt,
+        end,
+        iterations: record.iterations,
+        kinetic: record.balance.kinetic,
+        strain: record.balance.strain,
+        total: record.balance.total(),
+        contact: record.contact.as_ref().map(|contact| ContactEvent {
+            active: contact.active,
+            closed: contact.closed,
+            released: contact.released,
+            min_gap: contact.min_gap.is_finite().then_some(contact.min_gap),
+            max_pressure: contact.max_pressure,
+        }),
+        decisions: record
+            .decisions
+            .iter()
+            .map(|decision| DecisionEvent {
+                kind: format!("{:?}", decision.kind).to_lowercase(),
+                time: decision.time,
+                reason: decision.reason.clone(),
+            })
+            .collect(),
+    }
+}
+
+fn problem_event(problem: &Problem) -> ProblemEvent {
+    ProblemEvent {
+        file: problem.file.clone(),
+        line: problem.line,
+        column: problem.column,
+        key: problem.key.clone(),
+        value: problem.value.clone(),
+        message: problem.message.clone(),
+        remedy: problem.remedy.clone(),
+    }
+}
+
+/// JSON schema (draft 2020-12) of [`EventRecord`]; ends with a line feed.
+#[cfg(feature = "schema")]
+pub fn json_schema() -> String {
+    // A schema is a JSON value with string keys: printing cannot fail.
+    let mut text = serde_json::to_string_pretty(&schemars::schema_for!(EventRecord)).unwrap_or_default();
+    text.push('\n');
+    text
+}
