@@ -153,7 +153,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
     let watch = root.default("watch", crate::Watch::default(), results::watch);
     let expect = root.optional("expect", |n| results::expect(n, &world));
-    let parameters = root.default(parameters::TABLE, BTreeMap::new(), parameters::values);
+    let parameters = root.default("parameters", BTreeMap::new(), parameters::values);
     let sweep = root.optional("sweep", sweep::sweep);
     root.finish();
 

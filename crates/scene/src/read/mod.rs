@@ -23,6 +23,7 @@ mod support;
 mod sweep;
 mod table;
 mod tie;
+mod values;
 mod world;
 
 use crate::source::Source;

@@ -2,7 +2,7 @@
 //!
 //! Every reader returns `None` after it has reported what is wrong, so that reading goes on and all problems are found.
 
-use super::parameters::{self, Parameters};
+use super::values::{self, Parameters};
 pub(super) use crate::names::known;
 use crate::source::{Source, element};
 use crate::{Location, Problem};
@@ -64,7 +64,7 @@ impl<'a> Node<'a> {
 
     /// The value of an expression.
     fn expression(&self, text: &str) -> Option<f64> {
-        match parameters::evaluate(text, &self.report.parameters) {
+        match values::evaluate(text, &self.report.parameters) {
             Ok(value) => {
                 self.report.evaluated.set(Some((self.span.start, value)));
                 Some(value)

@@ -1,52 +1,15 @@
 //! Reads `[parameters]` and evaluates expressions in the place of numbers.
 
 use super::node::{Node, Report, known};
+use super::values::{Parameters, TABLE, complaint};
 use crate::expression::{self, ExpressionError, Name};
 use crate::source::join;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::{DeTable, DeValue};
 
-/// Parameters by name; `None` has a value that is wrong.
-pub(super) type Parameters = BTreeMap<String, Option<f64>>;
-
-/// The table of the parameters.
-pub(super) const TABLE: &str = "parameters";
-
 /// Longest chain of parameters that use each other.
 const CHAIN: usize = 100;
-
-/// A problem of an expression, or nothing to say because it is said elsewhere.
-pub(super) type Complaint = Option<(String, String)>;
-
-/// The value of an expression.
-pub(super) fn evaluate(text: &str, parameters: &Parameters) -> Result<f64, Complaint> {
-    expression::evaluate(text, &|name| match parameters.get(name) {
-        Some(Some(value)) => Name::Value(*value),
-        Some(None) => Name::Wrong,
-        None => Name::Unknown,
-    })
-    .map_err(|error| complaint(&error, parameters))
-}
-
-fn complaint(error: &ExpressionError, parameters: &Parameters) -> Complaint {
-    match error {
-        ExpressionError::Reported => None,
-        ExpressionError::UnknownName(name) => {
-            let message = format!("must be a number or an expression, and `{name}` is no parameter");
-            let remedy = if parameters.is_empty() {
-                format!("write a number, or add `[{TABLE}]` with `{name} = 1.0`")
-            } else {
-                known(name, parameters.keys().map(String::as_str))
-            };
-            Some((message, remedy))
-        }
-        ExpressionError::Wrong { message, at } => Some((
-            format!("is no expression that can be evaluated: character {at}: {message}"),
-            "write a number, or an expression such as \"2*radius + 1e-3\"".to_owned(),
-        )),
-    }
-}
 
 /// Reads the parameters of a document; those in `overrides` (name, expression) have these values instead.
 pub(super) fn read(report: &Report<'_>, root: &DeTable<'_>, overrides: &[(String, String)]) -> Parameters {

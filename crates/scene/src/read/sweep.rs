@@ -1,7 +1,7 @@
 //! Reads `[sweep]`.
 
 use super::node::{Node, known};
-use super::parameters::TABLE;
+use super::values::TABLE;
 use crate::{Sweep, SweepRange, SweepValues};
 use std::collections::BTreeMap;
 
