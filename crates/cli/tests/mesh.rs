@@ -80,8 +80,7 @@ fn a_scene_with_bodies_from_groups() {
     };
     let write = |group: &str| {
         let text = [
-            "[scene]\ntitle = \"groups\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.5\n"
-                .to_owned(),
+            "[scene]\ntitle = \"groups\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.5\n".to_owned(),
             body("lower", "two-41-binary.msh", group, ", scale = 0.001"),
             body("upper", "two-41-binary.msh", "Upper", ", scale = 1e-3"),
             body("brick", "parts.inp", "upper", ""),
