@@ -242,6 +242,30 @@ fn two_copies_of_a_mesh_are_coincident_everywhere() {
     }
 }
 
+/// Two blocks that touch are two pieces with the nodes of one side at the same places: allowed where that is asked for, but not
+/// two nodes of one element.
+#[test]
+fn bodies_that_touch() {
+    let one = block([2, 2, 1]);
+    let mut two = one.clone();
+    let shift = one.nodes.len() as u32;
+    let height = one.bounding_box().1[2] - one.bounding_box().0[2];
+    two.nodes.extend(one.nodes.iter().map(|x| [x[0], x[1], x[2] + height]));
+    two.elements.extend(one.elements.iter().map(|e| e.map(|n| n + shift)));
+    assert_eq!((one.pieces(), two.pieces()), (1, 2));
+    assert_eq!(one.coincident_nodes(), None);
+    let found = two.coincident_nodes().unwrap();
+    assert_eq!(found.count, 9);
+    assert!(found.first < shift && found.second >= shift && found.distance < 1e-12);
+    assert!(matches!(two.check(), Err(MeshError::DuplicateNodes { .. })));
+    assert_eq!(two.check_but_coincident(), Ok(()));
+    // a wedge: the edge between nodes 0 and 1 of an element is a point
+    let mut wedge = block([1, 1, 1]);
+    let [a, b] = [wedge.elements[0][0], wedge.elements[0][1]];
+    wedge.nodes[b as usize] = wedge.nodes[a as usize];
+    assert!(wedge.check_but_coincident().is_err());
+}
+
 #[test]
 fn quality_of_known_shapes() {
     let cube = block([1, 1, 1]).quality();
