@@ -265,3 +265,62 @@ fn a_rigid_slave_whose_motion_is_prescribed_is_refused_with_a_rigid_master() {
     assert!(refused.contains("contact[0]") && refused.contains("no pressure is determined"), "{refused}");
     assert_eq!(scene("upper.bottom", "lower.top"), Ok(()));
 }
+
+/// Joints between things that cannot move, or move as prescribed, determine nothing and are in no equation. They have to hold all the same.
+#[test]
+fn motion_that_is_prescribed_against_a_joint_is_refused() {
+    let held = body("r", [0.0; 3]);
+    let prescribed =
+        "[[prescribe]]\nrigid = \"r\"\ncomponents = [\"z\"]\ndisplacement = { table = [[0, 0], [1, 1]] }\n";
+    for (kind, axis, allowed) in
+        [("weld", "", false), ("slider", "axis = [1, 0, 0]\n", false), ("slider", "axis = [0, 0, 1]\n", true)]
+    {
+        let joint = format!(
+            "[[joint]]\nname = \"guide\"\nkind = \"{kind}\"\nbetween = [\"r\", \"ground\"]\nat = [0, 0, 0]\n{axis}"
+        );
+        let result = outcome(&format!("{TIME}{held}{joint}{prescribed}"));
+        assert_eq!(result.is_ok(), allowed, "{kind} {axis}: {result:?}");
+        if let Err(message) = result {
+            assert!(message.contains("guide") && message.contains("prescribed"), "{message}");
+        }
+    }
+}
+
+/// The ends of a string in a plane: the equation across the plane says what the support says.
+#[test]
+fn an_equation_about_held_components_alone_is_left_out() {
+    let ends = |y: &str| {
+        format!(
+            r#"{TIME}
+[gravity]
+acceleration = [0, 0, -10]
+[[string]]
+name = "s"
+points = [[0, 0, 0], [2, 0, 0]]
+elements = 4
+axial = 1000.0
+mass = 0.5
+natural_length = 1.9
+[[joint]]
+name = "left"
+kind = "ball"
+between = ["s.start", "ground"]
+at = [0, 0, 0]
+[[joint]]
+name = "right"
+kind = "ball"
+between = ["s.end", "ground"]
+at = [2, 0, 0]
+[[prescribe]]
+set = "s.all"
+components = ["y"]
+{y}
+"#
+        )
+    };
+    outcome(&ends("fixed = true")).unwrap();
+    let quasi_static = ends("fixed = true").replace("dynamic", "quasi-static");
+    outcome(&quasi_static.replace("integrator = { scheme = \"energy-momentum\" }\n", "")).unwrap();
+    let message = outcome(&ends("displacement = { table = [[0, 0], [1, 0.1]] }")).unwrap_err();
+    assert!(message.contains("prescribed") && (message.contains("left") || message.contains("right")), "{message}");
+}

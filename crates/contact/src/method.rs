@@ -256,6 +256,13 @@ pub trait Report: Send + Sync + std::fmt::Debug {
     fn verify(&self, _q_np1: &[f64]) -> Result<Coverage, ContactError> {
         Ok(Coverage::default())
     }
+    /// Checks at the end of a converged step that equations without an active slot hold: those of joints between things that cannot move, or move as prescribed. Of constraints that always hold only.
+    ///
+    /// # Errors
+    /// [`ContactError::Joint`] if the prescribed motion contradicts them.
+    fn verify_inactive(&self, _q_np1: &[f64], _active: &[bool]) -> Result<(), ContactError> {
+        Ok(())
+    }
     /// What a joint does at the end of a step at `q`; `None` for everything else.
     fn joint(&self, _q: &[f64], _multipliers: &[f64]) -> Option<JointReport> {
         None

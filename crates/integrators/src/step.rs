@@ -93,8 +93,9 @@ impl Buffers {
     }
 }
 
+/// `out += factor x`; nothing of what is not held.
 fn add(factor: f64, x: &[f64], own: &[Range<usize>], out: &mut [f64]) {
-    for own in own {
+    for own in own.iter().filter(|_| !x.is_empty()) {
         for (out, x) in out[own.clone()].iter_mut().zip(&x[own.clone()]) {
             *out += factor * x;
         }
@@ -102,7 +103,9 @@ fn add(factor: f64, x: &[f64], own: &[Range<usize>], out: &mut [f64]) {
 }
 
 fn clear(own: &[Range<usize>], out: &mut [f64]) {
-    own.iter().for_each(|own| out[own.clone()].fill(0.0));
+    if !out.is_empty() {
+        own.iter().for_each(|own| out[own.clone()].fill(0.0));
+    }
 }
 
 /// Residual of the step at `end` into `buffers.residual`, its terms into the other buffers; with `tangent` the system's tangent too.

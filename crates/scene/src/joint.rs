@@ -210,7 +210,7 @@ pub struct Motor {
 pub struct Pretension {
     /// Force of the bolt until the lock, positive in tension, one value. Its work is external work.
     pub force: Series,
-    /// Time of the lock, not negative and at most the end of the run; a step ends there.
+    /// Time of the lock, positive and at most the end of the run; a step ends there.
     pub lock: f64,
 }
 

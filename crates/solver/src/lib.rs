@@ -15,6 +15,7 @@ mod control;
 mod diagnosis;
 mod embedding;
 mod error;
+mod held;
 mod ledger;
 mod loads;
 mod mass_solve;

@@ -37,6 +37,12 @@ impl Numbering {
         embedding.carriers(node).map_or_else(|| free(node), |carriers| carriers.iter().any(|&(c, _)| free(c)))
     }
 
+    /// Whether some components of a node have equations and others have none.
+    pub fn is_held_in_part(&self, node: u32) -> bool {
+        let free = (0..3).filter(|i| self.equation[3 * node as usize + i] != NONE).count();
+        free == 1 || free == 2
+    }
+
     /// Appends the equations of the three components of each node.
     pub fn node_equations(&self, nodes: &[u32], out: &mut Vec<u32>) {
         for &node in nodes {

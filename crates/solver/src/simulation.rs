@@ -9,6 +9,7 @@ pub use stage::Stage;
 
 use crate::assembly::System;
 use crate::control::Clock;
+use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::{
     Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, StepError, StepRecord, Switches, Timings,
@@ -236,20 +237,26 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Activates the slots of all bilateral constraints that act, but for those between nodes that cannot move: they determine nothing.
+    /// Activates the slots of all bilateral constraints that act, but for those that nothing which can move enters: they determine nothing.
     fn set_bilateral(&mut self) {
         let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
-        for (pair, active) in self.model.contacts.iter().zip(&mut self.active) {
+        for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
             if !pair.method.is_bilateral() || pair.method.is_off() {
                 continue;
             }
             active.fill(true);
             // A constraint may hand out its nodes one by one.
             let mut can_move = vec![false; active.len()];
+            let mut in_part = false;
             pair.method.stencils(active, &mut |nodes, slots| {
                 let moves = nodes.iter().any(|&node| numbering.moves(embedding, node));
                 slots.iter().for_each(|&slot| can_move[slot as usize] |= moves);
+                in_part |= nodes.iter().any(|&node| numbering.is_held_in_part(node));
             });
+            in_part &= pair.method.joint(&self.state.q, &vec![0.0; active.len()]).is_some();
+            if in_part && let Some(depends) = depends_on_free(&mut pair.method, numbering, &self.state.q) {
+                can_move.iter_mut().zip(depends).for_each(|(can, depends)| *can &= depends);
+            }
             active.copy_from_slice(&can_move);
         }
     }

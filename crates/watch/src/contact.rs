@@ -42,7 +42,7 @@ pub struct PointFriction {
 pub struct ContactState<'a> {
     /// Name.
     pub name: &'a str,
-    /// The two bodies.
+    /// The two bodies; `None` if the slave is a line, which is not looked at itself.
     pub bodies: Option<[usize; 2]>,
     /// Young's modulus or what else tells which stresses are small.
     pub stiffness: f64,
@@ -87,6 +87,11 @@ pub(crate) fn observe(
         if !point.active {
             if pressure.abs() > small || pressure.is_nan() {
                 add(Level::Wrong, format!("{} is open and has the pressure {pressure:.2e}", node()), pressure.abs());
+            }
+            // Of surfaces that are looked at themselves the gap of an open node may be that to an extended facet.
+            let behind = -point.gap.unwrap_or(0.0) / edge;
+            if bodies.is_none() && behind > limit && behind < 1.0 {
+                add(Level::Doubtful, format!("{} is open and {behind:.3} edges behind the surface", node()), behind);
             }
             continue;
         }
@@ -148,6 +153,12 @@ mod tests {
         let no_slip = PointFriction { traction: [1.0, 0.0], slip: [-1e-12, 0.0], bound: 1.0, sticks: false };
         let stopped = ContactPoint { friction: Some(no_slip), ..SOUND };
         assert_eq!(levels(&[SOUND, open, far, kept, barely, unloading, stopped]), []);
+    }
+
+    #[test]
+    fn nodes_of_lines_that_are_open_behind_the_surface_are_doubtful() {
+        let behind = |gap| ContactPoint { active: false, pressure: 0.0, gap: Some(gap), friction: None, ..SOUND };
+        assert_eq!(levels(&[behind(-0.02), behind(-0.001), behind(0.02), behind(-0.2)]), [Level::Doubtful]);
     }
 
     #[test]

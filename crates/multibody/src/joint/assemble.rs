@@ -196,6 +196,26 @@ impl Report for Joint {
         !self.grounded
     }
 
+    fn verify_inactive(&self, q_np1: &[f64], active: &[bool]) -> Result<(), ContactError> {
+        if active.iter().all(|&active| active) {
+            return Ok(());
+        }
+        let values = self.evaluate(q_np1).values;
+        let equations = (0..self.kind.equations()).filter(|&slot| !active[slot]).map(|slot| values[slot].abs());
+        let motors = self.coordinates.iter().filter_map(|c| {
+            let motor = c.options.motor.as_ref().filter(|_| c.slots.motor.is_some_and(|slot| !active[slot]))?;
+            Some(c.scale() * (c.end_of_step(&values).0 - motor.value(self.step.time_np1)).abs())
+        });
+        let missed = equations.chain(motors).fold(0.0, f64::max);
+        if missed <= super::TOLERANCE * self.length {
+            return Ok(());
+        }
+        let reason = format!(
+            "the motion that is prescribed contradicts it: it is {missed:.2e} from where it should be; remove one of them, or prescribe what the joint allows"
+        );
+        Err(ContactError::Joint { joint: self.name.clone(), reason })
+    }
+
     fn joint(&self, q: &[f64], multipliers: &[f64]) -> Option<JointReport> {
         let values = self.evaluate(q).values;
         let report = |c: &Coordinate| {

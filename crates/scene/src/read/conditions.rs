@@ -80,7 +80,8 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let master_side = |n: &Node<'_>| {
         let reference = side(n)?;
         if is_line(&reference, world) {
-            return n.fail("a beam or string has no facets and can only be the slave", "exchange `slave` and `master`");
+            let message = "a beam or string has no facets and can only be the slave, and two of them have no contact";
+            return n.fail(message, "choose a surface as the master");
         }
         Some(reference)
     };

@@ -216,7 +216,7 @@ fn second(node: &Node<'_>, coordinate: Option<CoordinateKind>) -> Option<ActingO
     let spring = table.optional("spring", joint_spring);
     let one = match ["motor", "limits", "friction", "spring"].iter().any(|key| table.has(key)) {
         true => Some(()),
-        false => table.missing("motor", "friction = { viscous = 0.1 }"),
+        false => table.missing("friction", "friction = { viscous = 0.1 }"),
     };
     table.finish();
     one?;
@@ -262,7 +262,7 @@ fn pretension(node: &Node<'_>, joint: &Table<'_>, world: &World<'_>) -> Option<P
     let table = node.table_like("{ force = { table = [[0.0, 0.0], [1.0, 2e4]] }, lock = 1.0 }")?;
     let force = table.required("force", "force = { table = [[0.0, 0.0], [1.0, 2e4]] }", |n| series(n, 1));
     let lock = table.required("lock", "lock = 1.0", |n| {
-        let time = n.not_negative()?;
+        let time = n.positive()?;
         match world.end {
             Some(end) if time > end => {
                 n.fail(format!("is after the end of the run, {end}"), "choose a time in the run")

@@ -79,9 +79,11 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
                 "choose a hinge, a cylindrical or a universal joint",
             )
         }
-        Some((_, Some(kind))) if quantity == Some(Quantity::JointDisplacement) && *kind != JointKind::Slider => {
-            node.fail(format!("is a joint `{kind}`, whose displacement is not followed"), "choose a slider")
-        }
+        Some((_, Some(kind))) if quantity == Some(Quantity::JointDisplacement) && *kind != JointKind::Slider => node
+            .fail(
+                format!("is a joint `{kind}`, whose displacement no probe follows"),
+                "choose a slider; a second coordinate is in joints.csv",
+            ),
         Some(_) => Some(name),
         None if !world.actions_complete => Some(name),
         None if world.joints.is_empty() => node.fail("the scene has no joint", "add a [[joint]] of this name"),

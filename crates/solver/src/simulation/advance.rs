@@ -214,6 +214,11 @@ impl Simulation {
         for pair in &self.model.contacts {
             coverage.defect = coverage.defect.max(pair.method.verify(&attempt.iterate.q)?.defect);
         }
+        for (pair, active) in self.model.contacts.iter().zip(&attempt.iterate.active) {
+            if pair.method.is_bilateral() && !pair.method.is_off() {
+                pair.method.verify_inactive(&attempt.iterate.q, active)?;
+            }
+        }
         let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
         let (work, stored, loss) = self.contact_work(&attempt.iterate)?;
         let mut next = self.next_state(&mut attempt.iterate, dt, rule)?;

@@ -103,7 +103,7 @@ pub struct FolderSettings {
     /// Contacts, for the summary.
     pub contacts: Vec<ContactPlan>,
     /// Pairs of bodies between which a contact is named.
-    pub contact_bodies: Vec<[usize; 2]>,
+    pub contact_bodies: Vec<Option<[usize; 2]>>,
     /// What must not change, stage by stage.
     pub promises: Vec<Option<Promises>>,
     /// What is checked, and what a verdict `wrong` does.

@@ -178,7 +178,7 @@ fn the_watch_looks_at_surfaces() {
             assert!(worst.sentence.contains("`block`") && worst.sentence.contains("`plate`"), "{}", worst.sentence);
         }
     }
-    assert_eq!(contact_bodies(&scene, &Drawing::default()), Vec::<[usize; 2]>::new());
+    assert_eq!(contact_bodies(&scene, &Drawing::default()), Vec::new());
 }
 
 /// What a part takes to the ground is no promise, and no drift.

@@ -103,7 +103,10 @@ async function tryControls(app) {
   const before = pixels();
   const time = viewer.time;
   byId('play').click();
-  await new Promise((resolve) => setTimeout(resolve, 400));
+  // A slow machine draws its first frame late.
+  for (let waits = 0; viewer.time === time && waits < 100; waits += 1) {
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
   must('playing moves time', viewer.time !== time);
   must('playing changes the picture', differing(before, pixels()) > 0);
   byId('play').click();

@@ -78,11 +78,6 @@ impl WatchFile {
         &self.bodies[body].name
     }
 
-    /// The bodies of a contact, by its number among the contacts of the scene.
-    pub fn contact(&self, contact: usize) -> Option<[usize; 2]> {
-        self.contacts.get(contact).copied()
-    }
-
     fn judge(&self) -> Judge {
         let nodes = |body: &NamedBody| body.first_node..body.first_node + body.nodes;
         let bodies = self.bodies.iter().map(|body| (body.name.clone(), nodes(body)));

@@ -56,6 +56,8 @@ pub(super) struct RunWatch {
     file: WatchFile,
     points: Points,
     described: Vec<ContactPlan>,
+    /// The bodies of each contact; `None` if one of them is a line.
+    contacts: Vec<Option<[usize; 2]>>,
     every: u64,
     on_fault: OnFault,
     /// Positions that were looked at last, and their step.
@@ -69,7 +71,7 @@ impl RunWatch {
     pub(super) fn new(
         simulation: &Simulation,
         settings: &WatchTable,
-        contacts: Vec<[usize; 2]>,
+        contacts: Vec<Option<[usize; 2]>>,
         described: &[ContactPlan],
         promises: Vec<Option<Promises>>,
         drawing: &Drawing,
@@ -83,8 +85,9 @@ impl RunWatch {
         // What is stored does not tell stages from each other.
         let is_one = promises.iter().all(|of| *of == promised(&promises, stage));
         let stored = balance.clone().filter(|_| is_one);
-        let file = WatchFile::new(&model, limits(settings), contacts.clone(), stored);
-        let judge = judge(&model, contacts, settings);
+        let between: Vec<[usize; 2]> = contacts.iter().flatten().copied().collect();
+        let file = WatchFile::new(&model, limits(settings), between.clone(), stored);
+        let judge = judge(&model, between, settings);
         let watch = Watch::new(model)?;
         let every = settings.every.map_or_else(|| watch.default_every(), u64::from);
         Ok(Self {
@@ -97,6 +100,7 @@ impl RunWatch {
             file,
             points,
             described: described.to_vec(),
+            contacts,
             every,
             on_fault: settings.on_fault,
             previous: Vec::new(),
@@ -187,7 +191,7 @@ impl RunWatch {
             let edge = pair.method.length_scale();
             let contact = ContactState {
                 name: &pair.name,
-                bodies: self.file.contact(k),
+                bodies: self.contacts.get(k).copied().flatten(),
                 stiffness: pair.complementarity * edge,
                 edge,
                 exact: described.enforcement == "multiplier",
@@ -279,7 +283,7 @@ fn judge(model: &WatchModel, contacts: Vec<[usize; 2]>, settings: &WatchTable) -
 pub(crate) fn judge_start(simulation: &Simulation, scene: &Scene, drawing: &Drawing) -> Result<Verdict, OutputError> {
     let points = Points::of(simulation.model());
     let model = model::model(simulation.model(), &points, &drawing.of_points(&points));
-    let mut judge = judge(&model, contact_bodies(scene, drawing), &scene.watch);
+    let mut judge = judge(&model, contact_bodies(scene, drawing).into_iter().flatten().collect(), &scene.watch);
     let mut watch = Watch::new(model)?;
     let state = simulation.state();
     let q = points.of_all(&state.q, 3);

@@ -9,14 +9,14 @@ use stoss_solver::Model;
 use stoss_watch::{TiedPair, WatchBody, WatchFacet, WatchModel, WatchShape};
 
 /// The pairs of bodies between which the scene names a contact, in the order of the contacts.
-pub(crate) fn contact_bodies(scene: &Scene, drawing: &Drawing) -> Vec<[usize; 2]> {
+pub(crate) fn contact_bodies(scene: &Scene, drawing: &Drawing) -> Vec<Option<[usize; 2]>> {
     let surface = |body: &str| drawing.surfaces.iter().position(|surface| surface.name == body);
     let rigid = |body: &str| surface(body).map(|k| scene.bodies.len() + k);
     let body = |set: &str| split_set(set).and_then(|(body, _)| scene.body_index(body).or_else(|| rigid(body)));
     scene
         .contacts
         .iter()
-        .filter_map(|contact| {
+        .map(|contact| {
             let [a, b] = contact.surfaces();
             Some([body(a)?, body(b)?])
         })
