@@ -337,7 +337,7 @@ pub const CASES: &[Case] = &[
         "second = {",
         "joint[3].second.motor.angle",
     ),
-    multi("second = { friction", "second = {} #", "second = {}", "joint[3].second.motor"),
+    multi("second = { friction", "second = {} #", "second = {}", "joint[3].second.friction"),
     multi("limits = [-0.1, 0.1]", "limits = [0.1, 0.2]", "limits = [0.1", "joint[3].second.limits"),
     multi(
         "limits = [-0.1, 0.1]",
@@ -455,6 +455,7 @@ pub const CASES: &[Case] = &[
     multi(DRIVEN, "pretension = { force = [1.0, 2.0], lock = 1.0 }", "[1.0, 2.0]", "joint[2].pretension.force"),
     multi(DRIVEN, "pretension = { force = 2.0, lock = 3.0 }", "lock = 3.0", "joint[2].pretension.lock"),
     multi(DRIVEN, "pretension = { force = 2.0, lock = -1.0 }", "lock = -1.0", "joint[2].pretension.lock"),
+    multi(DRIVEN, "pretension = { force = 2.0, lock = 0.0 }", "lock = 0.0", "joint[2].pretension.lock"),
     multi(
         DRIVEN,
         "pretension = { force = 2.0, lock = 1.0 }\nlimits = [-1, 1]",
