@@ -10,6 +10,7 @@ mod interrupt;
 mod job;
 mod mesh;
 mod page;
+mod picture;
 mod progress;
 mod shell;
 mod sweep;
@@ -40,6 +41,8 @@ enum Command {
         #[arg(required = true)]
         out: Vec<PathBuf>,
     },
+    /// Draws a frame of a run as an SVG file; needs no display.
+    Picture(picture::Picture),
     /// Runs a scene for all the values of its parameters that its table `[sweep]` gives.
     Sweep(sweep::SweepOptions),
     /// Reports all problems of a scene, or the plan of its run.
@@ -97,6 +100,7 @@ fn main() -> ExitCode {
         Command::Run(job) => job::run(job),
         Command::Sweep(options) => sweep::sweep(options),
         Command::Report { out } => page::report(&out),
+        Command::Picture(asked) => picture::write(asked),
         Command::Check { scene, set } => check(&scene, set),
         Command::Judge { out } => judge(&out),
         Command::Mesh { command } => mesh::command(command),

@@ -1,4 +1,4 @@
-//! The page that a run leaves, and `stoss report`.
+//! The page that a run leaves, `stoss report` and `stoss picture`.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -64,4 +64,34 @@ fn folders_and_files_that_are_not_right_are_named() {
     std::fs::write(folder.path().join("out/balance.csv"), "step,time\n1\n").unwrap();
     let output = stoss(folder.path(), &["report", "out"]);
     assert!(output.status.success() && stderr(&output).contains("balance.csv"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_picture_is_drawn_and_options_that_do_not_fit_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
+    assert!(stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--no-report", "--quiet"]).status.success());
+    let picture = |arguments: &[&str]| {
+        let output = stoss(folder.path(), &[&["picture", "out"], arguments].concat());
+        (output.status.code(), stderr(&output))
+    };
+    let asked =
+        ["a.svg", "--time", "0.011", "--view", "-1,-2,1", "--body", "block", "--range", "-1,1", "--field", "velocity"];
+    assert_eq!(picture(&asked), (Some(0), String::new()));
+    let svg = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
+    assert!(svg.contains(">flight: block<") && svg.contains(">velocity<") && svg.contains(">-1.00<"));
+    for (arguments, told) in [
+        (vec!["a.png"], "a.png"),
+        (vec!["b.svg", "--body", "rope"], "block"),
+        (vec!["b.svg", "--field", "colour"], "velocity"),
+        (vec!["b.svg", "--frame", "70"], "--frame 70"),
+        (vec!["b.svg", "--view", "1,2"], "--view"),
+        (vec!["b.svg", "--frame", "0", "--time", "0"], "--time"),
+    ] {
+        let (code, text) = picture(&arguments);
+        assert!(code == Some(2) && text.contains(told), "{text}");
+    }
+    assert!(!folder.path().join("b.svg").exists());
+    let (code, text) = picture(&["nowhere/b.svg"]);
+    assert!(code == Some(1) && text.contains("nowhere/b.svg"), "{text}");
 }

@@ -2,6 +2,7 @@
 //!
 //! - [`folder`]: a folder of results; [`page`]: one HTML file with the run as an animation, its charts and its verdict;
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
+//! - [`picture`]: one picture of a frame;
 //! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
 //! - [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
@@ -10,6 +11,7 @@
 pub mod folder;
 pub mod page;
 pub mod paint;
+pub mod picture;
 pub mod plot;
 pub mod table;
 pub mod vtu;

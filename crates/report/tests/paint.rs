@@ -65,7 +65,7 @@ fn a_trebuchet_is_seen_from_the_side() {
     write_vtu_to(&mut text, &frame).unwrap();
     let grid = vtu::parse(&String::from_utf8(text).unwrap()).unwrap();
     let surface = Surface::new(&grid, "speed").unwrap();
-    let style = Style { title: "Trebuchet", label: "speed", width: 560.0 };
+    let style = Style { title: "Trebuchet", label: "speed", width: 560.0, range: None };
     let shots = [-90.0, -60.0].map(|azimuth| (Camera { azimuth, elevation: 8.0 }, surface.clone()));
     for (number, (camera, surface)) in shots.into_iter().enumerate() {
         let svg = draw(&[Shot { caption: format!("azimuth {}", camera.azimuth), surface }], camera, &style);

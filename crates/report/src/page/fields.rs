@@ -50,6 +50,11 @@ impl Field {
         fields
     }
 
+    /// Its name in a command line: that of the array, or what is taken of it.
+    pub fn name(&self) -> String {
+        if self.part == Part::Size { self.array.clone() } else { self.label.replace(' ', "_") }
+    }
+
     /// Its value at each of these points, no number where it has none.
     pub fn values(&self, grid: &Grid, points: &[usize]) -> Vec<f32> {
         let Some(array) = grid.point_data.get(&self.array) else { return vec![f32::NAN; points.len()] };

@@ -3,13 +3,15 @@
 //! It shows the run as an animation, charts that follow its time, the verdict, the plan and the scene; of several runs
 //! it lays the charts over each other and lists what differs. The browser's part is in `assets/`; `payload.rs` says what is handed to it.
 //!
-//! Not here: pictures without a browser ([`crate::paint`]).
+//! Not here: pictures without a browser ([`crate::picture`]).
 
 pub mod coding;
 mod fields;
 mod payload;
 mod shape;
 mod tables;
+
+pub(crate) use fields::Field;
 
 use std::path::Path;
 
@@ -86,12 +88,13 @@ pub fn write(folders: &[&Path]) -> Outcome<Vec<String>> {
 }
 
 /// Title of a run, or the name of its folder.
-fn title(folder: &Folder) -> String {
+pub(crate) fn title(folder: &Folder) -> String {
     let title = folder.summary.as_ref().and_then(|summary| summary.get("title")?.as_str().map(str::to_owned));
     title.unwrap_or_else(|| folder.name())
 }
 
-fn escaped(text: &str) -> String {
+/// Text as it stands in HTML and SVG.
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 

@@ -1,5 +1,6 @@
 //! Pictures of bodies: the surface of a frame, seen from a camera, coloured by a field.
 
+mod bar;
 mod camera;
 mod colour;
 mod picture;

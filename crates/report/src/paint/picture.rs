@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 
+use super::bar::{HEIGHT as BAR, bar};
 use super::camera::{Camera, View, cross, dot};
 use super::colour;
 use super::surface::{Quad, Surface};
@@ -25,6 +26,8 @@ pub struct Style<'a> {
     pub label: &'a str,
     /// Width of a snapshot in pixels.
     pub width: f64,
+    /// Values at the ends of the colour bar; without them the smallest and the largest visible value.
+    pub range: Option<(f64, f64)>,
 }
 
 /// Every face is drawn as `PARTS * PARTS` pieces of one colour each.
@@ -48,7 +51,6 @@ const RIM: f64 = 0.7;
 const MARGIN: f64 = 14.0;
 const TITLE: f64 = 38.0;
 const CAPTION: f64 = 26.0;
-const BAR: f64 = 46.0;
 
 /// A face in the picture plane.
 struct Face {
@@ -86,6 +88,9 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
     let view = camera.view();
     let corners = shots.iter().flat_map(|shot| shot.surface.places());
     let ([left, low], [right, high]) = bounds(corners.map(|corner| view.project(corner)).map(|[x, y, _]| [x, y]));
+    // At most twice as high as wide.
+    let missing = (0.5 * (high - low) - (right - left)).max(0.0);
+    let (left, right) = (left - 0.5 * missing, right + 0.5 * missing);
     let scale = style.width / (right - left).max(1e-300);
     let height = (high - low) * scale;
     let screen = |x: f64, y: f64| [(x - left) * scale, (high - y) * scale];
@@ -96,7 +101,7 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
     let visible: Vec<Visible> = shots.iter().map(visible).collect();
     let of_faces = visible.iter().flat_map(|shot| &shot.faces).flat_map(|face| face.values);
     let of_strokes = visible.iter().flat_map(|shot| &shot.strokes).map(|stroke| stroke.value);
-    let (least, most) = range(of_faces.chain(of_strokes));
+    let (least, most) = style.range.unwrap_or_else(|| range(of_faces.chain(of_strokes)));
     let columns = columns(shots.len());
     let rows = shots.len().div_ceil(columns) as f64;
     let total = [MARGIN + columns as f64 * (style.width + MARGIN), TITLE + rows * (height + CAPTION) + BAR + MARGIN];
@@ -368,41 +373,6 @@ fn tenths(value: f64) -> String {
     }
 }
 
-/// Colour bar with three numbers, centred at the bottom.
-fn bar(out: &mut String, label: &str, range: (f64, f64), total: [f64; 2]) {
-    const STEPS: usize = 48;
-    let width = (0.5 * total[0]).min(360.0);
-    let (left, top) = (0.5 * (total[0] - width), total[1] - BAR);
-    for step in 0..STEPS {
-        let fill = colour::hex((step as f64 + 0.5) / STEPS as f64, 1.0);
-        let x = left + width * step as f64 / STEPS as f64;
-        let wide = width / STEPS as f64 + 0.3;
-        let _ = write!(out, "<path fill=\"{fill}\" d=\"M{x:.1} {top:.1}h{wide:.1}v9h-{wide:.1}z\"/>");
-    }
-    let middle = 0.5 * (range.0 + range.1);
-    for (value, part) in [(range.0, 0.0), (middle, 0.5), (range.1, 1.0)] {
-        let (x, y) = (left + part * width, top + 23.0);
-        let _ = write!(
-            out,
-            "\n<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" text-anchor=\"middle\">{}</text>",
-            short(value)
-        );
-    }
-    let (x, y) = (0.5 * total[0], top + 39.0);
-    let _ = writeln!(out, "\n<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"13\" text-anchor=\"middle\">{label}</text>");
-}
-
-/// Three significant digits.
-fn short(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".into(),
-        size if !(1e-2..1e5).contains(&size) => format!("{value:.1e}"),
-        size if size >= 100.0 => format!("{value:.0}"),
-        size if size >= 10.0 => format!("{value:.1}"),
-        _ => format!("{value:.2}"),
-    }
-}
-
 fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] - b[k])
 }
@@ -414,11 +384,16 @@ fn bounds(points: impl Iterator<Item = [f64; 2]>) -> ([f64; 2], [f64; 2]) {
     })
 }
 
-/// Smallest and largest value, moved apart if they are equal.
+/// Smallest and largest finite value, moved apart if they are equal; zero and one if there is none.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let values = values.filter(|value| value.is_finite());
     let (least, most) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
-    if most > least { (least, most) } else { (least.min(0.0), least.max(0.0) + 1.0) }
+    match most - least {
+        apart if apart > 0.0 => (least, most),
+        0.0 => (least.min(0.0), least.max(0.0) + 1.0),
+        _ => (0.0, 1.0),
+    }
 }
 
 #[cfg(test)]
@@ -426,7 +401,7 @@ mod tests {
     use super::*;
 
     const CAMERA: Camera = Camera { azimuth: 30.0, elevation: 30.0 };
-    const STYLE: Style = Style { title: "t", label: "l", width: 200.0 };
+    const STYLE: Style = Style { title: "t", label: "l", width: 200.0, range: None };
 
     fn cube() -> Surface {
         let grid = crate::vtu::tests::cube(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
@@ -485,5 +460,6 @@ mod tests {
     fn constant_fields_have_a_range() {
         assert_eq!(range([2.0, 2.0].into_iter()), (0.0, 3.0));
         assert_eq!(range([0.0].into_iter()), (0.0, 1.0));
+        assert_eq!(range([f64::NAN, f64::INFINITY].into_iter()), (0.0, 1.0));
     }
 }

@@ -77,10 +77,17 @@ impl Surface {
     }
 
     /// All places.
-    pub(super) fn places(&self) -> impl Iterator<Item = [f64; 3]> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = [f64; 3]> {
         let quads = self.quads.iter().flat_map(|quad| quad.corners);
         let lines = self.lines.iter().flat_map(|line| line.points.iter().copied());
         quads.chain(lines).chain(self.points.iter().map(|(place, _)| *place))
+    }
+
+    /// All values.
+    pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
+        let quads = self.quads.iter().flat_map(|quad| quad.values);
+        let lines = self.lines.iter().flat_map(|line| line.values.iter().copied());
+        quads.chain(lines).chain(self.points.iter().map(|(_, value)| *value))
     }
 }
 

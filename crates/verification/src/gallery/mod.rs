@@ -50,7 +50,7 @@ pub fn last_frame(grid: &Grid) -> Outcome<String> {
     let field = ["von_mises", "velocity", "displacement"].into_iter().find(|name| grid.point_data.contains_key(*name));
     let field = field.ok_or("the frame has nothing to colour it by")?;
     let shot = Shot { caption: String::new(), surface: Surface::new(grid, field)? };
-    let style = Style { title: "last frame", label: &field.replace('_', " "), width: 300.0 };
+    let style = Style { title: "last frame", label: &field.replace('_', " "), width: 300.0, range: None };
     Ok(draw(&[shot], Camera { azimuth: -58.0, elevation: 24.0 }, &style))
 }
 
@@ -84,7 +84,7 @@ pub fn snapshots(picture: &Picture, field: &str, folder: &Path) -> Outcome<Strin
     }
     let columns = columns(shots.len());
     let width = if columns < shots.len() { ROW / columns as f64 } else { SHOT };
-    let style = Style { title: picture.title, label: &field.replace('_', " "), width };
+    let style = Style { title: picture.title, label: &field.replace('_', " "), width, range: None };
     Ok(draw(&shots, picture.camera, &style))
 }
 
