@@ -167,7 +167,7 @@ fn wrong_parameters_are_told_at_their_place() {
     for (material, key, message, remedy) in [
         ("{ law = \"ciarlet\", mu = 865.0 }", "body[0].material.lambda", "is missing", "lambda = 1.0"),
         ("{ law = \"ciarlet\", lambda = 1.0, mu = [1.0] }", "body[0].material.mu", "must be a number", "not a list"),
-        ("{ law = \"ciarlet\", lambda = 1.0, mu = true }", "body[0].material.mu", "must be a number", ""),
+        ("{ law = \"ciarlet\", lambda = 1.0, mu = true }", "body[0].material.mu", "must be a number", "1.0"),
         ("{ law = \"ciarlet\", lambda = 1.0, mu = -1.0 }", "body[0].material.mu", "must be positive", "enlarge mu"),
         ("{ law = \"ciarlet\", lambda = 1, mu = 1, lamda = 2 }", "body[0].material.lamda", "unknown key", "`lambda`"),
         ("{ law = \"ciarlet\", lambda = 1, mu = 1, softening = 2 }", "body[0].material", "softening is not", "other"),

@@ -281,29 +281,9 @@ impl Joint {
         self.length
     }
 
-    /// Slot of the motor of a coordinate, whose multiplier times [`Self::scale`] is the torque or force of the drive.
-    pub fn motor_slot(&self, coordinate: usize) -> Option<usize> {
-        self.coordinates.get(coordinate)?.slots.motor
-    }
-
-    /// Slot of the pretension of a coordinate, whose multiplier times [`Self::scale`] is the force of the bolt, positive in tension.
-    pub fn pretension_slot(&self, coordinate: usize) -> Option<usize> {
-        self.coordinates.get(coordinate)?.slots.pretension
-    }
-
-    /// The value that a coordinate keeps since its pretension was locked; `None` before.
-    pub fn locked(&self, coordinate: usize) -> Option<f64> {
-        self.coordinates.get(coordinate)?.history.locked
-    }
-
     /// Whether a slot is that of a motor.
     pub fn is_motor_slot(&self, slot: usize) -> bool {
         self.coordinates.iter().any(|c| c.slots.motor == Some(slot))
-    }
-
-    /// Slot of the limits of a coordinate, whose multiplier is positive at the upper limit.
-    pub fn limit_slot(&self, coordinate: usize) -> Option<usize> {
-        self.coordinates.get(coordinate)?.slots.limit
     }
 
     /// What multipliers of friction, motor and limits of a coordinate are multiplied by to be torques: the length of the joint for an angle, 1 for a displacement.
