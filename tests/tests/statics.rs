@@ -387,7 +387,7 @@ fn the_force_of_a_contact_pair_is_its_own() {
     let scene = format!("{LOWER_AND_UPPER}{}{}{GUIDE}", lower("left", -1.0, -0.0005), lower("right", 0.0005, 1.0));
     let mut simulation = simulation(&scene);
     let contact = simulation.advance().unwrap().contact.unwrap();
-    let [left, right] = [contact.force_of_pair[0][2], contact.force_of_pair[1][2]];
+    let [left, right] = [0, 1].map(|pair| contact.pairs[pair].force[2]);
     assert!((contact.force_on_slave[2] - 12.5).abs() < 1e-7, "{:?}", contact.force_on_slave);
     assert!((left + right - 12.5).abs() < 1e-7 && left > 4.0 && right > 4.0, "{left} {right}");
 }

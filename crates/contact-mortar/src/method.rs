@@ -377,6 +377,7 @@ impl Report for MortarContact {
                 node: nodes[row.local],
                 weight: row.area,
                 per_current_area: 1.0,
+                area: slot.support,
                 gap,
                 normal: if gap.is_some() { slot.normal(q).into() } else { [0.0; 3] },
                 feature: if gap.is_some() { "face" } else { "none" },

@@ -186,6 +186,7 @@ impl Report for NodeToSurface {
                     node: self.node(slot),
                     weight: self.slot_weight(slot),
                     per_current_area: self.slot_weight(slot) / current[slot],
+                    area: current[slot],
                     gap: point.pairing.map(|_| point.gap),
                     normal: point.normal.into(),
                     feature: point.feature.name(),

@@ -126,6 +126,9 @@ pub struct SlotReport {
     /// Factor by which the slot's pressure becomes a force per area of the given configuration: 1 where it is one already, reference area over
     /// current area where it is one per reference area.
     pub per_current_area: f64,
+    /// Area over which the pressure acts in the given configuration: the node's share of the current slave surface, with mortar contact of what of it lies
+    /// opposite the master; zero if nothing does.
+    pub area: f64,
     /// True gap at the given configuration; `None` if no master is within reach.
     pub gap: Option<f64>,
     /// Unit normal, master to slave (zero if there is none).

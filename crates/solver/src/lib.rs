@@ -40,7 +40,7 @@ pub use error::{SimulationError, StepError, Unknown};
 pub use ledger::Balance;
 pub use loads::{Load, LoadKind};
 pub use model::{Body, ContactPair, Coupling, Model, Prescription, Silent};
-pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, StepRecord};
+pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, PairSummary, StepRecord};
 pub use rotation::AxisRotation;
 pub use simulation::{FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage};
 pub use switches::{Release, Switches};

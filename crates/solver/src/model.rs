@@ -339,7 +339,12 @@ impl Model {
         }
     }
 
-    /// True if constraints can open and close (mesh ties alone are no contact) and are not switched off.
+    /// True if constraints can open and close (mesh ties alone are no contact), also while they are switched off.
+    pub fn has_contact_pairs(&self) -> bool {
+        self.contacts.iter().any(|pair| !pair.method.is_bilateral())
+    }
+
+    /// The same, of those that are not switched off.
     pub fn has_unilateral_contact(&self) -> bool {
         self.contacts.iter().any(|pair| !pair.method.is_bilateral() && !pair.method.is_off())
     }

@@ -55,7 +55,7 @@ fn dot(a: &Vector, b: &Vector) -> f64 {
 }
 
 fn cross(a: &Vector, b: &Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    crate::rotation::cross(*a, *b)
 }
 
 fn product(a: &[Vector; 3], x: &Vector) -> Vector {

@@ -70,8 +70,42 @@ pub struct ContactSummary {
     pub coverage: Coverage,
     /// Sum over the contact pairs of the force that each exerts on its slave nodes.
     pub force_on_slave: [f64; 3],
-    /// The force of each pair on its slave nodes; its own only, where nodes belong to several pairs.
-    pub force_of_pair: Vec<[f64; 3]>,
+    /// Each pair by itself, in the order of [`crate::Model::contacts`]: its own constraints only, also where nodes belong to several pairs. Zero for what
+    /// is no contact (ties, joints), and while a pair is off.
+    pub pairs: Vec<PairSummary>,
+}
+
+/// One contact pair at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairSummary {
+    /// Active slots.
+    pub active: usize,
+    /// Smallest gap of the slots in reach (infinite if none).
+    pub min_gap: f64,
+    /// Largest pressure, per current area.
+    pub max_pressure: f64,
+    /// Force on the slave nodes.
+    pub force: [f64; 3],
+    /// Moment of the same forces about the origin, at the positions at the end of the step.
+    pub moment: [f64; 3],
+    /// Current area of the active slots.
+    pub area: f64,
+    /// Work of the slip against the friction in the step; zero without friction.
+    pub friction_work: f64,
+}
+
+impl Default for PairSummary {
+    fn default() -> Self {
+        Self {
+            active: 0,
+            min_gap: f64::INFINITY,
+            max_pressure: 0.0,
+            force: [0.0; 3],
+            moment: [0.0; 3],
+            area: 0.0,
+            friction_work: 0.0,
+        }
+    }
 }
 
 /// A completed step.

@@ -1,6 +1,7 @@
 //! The run: state, steps, ledger.
 
 mod advance;
+mod pairs;
 mod restart;
 mod stage;
 mod start;

@@ -105,6 +105,7 @@ impl Report for MeshTie {
                 node: row.node,
                 weight: row.weight,
                 per_current_area: 1.0,
+                area: row.weight,
                 gap: None,
                 normal,
                 feature: "tied",

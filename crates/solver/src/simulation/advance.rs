@@ -9,7 +9,7 @@ use crate::{
     Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord,
 };
 use std::ops::Range;
-use stoss_contact::{ContactWork, Coverage, StepConfiguration as ContactStep};
+use stoss_contact::{ContactWork, Coverage};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, SecondOrderSystem, State, Step, StepConfiguration, StepRule, finish};
 use stoss_linalg::vector;
@@ -219,8 +219,9 @@ impl Simulation {
                 pair.method.verify_inactive(&attempt.iterate.q, active)?;
             }
         }
-        let contact = self.contact_summary(&attempt, rule)?.map(|c| ContactSummary { coverage, ..c });
-        let (work, stored, loss) = self.contact_work(&attempt.iterate)?;
+        let (work, of_pairs, loss) = self.contact_work(&attempt.iterate)?;
+        let contact = self.contact_summary(&attempt, rule, &of_pairs)?.map(|c| ContactSummary { coverage, ..c });
+        let stored = of_pairs.iter().map(|work| [work.stored, work.friction_stored]).collect();
         let mut next = self.next_state(&mut attempt.iterate, dt, rule)?;
         let restored = self.give_back(&attempt.iterate, loss, dt, &mut next)?;
         Ok(Completed { attempt, next, rule, strain, contact, work, stored, restored, inside_out, solves })
@@ -469,20 +470,6 @@ impl Simulation {
         }
     }
 
-    /// Energy that the contacts store and dissipate in the step, what each stores, and what of the cost of closing gaps is to be restored.
-    fn contact_work(&mut self, iterate: &Iterate) -> Result<(ContactWork, Vec<[f64; 2]>, f64), StepError> {
-        let (mut total, mut loss) = (ContactWork::default(), 0.0);
-        let mut stored = Vec::with_capacity(self.model.contacts.len());
-        for (c, pair) in self.model.contacts.iter().enumerate() {
-            let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
-            let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
-            total += work;
-            stored.push([work.stored, work.friction_stored]);
-            loss += work.closing.filter(|_| pair.restores).map_or(0.0, |closing| closing.max(0.0));
-        }
-        Ok((total, stored, loss))
-    }
-
     /// Adds `factor` times the dead loads that vary in time.
     fn add_varying_loads(&self, time: f64, factor: f64, force: &mut [f64]) {
         let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
@@ -495,62 +482,5 @@ impl Simulation {
         for &(component, ..) in &self.prescribed {
             force[component as usize] += factor * self.reactions[component as usize];
         }
-    }
-
-    fn contact_summary(&mut self, attempt: &Attempt, rule: StepRule) -> Result<Option<ContactSummary>, StepError> {
-        if !self.model.has_unilateral_contact() {
-            return Ok(None);
-        }
-        let Attempt { iterate, repaired, .. } = attempt;
-        let mut summary = ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
-        let mut is_slave = vec![false; self.model.node_count()];
-        for (c, pair) in self.model.contacts.iter().enumerate() {
-            if pair.method.is_off() {
-                summary.force_of_pair.push([0.0; 3]);
-                continue;
-            }
-            let reports = self.timings.measure(Phase::Search, || pair.method.report(&iterate.q))?;
-            for (slot, report) in reports.iter().enumerate() {
-                is_slave[report.node as usize] = true;
-                if pair.method.is_bilateral() {
-                    continue;
-                }
-                let (now, then) = (iterate.active[c][slot], self.active[c][slot]);
-                summary.active += usize::from(now);
-                summary.closed += usize::from(now && !then);
-                summary.released += usize::from(then && !now);
-                summary.min_gap = summary.min_gap.min(report.gap.unwrap_or(f64::INFINITY));
-                if now {
-                    let pressure = iterate.pressures[c][slot] * report.per_current_area;
-                    summary.max_pressure = summary.max_pressure.max(pressure);
-                }
-            }
-            // This pair's own contributions: its slave nodes may belong to other pairs too.
-            let mut force = [0.0; 3];
-            let configuration =
-                ContactStep { q_n: &self.state.q, q_np1: &iterate.q, rule: contact_rule(rule.constraint.rule) };
-            self.timings.measure(Phase::Contact, || {
-                let Iterate { pressures, auxiliaries, active, .. } = iterate;
-                let [values, multipliers] = [&pressures[c], &auxiliaries[c]];
-                pair.method.assemble_with(configuration, values, multipliers, &active[c], false, &mut |local| {
-                    for (node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
-                        if is_slave[*node as usize] {
-                            for i in 0..3 {
-                                force[i] -= residual[i];
-                            }
-                        }
-                    }
-                })
-            })?;
-            for report in &reports {
-                is_slave[report.node as usize] = false;
-            }
-            // Contact, not what ties hold.
-            for i in 0..3 {
-                summary.force_on_slave[i] += if pair.method.is_bilateral() { 0.0 } else { force[i] };
-            }
-            summary.force_of_pair.push(force);
-        }
-        Ok(Some(summary))
     }
 }

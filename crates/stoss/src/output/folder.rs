@@ -25,6 +25,11 @@ const FRICTION: &str = "friction_work,friction_stored";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
 contact_force_x,contact_force_y,contact_force_z,coverage_defect";
+/// Columns of each contact pair in the same table, after its name and a point.
+const PAIR: [&str; 10] =
+    ["active", "min_gap", "max_pressure", "force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z", "area"];
+/// Column of a pair with friction, after these.
+const PAIR_FRICTION: &str = "friction_work";
 
 /// Table of the joints: forces and moments on the second side, angle in degrees or displacement, what acts along that.
 const JOINTS: &str = "joints.csv";
@@ -51,6 +56,16 @@ struct Memo {
     iterations: u64,
     max_iterations: u64,
     max_equations: u64,
+    /// Frictional work so far of each contact of the model.
+    friction_work: Vec<f64>,
+}
+
+/// A contact pair with columns of its own.
+#[derive(Clone, Copy, Debug)]
+struct PairPlace {
+    /// Its number among the contacts of the model.
+    place: usize,
+    has_friction: bool,
 }
 
 /// An open folder of results.
@@ -63,6 +78,7 @@ pub struct ResultFolder {
     newton: CsvTable,
     probes: Option<CsvTable>,
     contact: Option<CsvTable>,
+    pairs: Vec<PairPlace>,
     joints: Option<CsvTable>,
     watch: RunWatch,
     watched: CsvTable,
@@ -140,6 +156,7 @@ impl ResultFolder {
             iterations: 0,
             max_iterations: 0,
             max_equations: simulation.equations() as u64,
+            friction_work: vec![0.0; simulation.model().contacts.len()],
         };
         let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
         let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
@@ -220,7 +237,13 @@ impl ResultFolder {
     ) -> Result<Self, OutputError> {
         let heads: Vec<String> = settings.probes.iter().flat_map(Probe::columns).collect();
         let probe_header = format!("step,time,{}", heads.join(","));
-        let has_contact = simulation.model().has_unilateral_contact();
+        let contacts = &simulation.model().contacts;
+        let with_friction = |name: &str| settings.contacts.iter().any(|c| c.name == name && c.friction.is_some());
+        let pairs: Vec<PairPlace> = (0..contacts.len())
+            .filter(|&place| !contacts[place].method.is_bilateral())
+            .map(|place| PairPlace { place, has_friction: with_friction(&contacts[place].name) })
+            .collect();
+        let has_contact = simulation.model().has_contact_pairs();
         let has_friction = settings.has_friction();
         let more = [(has_contact, CLOSING), (has_friction, FRICTION)];
         let more = more.iter().filter(|(has, _)| *has).map(|(_, columns)| *columns);
@@ -229,7 +252,18 @@ impl ResultFolder {
             balance: open("balance.csv", &balance_header)?,
             newton: open("newton.csv", NEWTON)?,
             probes: if heads.is_empty() { None } else { Some(open(PROBES, &probe_header)?) },
-            contact: if has_contact { Some(open("contact.csv", CONTACT)?) } else { None },
+            contact: if has_contact {
+                let heads = pairs.iter().flat_map(|pair| {
+                    let of_friction = pair.has_friction.then_some(PAIR_FRICTION);
+                    let name = &contacts[pair.place].name;
+                    PAIR.into_iter().chain(of_friction).map(move |column| format!("{name}.{column}"))
+                });
+                let heads: Vec<String> = std::iter::once(CONTACT.to_owned()).chain(heads).collect();
+                Some(open("contact.csv", &heads.join(","))?)
+            } else {
+                None
+            },
+            pairs,
             joints: if settings.joints.is_empty() {
                 None
             } else {
@@ -319,11 +353,18 @@ impl ResultFolder {
             for count in [c.active, c.closed, c.released, c.repaired] {
                 table.integer(count as u64);
             }
-            table
-                .numbers(&[c.min_gap, c.max_pressure])
-                .numbers(&c.force_on_slave)
-                .number(c.coverage.defect)
-                .end_row()?;
+            table.numbers(&[c.min_gap, c.max_pressure]).numbers(&c.force_on_slave).number(c.coverage.defect);
+            for &PairPlace { place, has_friction } in &self.pairs {
+                let pair = &c.pairs[place];
+                let work = &mut self.memo.friction_work[place];
+                *work += pair.friction_work;
+                table.integer(pair.active as u64).numbers(&[pair.min_gap, pair.max_pressure]);
+                table.numbers(&pair.force).numbers(&pair.moment).number(pair.area);
+                if has_friction {
+                    table.number(*work);
+                }
+            }
+            table.end_row()?;
         }
         if let Some(table) = &mut self.joints {
             table.integer(record.step).number(record.time);

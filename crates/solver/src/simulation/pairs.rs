@@ -1,0 +1,94 @@
+//! What the contact pairs did in a step: work, and the rows of the tables.
+
+use super::Simulation;
+use crate::assembly::Iterate;
+use crate::rotation::cross;
+use crate::step::Attempt;
+use crate::system::contact_rule;
+use crate::{ContactSummary, PairSummary, Phase, StepError};
+use stoss_contact::{ContactWork, StepConfiguration};
+use stoss_integrators::StepRule;
+
+impl Simulation {
+    /// What the contacts store and dissipate in the step, all and each, and what of the cost of closing gaps is to be restored.
+    pub(super) fn contact_work(
+        &mut self,
+        iterate: &Iterate,
+    ) -> Result<(ContactWork, Vec<ContactWork>, f64), StepError> {
+        let (mut total, mut loss) = (ContactWork::default(), 0.0);
+        let mut of_pairs = Vec::with_capacity(self.model.contacts.len());
+        for (c, pair) in self.model.contacts.iter().enumerate() {
+            let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
+            let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
+            total += work;
+            loss += work.closing.filter(|_| pair.restores).map_or(0.0, |closing| closing.max(0.0));
+            of_pairs.push(work);
+        }
+        Ok((total, of_pairs, loss))
+    }
+
+    /// What the contact pairs do at the end of the step, with the work of each.
+    pub(super) fn contact_summary(
+        &mut self,
+        attempt: &Attempt,
+        rule: StepRule,
+        of_pairs: &[ContactWork],
+    ) -> Result<Option<ContactSummary>, StepError> {
+        if !self.model.has_contact_pairs() {
+            return Ok(None);
+        }
+        let Attempt { iterate, repaired, .. } = attempt;
+        let Iterate { q, pressures, auxiliaries, active, .. } = iterate;
+        let mut summary = ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
+        let mut is_slave = vec![false; self.model.node_count()];
+        for (c, pair) in self.model.contacts.iter().enumerate() {
+            let mut of_pair = PairSummary { friction_work: of_pairs[c].friction_work, ..PairSummary::default() };
+            if pair.method.is_bilateral() || pair.method.is_off() {
+                summary.pairs.push(of_pair);
+                continue;
+            }
+            let reports = self.timings.measure(Phase::Search, || pair.method.report(q))?;
+            for (slot, report) in reports.iter().enumerate() {
+                is_slave[report.node as usize] = true;
+                let (now, then) = (active[c][slot], self.active[c][slot]);
+                summary.closed += usize::from(now && !then);
+                summary.released += usize::from(then && !now);
+                of_pair.min_gap = of_pair.min_gap.min(report.gap.unwrap_or(f64::INFINITY));
+                if now {
+                    of_pair.active += 1;
+                    of_pair.area += report.area;
+                    let pressure = pressures[c][slot] * report.per_current_area;
+                    of_pair.max_pressure = of_pair.max_pressure.max(pressure);
+                }
+            }
+            let configuration =
+                StepConfiguration { q_n: &self.state.q, q_np1: q, rule: contact_rule(rule.constraint.rule) };
+            self.timings.measure(Phase::Contact, || {
+                let (values, multipliers) = (&pressures[c], &auxiliaries[c]);
+                pair.method.assemble_with(configuration, values, multipliers, &active[c], false, &mut |local| {
+                    for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                        if is_slave[node as usize] {
+                            let force = [-residual[0], -residual[1], -residual[2]];
+                            let moment = cross([0, 1, 2].map(|i| q[3 * node as usize + i]), force);
+                            for i in 0..3 {
+                                of_pair.force[i] += force[i];
+                                of_pair.moment[i] += moment[i];
+                            }
+                        }
+                    }
+                })
+            })?;
+            for report in &reports {
+                is_slave[report.node as usize] = false;
+            }
+            summary.active += of_pair.active;
+            summary.min_gap = summary.min_gap.min(of_pair.min_gap);
+            summary.max_pressure = summary.max_pressure.max(of_pair.max_pressure);
+            for i in 0..3 {
+                summary.force_on_slave[i] += of_pair.force[i];
+            }
+            summary.pairs.push(of_pair);
+        }
+        Ok(Some(summary))
+    }
+}
