@@ -173,3 +173,28 @@ fn tables_and_resume() {
     let last: Vec<f64> = table("whole").lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
     assert!((last[14] - 0.3).abs() < 1e-9, "the sleeve lies on its limit: {last:?}");
 }
+
+/// Schemes that carry accelerations start from the torques and forces of the joints' springs: after one small step velocities are `a h`, to first order in it.
+#[test]
+fn springs_of_joints_accelerate_from_the_start() {
+    let acts = "spring = { stiffness = 5.0, rest = 30.0 }\nsecond = { spring = { stiffness = 40.0, rest = 0.3 } }";
+    let turning = "[[probe]]\nname = \"turning\"\nbody = \"sleeve\"\nquantity = \"angular_velocity\"\n";
+    let moving = "[[probe]]\nname = \"moving\"\nbody = \"sleeve\"\nquantity = \"velocity\"\n";
+    for scheme in ["trapezoidal", "newmark", "generalised-alpha"] {
+        let text = SLEEVE
+            .replace("step = 0.05", "step = 1e-5")
+            .replace("KIND", "dynamic")
+            .replace("INTEGRATOR", &format!("integrator = {{ scheme = \"{scheme}\" }}"))
+            .replace("ACTS", acts)
+            .replace("FORCE", "0.0");
+        let scene =
+            stoss::scene::parse(&format!("{text}{turning}{moving}"), "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        let Built { mut simulation, probes, .. } = build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+        simulation.advance().unwrap();
+        let value = |name: &str| probes.iter().find(|probe| probe.name == name).unwrap().value(&simulation)[2];
+        // Mass 2, moment of inertia of the cube 2/6.
+        let (spin, speed) = (5.0 * 30_f64.to_radians() * 3.0 * 1e-5, 40.0 * 0.3 / 2.0 * 1e-5);
+        assert!((value("turning") / spin - 1.0).abs() < 1e-3, "{scheme}: {} {spin}", value("turning"));
+        assert!((value("moving") / speed - 1.0).abs() < 1e-3, "{scheme}: {} {speed}", value("moving"));
+    }
+}

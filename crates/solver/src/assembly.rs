@@ -500,6 +500,19 @@ impl System {
             + self.solver.memory_bytes()
     }
 
+    /// Takes the stiffness of constraints out of the assembled matrix: the block of the free components is that of solids and parts again.
+    pub fn drop_constraint_stiffness(&mut self) {
+        let free = self.numbering.free.len();
+        for column in 0..free {
+            let range = self.pattern.column_range(column);
+            let rows = self.pattern.column(column).iter();
+            self.values[range].iter_mut().zip(rows).filter(|(_, row)| **row < free).for_each(|(value, _)| *value = 0.0);
+        }
+        for (value, &at) in self.solid_values.iter().zip(&self.solid_to_global) {
+            self.values[at as usize] = *value;
+        }
+    }
+
     /// True if a mass matrix exists.
     pub fn has_mass(&self) -> bool {
         self.has_mass

@@ -133,7 +133,8 @@ impl Simulation {
         let speed = state.v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
         let lengths = model.contacts.iter().filter(|pair| acts_always(pair)).map(|pair| pair.method.length_scale());
         let small = MOTION * lengths.fold(f64::INFINITY, f64::min);
-        let mut unused = vec![0.0; forces.len()];
+        // What the constraints exert at zero multipliers: springs, friction and motors of joints.
+        let mut at_zero = vec![0.0; forces.len()];
         // The rows of the equations are minus the constraint functions, and the right-hand side has their opposites.
         let mut functions = |distance: f64, tangent: bool| -> Result<Vec<f64>, StepError> {
             let mut q = state.q.clone();
@@ -147,7 +148,8 @@ impl Simulation {
             if tangent {
                 fe.start_tangent(1.0);
             }
-            fe.add_constraint_force(at, GradientRule::EndPoint, 1.0, tangent, &mut unused)?;
+            at_zero.fill(0.0);
+            fe.add_constraint_force(at, GradientRule::EndPoint, 1.0, tangent, &mut at_zero)?;
             Ok(system.rhs[free..].to_vec())
         };
         let mut curvature = Vec::new();
@@ -159,8 +161,9 @@ impl Simulation {
             curvature = rows.map(|((p, m), o)| ((p - o) + (m - o)) / (distance * distance)).collect();
         }
         functions(0.0, true)?;
+        system.drop_constraint_stiffness();
         for (rhs, &component) in system.rhs.iter_mut().zip(&system.numbering.free) {
-            *rhs = forces[component as usize];
+            *rhs = forces[component as usize] + at_zero[component as usize];
         }
         system.rhs[free..].fill(0.0);
         system.rhs[free..].iter_mut().zip(curvature).for_each(|(rhs, curvature)| *rhs = curvature);
