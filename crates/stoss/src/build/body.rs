@@ -1,5 +1,6 @@
 //! Meshes, laws, densities, initial velocities.
 
+use super::mesh_files::MeshFiles;
 use super::placed::{Placed, Shape};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
@@ -7,7 +8,6 @@ use crate::scene::{
     Rotation as SceneRotation, Rotations, Scene, SetDefinition,
 };
 use crate::solver::Model;
-use std::path::Path;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{MassKind, SolidBody};
@@ -20,10 +20,9 @@ use stoss_mesh::{Mesh, MeshError, Region, Rotation};
 /// Adds all bodies to the model; bodies with problems are left out.
 pub(super) fn bodies(
     scene: &Scene,
-    folder: &Path,
     laws: &OwnLaws,
     model: &mut Model,
-    mesh_files: &mut Vec<Vec<u8>>,
+    mesh_files: &mut MeshFiles,
     problems: &mut Problems<'_>,
 ) -> (Vec<Placed>, Vec<String>) {
     let mut placed = Vec::new();
@@ -43,7 +42,7 @@ pub(super) fn bodies(
             }
         };
         let mut notes = Vec::new();
-        let mesh = mesh(scene, b, folder, mesh_files, &mut notes, problems);
+        let mesh = mesh(scene, b, mesh_files, &mut notes, problems);
         let (Some(law), Some(mesh)) = (law, mesh) else { continue };
         let first_node = (model.reference.len() / 3) as u32;
         let solid = match SolidBody::new(&body.name, &mesh, first_node, Arc::clone(&law)) {
@@ -169,14 +168,13 @@ fn refinement(zone: SceneRefinement) -> Refinement {
 fn mesh(
     scene: &Scene,
     b: usize,
-    folder: &Path,
-    mesh_files: &mut Vec<Vec<u8>>,
+    mesh_files: &mut MeshFiles,
     notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
     let body = &scene.bodies[b];
     let key = format!("body[{b}]");
-    let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), folder, mesh_files, notes, problems)?;
+    let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), mesh_files, notes, problems)?;
     place(&key, &body.rotation, body.position, problems, |rotation, by| mesh.transform(rotation, by))?;
     if let Err(error) = mesh.check_but_coincident() {
         problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");
@@ -195,8 +193,7 @@ fn mesh(
 pub(super) fn source_mesh(
     source: &MeshSource,
     key: &str,
-    folder: &Path,
-    mesh_files: &mut Vec<Vec<u8>>,
+    mesh_files: &mut MeshFiles,
     notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
@@ -204,7 +201,7 @@ pub(super) fn source_mesh(
         MeshSource::Generator(generator) => generate(generator)
             .map_err(|error| problems.add(key.to_owned(), "", error.to_string(), "mend the generator's parameters"))
             .ok(),
-        MeshSource::File(source) => read(folder, source, key, mesh_files, notes, problems),
+        MeshSource::File(source) => read(source, key, mesh_files, notes, problems),
     }
 }
 
@@ -257,35 +254,22 @@ pub(super) fn place(
 
 #[cfg(feature = "mesh-files")]
 fn read(
-    folder: &Path,
     source: &MeshFile,
     key: &str,
-    mesh_files: &mut Vec<Vec<u8>>,
+    mesh_files: &mut MeshFiles,
     notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
     let MeshFile { file, group, scale } = source;
-    let path = folder.join(file);
-    let bytes = match crate::regular::read(&path) {
-        Ok(bytes) => bytes,
-        Err(error) => {
-            problems.add(format!("{key}.file"), file, error.to_string(), "paths are relative to the scene's file");
+    let contents = match mesh_files.contents(file) {
+        Ok(contents) => contents,
+        Err((message, remedy)) => {
+            problems.add(format!("{key}.file"), file, message, remedy);
             return None;
         }
     };
-    // Included files belong to the identity of the scene as well.
-    let mut include = |path: &Path| {
-        let bytes = crate::regular::read(path)?;
-        mesh_files.push(bytes.clone());
-        Ok(bytes)
-    };
-    let contents = stoss_mesh_io::read_contents_from_bytes(&path, &bytes, &mut include);
-    mesh_files.push(bytes);
-    let mesh = contents.and_then(|contents| {
-        notes.extend(contents.notes().iter().cloned());
-        contents.mesh(group.as_deref())
-    });
-    let mut mesh = match mesh {
+    notes.extend(contents.notes().iter().cloned());
+    let mut mesh = match contents.mesh(group.as_deref()) {
         Ok(mesh) => mesh,
         Err(error @ stoss_mesh_io::MeshIoError::NoGroup { .. }) => {
             let group = group.as_deref().unwrap_or_default();
@@ -310,10 +294,9 @@ fn read(
 
 #[cfg(not(feature = "mesh-files"))]
 fn read(
-    _: &Path,
     source: &MeshFile,
     key: &str,
-    _: &mut Vec<Vec<u8>>,
+    _: &mut MeshFiles,
     _: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {

@@ -9,6 +9,7 @@ mod drawing;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod friction;
 mod law;
+mod mesh_files;
 mod missing;
 #[cfg(feature = "mortar")]
 mod mortar;
@@ -44,6 +45,7 @@ pub use schedule::Schedule;
 
 use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
 use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, StepControl};
+use mesh_files::MeshFiles;
 use placed::Placed;
 use schedule::Named;
 use std::collections::BTreeMap;
@@ -61,7 +63,7 @@ pub struct Built {
     pub probes: Vec<Probe>,
     /// What is no error but deserves a look.
     pub warnings: Vec<String>,
-    /// Contents of the mesh files, in the order of the bodies, for the hash of the run.
+    /// Contents of the mesh files, each once, for the hash of the run.
     pub mesh_files: Vec<Vec<u8>>,
     /// One line a body: name, elements, law, implied moduli, quality.
     pub bodies: Vec<String>,
@@ -123,9 +125,9 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     }
     let mut problems = Problems { scene, list: Vec::new() };
     let mut model = Model::default();
-    let mut mesh_files = Vec::new();
-    let (mut placed, mut bodies) = body::bodies(scene, folder, laws, &mut model, &mut mesh_files, &mut problems);
-    let mut parts = multibody::parts(scene, folder, &mut model, &mut mesh_files, &mut problems);
+    let mut mesh_files = MeshFiles::new(folder);
+    let (mut placed, mut bodies) = body::bodies(scene, laws, &mut model, &mut mesh_files, &mut problems);
+    let mut parts = multibody::parts(scene, &mut model, &mut mesh_files, &mut problems);
     placed.append(&mut parts.placed);
     bodies.append(&mut parts.lines);
     let mut warnings = Vec::new();
@@ -170,7 +172,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             schedule,
             probes,
             warnings,
-            mesh_files,
+            mesh_files: mesh_files.bytes,
             bodies,
             drawing: parts.drawing,
             joints: joints(scene, &parts.joints),

@@ -1,11 +1,11 @@
 //! In the place of [`super::multibody`] where the feature is not built in: there are no parts. Scenes with some are refused before.
 
 use super::condition::RigidMotion;
+use super::mesh_files::MeshFiles;
 use super::placed::Placed;
 use super::{Drawing, Problems};
 use crate::scene::{Coupling, Prescribe, Scene};
 use crate::solver::Model;
-use std::path::Path;
 
 /// Nothing.
 #[derive(Default)]
@@ -27,7 +27,7 @@ impl Parts {
     }
 }
 
-pub(super) fn parts(_: &Scene, _: &Path, _: &mut Model, _: &mut Vec<Vec<u8>>, _: &mut Problems<'_>) -> Parts {
+pub(super) fn parts(_: &Scene, _: &mut Model, _: &mut MeshFiles, _: &mut Problems<'_>) -> Parts {
     Parts::default()
 }
 

@@ -26,6 +26,7 @@ pub(super) struct PairInput<'a> {
     /// Nodes whose motion may be determined without the friction of this contact.
     pub held: &'a BTreeSet<u32>,
     /// Slave nodes of ties.
+    #[cfg_attr(not(feature = "mortar"), expect(dead_code, reason = "mortar surfaces take it"))]
     pub tied: &'a BTreeSet<u32>,
 }
 

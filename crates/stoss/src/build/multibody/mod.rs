@@ -8,12 +8,12 @@ mod redundant;
 mod rigid;
 mod support;
 
+use super::mesh_files::MeshFiles;
 use super::placed::Placed;
 use super::{Drawing, Problems};
 use crate::scene::{Coupling, Scene, StageKind};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
-use std::path::Path;
 use stoss_contact::Bilateral;
 use stoss_multibody::{Beam, ConstraintSet, ElasticString, PointMass, RigidBody};
 use stoss_part::Part as _;
@@ -48,13 +48,12 @@ pub(super) struct Parts {
 /// Adds the parts to the model.
 pub(super) fn parts(
     scene: &Scene,
-    folder: &Path,
     model: &mut Model,
-    mesh_files: &mut Vec<Vec<u8>>,
+    mesh_files: &mut MeshFiles,
     problems: &mut Problems<'_>,
 ) -> Parts {
     let mut parts = Parts::default();
-    rigid::rigids(scene, folder, model, mesh_files, &mut parts, problems);
+    rigid::rigids(scene, model, mesh_files, &mut parts, problems);
     line::lines(scene, model, &mut parts, problems);
     parts
 }

@@ -2,12 +2,12 @@
 
 use super::Parts;
 use crate::build::body::{place, region, set_refused, source_mesh};
+use crate::build::mesh_files::MeshFiles;
 use crate::build::placed::{Placed, Shape};
 use crate::build::{DrawnPoint, DrawnSurface, Problems};
 use crate::scene::{Rigid, Rotation as SceneRotation, Scene, Shape as SceneShape, SurfaceFile};
 use crate::solver::Model;
 use std::collections::BTreeMap;
-use std::path::Path;
 use stoss_mesh::surface::{Cone, Cuboid, Cylinder, Plane, RoundDivisions, Sphere};
 use stoss_mesh::{MassProperties, Mesh, MeshError, Rotation, SurfaceMesh};
 use stoss_multibody::{RigidBody, RigidMass};
@@ -15,16 +15,15 @@ use stoss_multibody::{RigidBody, RigidMass};
 /// Adds all rigid bodies to the model; those with problems are left out.
 pub(super) fn rigids(
     scene: &Scene,
-    folder: &Path,
     model: &mut Model,
-    mesh_files: &mut Vec<Vec<u8>>,
+    mesh_files: &mut MeshFiles,
     parts: &mut Parts,
     problems: &mut Problems<'_>,
 ) {
     for (r, item) in scene.rigids.iter().enumerate() {
         let key = format!("rigid[{r}]");
         let mut notes = Vec::new();
-        let Some(shape) = shape(scene, item, &key, folder, mesh_files, &mut notes, problems) else { continue };
+        let Some(shape) = shape(scene, item, &key, mesh_files, &mut notes, problems) else { continue };
         let first = model.node_count() as u32;
         let Some(body) = body(item, &key, shape.as_ref(), first, problems) else { continue };
         model.reference.extend(body.reference().iter().flatten());
@@ -76,8 +75,7 @@ fn shape(
     scene: &Scene,
     item: &Rigid,
     key: &str,
-    folder: &Path,
-    mesh_files: &mut Vec<Vec<u8>>,
+    mesh_files: &mut MeshFiles,
     notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Option<Outline>> {
@@ -88,11 +86,11 @@ fn shape(
         let made = generate(shape).map_err(|error| refused("shape", &error, problems)).ok()?;
         (made, None, "shape")
     } else if let Some(source) = &item.mesh {
-        let mesh = source_mesh(source, &format!("{key}.mesh"), folder, mesh_files, notes, problems)?;
+        let mesh = source_mesh(source, &format!("{key}.mesh"), mesh_files, notes, problems)?;
         let surface = SurfaceMesh::from_mesh(&mesh).map_err(|error| refused("mesh", &error, problems)).ok()?;
         (surface, Some(mesh), "mesh")
     } else if let Some(file) = &item.surface {
-        (read_surface(file, key, folder, mesh_files, problems)?, None, "surface")
+        (read_surface(file, key, mesh_files, problems)?, None, "surface")
     } else {
         return Some(None);
     };
@@ -131,40 +129,23 @@ fn generate(shape: &SceneShape) -> Result<SurfaceMesh, MeshError> {
 fn read_surface(
     file: &SurfaceFile,
     key: &str,
-    folder: &Path,
-    mesh_files: &mut Vec<Vec<u8>>,
+    mesh_files: &mut MeshFiles,
     problems: &mut Problems<'_>,
 ) -> Option<SurfaceMesh> {
-    let (path, key) = (folder.join(&file.file), format!("{key}.surface.file"));
-    let bytes = match crate::regular::read(&path) {
-        Ok(bytes) => bytes,
-        Err(error) => {
-            problems.add(key, &file.file, error.to_string(), "paths are relative to the scene's file");
-            return None;
-        }
-    };
-    let surface = stoss_mesh_io::read_surface_from_bytes(&path, &bytes);
-    mesh_files.push(bytes);
-    match surface {
+    match mesh_files.surface(&file.file) {
         Ok(mut surface) => {
             surface.nodes.iter_mut().flatten().for_each(|x| *x *= file.scale);
             Some(surface)
         }
-        Err(error) => {
-            problems.add(key, &file.file, error.to_string(), "mend the file or name another");
+        Err((message, remedy)) => {
+            problems.add(format!("{key}.surface.file"), &file.file, message, remedy);
             None
         }
     }
 }
 
 #[cfg(not(feature = "mesh-files"))]
-fn read_surface(
-    file: &SurfaceFile,
-    key: &str,
-    _: &Path,
-    _: &mut Vec<Vec<u8>>,
-    problems: &mut Problems<'_>,
-) -> Option<SurfaceMesh> {
+fn read_surface(file: &SurfaceFile, key: &str, _: &mut MeshFiles, problems: &mut Problems<'_>) -> Option<SurfaceMesh> {
     let message = "this build of Stoss reads no files of surfaces";
     problems.add(format!("{key}.surface.file"), &file.file, message, "build it with the cargo feature `mesh-files`");
     None
