@@ -42,7 +42,7 @@ mod vector;
 mod watch;
 
 pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
-pub use body::{Body, Mass, Rotation, Rotations};
+pub use body::{Body, Damping, Mass, Rotation, Rotations};
 pub use conditions::{
     BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Load, LoadKind,
     PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,

@@ -5,6 +5,7 @@ use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
+use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
 use std::ops::Range;
@@ -58,6 +59,10 @@ pub(crate) struct System {
     first_grouped: u32,
     pub has_followers: bool,
     pub has_dead_loads: bool,
+    /// Of a static stage.
+    pub stabilisation: Option<Stabilisation>,
+    /// Whether forces of dampers act on bodies at present.
+    pub has_damping: bool,
     /// What of the model acts.
     pub acting: Acting,
     /// Whether the present stage has inertia.
@@ -447,6 +452,8 @@ impl System {
             solver,
             has_followers,
             has_dead_loads,
+            stabilisation: None,
+            has_damping: false,
             has_mass: dynamic,
             tangents: 0,
             shifts_rows: false,

@@ -76,6 +76,9 @@ impl StepProblem<'_> {
                 .max(vector::norm2_of(&s.buffers.inertia, &s.own))
                 .max(SMALLEST_RESOLVED_MOTION * s.mass_length * rule.inertia.increment);
         }
+        if s.has_damping {
+            scale = scale.max(rule.damping_weight() * vector::norm2_of(&s.buffers.damping, &s.own));
+        }
         if let Some(history) = rule.history
             && !step.state_n.history.is_empty()
         {
@@ -206,6 +209,7 @@ impl StepProblem<'_> {
         let contact = contact_rule(rule.constraint.rule);
         rule.force.rule != ForceRule::DiscreteGradient
             && !self.system.has_followers
+            && (!(self.system.has_damping && self.system.has_rates) || self.model.bodies.iter().all(|body| body.damping.stiffness == 0.0))
             && self.model.parts.iter().all(|part| part.is_symmetric())
             && (self.model.contacts.is_empty()
                 || rule.constraint.weight == 1.0

@@ -7,7 +7,7 @@ use crate::{Load, LoadKind, Model, StepError};
 use std::ops::Range;
 use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
-use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
+use stoss_integrators::{ForceRule, GradientRule, RateTangent, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
 use stoss_part::{PartError, PartStep};
 
@@ -208,6 +208,20 @@ impl SecondOrderSystem for FeSystem<'_> {
         }
         self.model.embedding.pull_back_of(&self.system.loaded, out);
         Ok(())
+    }
+
+    fn has_damping(&self) -> bool {
+        self.system.has_damping
+    }
+
+    fn add_damping(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        tangent: Option<RateTangent>,
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.add_body_damping(q, v, tangent, out)
     }
 
     fn add_constraint_force(

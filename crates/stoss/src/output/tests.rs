@@ -53,6 +53,7 @@ fn add_block(model: &mut Model, name: &str, min: [f64; 3], max: [f64; 3]) {
         nodes: first..first + block.nodes.len() as u32,
         density: Some(1.0),
         mass_kind: MassKind::Consistent,
+        damping: Default::default(),
     });
     model.reference.extend(block.nodes.iter().flatten());
     // It stretches.
@@ -76,7 +77,7 @@ fn add_plate(model: &mut Model, at: [f64; 3]) -> (u32, DrawnSurface) {
 
 fn simulation(model: Model) -> Simulation {
     let settings = Settings {
-        control: StepControl { step: 0.1, end: 1.0, max_cuts: 0, grow_after: 1 },
+        control: StepControl { step: 0.1, end: 1.0, max_cuts: 0, grow_after: 1, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions::default(),
         inside_out: InsideOutRule::Refuse,
