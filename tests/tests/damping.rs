@@ -127,7 +127,7 @@ fn stiffness_damping_of_a_body_in_flight_keeps_what_the_scheme_keeps() {
             assert!(balance.damping >= last && balance.dissipation == balance.damping);
             last = balance.damping;
         }
-        assert!(last > 0.01 * first.total(), "{}: {last:e}", entry.name);
+        assert!(last > 0.005 * first.total(), "{}: {last:e}", entry.name);
         assert!(!claims.linear_momentum || drift(&l) < 1e-11, "{}: linear {:e}", entry.name, drift(&l));
         assert!(!claims.angular_momentum || drift(&j) < 1e-11, "{}: angular {:e}", entry.name, drift(&j));
         assert!(!claims.energy || energy < 1e-12, "{}: energy {energy:e}", entry.name);
@@ -241,7 +241,7 @@ name = "load"
 kind = "static"
 until = 1.0
 [[stage]]
-name = "let go"
+name = "free"
 kind = "dynamic"
 until = 1.2
 step = 0.01

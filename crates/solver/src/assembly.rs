@@ -80,7 +80,9 @@ pub(crate) struct System {
     pub load_support: Vec<Range<usize>>,
     /// Dead loads of the step, empty if there are none (those that depend on the configuration go to `follower`).
     pub dead: Vec<f64>,
-    /// Follower pressures and moments; empty without.
+    /// Vectors from the axis to the nodes, for centrifugal loads; empty without.
+    pub arms: Vec<f64>,
+    /// Follower pressures, moments, centrifugal loads; empty without.
     pub follower: Vec<f64>,
     /// Largest norm of the forces that were summed up in the last evaluation.
     pub force_scale: f64,
@@ -269,6 +271,8 @@ fn loaded(model: &Model) -> Vec<u32> {
             LoadKind::FollowerPressure { facets } => nodes.extend(facets.iter().flatten()),
             // Directors have equations.
             LoadKind::Moment { .. } => (),
+            // Nor are nodes of elements embedded.
+            LoadKind::Centrifugal { .. } => (),
         }
     }
     nodes.retain(|&node| model.embedding.has(node));
@@ -321,7 +325,8 @@ impl System {
         for load in &model.loads {
             has_followers |= load.follows();
             match &load.kind {
-                LoadKind::Dead { .. } => {}
+                // The latter has the places of its body's elements.
+                LoadKind::Dead { .. } | LoadKind::Centrifugal { .. } => {}
                 LoadKind::FollowerPressure { facets } => {
                     facets.iter().for_each(|facet| solids.push(|out| numbering.node_equations(facet, out)));
                 }
@@ -417,6 +422,7 @@ impl System {
             buffers: Buffers::with_own(components, own.clone(), dynamic, !model.contacts.is_empty()),
             own,
             dead: vec![0.0; if has_dead_loads { components } else { 0 }],
+            arms: Vec::new(),
             follower: vec![0.0; if has_followers { components } else { 0 }],
             force_scale: 0.0,
             gap_measure: 0.0,
@@ -496,6 +502,7 @@ impl System {
             + self.mass_values.capacity()
             + self.dead.capacity()
             + self.follower.capacity()
+            + self.arms.capacity()
             + self.base_increment.capacity()
             + 2 * self.rhs.capacity();
         8 * floats

@@ -212,7 +212,8 @@ mod tests {
         assert!((clock.dt() - 0.1).abs() < 1e-15);
         // A hard step begins the count anew.
         assert!(!clock.accept(6) && !clock.accept(7) && !clock.accept(1));
-        assert!(clock.accept(1));
+        // And a larger step begins at a multiple of itself: 40 ticks are none of 16.
+        assert!(!clock.accept(1) && clock.accept(1));
         assert!((clock.dt() - 0.2).abs() < 1e-15);
         assert!(clock.cut() && clock.cut() && clock.cut() && clock.cut() && !clock.cut());
         assert!((clock.dt() - 0.4 / 32.0).abs() < 1e-15);

@@ -56,39 +56,41 @@ impl FeSystem<'_> {
         tangent: Option<RateTangent>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        let s = &mut *self.system;
-        if let Some(stabilisation) = s.stabilisation.as_ref().filter(|_| !s.has_rates) {
-            for (mass, &first_stencil) in stabilisation.masses().iter().zip(&s.first_stencil) {
+        let System { solid_map: map, solid_values, first_stencil, masses, workspaces, stabilisation, has_rates, .. } =
+            &mut *self.system;
+        if let Some(stabilisation) = stabilisation.as_ref().filter(|_| !*has_rates) {
+            for (mass, &first_stencil) in stabilisation.masses().iter().zip(&*first_stencil) {
                 mass.multiply_add(stabilisation.ramp, v, out);
                 if let Some(RateTangent { weight, rate, .. }) = tangent {
-                    let (map, values) = (&s.solid_map, &mut *s.solid_values);
-                    let factor = stabilisation.ramp;
-                    mass.add_to_tangent(weight * rate, TangentTarget { map, first_stencil, factor, values });
+                    let target =
+                        TangentTarget { map, first_stencil, factor: stabilisation.ramp, values: solid_values };
+                    mass.add_to_tangent(weight * rate, target);
                 }
             }
             return Ok(());
         }
         for (b, body) in self.model.bodies.iter().enumerate() {
             let Damping { mass, stiffness } = body.damping;
-            let mut target = |factor: f64| TangentTarget {
-                map: &s.solid_map,
-                first_stencil: s.first_stencil[b],
-                factor,
-                values: &mut s.solid_values,
-            };
+            let first_stencil = first_stencil[b];
             if mass > 0.0
-                && let Some(matrix) = s.masses.bodies.get(b)
+                && let Some(matrix) = masses.bodies.get(b)
             {
                 matrix.multiply_add(mass, v, out);
                 if let Some(RateTangent { weight, rate, .. }) = tangent {
-                    matrix.add_to_tangent(mass, target(weight * rate));
+                    let target = TangentTarget { map, first_stencil, factor: mass, values: solid_values };
+                    matrix.add_to_tangent(weight * rate, target);
                 }
             }
             if stiffness > 0.0 {
                 let slopes = tangent.map_or([0.0; 2], |at| [at.position, at.rate]);
-                let target = tangent.map(|at| target(at.weight));
+                let target = tangent.map(|at| TangentTarget {
+                    map,
+                    first_stencil,
+                    factor: at.weight,
+                    values: &mut *solid_values,
+                });
                 let rate = ViscousRate { q, v, factor: stiffness, slopes };
-                body.solid.add_viscous_force(rate, out, target, &mut s.workspaces[b])?;
+                body.solid.add_viscous_force(rate, out, target, &mut workspaces[b])?;
             }
         }
         Ok(())

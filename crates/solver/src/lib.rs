@@ -10,6 +10,7 @@
 //! It is not a catalogue: material laws and contact methods come in through traits.
 
 mod assembly;
+mod centrifugal;
 mod checkpoint;
 mod control;
 mod damping;

@@ -24,6 +24,8 @@ const CLOSING: &str = "closing_loss,contact_remainder,restored";
 const FRICTION: &str = "friction_work,friction_stored";
 /// Column that follows where a body is damped.
 const DAMPING: &str = "damping";
+/// Column that follows where a stage of statics is stabilised.
+const STABILISATION: &str = "stabilisation";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
 contact_force_x,contact_force_y,contact_force_z,coverage_defect";
@@ -228,7 +230,7 @@ impl ResultFolder {
         let probe_header = format!("step,time,{}", heads.join(","));
         let has_contact = simulation.model().has_unilateral_contact();
         let has_friction = settings.has_friction();
-        let more = [(has_contact, CLOSING), (has_friction, FRICTION), (has_damping(simulation), DAMPING)];
+        let more = [(has_contact, CLOSING), (has_friction, FRICTION), (has_damping(simulation), DAMPING), (settings.schedule.is_stabilised(), STABILISATION)];
         let more = more.iter().filter(|(has, _)| *has).map(|(_, columns)| *columns);
         let balance_header = std::iter::once(BALANCE).chain(more).collect::<Vec<_>>().join(",");
         Ok(Self {
@@ -304,6 +306,9 @@ impl ResultFolder {
         }
         if has_damping(simulation) {
             self.balance.number(b.damping);
+        }
+        if self.settings.schedule.is_stabilised() {
+            self.balance.number(b.stabilisation);
         }
         self.balance.end_row()?;
         for row in &record.newton {

@@ -202,6 +202,24 @@ fn a_part_on_the_ground_changes_momenta() {
     }
 }
 
+/// Mass-proportional damping takes momentum; stiffness-proportional damping does not. Both are in the ledger.
+#[test]
+fn damping_of_the_mass_changes_momenta() {
+    let scene = scene();
+    for (mass, stiffness) in [(0.0, 0.1), (0.1, 0.0), (0.1, 0.1)] {
+        let mut model = Model::default();
+        add_block(&mut model, "block", [0.0; 3], [1.0; 3]);
+        model.bodies[0].damping = stoss_solver::Damping { mass, stiffness };
+        let simulation = simulation(model);
+        let scheme = scene.time.integrator.as_ref().unwrap().make().unwrap();
+        let promised = promises(&scene, &simulation, Some(&*scheme)).unwrap();
+        let slowed = mass > 0.0;
+        assert_eq!((promised.linear, promised.angular), ([!slowed; 3], !slowed));
+        assert!(promised.energy);
+        assert_eq!(changed_by(&scene, simulation.model()).map(|reason| reason.is_some()), [slowed, slowed, false]);
+    }
+}
+
 fn scene() -> Scene {
     let text = r#"
         [scene]
