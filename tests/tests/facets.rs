@@ -44,6 +44,7 @@ impl Blocks {
                 nodes: first..first + mesh.nodes.len() as u32,
                 density: velocities.map(|_| 1.0),
                 mass_kind: MassKind::Consistent,
+                damping: Default::default(),
             });
             model.reference.extend(mesh.nodes.iter().flatten());
             model.velocity.extend(mesh.nodes.iter().flat_map(|_| velocities.map_or([0.0; 3], |v| v[k])));
@@ -87,7 +88,7 @@ impl Blocks {
         self.model.contacts.push(ContactPair { name: "contact".into(), method, complementarity, restores: false });
         let is_dynamic = self.model.bodies[0].density.is_some();
         let settings = Settings {
-            control: StepControl { step, end, max_cuts: 0, grow_after: 1 },
+            control: StepControl { step, end, max_cuts: 0, grow_after: 1, automatic: None },
             scheme: if is_dynamic { Some(Box::new(EnergyMomentum)) } else { None },
             newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
             inside_out: InsideOutRule::Refuse,

@@ -127,6 +127,7 @@ fn bounces(height: f64) {
             nodes: 0..count as u32,
             density: Some(1.0),
             mass_kind: MassKind::Consistent,
+            damping: Default::default(),
         }],
         contacts: vec![ContactPair {
             name: "plane".into(),
@@ -138,7 +139,7 @@ fn bounces(height: f64) {
         ..Model::default()
     };
     let settings = Settings {
-        control: StepControl { step: 0.01, end: 0.6, max_cuts: 0, grow_after: 1 },
+        control: StepControl { step: 0.01, end: 0.6, max_cuts: 0, grow_after: 1, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-11, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,

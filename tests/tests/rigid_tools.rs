@@ -34,6 +34,7 @@ impl Impact {
             nodes: 0..block.nodes.len() as u32,
             density: Some(1.0),
             mass_kind: MassKind::Consistent,
+            damping: Default::default(),
         });
         model.reference.extend(block.nodes.iter().flatten());
         model.velocity.resize(model.reference.len(), 0.0);
@@ -69,7 +70,7 @@ impl Impact {
         let complementarity = 1000.0 / method.length_scale();
         self.model.contacts.push(ContactPair { name: "contact".into(), method, complementarity, restores: false });
         let settings = Settings {
-            control: StepControl { step: 5e-3, end: 0.4, max_cuts: 0, grow_after: 1 },
+            control: StepControl { step: 5e-3, end: 0.4, max_cuts: 0, grow_after: 1, automatic: None },
             scheme: Some(Box::new(EnergyMomentum)),
             newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
             inside_out: InsideOutRule::Refuse,

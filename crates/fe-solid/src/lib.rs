@@ -30,6 +30,7 @@ pub mod kernel;
 mod load;
 mod mass;
 mod recovery;
+mod viscous;
 
 pub use assembly::{TangentTarget, Workspace};
 pub use body::{InsideOut, SolidBody};
@@ -41,3 +42,4 @@ pub use load::{
 };
 pub use mass::{MassKind, MassMatrix};
 pub use recovery::{GaussPointState, von_mises};
+pub use viscous::ViscousRate;

@@ -120,12 +120,18 @@ impl MassMatrix {
 
     /// Adds `factor * target.factor * M` to the global values; same stencils as the body's tangent.
     pub fn add_to_tangent(&self, factor: f64, target: TangentTarget<'_>) {
-        let scale = factor * target.factor;
+        self.add_blocks_to_tangent(&[[factor, 0.0, 0.0], [0.0, factor, 0.0], [0.0, 0.0, factor]], target);
+    }
+
+    /// Adds `target.factor * M_IJ A` with a matrix `A` between the components to the global values; same stencils as the body's tangent.
+    pub fn add_blocks_to_tangent(&self, matrix: &[[f64; 3]; 3], target: TangentTarget<'_>) {
         let mut local = [0.0; UNKNOWNS * UNKNOWNS];
         for element in 0..self.connectivity.len() {
             let mut put = |node: usize, other: usize, m: f64| {
-                for i in 0..3 {
-                    local[(3 * node + i) * UNKNOWNS + 3 * other + i] = scale * m;
+                for (i, row) in matrix.iter().enumerate() {
+                    for (j, a) in row.iter().enumerate() {
+                        local[(3 * node + i) * UNKNOWNS + 3 * other + j] = target.factor * a * m;
+                    }
                 }
             };
             match &self.blocks {
@@ -144,6 +150,11 @@ impl MassMatrix {
             }
             target.map.add(target.first_stencil + element, &local, target.values);
         }
+    }
+
+    /// Global numbers of the nodes that have mass, ascending by element and with repetitions.
+    pub fn nodes(&self) -> impl Iterator<Item = u32> {
+        self.connectivity.iter().flatten().copied()
     }
 
     /// Total mass.

@@ -32,4 +32,4 @@ pub use schemes::{
 };
 pub use state::State;
 pub use step::{Buffers, EndPoint, Step, evaluate, finish, start};
-pub use system::{SecondOrderSystem, StepConfiguration};
+pub use system::{RateTangent, SecondOrderSystem, StepConfiguration};

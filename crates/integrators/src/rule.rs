@@ -134,6 +134,11 @@ impl StepRule {
         }
     }
 
+    /// Factor of the forces of dampers in the residual: that of the forces, with those of the last end point, for what dampers do is not remembered.
+    pub fn damping_weight(&self) -> f64 {
+        self.force.weight + self.history.filter(|history| history.force).map_or(0.0, |history| history.weight)
+    }
+
     /// True if the step has a mass term.
     pub fn has_inertia(&self) -> bool {
         self.inertia != Combination::default()

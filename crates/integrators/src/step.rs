@@ -1,6 +1,6 @@
 //! One step, for any scheme and any system.
 
-use crate::{Combination, ConstraintTerm, ForceRule, SecondOrderSystem, State, StepConfiguration, StepRule};
+use crate::{Combination, ConstraintTerm, ForceRule, RateTangent, SecondOrderSystem, State, StepConfiguration, StepRule};
 use std::ops::Range;
 
 /// A step that is being solved.
@@ -33,6 +33,24 @@ impl<'a> Step<'a> {
         StepConfiguration { time: self.state_n.time, dt: self.dt, q_n: &self.state_n.q, q_np1 }
     }
 
+    /// Where dampers act: `q_n + theta increment`, with a velocity there. Schemes that carry an acceleration have velocities of their own at both ends and take the one
+    /// of the time at which they ask for balance; for all others it is the mean velocity `increment / dt` at the midpoint, whose product with a force is exactly the
+    /// power of the step.
+    fn rate(&self) -> (f64, Combination) {
+        let StepRule { force, velocity, acceleration, .. } = &self.rule;
+        if acceleration.is_none() {
+            return (0.5, Combination::new(1.0 / self.dt, 0.0));
+        }
+        let theta = force.rule.load_fraction() * force.weight;
+        let Combination { increment, velocity, acceleration } = *velocity;
+        let rate = Combination {
+            increment: theta * increment,
+            velocity: theta * velocity + (1.0 - theta),
+            acceleration: theta * acceleration,
+        };
+        (theta, rate)
+    }
+
     /// A combination of increment and state, into those coordinates of `out`.
     fn combine(&self, c: Combination, increment: &[f64], own: &[Range<usize>], out: &mut [f64]) {
         let State { v, a, .. } = self.state_n;
@@ -61,6 +79,12 @@ pub struct Buffers {
     pub constraint: Vec<f64>,
     /// `M a_alg`.
     pub inertia: Vec<f64>,
+    /// Forces of dampers, not weighted, and the velocity that they belong to; empty without.
+    pub damping: Vec<f64>,
+    /// See `damping`.
+    pub rate: Vec<f64>,
+    /// Positions at which dampers act.
+    damped_at: Vec<f64>,
     scratch: Vec<f64>,
     /// Coordinates that the residual is formed at.
     own: Vec<Range<usize>>,
@@ -83,14 +107,41 @@ impl Buffers {
             inertia: vector(inertia),
             scratch: vector(inertia),
             own,
+            ..Self::default()
         }
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
         let all = [&self.residual, &self.force, &self.constraint, &self.inertia, &self.scratch];
-        all.iter().map(|v| 8 * v.capacity()).sum()
+        let damping = [&self.damping, &self.rate, &self.damped_at];
+        all.into_iter().chain(damping).map(|v| 8 * v.capacity()).sum()
     }
+}
+
+/// Forces of dampers in a step into `damping`, with the velocity that they belong to; with `tangent` also that times their derivative.
+fn damp<S: SecondOrderSystem>(
+    system: &mut S,
+    step: &Step<'_>,
+    increment: &[f64],
+    tangent: Option<f64>,
+    buffers: &mut Buffers,
+) -> Result<(), S::Error> {
+    let Buffers { damping, rate, damped_at, own, .. } = buffers;
+    for buffer in [&mut *damping, &mut *rate, &mut *damped_at] {
+        buffer.resize(system.dimension(), 0.0);
+    }
+    let (theta, velocity) = step.rate();
+    step.combine(velocity, increment, own, rate);
+    for own in &*own {
+        let positions = step.state_n.q[own.clone()].iter().zip(&increment[own.clone()]);
+        for (at, (q, increment)) in damped_at[own.clone()].iter_mut().zip(positions) {
+            *at = q + theta * increment;
+        }
+    }
+    clear(own, damping);
+    let tangent = tangent.map(|weight| RateTangent { weight, position: theta, rate: velocity.increment });
+    system.add_damping(damped_at, rate, tangent, damping)
 }
 
 /// `out += factor x`; nothing of what is not held.
@@ -121,11 +172,18 @@ pub fn evaluate<S: SecondOrderSystem>(
 ) -> Result<(), S::Error> {
     let rule = &step.rule;
     let at = step.configuration(end.q);
-    let Buffers { residual, force, constraint, inertia, scratch, own } = buffers;
     if tangent {
         system.start_tangent(rule.inertia.increment);
     }
+    let damping_weight = if system.has_damping() { rule.damping_weight() } else { 0.0 };
+    if damping_weight != 0.0 {
+        damp(system, step, end.increment, tangent.then_some(damping_weight), buffers)?;
+    }
+    let Buffers { residual, force, constraint, inertia, damping, scratch, own, .. } = buffers;
     clear(own, residual);
+    if damping_weight != 0.0 {
+        add(damping_weight, damping, own, residual);
+    }
     clear(own, force);
     if rule.force.weight != 0.0 {
         system.add_force(at, rule.force.rule, tangent.then_some(rule.force.weight), force)?;
@@ -167,7 +225,11 @@ pub fn finish<S: SecondOrderSystem>(
     next: &mut State,
 ) -> Result<bool, S::Error> {
     let rule = &step.rule;
-    let Buffers { force, constraint, inertia, scratch, own, .. } = buffers;
+    let damps = rule.impulse.is_some() && system.has_damping();
+    if damps && rule.damping_weight() == 0.0 {
+        damp(system, step, increment, None, buffers)?;
+    }
+    let Buffers { force, constraint, inertia, damping, scratch, own, .. } = buffers;
     next.time = step.state_n.time + step.dt;
     if let Some(impulse) = rule.impulse {
         if rule.force.weight == 0.0 {
@@ -179,6 +241,9 @@ pub fn finish<S: SecondOrderSystem>(
         clear(own, inertia);
         system.add_mass_product(1.0, scratch, inertia);
         add(impulse, force, own, inertia);
+        if damps {
+            add(impulse, damping, own, inertia);
+        }
         system.solve_mass(inertia, &mut next.v)?;
         for value in own.iter().flat_map(|own| own.clone()) {
             inertia[value] = -inertia[value] / step.dt;
@@ -204,7 +269,7 @@ pub fn finish<S: SecondOrderSystem>(
     Ok(rule.impulse.is_some())
 }
 
-/// Completes an initial state: `M a_0 = -F(q_0)` and `H_0 = F(q_0)` for schemes that carry them. There are no multipliers yet.
+/// Completes an initial state: `M a_0 = -F(q_0) - D(q_0, v_0)` with the forces `D` of dampers, and `H_0 = F(q_0)`, for schemes that carry them. There are no multipliers yet.
 ///
 /// # Errors
 /// Those of the system.
@@ -217,7 +282,12 @@ pub fn start<S: SecondOrderSystem>(system: &mut S, rule: &StepRule, state: &mut 
         system.add_force(at, ForceRule::END_POINT, None, &mut force)?;
     }
     if rule.acceleration.is_some() {
-        let rhs: Vec<f64> = force.iter().map(|f| -f).collect();
+        let mut rhs: Vec<f64> = force.iter().map(|f| -f).collect();
+        if system.has_damping() {
+            let mut damping = vec![0.0; n];
+            system.add_damping(&state.q, &state.v, None, &mut damping)?;
+            rhs.iter_mut().zip(damping).for_each(|(rhs, d)| *rhs -= d);
+        }
         state.a.clear();
         state.a.resize(n, 0.0);
         system.solve_mass(&rhs, &mut state.a)?;

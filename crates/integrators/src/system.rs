@@ -15,7 +15,18 @@ pub struct StepConfiguration<'a> {
     pub q_np1: &'a [f64],
 }
 
-/// A system `M v' + F(q) - G^T p = 0`, `Phi(q) = 0` with constant mass. Its matrix, its multipliers `p` and its constraint rows are
+/// What derivative of the forces of dampers a scheme asks for: `weight (position dD/dq + rate dD/dv)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RateTangent {
+    /// Factor of the whole.
+    pub weight: f64,
+    /// Derivative of the positions at which they act with respect to `q_np1`.
+    pub position: f64,
+    /// Derivative of the velocities there with respect to `q_np1`, one over a time.
+    pub rate: f64,
+}
+
+/// A system `M v' + F(q) + D(q, v) - G^T p = 0`, `Phi(q) = 0` with constant mass. Its matrix, its multipliers `p` and its constraint rows are
 /// its own; vectors have [`Self::dimension`] entries.
 pub trait SecondOrderSystem {
     /// What can go wrong.
@@ -53,6 +64,25 @@ pub trait SecondOrderSystem {
         tangent: Option<f64>,
         out: &mut [f64],
     ) -> Result<(), Self::Error>;
+
+    /// Whether there are dampers ([`Self::add_damping`]); false by default.
+    fn has_damping(&self) -> bool {
+        false
+    }
+
+    /// `out += D(q, v)`, forces of dampers, and `tangent` of it to the tangent. Default: nothing.
+    ///
+    /// # Errors
+    /// The force does not exist at this configuration.
+    fn add_damping(
+        &mut self,
+        _q: &[f64],
+        _v: &[f64],
+        _tangent: Option<RateTangent>,
+        _out: &mut [f64],
+    ) -> Result<(), Self::Error> {
+        Ok(())
+    }
 
     /// `out += G_rule^T p`, and the system's own constraint rows; with `tangent` also `-weight d(G_rule^T p)/d(q_np1, p)` and the
     /// derivatives of the rows (these not weighted). Systems without constraints do nothing (default).

@@ -39,6 +39,9 @@ pub struct Body {
     /// Consistent or lumped mass.
     #[serde(default = "Body::default_mass")]
     pub mass: Mass,
+    /// Mass- and stiffness-proportional damping; none if left out. Dynamic scenes only; it acts in dynamic stages.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Damping>,
     /// Initial velocity `v0` of `v(X) = v0 + omega x (X - c) + G (X - c)`, with `X` the placed reference position.
     /// Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
@@ -52,6 +55,20 @@ pub struct Body {
     /// Point `c` about which `angular_velocity` and `velocity_gradient` act.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity_about: [f64; 3],
+}
+
+/// Damping of a body (Rayleigh): for small strains the force `(mass M + stiffness K) v`. A mode with the angular frequency `w` has the damping ratio
+/// `mass / (2 w) + stiffness w / 2`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Damping {
+    /// Factor of the mass, not negative (1/time). It slows rigid motions too.
+    #[serde(default)]
+    pub mass: f64,
+    /// Factor of the stiffness at small strains, not negative (time): a viscous stress in the material frame, which leaves rigid motions and both momenta alone.
+    #[serde(default)]
+    pub stiffness: f64,
 }
 
 /// A scene is written without velocities that are zero, for a quasi-static one must not have the keys.

@@ -402,6 +402,8 @@ named! {
         Acceleration = "acceleration",
         /// Force on a set of facets altogether, distributed over its nodes by their parts of the reference area; three values.
         TotalForce = "total_force",
+        /// Centrifugal force of a whole body in a frame that turns about an axis; one value, the angular velocity.
+        Centrifugal = "angular_velocity",
     }
 }
 
@@ -409,7 +411,7 @@ impl LoadKind {
     /// Number of values: 1 for pressures, 3 for vectors.
     pub fn columns(self) -> usize {
         match self {
-            Self::Pressure | Self::FollowerPressure => 1,
+            Self::Pressure | Self::FollowerPressure | Self::Centrifugal => 1,
             Self::Traction | Self::BodyForce | Self::Force | Self::Moment | Self::Acceleration | Self::TotalForce => 3,
         }
     }
@@ -428,7 +430,7 @@ pub struct Load {
     /// as wholes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
-    /// Name of a body, instead of a set, for a `body_force` or an `acceleration` on all of it.
+    /// Name of a body, instead of a set, for a `body_force`, an `acceleration` or an `angular_velocity` of all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<String>,
     /// Dead pressure (force per reference area), positive when it presses on the body.
@@ -458,6 +460,16 @@ pub struct Load {
     /// Dead force on the whole set of facets: the traction `total_force / area` of the reference configuration.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total_force: Option<Series>,
+    /// Angular velocity (1/time) of a frame in which the body is seen, about `axis`: the centrifugal force `density angular_velocity^2 r` at the present distance `r` from the axis,
+    /// on a whole body with a density. Neither the force of Coriolis nor that of a changing angular velocity is added.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angular_velocity: Option<Series>,
+    /// Direction of the axis, of any length but zero; with an `angular_velocity` only, and needed there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis: Option<[f64; 3]>,
+    /// A point of the axis; the origin if left out. With an `angular_velocity` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about: Option<[f64; 3]>,
 }
 
 impl Load {
@@ -477,6 +489,7 @@ impl Load {
             (LoadKind::Moment, &self.moment),
             (LoadKind::Acceleration, &self.acceleration),
             (LoadKind::TotalForce, &self.total_force),
+            (LoadKind::Centrifugal, &self.angular_velocity),
         ]
         .into_iter()
         .find_map(|(kind, series)| series.as_ref().map(|series| (kind, series)))

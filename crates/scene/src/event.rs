@@ -1,7 +1,7 @@
 //! `[[event]]` and `[[stage]]`: what changes in the course of a run.
 
 use crate::names::named;
-use crate::{Component, Integrator};
+use crate::{Automatic, Component, Integrator, Stabilise};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -89,6 +89,12 @@ pub struct Stage {
     /// Nominal step size; `[time] step` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
+    /// Of a static stage: it chooses its increments, of which `step` is the largest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub automatic: Option<Automatic>,
+    /// Of a static stage: viscous stabilisation that vanishes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stabilise: Option<Stabilise>,
     /// Time-stepping scheme of a dynamic stage; `[time] integrator` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,

@@ -66,7 +66,7 @@ pub struct Header {
 pub struct Time {
     /// End of the run, positive.
     pub end: f64,
-    /// Nominal step size, positive, at most `end`. The last step is shortened to meet `end`.
+    /// Nominal step size, positive, at most `end`. The last step is shortened to meet `end`. With `automatic` it is the largest step.
     pub step: f64,
     /// Time-stepping scheme; required in dynamic scenes, an error in quasi-static ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -78,6 +78,69 @@ pub struct Time {
     /// After so many successful steps a halved step is doubled again (at least 1).
     #[serde(default = "Time::default_grow_after")]
     pub grow_after: u32,
+    /// Of a quasi-static scene: the run chooses its increments. Stages may have their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub automatic: Option<Automatic>,
+    /// Of a quasi-static scene: viscous stabilisation that vanishes. Stages may have their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stabilise: Option<Stabilise>,
+}
+
+/// Increments that a static run or stage chooses between `smallest` and `step`: it begins with `initial`, doubles it after `after` easy increments in a row, and halves it after
+/// a failure. All are `step` over a power of two.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Automatic {
+    /// The first increment is `step` over a power of two, and not larger than this. At most `step`.
+    pub initial: f64,
+    /// No increment is smaller than this; the run stops instead. By default a thousandth (over 2^10) of the first one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smallest: Option<f64>,
+    /// An increment is easy if it took so many Newton iterations at most (at least 1).
+    #[serde(default = "Automatic::default_easy")]
+    pub easy: u32,
+    /// So many easy increments in a row double the next one (at least 1).
+    #[serde(default = "Automatic::default_after")]
+    pub after: u32,
+}
+
+impl Automatic {
+    /// An iteration or two to settle contact, and three to four that converge.
+    pub const DEFAULT_EASY: u32 = 6;
+    /// One easy increment may be chance.
+    pub const DEFAULT_AFTER: u32 = 2;
+
+    fn default_easy() -> u32 {
+        Self::DEFAULT_EASY
+    }
+
+    fn default_after() -> u32 {
+        Self::DEFAULT_AFTER
+    }
+
+    /// Halvings of `step` that give the first and the smallest increment.
+    pub fn halvings(&self, step: f64) -> [u32; 2] {
+        // A remainder below 1e-9 is round-off of the division.
+        let first = (step / self.initial).log2();
+        let first = (first - 1e-9).ceil().clamp(0.0, 30.0) as u32;
+        let last = self.smallest.map(|smallest| ((step / smallest).log2() + 1e-9).floor().clamp(0.0, 30.0) as u32);
+        [first, last.unwrap_or(first + 10).clamp(first, 30.max(first))]
+    }
+}
+
+/// Viscous stabilisation of a static run or stage: nodes of bodies resist motion, with a factor that falls linearly to zero at the end, so that the last equilibrium is free of it.
+/// Exactly one of the two keys.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Stabilise {
+    /// Part of the strain energy that a bar of the body's size would lose if it were stretched steadily all the time, in (0, 1]; for instance 2e-4.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fraction: Option<f64>,
+    /// The factor itself at the start, positive: a force per volume and velocity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coefficient: Option<f64>,
 }
 
 impl Time {

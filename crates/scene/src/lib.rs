@@ -42,7 +42,7 @@ mod vector;
 mod watch;
 
 pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
-pub use body::{Body, Mass, Rotation, Rotations};
+pub use body::{Body, Damping, Mass, Rotation, Rotations};
 pub use conditions::{
     BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Load, LoadKind,
     PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
@@ -53,7 +53,9 @@ pub use friction::{
     CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
     Sticking,
 };
-pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
+pub use general::{
+    Automatic, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time,
+};
 pub use gravity::Gravity;
 pub use joint::{
     ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension,

@@ -5,6 +5,7 @@ use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
+use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
 use std::ops::Range;
@@ -58,6 +59,10 @@ pub(crate) struct System {
     first_grouped: u32,
     pub has_followers: bool,
     pub has_dead_loads: bool,
+    /// Of a static stage.
+    pub stabilisation: Option<Stabilisation>,
+    /// Whether forces of dampers act on bodies at present.
+    pub has_damping: bool,
     /// What of the model acts.
     pub acting: Acting,
     /// Whether the present stage has inertia.
@@ -75,7 +80,9 @@ pub(crate) struct System {
     pub load_support: Vec<Range<usize>>,
     /// Dead loads of the step, empty if there are none (those that depend on the configuration go to `follower`).
     pub dead: Vec<f64>,
-    /// Follower pressures and moments; empty without.
+    /// Vectors from the axis to the nodes, for centrifugal loads; empty without.
+    pub arms: Vec<f64>,
+    /// Follower pressures, moments, centrifugal loads; empty without.
     pub follower: Vec<f64>,
     /// Largest norm of the forces that were summed up in the last evaluation.
     pub force_scale: f64,
@@ -264,6 +271,8 @@ fn loaded(model: &Model) -> Vec<u32> {
             LoadKind::FollowerPressure { facets } => nodes.extend(facets.iter().flatten()),
             // Directors have equations.
             LoadKind::Moment { .. } => (),
+            // Nor are nodes of elements embedded.
+            LoadKind::Centrifugal { .. } => (),
         }
     }
     nodes.retain(|&node| model.embedding.has(node));
@@ -316,7 +325,8 @@ impl System {
         for load in &model.loads {
             has_followers |= load.follows();
             match &load.kind {
-                LoadKind::Dead { .. } => {}
+                // The latter has the places of its body's elements.
+                LoadKind::Dead { .. } | LoadKind::Centrifugal { .. } => {}
                 LoadKind::FollowerPressure { facets } => {
                     facets.iter().for_each(|facet| solids.push(|out| numbering.node_equations(facet, out)));
                 }
@@ -412,6 +422,7 @@ impl System {
             buffers: Buffers::with_own(components, own.clone(), dynamic, !model.contacts.is_empty()),
             own,
             dead: vec![0.0; if has_dead_loads { components } else { 0 }],
+            arms: Vec::new(),
             follower: vec![0.0; if has_followers { components } else { 0 }],
             force_scale: 0.0,
             gap_measure: 0.0,
@@ -447,6 +458,8 @@ impl System {
             solver,
             has_followers,
             has_dead_loads,
+            stabilisation: None,
+            has_damping: false,
             has_mass: dynamic,
             tangents: 0,
             shifts_rows: false,
@@ -489,6 +502,7 @@ impl System {
             + self.mass_values.capacity()
             + self.dead.capacity()
             + self.follower.capacity()
+            + self.arms.capacity()
             + self.base_increment.capacity()
             + 2 * self.rhs.capacity();
         8 * floats

@@ -13,6 +13,21 @@ pub struct StepControl {
     pub max_cuts: u32,
     /// Successful steps before a halved step is doubled again.
     pub grow_after: u32,
+    /// Whether the run chooses its step sizes: `step` is then the largest one.
+    pub automatic: Option<Automatic>,
+}
+
+/// Step sizes that a run chooses: it begins with a small one, doubles it after steps that were easy, and halves it after a failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Automatic {
+    /// Halvings of the largest step that the first one has.
+    pub first: u32,
+    /// Halvings of the largest step that the smallest one has; at least `first`, and instead of [`StepControl::max_cuts`].
+    pub last: u32,
+    /// A step is easy if it took so many Newton iterations at most.
+    pub easy: u32,
+    /// After so many easy steps in a row the step is doubled.
+    pub after: u32,
 }
 
 /// Where the run is on the grid of nominal steps.
@@ -27,6 +42,8 @@ pub struct Clock {
     end: f64,
     max_cuts: u32,
     grow_after: u32,
+    /// Largest number of iterations of a step that counts as a success for growing.
+    easy: Option<u32>,
     /// Ticks done.
     tick: u64,
     /// Present number of halvings.
@@ -43,14 +60,17 @@ impl Clock {
 
     /// At the time `start`, before the `end` of `control`.
     pub fn starting_at(start: f64, control: StepControl) -> Self {
+        let automatic = control.automatic;
+        let max_cuts = automatic.map_or(control.max_cuts, |automatic| automatic.last).min(30);
         Self {
             start,
             step: control.step,
             end: control.end,
-            max_cuts: control.max_cuts.min(30),
-            grow_after: control.grow_after.max(1),
+            max_cuts,
+            grow_after: automatic.map_or(control.grow_after, |automatic| automatic.after).max(1),
+            easy: automatic.map(|automatic| automatic.easy),
             tick: 0,
-            level: 0,
+            level: automatic.map_or(0, |automatic| automatic.first).min(max_cuts),
             successes: 0,
         }
     }
@@ -118,10 +138,20 @@ impl Clock {
         fits
     }
 
-    /// The step succeeded; returns true if the step size was doubled.
-    pub fn accept(&mut self) -> bool {
+    /// Part of the stage that is done at a time, 0 at its start and 1 at its end.
+    pub fn part_done(&self, time: f64) -> f64 {
+        (time - self.start) / (self.end - self.start)
+    }
+
+    /// Length of the stage.
+    pub fn length(&self) -> f64 {
+        self.end - self.start
+    }
+
+    /// The step succeeded, after so many Newton iterations; returns true if the step size was doubled.
+    pub fn accept(&mut self, iterations: u32) -> bool {
         self.tick += self.stride();
-        self.successes += 1;
+        self.successes = if self.easy.is_some_and(|easy| iterations > easy) { 0 } else { self.successes + 1 };
         let larger = self.stride() * 2;
         if self.level > 0 && self.successes >= self.grow_after && self.tick.is_multiple_of(larger) {
             self.level -= 1;
@@ -148,7 +178,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn control(step: f64, end: f64) -> StepControl {
-        StepControl { step, end, max_cuts: 6, grow_after: 2 }
+        StepControl { step, end, max_cuts: 6, grow_after: 2, automatic: None }
     }
 
     #[test]
@@ -156,7 +186,7 @@ mod tests {
         let mut clock = Clock::new(control(0.1, 1.0));
         let mut steps = 0;
         while !clock.finished() {
-            clock.accept();
+            clock.accept(0);
             steps += 1;
         }
         assert_eq!(steps, 10);
@@ -173,6 +203,29 @@ mod tests {
         assert!(!clock.cut());
     }
 
+    #[test]
+    fn automatic_steps_begin_small_grow_when_it_is_easy_and_halve_after_failures() {
+        let automatic = Automatic { first: 3, last: 5, easy: 6, after: 2 };
+        let mut clock = Clock::new(StepControl { automatic: Some(automatic), ..control(0.4, 2.0) });
+        assert_eq!(clock.dt(), 0.05);
+        assert!(!clock.accept(6) && clock.accept(6));
+        assert!((clock.dt() - 0.1).abs() < 1e-15);
+        // A hard step begins the count anew.
+        assert!(!clock.accept(6) && !clock.accept(7) && !clock.accept(1));
+        // And a larger step begins at a multiple of itself: 40 ticks are none of 16.
+        assert!(!clock.accept(1) && clock.accept(1));
+        assert!((clock.dt() - 0.2).abs() < 1e-15);
+        assert!(clock.cut() && clock.cut() && clock.cut() && clock.cut() && !clock.cut());
+        assert!((clock.dt() - 0.4 / 32.0).abs() < 1e-15);
+        let mut steps = 0;
+        while !clock.finished() {
+            clock.accept(1);
+            assert!(clock.finished() || clock.dt() <= 0.4 * (1.0 + 1e-12));
+            steps += 1;
+        }
+        assert!(clock.time() == 2.0 && steps < 20, "{steps}");
+    }
+
     proptest! {
         #[test]
         fn any_history_meets_nominal_times_and_ends(failures in proptest::collection::vec(any::<bool>(), 0..60)) {
@@ -183,7 +236,7 @@ mod tests {
                 if clock.finished() { break; }
                 if failures.next().unwrap_or(false) && clock.cut() { continue; }
                 prop_assert!(clock.dt() > 0.0);
-                clock.accept();
+                clock.accept(0);
                 prop_assert!(clock.time() > last);
                 last = clock.time();
             }

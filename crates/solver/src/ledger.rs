@@ -17,13 +17,17 @@ pub struct Balance {
     pub potential: f64,
     /// Energy stored in contact (regularisations; zero for multipliers).
     pub contact: f64,
-    /// Energy dissipated since the start, never less than a step before: by friction and dampers, and the kinetic energy that a change from dynamics to statics
+    /// Energy dissipated since the start, never less than a step before: by friction, dampers and the damping of bodies, and the kinetic energy that a change from dynamics to statics
     /// drops.
     pub dissipation: f64,
+    /// The part of `dissipation` that the damping of bodies took ([`crate::Damping`]).
+    pub damping: f64,
     /// Work done since the start by loads that vary in time and by prescribed motion, and what `potential`, `contact` and `kinetic` gain where loads and
     /// couplings are switched on or off and where a stage of dynamics gives velocities.
     pub external_work: f64,
-    /// Work that friction has taken out of the bodies since the start, measured with its forces: `friction_stored + dissipation`, but for round-off and
+    /// Work that stabilisation of static stages took since the start ([`crate::Stabilise`]), by the trapezium rule.
+    pub stabilisation: f64,
+    /// Work that friction and dampers between points have taken out of the bodies since the start, measured with their forces: `friction_stored + dissipation - damping`, but for round-off and
     /// what the iterations leave; between changes of stage, which may drop energy of either kind.
     pub friction_work: f64,
     /// The part of `contact` that is in the tangential springs of friction.
@@ -39,9 +43,10 @@ pub struct Balance {
 }
 
 impl Balance {
-    /// What an energy-conserving scheme keeps: kinetic + strain + potential + contact + dissipation - external work. A scheme that conserves
+    /// What an energy-conserving scheme keeps: kinetic + strain + potential + contact + dissipation + stabilisation - external work. A scheme that conserves
     /// energy keeps it but for `closing_loss - restored`.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.strain + self.potential + self.contact + self.dissipation - self.external_work
+        self.kinetic + self.strain + self.potential + self.contact + self.dissipation + self.stabilisation
+            - self.external_work
     }
 }

@@ -10,8 +10,10 @@
 //! It is not a catalogue: material laws and contact methods come in through traits.
 
 mod assembly;
+mod centrifugal;
 mod checkpoint;
 mod control;
+mod damping;
 mod diagnosis;
 mod embedding;
 mod error;
@@ -27,6 +29,7 @@ mod problem;
 mod record;
 mod rotation;
 mod simulation;
+mod stabilise;
 mod step;
 mod switches;
 mod system;
@@ -34,7 +37,8 @@ mod table;
 mod timing;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use control::{Clock, StepControl};
+pub use control::{Automatic, Clock, StepControl};
+pub use damping::Damping;
 pub use embedding::Embedding;
 pub use error::{SimulationError, StepError, Unknown};
 pub use ledger::Balance;
@@ -43,6 +47,7 @@ pub use model::{Body, ContactPair, Coupling, Model, Prescription, Silent};
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, PairSummary, StepRecord};
 pub use rotation::AxisRotation;
 pub use simulation::{FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage};
+pub use stabilise::Stabilise;
 pub use switches::{Release, Switches};
 pub use system::contact_rule;
 pub use table::{Table, TableError};

@@ -1,6 +1,7 @@
 //! Loads as functions of time.
 
 use crate::Table;
+use stoss_fe_solid::MassMatrix;
 
 /// A load: nodal patterns of unit magnitude times a function of time, or what depends on the configuration: a pressure that follows the surface, a moment.
 #[derive(Clone, Debug)]
@@ -33,6 +34,18 @@ pub enum LoadKind {
         /// Global numbers of the directors.
         directors: Vec<[u32; 3]>,
     },
+    /// Force `w^2 M P (q - c)` of a body that is seen from a frame which turns with the angular velocity `w` (the magnitude) about an axis through `c`, with `P = I - n n^T`. Its
+    /// potential is `-w^2/2 (q - c) . M P (q - c)`; neither the force of Coriolis nor that of a changing `w` is meant.
+    Centrifugal {
+        /// Number of the body.
+        body: usize,
+        /// Its mass.
+        mass: MassMatrix,
+        /// Unit vector `n` of the axis.
+        axis: [f64; 3],
+        /// A point `c` of the axis.
+        about: [f64; 3],
+    },
 }
 
 impl Load {
@@ -42,6 +55,7 @@ impl Load {
             LoadKind::Dead { patterns } => patterns,
             LoadKind::FollowerPressure { .. } => return [true; 3],
             LoadKind::Moment { .. } => return [false; 3],
+            LoadKind::Centrifugal { axis, .. } => return axis.map(|n| n.abs() < 1.0),
         };
         let mut directions = [false; 3];
         for (column, pattern) in patterns.iter().enumerate() {
@@ -58,6 +72,11 @@ impl Load {
     /// Whether it depends on the configuration.
     pub fn follows(&self) -> bool {
         !matches!(self.kind, LoadKind::Dead { .. })
+    }
+
+    /// Whether its derivative with respect to the positions is symmetric.
+    pub(crate) fn is_symmetric(&self) -> bool {
+        matches!(self.kind, LoadKind::Dead { .. } | LoadKind::Centrifugal { .. })
     }
 
     /// True if the load has a potential that does not change in time.

@@ -1,7 +1,7 @@
 //! What is to be simulated.
 
 use crate::switches::Acting;
-use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, Table};
+use crate::{AxisRotation, Damping, Embedding, Load, Release, SimulationError, Switches, Table};
 use std::ops::Range;
 use stoss_contact::{
     Auxiliary, Bilateral, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
@@ -21,6 +21,8 @@ pub struct Body {
     pub density: Option<f64>,
     /// Consistent or lumped.
     pub mass_kind: MassKind,
+    /// Where there is inertia.
+    pub damping: Damping,
 }
 
 /// Displacement components given as functions of time, or a rigid motion.

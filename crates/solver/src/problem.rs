@@ -3,7 +3,7 @@
 use crate::assembly::{Iterate, System, with_nodes};
 use crate::diagnosis::linear_error;
 use crate::system::{FeSystem, contact_rule};
-use crate::{Model, Phase, PhaseTime, StepError, Timings};
+use crate::{Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
 use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
 use stoss_integrators::{Buffers, ForceRule, Step, evaluate};
@@ -75,6 +75,9 @@ impl StepProblem<'_> {
             scale = scale
                 .max(vector::norm2_of(&s.buffers.inertia, &s.own))
                 .max(SMALLEST_RESOLVED_MOTION * s.mass_length * rule.inertia.increment);
+        }
+        if s.has_damping && rule.damping_weight() != 0.0 {
+            scale = scale.max(rule.damping_weight() * vector::norm2_of(&s.buffers.damping, &s.own));
         }
         if let Some(history) = rule.history
             && !step.state_n.history.is_empty()
@@ -205,7 +208,8 @@ impl StepProblem<'_> {
         let rule = &self.step.rule;
         let contact = contact_rule(rule.constraint.rule);
         rule.force.rule != ForceRule::DiscreteGradient
-            && !self.system.has_followers
+            && (!self.system.has_followers || self.model.loads.iter().all(Load::is_symmetric))
+            && (!(self.system.has_damping && self.system.has_rates) || self.model.bodies.iter().all(|body| body.damping.stiffness == 0.0))
             && self.model.parts.iter().all(|part| part.is_symmetric())
             && (self.model.contacts.is_empty()
                 || rule.constraint.weight == 1.0

@@ -12,8 +12,9 @@ use crate::assembly::System;
 use crate::control::Clock;
 use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
+use crate::stabilise::Stabilisation;
 use crate::{
-    Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, StepError, StepRecord, Switches, Timings,
+    Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, Stabilise, StepError, StepRecord, Switches, Timings,
 };
 use stoss_contact::SlotReport;
 use stoss_integrators::{Scheme, State, StepRule};
@@ -41,8 +42,10 @@ pub struct Settings {
 }
 
 /// What else a run in stages needs to know from the beginning.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FirstStage {
+    /// Stabilisation of the first stage, if it is static.
+    pub stabilise: Option<Stabilise>,
     /// What does not act in the first stage.
     pub off: Switches,
     /// Whether a later stage is dynamic: then there is a mass matrix from the beginning.
@@ -150,7 +153,7 @@ impl Simulation {
     /// # Errors
     /// Those of [`Self::new`]; [`SimulationError::Model`] also if `first.off` names what does not exist.
     pub fn staged(mut model: Model, settings: Settings, first: FirstStage) -> Result<Self, SimulationError> {
-        let FirstStage { off, later_dynamics } = first;
+        let FirstStage { stabilise, off, later_dynamics } = first;
         let acting = model.acting(&off, &[]).map_err(SimulationError::Model)?;
         for (pair, &acts) in model.contacts.iter_mut().zip(&acting.contacts) {
             pair.method.set_acting(acts);
@@ -178,8 +181,10 @@ impl Simulation {
         }
         let Settings { control, scheme, newton, inside_out: inside_out_rule, solver } = settings;
         let mut system = System::new(&model, acting, has_mass, solver)?;
-        system.has_rates = dynamic;
+        system.set_has_rates(dynamic, &model);
         let clock = Clock::new(control);
+        system.stabilisation =
+            stabilise.filter(|_| !dynamic).map(|how| Stabilisation::new(&model, how, clock.length()));
         let mut state = State::at_rest(model.reference.clone());
         if dynamic {
             state.v.copy_from_slice(&model.velocity);
@@ -467,6 +472,10 @@ impl Simulation {
             inside_out: 0,
             contact: None,
         }
+    }
+
+    fn set_has_rates(&mut self, has_rates: bool) {
+        self.system.set_has_rates(has_rates, &self.model);
     }
 
     fn measure_balance(&self, strain: f64, external_work: f64) -> Balance {

@@ -7,7 +7,7 @@ use crate::{Load, LoadKind, Model, StepError};
 use std::ops::Range;
 use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
-use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
+use stoss_integrators::{ForceRule, GradientRule, RateTangent, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
 use stoss_part::{PartError, PartStep};
 
@@ -54,7 +54,7 @@ pub(crate) struct FeSystem<'a> {
 }
 
 impl FeSystem<'_> {
-    /// Follower pressures and moments at the configuration of the rule, into `system.follower` and, with their tangent, the solids' values.
+    /// Follower pressures, moments and centrifugal loads at the configuration of the rule, into `system.follower` and, with their tangent, the solids' values.
     ///
     /// # Errors
     /// [`StepError::Part`] if the directors that a moment acts on are on a line in this configuration, which they are not where they are orthogonal.
@@ -73,7 +73,7 @@ impl FeSystem<'_> {
         let mut stencil = *s.first_stencil.last().unwrap_or(&0);
         for (load, &acts) in model.loads.iter().zip(&s.acting.loads) {
             let facets = match &load.kind {
-                LoadKind::Dead { .. } => continue,
+                LoadKind::Dead { .. } | LoadKind::Centrifugal { .. } => continue,
                 LoadKind::FollowerPressure { facets } => facets,
                 LoadKind::Moment { directors } => {
                     for (k, &three) in directors.iter().enumerate().filter(|_| acts) {
@@ -115,12 +115,17 @@ impl FeSystem<'_> {
                 stencil += 1;
             }
         }
+        for (l, load) in model.loads.iter().enumerate() {
+            if s.acting.loads[l] {
+                s.add_centrifugal(load, step, theta, tangent);
+            }
+        }
         Ok(())
     }
 }
 
 /// A vector at `(1 - theta) q_n + theta q_np1`.
-fn between(step: StepConfiguration<'_>, theta: f64, vector: u32) -> [f64; 3] {
+pub(crate) fn between(step: StepConfiguration<'_>, theta: f64, vector: u32) -> [f64; 3] {
     let at = 3 * vector as usize;
     std::array::from_fn(|i| {
         if theta == 1.0 { step.q_np1[at + i] } else { (1.0 - theta) * step.q_n[at + i] + theta * step.q_np1[at + i] }
@@ -208,6 +213,20 @@ impl SecondOrderSystem for FeSystem<'_> {
         }
         self.model.embedding.pull_back_of(&self.system.loaded, out);
         Ok(())
+    }
+
+    fn has_damping(&self) -> bool {
+        self.system.has_damping
+    }
+
+    fn add_damping(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        tangent: Option<RateTangent>,
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.add_body_damping(q, v, tangent, out)
     }
 
     fn add_constraint_force(

@@ -23,7 +23,7 @@ fn add(name: &str, model: &mut Model, mass: RigidMass, velocity: [f64; 3], spin:
 
 fn simulation(model: Model, step: f64, end: f64) -> Simulation {
     let settings = Settings {
-        control: StepControl { step, end, max_cuts: 0, grow_after: 4 },
+        control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,

@@ -21,7 +21,7 @@ const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn settings(scheme: Option<Box<dyn Scheme>>, step: f64, end: f64) -> Settings {
     Settings {
-        control: StepControl { step, end, max_cuts: 0, grow_after: 4 },
+        control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme,
         newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
@@ -30,11 +30,11 @@ fn settings(scheme: Option<Box<dyn Scheme>>, step: f64, end: f64) -> Settings {
 }
 
 fn stage(scheme: Option<Box<dyn Scheme>>, step: f64, end: f64, off: Switches) -> Stage {
-    Stage { name: "next".into(), scheme, step, end, off }
+    Stage { name: "next".into(), scheme, step, automatic: None, end, off, stabilise: None }
 }
 
 fn later(off: Switches) -> FirstStage {
-    FirstStage { off, later_dynamics: true }
+    FirstStage { off, later_dynamics: true, ..FirstStage::default() }
 }
 
 fn add_block(model: &mut Model, min: [f64; 3], max: [f64; 3], n: [usize; 3]) -> Mesh {
@@ -46,6 +46,7 @@ fn add_block(model: &mut Model, min: [f64; 3], max: [f64; 3], n: [usize; 3]) -> 
         nodes: first..first + mesh.nodes.len() as u32,
         density: Some(2.0),
         mass_kind: MassKind::Consistent,
+        damping: Default::default(),
     });
     model.reference.extend(mesh.nodes.iter().flatten());
     model.velocity.extend(mesh.nodes.iter().flat_map(|_| [0.0; 3]));
@@ -259,7 +260,7 @@ fn prescriptions_come_back() {
     });
     let bottom = mesh.nodes_of("bottom").unwrap()[0] as usize;
     let off = Switches { prescriptions: vec![1], ..Switches::default() };
-    let first = FirstStage { off: off.clone(), later_dynamics: false };
+    let first = FirstStage { off: off.clone(), ..FirstStage::default() };
     let mut simulation = Simulation::staged(model, settings(None, 1.0, 1.0), first).unwrap();
     run(&mut simulation);
     assert!(simulation.state().q[3 * bottom + 2] < -0.01);

@@ -50,7 +50,7 @@ pub fn add_weight(model: &mut Model, bodies: &[&RigidBody], gravity: [f64; 3]) {
 
 pub fn run_with(model: Model, step: f64, end: f64, scheme: Option<Box<dyn Scheme>>) -> Simulation {
     let settings = Settings {
-        control: StepControl { step, end, max_cuts: 0, grow_after: 4 },
+        control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme,
         newton: NewtonOptions { relative_tolerance: 1e-9, line_search: LineSearch::Off, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,

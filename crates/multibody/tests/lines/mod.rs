@@ -12,7 +12,7 @@ use stoss_solver::{
 
 pub fn simulation(model: Model, dynamic: bool, step: f64, end: f64) -> Simulation {
     let settings = Settings {
-        control: StepControl { step, end, max_cuts: 0, grow_after: 4 },
+        control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme: dynamic.then(|| Box::new(EnergyMomentum) as Box<dyn Scheme>),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,

@@ -4,11 +4,11 @@ use super::node::Node;
 use super::table::Table;
 use super::world::Setting;
 use super::{material, mesh};
-use crate::{Body, Mass, Rotation, Rotations};
+use crate::{Body, Damping, Mass, Rotation, Rotations};
 use toml::de::DeValue;
 
 /// Keys that have a meaning only with inertia.
-const MOTION: [&str; 4] = ["velocity", "angular_velocity", "velocity_gradient", "velocity_about"];
+const MOTION: [&str; 5] = ["velocity", "angular_velocity", "velocity_gradient", "velocity_about", "damping"];
 
 /// The body and its name, which is needed even if the rest is bad.
 pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (Option<Body>, Option<String>) {
@@ -27,6 +27,7 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
     let angular_velocity = table.default("angular_velocity", [0.0; 3], Node::vector);
     let velocity_gradient = table.default("velocity_gradient", [[0.0; 3]; 3], |n| n.array(Node::vector));
     let velocity_about = table.default("velocity_about", [0.0; 3], Node::vector);
+    let damping = table.optional("damping", damping);
     let at_rest = setting.at_rest(table, &MOTION);
     table.finish();
     let body = (|| {
@@ -39,6 +40,7 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
             material: material?,
             density: density?,
             mass: mass?,
+            damping: damping?,
             velocity: velocity?,
             angular_velocity: angular_velocity?,
             velocity_gradient: velocity_gradient?,
@@ -46,6 +48,18 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
         })
     })();
     (body, name)
+}
+
+fn damping(node: &Node<'_>) -> Option<Damping> {
+    let table = node.table_like("{ mass = 0.1, stiffness = 1e-4 }")?;
+    let mass = table.default("mass", 0.0, Node::not_negative);
+    let stiffness = table.default("stiffness", 0.0, Node::not_negative);
+    table.finish();
+    let damping = Damping { mass: mass?, stiffness: stiffness? };
+    if damping == Damping::default() {
+        return node.fail("has no factor that is not zero", "write { mass = 0.1, stiffness = 1e-4 } or one of them, or remove it");
+    }
+    Some(damping)
 }
 
 pub(super) fn rotations(node: &Node<'_>) -> Option<Rotations> {

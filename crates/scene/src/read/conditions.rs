@@ -287,6 +287,12 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     });
     let acceleration = value("acceleration", LoadKind::Acceleration);
     let total_force = value("total_force", LoadKind::TotalForce);
+    let angular_velocity = value("angular_velocity", LoadKind::Centrifugal);
+    let turns = table.has("angular_velocity");
+    let of_axis = |n: &Node<'_>| if turns { Some(()) } else { n.fail("is for an `angular_velocity`", "remove it") };
+    let axis = table.optional("axis", |n| of_axis(n).and_then(|()| n.direction()));
+    let about = table.optional("about", |n| of_axis(n).and_then(|()| n.vector()));
+    let has_axis = if turns && !table.has("axis") { table.missing("axis", "axis = [0, 0, 1]") } else { Some(()) };
     let given: Vec<&'static str> = LoadKind::NAMES.iter().copied().filter(|key| table.has(key)).collect();
     let one_kind = match given.as_slice() {
         [_] => Some(()),
@@ -308,9 +314,14 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
         (true, false) if table.has("acceleration") => {
             table.fail("set", "an `acceleration` acts on a whole body", "write `body` with the name of a body instead")
         }
-        (false, true) if !(table.has("body_force") || table.has("acceleration")) => table.fail(
+        (true, false) if turns => table.fail(
+            "set",
+            "an `angular_velocity` acts on a whole body",
+            "write `body` with the name of a body instead",
+        ),
+        (false, true) if !(table.has("body_force") || table.has("acceleration") || turns) => table.fail(
             "body",
-            "only a `body_force` or an `acceleration` acts on a whole body",
+            "only a `body_force`, an `acceleration` or an `angular_velocity` acts on a whole body",
             "name a set, for instance `set = \"plate.bottom\"`",
         ),
         _ => Some(()),
@@ -318,6 +329,7 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
     table.finish();
     one_kind?;
     target?;
+    has_axis?;
     Some(Load {
         name: name?,
         set: set?,
@@ -331,6 +343,9 @@ pub(super) fn load(table: &Table<'_>, world: &World<'_>) -> Option<Load> {
         coupling: coupling?,
         acceleration: acceleration?,
         total_force: total_force?,
+        angular_velocity: angular_velocity?,
+        axis: axis?,
+        about: about?,
     })
 }
 

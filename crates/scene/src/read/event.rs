@@ -1,6 +1,6 @@
 //! Reads `[gravity]`, `[[event]]` and `[[stage]]`.
 
-use super::general::{MAX_STEPS, integrator};
+use super::general::{MAX_STEPS, automatic, integrator, stabilise};
 use super::node::{Node, known};
 use super::results::{component_fits, probe_of};
 use super::table::Table;
@@ -171,11 +171,27 @@ fn stage(
         }
         integrator(n)
     });
+    let statics = |n: &Node<'_>| match kind {
+        Some(StageKind::Dynamic) => n.fail("is for static stages", "remove it"),
+        _ => Some(()),
+    };
+    let largest = step.and_then(|step| step.or(time.map(|time| time.step)));
+    let automatic = table.optional("automatic", |n| statics(n).and_then(|()| automatic(n, largest)));
+    let stabilise = table.optional("stabilise", |n| statics(n).and_then(|()| stabilise(n)));
     let off = table.default("off", Vec::new(), |n| off(n, world, has_gravity));
     table.finish();
     let stage = (|| {
         default_fits?;
-        Some(Stage { name: name?, kind: kind?, until: until?, step: step?, integrator: integrator?, off: off? })
+        Some(Stage {
+            name: name?,
+            kind: kind?,
+            until: until?,
+            step: step?,
+            automatic: automatic?,
+            stabilise: stabilise?,
+            integrator: integrator?,
+            off: off?,
+        })
     })();
     (stage, until)
 }

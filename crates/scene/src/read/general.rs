@@ -2,7 +2,7 @@
 
 use super::node::Node;
 use super::table::Table;
-use crate::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
+use crate::{Automatic, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time};
 use std::collections::BTreeMap;
 use stoss_integrators::SCHEMES;
 
@@ -16,6 +16,9 @@ pub(super) fn header(table: &Table<'_>) -> (Option<Header>, Option<Kind>) {
 
 /// More steps than this are a mistake in `step` or `end`.
 pub(super) const MAX_STEPS: f64 = 1e9;
+
+/// The clock has so many ticks in a step at most.
+const SMALLEST: f64 = 1e9;
 
 pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
     let end = table.required("end", "end = 1.0", Node::positive);
@@ -33,6 +36,20 @@ pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
     };
     let max_cuts = table.default("max_cuts", Time::DEFAULT_MAX_CUTS, |n| n.whole(0..=30).map(|i| i as u32));
     let grow_after = table.default("grow_after", Time::DEFAULT_GROW_AFTER, Node::count);
+    let statics = |key| match kind {
+        Some(Kind::Dynamic) if table.has(key) => {
+            table.fail(key, "is for statics", "remove it, or move it into a static [[stage]]")
+        }
+        _ => Some(()),
+    };
+    let automatic = table.optional("automatic", |n| automatic(n, step));
+    let stabilise = table.optional("stabilise", stabilise);
+    let [chooses, stabilises] = ["automatic", "stabilise"].map(statics);
+    for key in ["max_cuts", "grow_after"] {
+        if chooses.is_some() && table.has("automatic") && table.has(key) {
+            return table.fail(key, "does not go with `automatic`", "remove it; see `smallest` and `after` of `automatic`");
+        }
+    }
     table.finish();
     let (end, step) = (end?, step?);
     if step > end {
@@ -45,7 +62,68 @@ pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
     if end / step > MAX_STEPS {
         return table.fail("step", format!("gives {:.1e} steps", end / step), "choose a larger step or an earlier end");
     }
-    Some(Time { end, step, integrator: integrator?, max_cuts: max_cuts?, grow_after: grow_after? })
+    chooses?;
+    stabilises?;
+    Some(Time {
+        end,
+        step,
+        integrator: integrator?,
+        max_cuts: max_cuts?,
+        grow_after: grow_after?,
+        automatic: automatic?,
+        stabilise: stabilise?,
+    })
+}
+
+/// `step`: the largest increment, if it is known.
+pub(super) fn automatic(node: &Node<'_>, step: Option<f64>) -> Option<Automatic> {
+    let table = node.table_like("{ initial = 0.01, smallest = 1e-5 }")?;
+    let initial = table.required("initial", "initial = 0.01", |n| {
+        let initial = n.positive()?;
+        match step {
+            Some(step) if initial > step * (1.0 + 1e-12) => {
+                n.fail(format!("must not exceed the largest increment, `step` = {step}"), "choose a smaller one")
+            }
+            Some(step) if step / initial > SMALLEST => n.fail(
+                format!("is more than {SMALLEST:e} times smaller than `step` = {step}"),
+                "choose a larger one, or a smaller step",
+            ),
+            _ => Some(initial),
+        }
+    });
+    let smallest = table.optional("smallest", |n| {
+        let smallest = n.positive()?;
+        match initial {
+            Some(initial) if smallest > initial => {
+                n.fail(format!("must not exceed `initial` = {initial}"), "choose a smaller one")
+            }
+            _ => Some(smallest),
+        }
+    });
+    let easy = table.default("easy", Automatic::DEFAULT_EASY, Node::count);
+    let after = table.default("after", Automatic::DEFAULT_AFTER, Node::count);
+    table.finish();
+    Some(Automatic { initial: initial?, smallest: smallest?, easy: easy?, after: after? })
+}
+
+pub(super) fn stabilise(node: &Node<'_>) -> Option<Stabilise> {
+    let table = node.table_like("{ fraction = 2e-4 }")?;
+    let fraction = table.optional("fraction", |n| {
+        let fraction = n.positive()?;
+        if fraction > 1.0 {
+            return n.fail("must not be larger than 1", "write for instance 2e-4");
+        }
+        Some(fraction)
+    });
+    let coefficient = table.optional("coefficient", Node::positive);
+    let one = match ["fraction", "coefficient"].map(|key| table.has(key)) {
+        [true, true] => table.fail("coefficient", "is one too many", "give either `fraction` or `coefficient`"),
+        [false, false] => table.missing("fraction", "fraction = 2e-4"),
+        _ => Some(()),
+    };
+    table.finish();
+    one?;
+    Some(Stabilise { fraction: fraction?, coefficient: coefficient? })
 }
 
 pub(super) fn integrator(node: &Node<'_>) -> Option<Integrator> {

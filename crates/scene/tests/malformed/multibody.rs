@@ -447,6 +447,9 @@ pub const CASES: &[Case] = &[
     multi("\"hit\", \"push\"", "\"block.top+crate.bottom\", \"push\"", "block.top+", "stage[0].off[0]"),
     multi("[gravity]\nacceleration = [0, 0, -9.81]\n", "", "\"gravity\"]", "stage[0].off[2]"),
     multi("name = \"swing\"", "name = \"hang\"", "\"hang\"\nkind = \"dynamic\"", "stage[1].name"),
+    multi("step = 0.1\n", "step = 0.1\nautomatic = { initial = 0.2 }\n", "initial = 0.2", "stage[0].automatic.initial"),
+    multi("name = \"swing\"", "name = \"swing\"\nautomatic = { initial = 1e-3 }", "automatic", "stage[1].automatic"),
+    multi("name = \"swing\"", "name = \"swing\"\nstabilise = { fraction = 1e-3 }", "stabilise", "stage[1].stabilise"),
     statics("kind = \"static\"\n", "kind = \"dynamic\"\n", "kind = \"dynamic\"", "stage[0].kind"),
     statics("kind = \"static\"\n", "", "[[stage]]", "stage[0].kind"),
     // pretension

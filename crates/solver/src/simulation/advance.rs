@@ -6,7 +6,7 @@ use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
-    Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord,
+    Automatic, Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord,
 };
 use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage};
@@ -21,6 +21,8 @@ const EXTRAPOLATION_FITS: f64 = 0.1;
 
 /// A gain of energy by contact in one step of dynamics that is told, relative to what the bodies have.
 const TOLD_GAIN: f64 = 0.05;
+/// Work of stabilisation that is told, relative to the strain energy at the end of its stage.
+const TOLD_STABILISATION: f64 = 0.01;
 /// Beginning of what is told then.
 const CONTACT_GAVE: &str = "contact gave the bodies";
 
@@ -94,6 +96,7 @@ impl Simulation {
             body.solid.begin_step(&self.state.q, stress_rule(rule.force.rule))?;
         }
         self.set_dead_loads(time + rule.force.rule.load_fraction() * dt);
+        self.system.set_ramp(self.ramp(self.clock.next_time()));
         let (start, other) = self.starts(dt);
         match self.try_from(start, dt, rule) {
             Err(cause) if other.is_some() && self.may_start_elsewhere(start, &cause) => {
@@ -254,6 +257,28 @@ impl Simulation {
         self.decisions.extend(warnings);
     }
 
+    /// Part of the stabilisation that acts at a time of the stage.
+    fn ramp(&self, time: f64) -> f64 {
+        1.0 - self.clock.part_done(time)
+    }
+
+    /// Says at the end of a stage how much energy its stabilisation has taken, if that is much.
+    fn warn_stabilisation(&mut self) {
+        let Balance { strain, stabilisation, .. } = self.balance;
+        if self.system.stabilisation.is_none()
+            || !self.clock.finished()
+            || stabilisation.abs() <= TOLD_STABILISATION * strain
+        {
+            return;
+        }
+        let reason = format!(
+            "stabilisation has taken {:.1} % of the strain energy. Nothing of it acts any more at the end of the stage; but where surfaces slid, or where there are several equilibria, \
+             the way there matters. Where bodies only closed gaps that is as it must be; else make the stage's steps or the fraction smaller, or support what moves",
+            100.0 * stabilisation / strain
+        );
+        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+    }
+
     /// Says once in a run that contact gave energy: its forces did this `work` in the step, which what springs stored does not account for. It can, at edges
     /// or where closed nodes are inside, under every scheme that does not conserve.
     fn warn_contact_gain(&mut self, work: f64, before: &Balance) {
@@ -401,6 +426,13 @@ impl Simulation {
         };
         let acting = self.model.parts.iter().zip(&self.system.acting.parts).filter(|(_, acts)| **acts);
         let damped: f64 = acting.map(|(part, _)| part.dissipated(step)).sum();
+        let stabilised = if self.system.stabilisation.is_some() {
+            let increment: Vec<f64> = next.q.iter().zip(&self.state.q).map(|(next, q)| next - q).collect();
+            self.system.stabilised(self.ramp(time_n), &self.state.v, &increment, dt)
+        } else {
+            0.0
+        };
+        let damped_bodies = self.system.damped(dt);
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
             pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
         }
@@ -438,7 +470,9 @@ impl Simulation {
         });
         self.balance = Balance {
             contact: contact_work.stored,
-            dissipation: self.balance.dissipation + contact_work.dissipated + damped,
+            dissipation: self.balance.dissipation + contact_work.dissipated + damped + damped_bodies,
+            damping: self.balance.damping + damped_bodies,
+            stabilisation: self.balance.stabilisation + stabilised,
             friction_work: self.balance.friction_work + contact_work.friction_work + damped,
             friction_stored: contact_work.friction_stored,
             closing_loss: self.balance.closing_loss - normal_work,
@@ -451,10 +485,16 @@ impl Simulation {
         if let Some(work) = work_of_contact {
             self.warn_contact_gain(work, &before);
         }
-        if self.clock.accept() {
-            let reason = format!("{} steps succeeded in a row", self.control.grow_after);
+        if self.clock.accept(solves) {
+            let reason = match self.control.automatic {
+                None => format!("{} steps succeeded in a row", self.control.grow_after),
+                Some(Automatic { easy, after, .. }) => {
+                    format!("{after} steps in a row took at most {easy} iterations each")
+                }
+            };
             self.decisions.push(decision(self.step, time, dt, DecisionKind::Grow, reason));
         }
+        self.warn_stabilisation();
         StepRecord {
             step: self.step,
             stage: self.stage,

@@ -89,8 +89,8 @@ impl Simulation {
         let end = match &stage {
             Some(stage) => {
                 self.check_stage(stage, None)?;
-                let Stage { step, end, .. } = *stage;
-                Clock::new(StepControl { step, end, ..self.control })
+                let Stage { step, automatic, end, .. } = *stage;
+                Clock::new(StepControl { step, automatic, end, ..self.control })
             }
             None => self.clock,
         };
@@ -104,8 +104,9 @@ impl Simulation {
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&acting.contacts) {
             pair.method.set_acting(acts);
         }
+        let stabilise = stage.as_ref().map(|stage| stage.stabilise);
         if let Some(stage) = stage {
-            self.control = StepControl { step: stage.step, end: stage.end, ..self.control };
+            self.control = StepControl { step: stage.step, automatic: stage.automatic, end: stage.end, ..self.control };
             self.scheme = stage.scheme;
         }
         self.install(acting, prescribed)?;
@@ -115,6 +116,9 @@ impl Simulation {
         self.released = checkpoint.released;
         self.stored = checkpoint.stored;
         self.clock = clock;
+        if let Some(how) = stabilise {
+            self.set_stabilisation(how);
+        }
         self.step = checkpoint.step;
         self.state = State {
             time: checkpoint.time,

@@ -4,9 +4,10 @@ use super::Simulation;
 use crate::assembly::System;
 use crate::diagnosis::node_name;
 use crate::step::decision;
+use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{
-    Balance, Clock, Coupling, Decision, DecisionKind, Model, Release, SimulationError, StepControl, StepError, Switches,
+    Automatic, Balance, Clock, Coupling, Decision, DecisionKind, Model, Release, SimulationError, Stabilise, StepControl, StepError, Switches,
 };
 use stoss_contact::{ContactRule, StepConfiguration};
 use stoss_integrators::{Scheme, State};
@@ -22,10 +23,14 @@ pub struct Stage {
     pub scheme: Option<Box<dyn Scheme>>,
     /// Nominal step size, a time. Cuts are those of the settings.
     pub step: f64,
+    /// Step sizes that the stage chooses; `step` is the largest one then.
+    pub automatic: Option<Automatic>,
     /// End of the stage, a time counted from the beginning of the run.
     pub end: f64,
     /// What does not act.
     pub off: Switches,
+    /// Stabilisation, if it is static.
+    pub stabilise: Option<Stabilise>,
 }
 
 /// Whether a scheme can go with a model, or why not.
@@ -94,13 +99,14 @@ impl Simulation {
         self.check_stage(&stage, Some(self.state.time))?;
         let fault = |reason| SimulationError::Stage { stage: stage.name.clone(), reason };
         let acting = self.model.acting(&stage.off, &self.released).map_err(fault)?;
-        let Stage { name, scheme, step, end, off } = stage;
+        let Stage { name, scheme, step, automatic, end, off, stabilise } = stage;
         let was_dynamic = self.scheme.is_some();
         let reason = self.describe(&name, scheme.as_deref(), &off);
-        let control = StepControl { step, end, ..self.control };
+        let control = StepControl { step, automatic, end, ..self.control };
         let clock = std::mem::replace(&mut self.clock, Clock::starting_at(self.state.time, control));
         let scheme = std::mem::replace(&mut self.scheme, scheme);
         let mut saved = self.save();
+        let stabilisation = self.system.stabilisation.take();
         let result = self.switch(acting, &mut saved).and_then(|()| {
             self.start_velocities(was_dynamic);
             self.settle(true)
@@ -108,9 +114,11 @@ impl Simulation {
         if let Err(error) = result {
             (self.clock, self.scheme) = (clock, scheme);
             self.undo(saved);
+            self.system.stabilisation = stabilisation;
             return Err(error);
         }
         self.control = control;
+        self.set_stabilisation(stabilise);
         self.off = off;
         self.stage += 1;
         self.note(DecisionKind::Stage, reason);
@@ -195,6 +203,12 @@ impl Simulation {
         Ok(())
     }
 
+    /// The stabilisation of a stage whose clock runs.
+    pub(super) fn set_stabilisation(&mut self, how: Option<Stabilise>) {
+        let how = how.filter(|_| self.scheme.is_none());
+        self.system.stabilisation = how.map(|how| Stabilisation::new(&self.model, how, self.clock.length()));
+    }
+
     fn save(&self) -> Saved {
         Saved {
             acting: self.system.acting.clone(),
@@ -214,13 +228,14 @@ impl Simulation {
     fn undo(&mut self, saved: Saved) {
         if let Some(mut system) = saved.system {
             std::mem::swap(&mut system.solver, &mut self.system.solver);
+            system.stabilisation = self.system.stabilisation.take();
             self.system = system;
         }
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&saved.acting.contacts) {
             pair.method.set_acting(acts);
         }
         self.system.acting = saved.acting;
-        self.system.has_rates = saved.has_rates;
+        self.set_has_rates(saved.has_rates);
         self.prescribed = saved.prescribed;
         self.state = saved.state;
         self.pressures = saved.pressures;
@@ -312,9 +327,11 @@ impl Simulation {
             let has_mass = self.system.has_mass();
             let mut system = System::new(&self.model, acting, has_mass, Box::new(AutoSolver::new()))?;
             std::mem::swap(&mut system.solver, &mut self.system.solver);
+            // It goes on after a release.
+            system.stabilisation = self.system.stabilisation.take();
             before = Some(std::mem::replace(&mut self.system, system));
         }
-        self.system.has_rates = self.scheme.is_some();
+        self.set_has_rates(self.scheme.is_some());
         let mut reactions = vec![0.0; self.reactions.len()];
         for &(component, ..) in &prescribed {
             reactions[component as usize] = self.reactions[component as usize];

@@ -49,6 +49,13 @@ impl Simulation {
         let others = |pair: &ContactPair| !acts_always(pair);
         self.add_coupling_force(others, &mut constraint)?;
         let mut rhs: Vec<f64> = constraint.iter().zip(&force).map(|(c, f)| c - f).collect();
+        if self.system.has_damping {
+            let Self { model, system, state, pressures, active, .. } = &mut *self;
+            let mut fe = FeSystem { model, system, pressures, auxiliaries: &auxiliaries, active };
+            let mut damping = vec![0.0; n];
+            fe.add_damping(&state.q, &state.v, None, &mut damping)?;
+            vector::axpy(-1.0, &damping, &mut rhs);
+        }
         let mut a = vec![0.0; n];
         if self.model.contacts.iter().any(acts_always) {
             self.solve_with_constraints(&mut rhs, &mut a)?;

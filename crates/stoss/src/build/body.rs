@@ -7,7 +7,7 @@ use crate::scene::{
     Generator, Mass, Material, MeshFile, MeshSource, Part as ScenePart, Refinement as SceneRefinement,
     Rotation as SceneRotation, Rotations, Scene, SetDefinition,
 };
-use crate::solver::Model;
+use crate::solver::{Damping, Model};
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{MassKind, SolidBody};
@@ -73,6 +73,7 @@ pub(super) fn bodies(
             solid,
             nodes: first_node..first_node + mesh.nodes.len() as u32,
             density: body.density.filter(|_| scene.is_dynamic()),
+            damping: body.damping.map_or_else(Damping::default, |d| Damping { mass: d.mass, stiffness: d.stiffness }),
             mass_kind: match body.mass {
                 Mass::Consistent => MassKind::Consistent,
                 Mass::Lumped => MassKind::Lumped,

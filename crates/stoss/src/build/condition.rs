@@ -232,6 +232,31 @@ fn to_resultant_one(pattern: &mut [(u32, f64)]) {
     }
 }
 
+/// The centrifugal force of a body.
+fn centrifugal(
+    scene: &Scene,
+    model: &Model,
+    key: &str,
+    item: &crate::scene::Load,
+    problems: &mut Problems<'_>,
+) -> Option<LoadKind> {
+    let name = item.body.as_deref()?;
+    let body = scene.body_index(name)?;
+    let Some(density) = scene.bodies[body].density else {
+        let message = format!("`{name}` has no density, and a body without mass has no centrifugal force");
+        problems.add(format!("{key}.angular_velocity"), "", message, "give the body a density");
+        return None;
+    };
+    let axis = item.axis?;
+    let length = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
+    Some(LoadKind::Centrifugal {
+        body,
+        mass: model.bodies[body].solid.mass(density, model.bodies[body].mass_kind),
+        axis: axis.map(|a| a / length),
+        about: item.about.unwrap_or_default(),
+    })
+}
+
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn load_kind(
@@ -244,6 +269,9 @@ fn load_kind(
     problems: &mut Problems<'_>,
 ) -> Option<LoadKind> {
     let components = model.reference.len();
+    if kind == SceneLoad::Centrifugal {
+        return centrifugal(scene, model, key, item, problems);
+    }
     if matches!(kind, SceneLoad::BodyForce | SceneLoad::Acceleration) {
         // On a whole body: `body`, or a set of which the body is meant.
         let name = item.body.as_deref().or_else(|| item.set.as_deref().and_then(split_set).map(|(body, _)| body))?;

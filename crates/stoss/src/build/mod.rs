@@ -44,7 +44,7 @@ pub use probe::{Probe, ProbeTarget};
 pub use schedule::Schedule;
 
 use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
-use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, StepControl};
+use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, Stage, StepControl};
 use mesh_files::MeshFiles;
 use placed::Placed;
 use schedule::Named;
@@ -162,8 +162,10 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut settings = settings(scene, scheme);
     let mut first = FirstStage { later_dynamics: schedule.has_later_dynamics(), ..FirstStage::default() };
     if let Some(stage) = schedule.stage(1) {
-        settings.control = StepControl { step: stage.step, end: stage.end, ..settings.control };
+        let Stage { step, end, automatic, .. } = stage;
+        settings.control = StepControl { step, end, automatic, ..settings.control };
         settings.scheme = stage.scheme;
+        first.stabilise = stage.stabilise;
         first.off = stage.off;
     }
     match Simulation::staged(model, settings, first) {
@@ -256,6 +258,7 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             end: scene.time.end,
             max_cuts: scene.time.max_cuts,
             grow_after: scene.time.grow_after,
+            automatic: None,
         },
         scheme: match scene.header.kind {
             Kind::QuasiStatic => None,

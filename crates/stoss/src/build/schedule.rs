@@ -1,8 +1,8 @@
 //! Stages and events of a scene: what acts when.
 
 use super::{Probe, Problems};
-use crate::scene::{Integrator, Kind, Scene, StageKind};
-use crate::solver::{Release, Simulation, Stage, Switches};
+use crate::scene::{self, Integrator, Kind, Scene, StageKind};
+use crate::solver::{Automatic, Release, Simulation, Stabilise, Stage, Switches};
 use std::collections::BTreeMap;
 
 /// What a name of the scene stands for in the model.
@@ -16,6 +16,18 @@ pub(super) enum Named {
     Part(usize),
 }
 
+/// The solver's form of increments that are chosen.
+fn automatic(choice: &scene::Automatic, step: f64) -> Automatic {
+    let [first, last] = choice.halvings(step);
+    Automatic { first, last, easy: choice.easy, after: choice.after }
+}
+
+/// The solver's form of a stabilisation; one of the keys is there.
+fn stabilise(choice: &scene::Stabilise) -> Option<Stabilise> {
+    let fraction = choice.fraction.map(Stabilise::Fraction);
+    fraction.or(choice.coefficient.map(Stabilise::Coefficient))
+}
+
 /// A part of the run between two moments at which something changes.
 #[derive(Clone, Debug)]
 struct Segment {
@@ -23,6 +35,8 @@ struct Segment {
     /// `None`: statics.
     integrator: Option<Integrator>,
     step: f64,
+    automatic: Option<Automatic>,
+    stabilise: Option<Stabilise>,
     end: f64,
     off: Switches,
     /// What is released at its beginning, with the event's name.
@@ -81,6 +95,9 @@ impl Schedule {
                     StageKind::Dynamic => stage.integrator.clone().or_else(|| integrator.clone()),
                 },
                 step: stage.step.unwrap_or(scene.time.step),
+                automatic: (stage.automatic.or(scene.time.automatic))
+                    .map(|choice| automatic(&choice, stage.step.unwrap_or(scene.time.step))),
+                stabilise: stage.stabilise.or(scene.time.stabilise).and_then(|choice| stabilise(&choice)),
                 end: stage.until,
                 off,
                 releases: Vec::new(),
@@ -89,7 +106,9 @@ impl Schedule {
         if segments.is_empty() {
             let (step, end) = (scene.time.step, scene.time.end);
             let (off, releases) = (Switches::default(), Vec::new());
-            segments.push(Segment { name: "run".into(), integrator, step, end, off, releases });
+            let automatic = scene.time.automatic.map(|choice| automatic(&choice, step));
+            let stabilise = scene.time.stabilise.and_then(|choice| stabilise(&choice));
+            segments.push(Segment { name: "run".into(), integrator, step, automatic, stabilise, end, off, releases });
         }
         let mut schedule = Self { segments, conditional: Vec::new() };
         for pretension in scene.joints.iter().filter_map(|joint| joint.pretension.as_ref()) {
@@ -165,6 +184,11 @@ impl Schedule {
         steps.sum()
     }
 
+    /// Whether a segment of statics is stabilised.
+    pub(crate) fn is_stabilised(&self) -> bool {
+        self.segments.iter().any(|segment| segment.integrator.is_none() && segment.stabilise.is_some())
+    }
+
     /// Whether a segment after the first one has inertia.
     pub(super) fn has_later_dynamics(&self) -> bool {
         self.segments[1..].iter().any(|segment| segment.integrator.is_some())
@@ -178,8 +202,10 @@ impl Schedule {
             // Schemes that cannot be made are refused when the scene is built.
             scheme: segment.integrator.as_ref().and_then(|integrator| integrator.make().ok()),
             step: segment.step,
+            automatic: segment.automatic,
             end: segment.end,
             off: segment.off.clone(),
+            stabilise: segment.stabilise,
         })
     }
 

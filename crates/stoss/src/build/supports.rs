@@ -50,9 +50,9 @@ pub(super) fn warnings(scene: &Scene, model: &Model) -> Vec<String> {
         let left = 6 - held_motions(&model.reference, &prescribed);
         let names: Vec<String> = members.iter().map(|&b| format!("`{}`", scene.bodies[b].name)).collect();
         let names = names.join(" with ");
-        if prescribed.is_empty() && touches {
+        if prescribed.is_empty() && touches && scene.time.stabilise.is_none() {
             list.push(format!(
-                "{names}: nothing but contact holds it; in a quasi-static run a rigid motion is left until other contacts or friction take it. Prescribe some displacements"
+                "{names}: nothing but contact holds it; in a quasi-static run a rigid motion is left until other contacts or friction take it. Prescribe some displacements, or `stabilise` the run"
             ));
         } else if left > 0 && !touches {
             list.push(format!(

@@ -22,6 +22,10 @@ const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,c
 const CLOSING: &str = "closing_loss,contact_remainder,restored";
 /// Columns that follow where there is friction.
 const FRICTION: &str = "friction_work,friction_stored";
+/// Column that follows where a body is damped.
+const DAMPING: &str = "damping";
+/// Column that follows where a stage of statics is stabilised.
+const STABILISATION: &str = "stabilisation";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
 const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
 contact_force_x,contact_force_y,contact_force_z,coverage_defect";
@@ -124,6 +128,10 @@ pub struct FolderSettings {
     pub promises: Vec<Option<Promises>>,
     /// What is checked, and what a verdict `wrong` does.
     pub watch: WatchTable,
+}
+
+fn has_damping(simulation: &Simulation) -> bool {
+    simulation.model().bodies.iter().any(|body| body.damping.acts())
 }
 
 impl FolderSettings {
@@ -245,7 +253,7 @@ impl ResultFolder {
             .collect();
         let has_contact = simulation.model().has_contact_pairs();
         let has_friction = settings.has_friction();
-        let more = [(has_contact, CLOSING), (has_friction, FRICTION)];
+        let more = [(has_contact, CLOSING), (has_friction, FRICTION), (has_damping(simulation), DAMPING), (settings.schedule.is_stabilised(), STABILISATION)];
         let more = more.iter().filter(|(has, _)| *has).map(|(_, columns)| *columns);
         let balance_header = std::iter::once(BALANCE).chain(more).collect::<Vec<_>>().join(",");
         Ok(Self {
@@ -329,6 +337,12 @@ impl ResultFolder {
         }
         if self.settings.has_friction() {
             self.balance.numbers(&[b.friction_work, b.friction_stored]);
+        }
+        if has_damping(simulation) {
+            self.balance.number(b.damping);
+        }
+        if self.settings.schedule.is_stabilised() {
+            self.balance.number(b.stabilisation);
         }
         self.balance.end_row()?;
         for row in &record.newton {

@@ -38,12 +38,17 @@ fn turned(model: &Model) -> bool {
     model.loads.iter().any(|load| matches!(load.kind, LoadKind::Moment { .. }))
 }
 
+/// Whether a body has mass-proportional damping, which resists all motions.
+fn slowed(model: &Model) -> bool {
+    model.bodies.iter().any(|body| body.damping.mass > 0.0)
+}
+
 /// The promises of a run, or stage, with this scheme; none in statics, where there is neither momentum nor kinetic energy.
 pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&dyn Scheme>) -> Option<Promises> {
     let scheme = scheme?;
     let (claims, model) = (scheme.claims(), simulation.model());
     let driven = driven(model);
-    let [keeps_linear, keeps_angular] = kept(model);
+    let [keeps_linear, keeps_angular] = kept(model).map(|keeps| keeps && !slowed(model));
     let moved = model.prescriptions.iter().any(|p| !p.displacement.is_constant() || p.rotation.is_some());
     let gives_nothing = |contact: &Contact| match contact.method {
         ContactMethod::Mortar => contact.integrals != Some(Integrals::Frozen),
@@ -71,6 +76,10 @@ pub(crate) fn changed_by(scene: &Scene, model: &Model) -> [Option<String>; 3] {
     if !kept(model)[0] {
         let ground = || Some("what is joined to the ground changes it".to_owned());
         return [ground(), ground(), None];
+    }
+    if slowed(model) {
+        let slowed = || Some("mass-proportional damping changes it".to_owned());
+        return [slowed(), slowed(), None];
     }
     if axes.is_empty() {
         return [None, turned(model).then(|| "moments change it".to_owned()), None];

@@ -53,6 +53,7 @@ fn add_block(model: &mut Model, name: &str, min: [f64; 3], max: [f64; 3]) {
         nodes: first..first + block.nodes.len() as u32,
         density: Some(1.0),
         mass_kind: MassKind::Consistent,
+        damping: Default::default(),
     });
     model.reference.extend(block.nodes.iter().flatten());
     // It stretches.
@@ -76,7 +77,7 @@ fn add_plate(model: &mut Model, at: [f64; 3]) -> (u32, DrawnSurface) {
 
 fn simulation(model: Model) -> Simulation {
     let settings = Settings {
-        control: StepControl { step: 0.1, end: 1.0, max_cuts: 0, grow_after: 1 },
+        control: StepControl { step: 0.1, end: 1.0, max_cuts: 0, grow_after: 1, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions::default(),
         inside_out: InsideOutRule::Refuse,
@@ -198,6 +199,24 @@ fn a_part_on_the_ground_changes_momenta() {
         assert_eq!((promised.linear, promised.angular), ([!grounded; 3], !grounded));
         assert!(promised.energy && promised.autonomous);
         assert_eq!(changed_by(&scene, simulation.model()).map(|reason| reason.is_some()), [grounded, grounded, false]);
+    }
+}
+
+/// Mass-proportional damping takes momentum; stiffness-proportional damping does not. Both are in the ledger.
+#[test]
+fn damping_of_the_mass_changes_momenta() {
+    let scene = scene();
+    for (mass, stiffness) in [(0.0, 0.1), (0.1, 0.0), (0.1, 0.1)] {
+        let mut model = Model::default();
+        add_block(&mut model, "block", [0.0; 3], [1.0; 3]);
+        model.bodies[0].damping = stoss_solver::Damping { mass, stiffness };
+        let simulation = simulation(model);
+        let scheme = scene.time.integrator.as_ref().unwrap().make().unwrap();
+        let promised = promises(&scene, &simulation, Some(&*scheme)).unwrap();
+        let slowed = mass > 0.0;
+        assert_eq!((promised.linear, promised.angular), ([!slowed; 3], !slowed));
+        assert!(promised.energy);
+        assert_eq!(changed_by(&scene, simulation.model()).map(|reason| reason.is_some()), [slowed, slowed, false]);
     }
 }
 

@@ -60,6 +60,7 @@ fn model() -> Result<(), Box<dyn Error>> {
         nodes: 0..mesh.nodes.len() as u32,
         density: Some(1.0),
         mass_kind: MassKind::Consistent,
+        damping: Default::default(),
     };
     let model = Model {
         reference: mesh.nodes.concat(),
@@ -68,7 +69,7 @@ fn model() -> Result<(), Box<dyn Error>> {
         ..Model::default()
     };
     let settings = Settings {
-        control: StepControl { step: 0.01, end: 0.02, max_cuts: 0, grow_after: 1 },
+        control: StepControl { step: 0.01, end: 0.02, max_cuts: 0, grow_after: 1, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,

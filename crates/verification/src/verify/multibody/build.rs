@@ -173,7 +173,7 @@ fn with_options(
     line_search: LineSearch,
 ) -> Outcome<Simulation> {
     let settings = Settings {
-        control: StepControl { step, end, max_cuts, grow_after: 4 },
+        control: StepControl { step, end, max_cuts, grow_after: 4, automatic: None },
         scheme,
         newton: NewtonOptions { relative_tolerance: TOLERANCE, line_search, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,

@@ -1,0 +1,98 @@
+//! Damping of bodies, and forces of dampers in a step.
+
+use crate::assembly::System;
+use crate::system::FeSystem;
+use crate::{Model, StepError};
+use stoss_fe_solid::{TangentTarget, ViscousRate};
+use stoss_integrators::RateTangent;
+use stoss_linalg::vector;
+
+/// Mass- and stiffness-proportional damping of a body (Rayleigh): for small strains the force `(a M + b K) v`. Only where there is inertia.
+///
+/// The mass part resists rigid motions too, and takes momentum. The stiffness part is a viscous stress in the material frame
+/// ([`stoss_fe_solid::SolidBody::add_viscous_force`]), which leaves rigid motions and both momenta alone. A mode with the angular frequency `w` has the damping ratio
+/// `a / (2 w) + b w / 2`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Damping {
+    /// `a`, one over a time, not negative.
+    pub mass: f64,
+    /// `b`, a time, not negative.
+    pub stiffness: f64,
+}
+
+impl Damping {
+    /// Whether there is any.
+    pub fn acts(&self) -> bool {
+        self.mass > 0.0 || self.stiffness > 0.0
+    }
+}
+
+impl System {
+    /// Whether the present stage has inertia; without, nothing has a rate and bodies are not damped.
+    pub fn set_has_rates(&mut self, has_rates: bool, model: &Model) {
+        self.has_rates = has_rates;
+        self.has_damping = has_rates && model.bodies.iter().any(|body| body.damping.acts());
+    }
+
+    /// What dampers of bodies took out of a step of this size: their power at the velocity of the scheme, over the step. It is a sum of squares.
+    pub fn damped(&self, dt: f64) -> f64 {
+        if !(self.has_damping && self.has_rates) {
+            return 0.0;
+        }
+        let of = |own: &std::ops::Range<usize>| {
+            vector::dot(&self.buffers.damping[own.clone()], &self.buffers.rate[own.clone()])
+        };
+        // Round-off of a rigid motion has any sign.
+        (dt * self.own.iter().map(of).sum::<f64>()).max(0.0)
+    }
+}
+
+impl FeSystem<'_> {
+    /// Forces of the damping of bodies, or in statics of their stabilisation, at `q` with the velocities `v`.
+    pub(crate) fn add_body_damping(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        tangent: Option<RateTangent>,
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        let System { solid_map: map, solid_values, first_stencil, masses, workspaces, stabilisation, has_rates, .. } =
+            &mut *self.system;
+        if let Some(stabilisation) = stabilisation.as_ref().filter(|_| !*has_rates) {
+            for (mass, &first_stencil) in stabilisation.masses().iter().zip(&*first_stencil) {
+                mass.multiply_add(stabilisation.ramp, v, out);
+                if let Some(RateTangent { weight, rate, .. }) = tangent {
+                    let target =
+                        TangentTarget { map, first_stencil, factor: stabilisation.ramp, values: solid_values };
+                    mass.add_to_tangent(weight * rate, target);
+                }
+            }
+            return Ok(());
+        }
+        for (b, body) in self.model.bodies.iter().enumerate() {
+            let Damping { mass, stiffness } = body.damping;
+            let first_stencil = first_stencil[b];
+            if mass > 0.0
+                && let Some(matrix) = masses.bodies.get(b)
+            {
+                matrix.multiply_add(mass, v, out);
+                if let Some(RateTangent { weight, rate, .. }) = tangent {
+                    let target = TangentTarget { map, first_stencil, factor: mass, values: solid_values };
+                    matrix.add_to_tangent(weight * rate, target);
+                }
+            }
+            if stiffness > 0.0 {
+                let slopes = tangent.map_or([0.0; 2], |at| [at.position, at.rate]);
+                let target = tangent.map(|at| TangentTarget {
+                    map,
+                    first_stencil,
+                    factor: at.weight,
+                    values: &mut *solid_values,
+                });
+                let rate = ViscousRate { q, v, factor: stiffness, slopes };
+                body.solid.add_viscous_force(rate, out, target, &mut workspaces[b])?;
+            }
+        }
+        Ok(())
+    }
+}

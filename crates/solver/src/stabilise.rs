@@ -1,0 +1,82 @@
+//! Viscous stabilisation of statics, which vanishes with the end of a stage.
+
+use crate::Model;
+use crate::assembly::System;
+use std::ops::Range;
+use stoss_fe_solid::{MassKind, MassMatrix};
+use stoss_linalg::vector;
+
+/// How large the stabilisation of a static stage is: nodes of bodies resist motion with `c r M_1 (q_np1 - q_n) / h`, where `M_1` is the lumped mass of unit density and `r`
+/// falls linearly from 1 at the start of the stage to 0 at its end. The last equilibrium is therefore free of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stabilise {
+    /// `c` of all bodies, a force per volume and velocity.
+    Coefficient(f64),
+    /// `c` of each body such that a bar of its Young's modulus `E` and its longest side `L` that is stretched steadily over the stage, of length `T`, loses this part of its strain
+    /// energy: `c = 3 fraction E T / L^2`.
+    Fraction(f64),
+}
+
+/// The stabilisation of the present stage.
+#[derive(Debug)]
+pub(crate) struct Stabilisation {
+    /// `c M_1` of each body.
+    masses: Vec<MassMatrix>,
+    /// `r` of the step.
+    pub ramp: f64,
+}
+
+impl Stabilisation {
+    /// Of a stage of this length.
+    pub fn new(model: &Model, how: Stabilise, length: f64) -> Self {
+        let mass = |body: &crate::Body| {
+            let coefficient = match how {
+                Stabilise::Coefficient(c) => c,
+                Stabilise::Fraction(fraction) => {
+                    let side = longest_side(&model.reference, body.nodes.clone());
+                    let young = body.solid.law().small_strain_moduli().young_modulus();
+                    3.0 * fraction * young * length / (side * side)
+                }
+            };
+            body.solid.mass(coefficient, MassKind::Lumped)
+        };
+        Self { masses: model.bodies.iter().map(mass).collect(), ramp: 1.0 }
+    }
+
+    /// `c M_1` of each body.
+    pub fn masses(&self) -> &[MassMatrix] {
+        &self.masses
+    }
+}
+
+/// Longest side of the box around a body's nodes.
+fn longest_side(reference: &[f64], nodes: Range<u32>) -> f64 {
+    let side = |i: usize| {
+        let along = nodes.clone().map(|node| reference[3 * node as usize + i]);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        high - low
+    };
+    (0..3).map(side).fold(0.0, f64::max)
+}
+
+impl System {
+    /// Sets the part of the stabilisation that acts at the end of a step; without a rest nothing of it is evaluated.
+    pub fn set_ramp(&mut self, ramp: f64) {
+        if let Some(stabilisation) = &mut self.stabilisation {
+            stabilisation.ramp = ramp;
+            self.has_damping = ramp > 0.0;
+        }
+    }
+
+    /// Work that stabilisation took in a static step with this `increment`, by the trapezium rule as that of loads is measured: before the step, where `ramp_n` of it acted, the
+    /// velocities were `v_n`.
+    pub fn stabilised(&self, ramp_n: f64, v_n: &[f64], increment: &[f64], dt: f64) -> f64 {
+        let Some(Stabilisation { masses, ramp }) = &self.stabilisation else { return 0.0 };
+        let mut force = vec![0.0; increment.len()];
+        for mass in masses {
+            mass.multiply_add(0.5 * ramp_n, v_n, &mut force);
+            mass.multiply_add(0.5 * ramp / dt, increment, &mut force);
+        }
+        vector::dot(&force, increment)
+    }
+}
