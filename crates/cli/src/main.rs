@@ -41,7 +41,7 @@ enum Command {
         #[arg(required = true)]
         out: Vec<PathBuf>,
     },
-    /// Draws a frame of a run as an SVG file; needs no display.
+    /// Draws a frame of a run as an SVG or PNG file, or all frames as a GIF file; needs no display.
     Picture(picture::Picture),
     /// Runs a scene for all the values of its parameters that its table `[sweep]` gives.
     Sweep(sweep::SweepOptions),
