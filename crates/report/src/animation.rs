@@ -6,7 +6,7 @@ use std::path::Path;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 
 use crate::Outcome;
-use crate::paint::{Colour, Layout, Raster, Style, colour, draw_raster, value_range, window};
+use crate::paint::{Colour, Finish, Layout, Raster, Style, colour, draw_raster, value_range, window};
 use crate::picture::{self, Motif, Options, unfit};
 
 /// How frames follow each other.
@@ -29,14 +29,26 @@ impl Default for Pace {
 /// Frames a second that viewers show: they slow down what has less than two hundredths a frame.
 const FPS: std::ops::RangeInclusive<f64> = 0.1..=50.0;
 
-/// Colours of the map, shades of each and greys in the palette; its first entry is for what has not changed.
-const TONES: usize = 28;
-const SHADES: usize = 8;
-const GREYS: usize = 28;
+/// Colours of the map and greys in the palette; its first entry is for what has not changed.
+const TONES: usize = 30;
+const GREYS: usize = 40;
 const UNCHANGED: u8 = 0;
 
+/// Lights under which faces are drawn, and before them one that is as dark as their edges.
+const LIGHTS: [f64; 7] = [0.45, 0.62, 0.71, 0.8, 0.89, 0.97, 1.04];
+
 /// Bits a channel by which the nearest colour of the palette is looked up.
-const BITS: u32 = 5;
+const BITS: u32 = 6;
+
+/// Faces have the colours of the palette, so that no speckles come from rounding.
+const FINISH: Finish = Finish { parts: 2, colour: of_palette };
+
+fn of_palette(value: f64, light: f64) -> Colour {
+    let steps = (TONES - 1) as f64;
+    let away = |known: &&f64| (**known - light).abs();
+    let light = LIGHTS.iter().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(&1.0);
+    colour((value.clamp(0.0, 1.0) * steps).round() / steps, *light)
+}
 
 /// Draws the frames of a folder; returns the bytes of a GIF file. The frame of the options is not looked at.
 ///
@@ -81,7 +93,8 @@ pub fn gif(path: &Path, options: &Options, pace: Pace) -> Outcome<Vec<u8>> {
     let mut before = Vec::new();
     for &number in &numbers {
         let (shot, _) = shot(number)?;
-        let raster = draw_raster(&[shot], motif.camera, &style, &layout, 1.0).ok_or("the picture has no pixels")?;
+        let raster =
+            draw_raster(&[shot], motif.camera, &style, &layout, (1.0, FINISH)).ok_or("the picture has no pixels")?;
         let [width, height] = raster.size().map(u16::try_from);
         let [width, height] = [width?, height?];
         let now = palette.indices(&raster);
@@ -119,7 +132,16 @@ fn changed(before: &[u8], now: &[u8], width: u16) -> Frame<'static> {
     // cannot fail: sides of a picture whose width and height are 16-bit numbers.
     let [left, top, width, height] = [left, top, right + 1 - left, bottom + 1 - top].map(|n| n as u16);
     let transparent = Some(UNCHANGED);
-    Frame { left, top, width, height, transparent, dispose: DisposalMethod::Keep, buffer: Cow::Owned(buffer), ..Frame::default() }
+    Frame {
+        left,
+        top,
+        width,
+        height,
+        transparent,
+        dispose: DisposalMethod::Keep,
+        buffer: Cow::Owned(buffer),
+        ..Frame::default()
+    }
 }
 
 /// The colours of a picture: those of the map in several shades, and greys.
@@ -133,9 +155,7 @@ impl Palette {
     fn new() -> Self {
         let mut colours = vec![[255; 3]];
         for tone in (0..TONES).map(|tone| tone as f64 / (TONES - 1) as f64) {
-            // From below the edges of faces in the dark to faces in the light.
-            let shades = (0..SHADES).map(|shade| 0.40 + 0.64 * shade as f64 / (SHADES - 1) as f64);
-            colours.extend(shades.map(|light| colour(tone, light)));
+            colours.extend(LIGHTS.map(|light| of_palette(tone, light)));
         }
         colours.extend((0..GREYS).map(|grey| [(255 * grey / (GREYS - 1)) as u8; 3]));
         let side = 1 << BITS;
@@ -156,9 +176,8 @@ impl Palette {
 
 /// The entry of the palette that differs least; never that of what has not changed.
 fn nearest(colours: &[Colour], wanted: Colour) -> u8 {
-    let apart = |&k: &usize| -> i32 {
-        colours[k].iter().zip(wanted).map(|(a, b)| (i32::from(*a) - i32::from(b)).pow(2)).sum()
-    };
+    let apart =
+        |&k: &usize| -> i32 { colours[k].iter().zip(wanted).map(|(a, b)| (i32::from(*a) - i32::from(b)).pow(2)).sum() };
     (1..colours.len()).min_by_key(apart).unwrap_or(1) as u8
 }
 
@@ -180,15 +199,15 @@ mod tests {
     }
 
     #[test]
-    fn white_is_white_and_tones_are_near() {
+    fn white_is_white_and_faces_have_colours_of_the_palette() {
         let palette = Palette::new();
         assert!(palette.colours.len() <= 256);
         assert_eq!(palette.colours[usize::from(nearest(&palette.colours, [255; 3]))], [255; 3]);
-        for k in 0..=50 {
-            let wanted = colour(f64::from(k) / 50.0, 0.9);
-            let found = palette.colours[usize::from(nearest(&palette.colours, wanted))];
-            let apart = found.iter().zip(wanted).map(|(a, b)| a.abs_diff(b)).max().unwrap();
-            assert!(apart <= 12, "{wanted:?} {found:?}");
+        for (tone, light) in (0..=50).flat_map(|k| LIGHTS.map(|light| (f64::from(k) / 50.0, light))) {
+            let wanted = of_palette(tone, light);
+            assert_eq!(palette.colours[usize::from(nearest(&palette.colours, wanted))], wanted);
+            let apart = colour(tone, light).iter().zip(wanted).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+            assert!(apart <= 12, "{tone} {light}");
         }
     }
 }

@@ -4,7 +4,7 @@
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
 //! - [`picture`]: one picture of a frame, as SVG or PNG; [`animation`]: all frames as GIF;
 //! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
-//! - [`vtu`]: frames; [`table`]: tables with comma-separated values.
+//! - [`sweep`]: a folder of a sweep; [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
 //! An SVG text refers to nothing outside of itself. Not here: running anything, and which scene is drawn how.
 
@@ -14,6 +14,7 @@ pub mod page;
 pub mod paint;
 pub mod picture;
 pub mod plot;
+pub mod sweep;
 pub mod table;
 pub mod vtu;
 

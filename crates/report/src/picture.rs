@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::Outcome;
 use crate::folder::Folder;
 use crate::page::{Field, title};
-use crate::paint::{Camera, Layout, Shot, Style, Surface, draw_raster, draw_svg};
+use crate::paint::{Camera, Finish, Layout, Shot, Style, Surface, draw_raster, draw_svg};
 use crate::vtu::{Array, Grid};
 
 /// Width of what is drawn in pixels.
@@ -137,7 +137,8 @@ pub fn picture(path: &Path, options: &Options) -> Outcome<String> {
 pub fn png(path: &Path, options: &Options) -> Outcome<Vec<u8>> {
     let (shot, camera, title, label) = composed(path, options)?;
     let (style, layout) = around(options, &title, &label);
-    let raster = draw_raster(&[shot], camera, &style, &layout, FINENESS).ok_or("the picture has no pixels")?;
+    let raster =
+        draw_raster(&[shot], camera, &style, &layout, (FINENESS, Finish::FINE)).ok_or("the picture has no pixels")?;
     Ok(raster.png()?)
 }
 

@@ -1,20 +1,19 @@
 //! The colour bar below snapshots.
 
-use super::canvas::{Anchor, Canvas};
-use super::colour::colour;
+use super::canvas::{Anchor, Canvas, Colour};
 
 /// Its height with numbers and label, in pixels.
 pub const HEIGHT: f64 = 46.0;
 
 /// Colour bar with three numbers, centred at the bottom.
-pub fn bar(canvas: &mut dyn Canvas, label: &str, range: (f64, f64), total: [f64; 2]) {
+pub fn bar(canvas: &mut dyn Canvas, label: &str, range: (f64, f64), total: [f64; 2], colour: fn(f64, f64) -> Colour) {
     const STEPS: usize = 48;
     let width = (0.5 * total[0]).min(360.0);
     let (left, top) = (0.5 * (total[0] - width), total[1] - HEIGHT);
     for step in 0..STEPS {
         let x = left + width * step as f64 / STEPS as f64;
         // A little of the last one is drawn upon by the next, so that no seams show.
-        let wide = width / STEPS as f64 + if step + 1 < STEPS { 0.3 } else { 0.0 };
+        let wide = width / STEPS as f64 + if step + 1 < STEPS { 1.0 } else { 0.0 };
         canvas.rectangle(colour((step as f64 + 0.5) / STEPS as f64, 1.0), [x, top], [wide, 9.0]);
     }
     for (number, part) in bar_numbers(range).into_iter().zip([0.0, 0.5, 1.0]) {

@@ -13,6 +13,6 @@ mod svg;
 pub use camera::Camera;
 pub use canvas::Colour;
 pub use colour::colour;
-pub use picture::{Layout, Shot, Style, columns, draw, draw_raster, draw_svg, value_range, window};
+pub use picture::{Finish, Layout, Shot, Style, columns, draw, draw_raster, draw_svg, value_range, window};
 pub use raster::Raster;
 pub use surface::{Surface, boundary};

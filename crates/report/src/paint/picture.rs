@@ -31,8 +31,21 @@ pub struct Style<'a> {
     pub range: Option<(f64, f64)>,
 }
 
-/// Every face is drawn as `PARTS * PARTS` pieces of one colour each.
-const PARTS: usize = 2;
+/// How fine colours are.
+#[derive(Clone, Copy, Debug)]
+pub struct Finish {
+    /// Every face is drawn as `parts * parts` pieces of one colour each.
+    pub parts: usize,
+    /// Colour of a value between zero and one under a light.
+    pub colour: fn(f64, f64) -> Colour,
+}
+
+impl Finish {
+    /// For files that grow with every piece.
+    pub const COARSE: Self = Self { parts: 2, colour };
+    /// For pixels.
+    pub const FINE: Self = Self { parts: 4, colour };
+}
 
 /// Pieces are drawn this much wider, in pixels, so that no seams show between them.
 const OVERLAP: f64 = 0.35;
@@ -123,17 +136,23 @@ pub fn draw_svg(shots: &[Shot], camera: Camera, style: &Style, layout: &Layout) 
     let plan = Plan::new(shots, camera, style, layout);
     let shown = layout.size.map_or(plan.total, |size| size.map(f64::from));
     let mut svg = Svg::new(plan.total, shown);
-    plan.draw(shots, camera, style, &mut svg);
+    plan.draw(shots, camera, style, Finish::COARSE, &mut svg);
     svg.finish()
 }
 
 /// As [`draw_svg`], as pixels. Without a size every unit of the composition has `fineness` of them.
-pub fn draw_raster(shots: &[Shot], camera: Camera, style: &Style, layout: &Layout, fineness: f64) -> Option<Raster> {
+pub fn draw_raster(
+    shots: &[Shot],
+    camera: Camera,
+    style: &Style,
+    layout: &Layout,
+    (fineness, finish): (f64, Finish),
+) -> Option<Raster> {
     let plan = Plan::new(shots, camera, style, layout);
     let scale = if layout.size.is_some() { layout.scale() } else { fineness };
     let size = layout.size.unwrap_or(plan.total.map(|length| (length * scale).ceil() as u32));
     let mut raster = Raster::new(size, scale)?;
-    plan.draw(shots, camera, style, &mut raster);
+    plan.draw(shots, camera, style, finish, &mut raster);
     Some(raster)
 }
 
@@ -173,7 +192,7 @@ impl Plan {
         Self { low: moved(low, -1.0), high: moved(high, 1.0), scale, shot, total }
     }
 
-    fn draw(&self, shots: &[Shot], camera: Camera, style: &Style, canvas: &mut dyn Canvas) {
+    fn draw(&self, shots: &[Shot], camera: Camera, style: &Style, finish: Finish, canvas: &mut dyn Canvas) {
         let view = camera.view();
         let screen = |x: f64, y: f64| [(x - self.low[0]) * self.scale, (self.high[1] - y) * self.scale];
         let visible = |shot: &Shot| Visible {
@@ -190,12 +209,12 @@ impl Plan {
             let x = MARGIN + (number % columns) as f64 * (self.shot[0] + MARGIN);
             let y = TITLE + (number / columns) as f64 * (self.shot[1] + CAPTION);
             canvas.enter([x, y]);
-            snapshot(canvas, visible, ends);
+            snapshot(canvas, visible, ends, finish);
             canvas.leave();
             let place = [x + 0.5 * self.shot[0], y + self.shot[1] + 18.0];
             canvas.text(&shot.caption, place, 14.0, Anchor::Middle);
         }
-        bar(canvas, style.label, ends, self.total);
+        bar(canvas, style.label, ends, self.total, finish.colour);
     }
 }
 
@@ -285,11 +304,11 @@ fn strokes(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2]
 }
 
 /// Parts of a face, or the whole face if they all have the same colour.
-fn pieces(face: &Face, range: (f64, f64)) -> Vec<Piece> {
-    let parts = (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i as f64, j as f64)));
-    let mut pieces: Vec<Piece> = parts
+fn pieces(face: &Face, range: (f64, f64), Finish { parts, colour }: Finish) -> Vec<Piece> {
+    let all = (0..parts).flat_map(|i| (0..parts).map(move |j| (i as f64, j as f64)));
+    let mut pieces: Vec<Piece> = all
         .map(|(i, j)| {
-            let at = |x: f64, y: f64| ((i + x) / PARTS as f64, (j + y) / PARTS as f64);
+            let at = |x: f64, y: f64| ((i + x) / parts as f64, (j + y) / parts as f64);
             let [value] = blend(at(0.5, 0.5), face.values.map(|value| [value]));
             let fill = colour((value - range.0) / (range.1 - range.0), face.light);
             (fill, [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)].map(|at| blend(at, face.corners)))
@@ -348,23 +367,23 @@ fn shade(normal: [f64; 3], view: &View) -> f64 {
     0.62 + 0.42 * dot(normal, light).max(0.0)
 }
 
-fn snapshot(canvas: &mut dyn Canvas, visible: &Visible, range: (f64, f64)) {
+fn snapshot(canvas: &mut dyn Canvas, visible: &Visible, range: (f64, f64), finish: Finish) {
     let mut strokes = visible.strokes.iter().peekable();
     for face in &visible.faces {
         while let Some(behind) = strokes.next_if(|stroke| stroke.nearness < face.nearness) {
-            draw_stroke(canvas, behind, range);
+            draw_stroke(canvas, behind, range, finish);
         }
-        for (fill, corners) in &pieces(face, range) {
+        for (fill, corners) in &pieces(face, range, finish) {
             canvas.piece(*fill, &widened(corners));
         }
         canvas.edges(&face.corners, face.edges);
     }
-    strokes.for_each(|before| draw_stroke(canvas, before, range));
+    strokes.for_each(|before| draw_stroke(canvas, before, range, finish));
 }
 
 /// A part of a line, or a disc.
-fn draw_stroke(canvas: &mut dyn Canvas, stroke: &Stroke, range: (f64, f64)) {
-    let fill = colour((stroke.value - range.0) / (range.1 - range.0), 1.0);
+fn draw_stroke(canvas: &mut dyn Canvas, stroke: &Stroke, range: (f64, f64), finish: Finish) {
+    let fill = (finish.colour)((stroke.value - range.0) / (range.1 - range.0), 1.0);
     match stroke.ends {
         [from, to] if from == to => canvas.disc(fill, from),
         ends => canvas.line(fill, &ends),

@@ -163,7 +163,9 @@ mod tests {
         raster.leave();
         raster.disc([1, 2, 3], [15.0, 5.0]);
         raster.text("I", [1.0, 8.0], 10.0, Anchor::Start);
-        for (place, wanted) in [([11, 1], [200, 100, 50]), ([9, 1], [255; 3]), ([21, 3], [255; 3]), ([30, 10], [1, 2, 3])] {
+        for (place, wanted) in
+            [([11, 1], [200, 100, 50]), ([9, 1], [255; 3]), ([21, 3], [255; 3]), ([30, 10], [1, 2, 3])]
+        {
             assert_eq!(pixel(&raster, place[0], place[1]), wanted, "{place:?}");
         }
         // The stroke of the letter goes from (1, 0.8) to (1, 8), and is 1.84 pixels wide.
