@@ -157,7 +157,7 @@ function tryPanels(app) {
     if (chart.lines().length !== chart.series.length - chart.labels[0].series.length) throw new Error(`test: a line of ${chart.title}`);
     chart.labels[0].button.click();
   }
-  return [...panels.tabs.keys()].map((name) => `panel ${name}`);
+  return [...[...panels.tabs.keys()].map((name) => `panel ${name}`), ...panels.charts.map(({ title }) => `chart ${title}`)];
 }
 
 async function test(app) {
@@ -188,7 +188,7 @@ function trySweep(app) {
   }
   document.querySelector('tr.case').click();
   must('a row chooses a run', app.run === app.runs[cases[0].run]);
-  return charts.map(({ title }) => `chart ${title}`);
+  return ['sweep'];
 }
 
 /** With `#test-reload` a page that loads itself anew must be after it as it was before. */
