@@ -327,6 +327,7 @@ class App {
   }
 
   resized() {
+    if (this.isAnimated() && this.viewer.isHome()) this.viewer.home();
     this.panels.redraw();
     this.redraw();
   }

@@ -5,7 +5,7 @@ const COLOURS = ['#2f6db3', '#c8553d', '#4f9a5b', '#8a5aa8', '#b8860b', '#3f8f93
 /** Colour of a run of several: cases of a sweep, and runs that are many, go through the colour map. */
 function runColour(run, count) {
   if (count <= COLOURS.length && !document.getElementById('sweep')) return COLOURS[run % COLOURS.length];
-  return `rgb(${mapColour(count > 1 ? 0.25 + (0.75 * run) / (count - 1) : 1).join(' ')})`;
+  return `rgb(${mapColour(count > 1 ? 0.4 + (0.6 * run) / (count - 1) : 1).join(' ')})`;
 }
 
 /** Dashes that tell the columns of compared runs apart, and how the legend shows them. */
@@ -118,8 +118,13 @@ class Chart {
 
   /** Ends of both axes. */
   ends() {
-    const [left, right] = this.span ?? this.series.reduce(
+    let [left, right] = this.span ?? this.series.reduce(
       ([a, b], { x }) => [Math.min(a, x[0]), Math.max(b, x[x.length - 1])], [Infinity, -Infinity]);
+    if (this.over && !this.span) {
+      // Room for the dots at the ends.
+      const room = 0.03 * (right - left) || 1;
+      [left, right] = [left - room, right + room];
+    }
     let [low, high] = [Infinity, -Infinity];
     for (const { x, y } of this.lines()) {
       for (let k = 0; k < x.length; k++) {

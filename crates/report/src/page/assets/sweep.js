@@ -21,10 +21,14 @@ function sweepCharts(sweep) {
     chart.series.push({ name, x, y, colour: COLOURS[chart.series.length % COLOURS.length], hasDots: true });
     charts.set(title, chart);
   });
+  // Beside something larger round-off is not worth a line.
+  const largest = (lines) => Math.max(...lines.flatMap(({ y }) => y.map(Math.abs)));
+  for (const chart of charts.values()) chart.series = chart.series.filter((line) => !(largest([line]) < 1e-10 * largest(chart.series)));
   // What a run took stands behind what it found.
   const isCost = ({ title }) => /^(time|steps|wall seconds) over/.test(title);
   const all = [...charts.values()];
-  return [...all.filter((chart) => !isCost(chart)), ...all.filter(isCost)];
+  const differs = ({ series }) => series.some(({ y }) => y.some((value) => value !== y[0]));
+  return [...all.filter((chart) => !isCost(chart)), ...all.filter((chart) => isCost(chart) && differs(chart))];
 }
 
 /** Title of the chart and name of the line of a column such as `last.tip.x` or `max.contact.max_pressure`. */
