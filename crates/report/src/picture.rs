@@ -118,7 +118,7 @@ pub(crate) fn unfit(folder: &Folder, text: String) -> Unfit {
 }
 
 /// Widths and heights that are drawn.
-const SIZES: RangeInclusive<u32> = 64..=16_384;
+const SIZES: RangeInclusive<u32> = 64..=8192;
 
 /// Draws a frame of a folder of results; returns the text of an SVG file.
 ///
