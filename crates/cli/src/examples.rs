@@ -17,7 +17,7 @@ macro_rules! scenes {
 }
 
 /// Names and texts. None of them needs another file.
-const SCENES: [(&str, &str); 12] = scenes![
+const SCENES: [(&str, &str); 13] = scenes![
     "two-blocks",
     "two-blocks-friction",
     "two-blocks-mortar",
@@ -28,6 +28,7 @@ const SCENES: [(&str, &str); 12] = scenes![
     "ironing-mortar",
     "press",
     "rigid-punch",
+    "slide",
     "tied-cantilever",
     "trebuchet",
 ];

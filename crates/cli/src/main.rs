@@ -6,6 +6,7 @@
 
 mod diagnostics;
 mod examples;
+mod follow;
 mod interrupt;
 mod job;
 mod mesh;
@@ -35,13 +36,15 @@ enum Command {
     /// Runs a scene and writes a folder of results.
     Run(job::Job),
     /// Writes a page for a browser, `report.html`, into the first of these folders: the run as an animation, its charts and its verdict. Several
-    /// runs are compared.
+    /// runs are compared, and so are the cases of a sweep.
     Report {
-        /// Folders of results.
+        /// Folders of results, or the folder of a sweep.
         #[arg(required = true)]
         out: Vec<PathBuf>,
     },
-    /// Draws a frame of a run as an SVG file; needs no display.
+    /// Writes the page of a run again and again while the run goes on; a browser that shows it loads it anew. Ends with the run, or by Ctrl-C.
+    Follow(follow::Follow),
+    /// Draws a frame of a run as an SVG or PNG file, or all frames as a GIF file; needs no display.
     Picture(picture::Picture),
     /// Runs a scene for all the values of its parameters that its table `[sweep]` gives.
     Sweep(sweep::SweepOptions),
@@ -100,6 +103,7 @@ fn main() -> ExitCode {
         Command::Run(job) => job::run(job),
         Command::Sweep(options) => sweep::sweep(options),
         Command::Report { out } => page::report(&out),
+        Command::Follow(asked) => follow::follow(&asked),
         Command::Picture(asked) => picture::write(asked),
         Command::Check { scene, set } => check(&scene, set),
         Command::Judge { out } => judge(&out),

@@ -14,7 +14,11 @@ pub fn write(folders: &[&Path]) -> stoss_report::Outcome<PathBuf> {
 
 /// Carries out `stoss report`.
 pub fn report(folders: &[PathBuf]) -> ExitCode {
-    let folders: Vec<&Path> = folders.iter().map(PathBuf::as_path).collect();
+    let folders: Vec<&Path> = folders.iter().map(PathBuf::as_path).filter(|path| !is_beside_a_case(path)).collect();
+    if folders.is_empty() {
+        say!("error: no folder of results is named");
+        return ExitCode::from(2);
+    }
     match write(&folders) {
         Ok(page) => tell(&page.display().to_string()),
         Err(error) => {
@@ -22,4 +26,10 @@ pub fn report(folders: &[PathBuf]) -> ExitCode {
             ExitCode::from(1)
         }
     }
+}
+
+/// What `SWEEP/cases/*` has beside the folders of the cases.
+fn is_beside_a_case(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    path.is_file() && matches!(ending, Some("json" | "log")) && path.with_extension("").is_dir()
 }

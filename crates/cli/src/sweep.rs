@@ -40,7 +40,10 @@ pub struct SweepOptions {
     /// Run nothing: print the command line of each case that is not done, for a scheduler.
     #[arg(long)]
     commands: bool,
-    /// Run nothing: write `sweep.csv` from what is there.
+    /// Write no page that compares the cases (`report.html` in the folder of the sweep).
+    #[arg(long)]
+    no_report: bool,
+    /// Run nothing: write `sweep.csv` and the page from what is there.
     #[arg(long, conflicts_with = "commands")]
     collect: bool,
     /// Print nothing but errors.
@@ -83,7 +86,10 @@ pub fn sweep(options: SweepOptions) -> ExitCode {
         sweep.run(&pending, jobs)
     };
     match done.and_then(|()| plan.collect(&sweep.out)) {
-        Ok(results) => sweep.finish(&results),
+        Ok(results) => {
+            let has_page = !options.no_report && sweep.write_page(&results);
+            sweep.finish(&results, has_page)
+        }
         Err(error) => {
             say!("error: {error}");
             ExitCode::from(1)
@@ -198,7 +204,24 @@ impl Running<'_> {
         Ok(())
     }
 
-    fn finish(&self, results: &[CaseResult]) -> ExitCode {
+    /// Writes the page that compares the cases; a page that cannot be written does not make the results worse.
+    fn write_page(&self, results: &[CaseResult]) -> bool {
+        if results.iter().all(|result| result.steps.is_none()) {
+            return false;
+        }
+        match stoss_report::page::write(&[self.out.as_path()]) {
+            Ok(notes) => {
+                notes.iter().filter(|_| !self.quiet).for_each(|note| say!("warning: {note}"));
+                true
+            }
+            Err(error) => {
+                say!("warning: no page: {error}");
+                false
+            }
+        }
+    }
+
+    fn finish(&self, results: &[CaseResult], has_page: bool) -> ExitCode {
         let count = |outcome: &str| results.iter().filter(|result| result.outcome == outcome).count();
         let wrong = results.iter().filter(|result| result.verdict == "wrong").count();
         let (completed, failed) = (count("completed"), count("failed"));
@@ -206,6 +229,9 @@ impl Running<'_> {
             let table = self.out.join(TABLE);
             let rest = results.len() - completed - failed;
             say!("{completed} completed ({wrong} wrong), {failed} failed, {rest} not done: {}", table.display());
+            if has_page {
+                say!("page: {}", self.out.join(stoss_report::page::NAME).display());
+            }
         }
         ExitCode::from(match () {
             () if self.stop.load(Ordering::Relaxed) => INTERRUPTED,

@@ -1,7 +1,8 @@
-//! The page that a run leaves, `stoss report` and `stoss picture`.
+//! The page that a run leaves, `stoss report`, `stoss follow` and `stoss picture`.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 /// A block flies.
 const SCENE: &str = r#"[scene]
@@ -81,7 +82,12 @@ fn a_picture_is_drawn_and_options_that_do_not_fit_are_refused() {
     let svg = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
     assert!(svg.contains(">flight: block<") && svg.contains(">velocity<") && svg.contains(">-1.00<"));
     for (arguments, told) in [
-        (vec!["a.png"], "a.png"),
+        (vec!["a.bmp"], "a.bmp"),
+        (vec!["b.gif", "--frame", "0"], "--frame"),
+        (vec!["b.svg", "--fps", "5"], "--fps"),
+        (vec!["b.gif", "--fps", "500"], "--fps 500"),
+        (vec!["b.png", "--size", "640"], "--size"),
+        (vec!["b.png", "--size", "1x1"], "--size 1x1"),
         (vec!["b.svg", "--body", "rope"], "block"),
         (vec!["b.svg", "--field", "colour"], "velocity"),
         (vec!["b.svg", "--frame", "70"], "--frame 70"),
@@ -91,7 +97,85 @@ fn a_picture_is_drawn_and_options_that_do_not_fit_are_refused() {
         let (code, text) = picture(&arguments);
         assert!(code == Some(2) && text.contains(told), "{text}");
     }
-    assert!(!folder.path().join("b.svg").exists());
+    for name in ["b.svg", "b.png", "b.gif"] {
+        assert!(!folder.path().join(name).exists());
+    }
+    let bytes = |arguments: &[&str]| {
+        assert_eq!(picture(arguments), (Some(0), String::new()));
+        std::fs::read(folder.path().join(arguments[0])).unwrap()
+    };
+    // Width and height stand behind the signature and the name of the first part; in the other format behind the version.
+    let png = bytes(&["c.png", "--size", "320x240"]);
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n") && png[16..24] == [0, 0, 1, 64, 0, 0, 0, 240]);
+    let gif = bytes(&["c.gif", "--size", "320x240", "--every", "2", "--fps", "10", "--once"]);
+    assert!(gif.starts_with(b"GIF89a") && gif[6..10] == [64, 1, 240, 0]);
+    // Frames 0 and 2 are each announced by a delay of ten hundredths of a second.
+    let delays = gif.windows(6).filter(|bytes| bytes[..3] == [0x21, 0xf9, 4] && bytes[4..6] == [10, 0]).count();
+    assert_eq!(delays, 2);
     let (code, text) = picture(&["nowhere/b.svg"]);
     assert!(code == Some(1) && text.contains("nowhere/b.svg"), "{text}");
+}
+
+/// The page as it is now.
+fn page_of(folder: &Path) -> String {
+    std::fs::read_to_string(folder.join("out/report.html")).unwrap_or_default()
+}
+
+#[test]
+fn a_page_loads_itself_anew_as_long_as_the_run_goes_on_and_is_followed() {
+    const RELOAD: &str = "<meta name=\"stoss-reload\" content=\"0.5\">";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
+    assert!(stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--no-report", "--quiet"]).status.success());
+    // A run that has ended.
+    let output = stoss(folder.path(), &["follow", "out"]);
+    assert!(output.status.success() && page_of(folder.path()).contains("<title>flight</title>"));
+    assert!(!page_of(folder.path()).contains(RELOAD));
+    // One that goes on: somebody holds its lock.
+    let follow = |end: &dyn Fn(u32)| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stoss"));
+        command.args(["follow", "out", "--interval", "0.5"]).current_dir(folder.path()).stdout(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        let limit = Instant::now() + Duration::from_secs(20);
+        while !page_of(folder.path()).contains(RELOAD) && Instant::now() < limit {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        assert!(page_of(folder.path()).contains(RELOAD));
+        end(child.id());
+        assert!(child.wait().unwrap().success());
+        assert!(page_of(folder.path()).contains("<title>flight</title>") && !page_of(folder.path()).contains(RELOAD));
+    };
+    let lock = std::fs::File::options().write(true).open(folder.path().join("out/stoss.lock")).unwrap();
+    lock.lock().unwrap();
+    #[cfg(unix)]
+    follow(&|child| assert!(Command::new("kill").args(["-INT", &child.to_string()]).status().unwrap().success()));
+    follow(&|_| lock.unlock().unwrap());
+    let output = stoss(folder.path(), &["follow", "out", "--interval", "0"]);
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("--interval"));
+}
+
+#[test]
+fn a_sweep_leaves_a_page_that_compares_its_cases() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = SCENE.replace("[time]", "[parameters]\nspeed = 1.0\n[sweep]\ngrid = { speed = [1.0, 2.5] }\n[time]");
+    std::fs::write(folder.path().join("scene.toml"), scene.replace("-1.0]", "\"-speed\"]")).unwrap();
+    let page = folder.path().join("out/report.html");
+    assert!(stoss(folder.path(), &["sweep", "scene.toml", "--out", "out", "--no-report"]).status.success());
+    assert!(!page.exists());
+    let output = stoss(folder.path(), &["sweep", "scene.toml", "--out", "out"]);
+    assert!(output.status.success() && stderr(&output).contains("out/report.html"), "{}", stderr(&output));
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert_eq!((text.matches("class=\"run\">").count(), text.matches("id=\"sweep\">").count()), (2, 1));
+    std::fs::remove_file(&page).unwrap();
+    assert!(stoss(folder.path(), &["report", "out"]).status.success());
+    assert_eq!(std::fs::read_to_string(&page).unwrap(), text);
+    // As a shell writes `out/cases/*`.
+    let names: Vec<String> = ["0001", "0001.json", "0001.log", "0002", "0002.json", "0002.log"]
+        .map(|name| format!("out/cases/{name}"))
+        .into();
+    let arguments: Vec<&str> = std::iter::once("report").chain(names.iter().map(String::as_str)).collect();
+    assert!(stoss(folder.path(), &arguments).status.success());
+    let text = std::fs::read_to_string(folder.path().join("out/cases/0001/report.html")).unwrap();
+    assert_eq!(text.matches("class=\"run\">").count(), 2);
+    assert_eq!(stoss(folder.path(), &["report", "out/cases/0001.log"]).status.code(), Some(2));
 }

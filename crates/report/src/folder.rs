@@ -82,13 +82,18 @@ impl Folder {
         vtu::load(&self.frames[frame].path)
     }
 
-    /// Reads a table; nothing if there is none of that name.
+    /// Reads a table; nothing if there is none of that name. A last row without a line feed is left out: it is being written.
     ///
     /// # Errors
     /// What is wrong with it, with its name.
     pub fn table(&self, name: &str) -> Outcome<Option<Table>> {
         let file = self.path.join(name);
-        file.is_file().then(|| Table::read(&file)).transpose()
+        if !file.is_file() {
+            return Ok(None);
+        }
+        let text = read(&file)?;
+        let whole = text.rfind('\n').map_or(text.as_str(), |end| &text[..=end]);
+        Ok(Some(Table::parse(whole).map_err(|error| format!("{}: {error}", file.display()))?))
     }
 }
 
@@ -141,6 +146,8 @@ mod tests {
         let open = Folder::open(folder.path()).unwrap();
         assert!(open.frames.is_empty() && open.notes[0].contains("frames.pvd"), "{:?}", open.notes);
         assert!(open.table("balance.csv").unwrap_err().to_string().contains("balance.csv: line 2"));
+        write("balance.csv", "step,time\n1,0.1\n2,0.");
+        assert_eq!(open.table("balance.csv").unwrap().unwrap().rows(), 1);
         assert_eq!(open.table("probes.csv").unwrap(), None);
     }
 }

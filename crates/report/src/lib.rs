@@ -1,18 +1,20 @@
-//! Reading the files that a run leaves, charts and pictures of them as SVG texts, and the page that shows a run.
+//! Reading the files that a run leaves, charts and pictures of them, and the page that shows a run.
 //!
 //! - [`folder`]: a folder of results; [`page`]: one HTML file with the run as an animation, its charts and its verdict;
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
-//! - [`picture`]: one picture of a frame;
+//! - [`picture`]: one picture of a frame, as SVG or PNG; [`animation`]: all frames as GIF;
 //! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
-//! - [`vtu`]: frames; [`table`]: tables with comma-separated values.
+//! - [`sweep`]: a folder of a sweep; [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
 //! An SVG text refers to nothing outside of itself. Not here: running anything, and which scene is drawn how.
 
+pub mod animation;
 pub mod folder;
 pub mod page;
 pub mod paint;
 pub mod picture;
 pub mod plot;
+pub mod sweep;
 pub mod table;
 pub mod vtu;
 

@@ -1,16 +1,20 @@
-//! One picture of a run as SVG, without a browser: a frame seen from a direction, coloured by a field.
+//! One picture of a run as SVG text or PNG, without a browser: a frame seen from a direction, coloured by a field.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use crate::Outcome;
 use crate::folder::Folder;
-use crate::page::{Field, escaped, title};
-use crate::paint::{Camera, Shot, Style, Surface, draw};
+use crate::page::{Field, title};
+use crate::paint::{Camera, Finish, Layout, Shot, Style, Surface, draw_raster, draw_svg};
 use crate::vtu::{Array, Grid};
 
 /// Width of what is drawn in pixels.
-const WIDTH: f64 = 720.0;
+pub(crate) const WIDTH: f64 = 720.0;
+
+/// Pixels of a PNG picture for one of an SVG picture, if no size is given: screens are fine.
+const FINENESS: f64 = 2.0;
 
 /// Direction of the eye unless another is asked for: that of the page.
 const CAMERA: Camera = Camera { azimuth: -60.0, elevation: 22.0 };
@@ -44,6 +48,8 @@ pub struct Options {
     pub bodies: Vec<String>,
     /// Values at the ends of the colour bar; without them the smallest and the largest visible value.
     pub range: Option<[f64; 2]>,
+    /// Width and height in pixels; without them the height follows from what is drawn.
+    pub size: Option<[u32; 2]>,
 }
 
 /// An option that does not fit to the folder; the message names the folder, the option, its value and what there is.
@@ -58,35 +64,97 @@ impl fmt::Display for Unfit {
 
 impl std::error::Error for Unfit {}
 
+/// A folder with options that fit to it as far as that can be told without frames.
+pub(crate) struct Motif<'a> {
+    pub folder: Folder,
+    pub camera: Camera,
+    options: &'a Options,
+}
+
+impl<'a> Motif<'a> {
+    pub fn open(path: &Path, options: &'a Options) -> Outcome<Self> {
+        let folder = Folder::open(path)?;
+        let camera = camera(options.view).map_err(|text| unfit(&folder, text))?;
+        if let Some([a, b]) = options.range.filter(|[a, b]| !(a < b && (b - a).is_finite())) {
+            let text = format!("--range {a},{b}: give two finite numbers, the smaller first");
+            return Err(unfit(&folder, text).into());
+        }
+        if let Some([width, height]) = options.size.filter(|size| size.iter().any(|n| !SIZES.contains(n))) {
+            let text = format!("--size {width}x{height}: give {} to {} pixels each", SIZES.start(), SIZES.end());
+            return Err(unfit(&folder, text).into());
+        }
+        if folder.frames.is_empty() {
+            let notes: String = folder.notes.iter().map(|note| format!("; {note}")).collect();
+            return Err(format!("{}: no frames to draw{notes}", path.display()).into());
+        }
+        Ok(Self { folder, camera, options })
+    }
+
+    /// The chosen bodies in a frame.
+    pub fn grid(&self, frame: usize) -> Outcome<Grid> {
+        let grid = self.folder.grid(frame)?;
+        Ok(chosen(&grid, &self.folder.bodies, &self.options.bodies).map_err(|text| unfit(&self.folder, text))?)
+    }
+
+    /// Above the picture.
+    pub fn title(&self) -> String {
+        let bodies = &self.options.bodies;
+        let bodies = if bodies.is_empty() { String::new() } else { format!(": {}", bodies.join(", ")) };
+        format!("{}{bodies}", title(&self.folder))
+    }
+
+    /// Below the picture of a frame, with its surface.
+    pub fn shot(&self, frame: usize, surface: Surface) -> Outcome<Shot> {
+        let frame_of = &self.folder.frames[frame];
+        if !surface.places().flatten().all(f64::is_finite) {
+            return Err(format!("{}: positions that are not finite cannot be drawn", frame_of.path.display()).into());
+        }
+        Ok(Shot { caption: format!("time {}, frame {frame}", rounded(frame_of.time)), surface })
+    }
+}
+
+pub(crate) fn unfit(folder: &Folder, text: String) -> Unfit {
+    Unfit(format!("{}: {text}", folder.path().display()))
+}
+
+/// Widths and heights that are drawn.
+const SIZES: RangeInclusive<u32> = 64..=8192;
+
 /// Draws a frame of a folder of results; returns the text of an SVG file.
 ///
 /// # Errors
 /// [`Unfit`] for an option that does not fit; else what is wrong with the folder or the frame, with its name.
 pub fn picture(path: &Path, options: &Options) -> Outcome<String> {
-    let folder = Folder::open(path)?;
-    let unfit = |text: String| Unfit(format!("{}: {text}", path.display()));
-    let camera = camera(options.view).map_err(unfit)?;
-    if let Some([a, b]) = options.range.filter(|[a, b]| !(a < b && (b - a).is_finite())) {
-        return Err(unfit(format!("--range {a},{b}: give two finite numbers, the smaller first")).into());
-    }
-    if folder.frames.is_empty() {
-        let notes: String = folder.notes.iter().map(|note| format!("; {note}")).collect();
-        return Err(format!("{}: no frames to draw{notes}", path.display()).into());
-    }
-    let number = number(&folder, options.frame).map_err(unfit)?;
-    let frame = &folder.frames[number];
-    let grid = folder.grid(number)?;
-    let grid = chosen(&grid, &folder.bodies, &options.bodies).map_err(unfit)?;
-    let (surface, label) = coloured(&grid, options.field.as_deref()).map_err(unfit)?;
-    if !surface.places().flatten().all(f64::is_finite) {
-        return Err(format!("{}: positions that are not finite cannot be drawn", frame.path.display()).into());
-    }
-    let bodies = if options.bodies.is_empty() { String::new() } else { format!(": {}", options.bodies.join(", ")) };
-    let title = escaped(&format!("{}{bodies}", title(&folder)));
-    let caption = format!("time {}, frame {number}", rounded(frame.time));
+    let (shot, camera, title, label) = composed(path, options)?;
+    let (style, layout) = around(options, &title, &label);
+    Ok(draw_svg(&[shot], camera, &style, &layout))
+}
+
+/// As [`picture`]; returns the bytes of a PNG file.
+///
+/// # Errors
+/// As [`picture`].
+pub fn png(path: &Path, options: &Options) -> Outcome<Vec<u8>> {
+    let (shot, camera, title, label) = composed(path, options)?;
+    let (style, layout) = around(options, &title, &label);
+    let raster =
+        draw_raster(&[shot], camera, &style, &layout, (FINENESS, Finish::FINE)).ok_or("the picture has no pixels")?;
+    Ok(raster.png()?)
+}
+
+/// What is drawn of a frame, with camera, title and label.
+fn composed(path: &Path, options: &Options) -> Outcome<(Shot, Camera, String, String)> {
+    let motif = Motif::open(path, options)?;
+    let number = number(&motif.folder, options.frame).map_err(|text| unfit(&motif.folder, text))?;
+    let grid = motif.grid(number)?;
+    let coloured = coloured(&grid, options.field.as_deref());
+    let (surface, label) = coloured.map_err(|text| unfit(&motif.folder, text))?;
+    Ok((motif.shot(number, surface)?, motif.camera, motif.title(), label))
+}
+
+pub(crate) fn around<'a>(options: &Options, title: &'a str, label: &'a str) -> (Style<'a>, Layout) {
     let range = options.range.map(|[a, b]| (a, b));
-    let style = Style { title: &title, label: &escaped(&label), width: WIDTH, range };
-    Ok(draw(&[Shot { caption, surface }], camera, &style))
+    (Style { title, label, width: WIDTH, range }, Layout { size: options.size, window: None })
 }
 
 /// The camera for a direction towards the eye. Seen from right above or below, x points to the right.
@@ -148,37 +216,55 @@ fn chosen(grid: &Grid, names: &[String], wanted: &[String]) -> Result<Grid, Stri
     })
 }
 
-/// The surface with the values of a field, and the field's name for people.
-fn coloured(grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
-    let fields = Field::of(grid);
-    let mut known: Vec<String> = fields.iter().map(Field::name).collect();
+/// Names of all fields of a frame, for a message.
+fn known(grid: &Grid) -> String {
+    let mut known: Vec<String> = Field::of(grid).iter().map(Field::name).collect();
     known.extend(grid.point_data.contains_key(DISPLACEMENT).then(|| DISPLACEMENT.to_owned()));
-    let known = known.join(", ");
-    let surface = |name: &str| -> Result<Option<(Surface, String)>, String> {
-        if name == DISPLACEMENT && grid.point_data.contains_key(name) {
-            return Ok(Some((Surface::new(grid, name)?, name.to_owned())));
+    known.join(", ")
+}
+
+/// The surface with the values of a field, and the field's name for people; nothing if there is no such field.
+pub(crate) fn surface(grid: &Grid, name: &str) -> Result<Option<(Surface, String)>, String> {
+    if name == DISPLACEMENT && grid.point_data.contains_key(name) {
+        return Ok(Some((Surface::new(grid, name)?, name.to_owned())));
+    }
+    let fields = Field::of(grid);
+    let Some(field) = fields.iter().find(|field| field.name() == name) else { return Ok(None) };
+    let points: Vec<usize> = (0..grid.points.len()).collect();
+    let values = field.values(grid, &points).into_iter().map(f64::from).collect();
+    let mut grid = grid.clone();
+    grid.point_data.insert(name.to_owned(), Array { components: 1, values });
+    Ok(Some((Surface::new(&grid, name)?, field.label.clone())))
+}
+
+pub(crate) fn has_values(surface: &Surface) -> bool {
+    surface.values().any(f64::is_finite)
+}
+
+/// The field that is drawn if none is asked for.
+pub(crate) fn default_field(grid: &Grid) -> Result<&'static str, String> {
+    for name in [VON_MISES, DISPLACEMENT] {
+        if surface(grid, name)?.is_some_and(|(surface, _)| has_values(&surface)) {
+            return Ok(name);
         }
-        let Some(field) = fields.iter().find(|field| field.name() == name) else { return Ok(None) };
-        let points: Vec<usize> = (0..grid.points.len()).collect();
-        let values = field.values(grid, &points).into_iter().map(f64::from).collect();
-        let mut grid = grid.clone();
-        grid.point_data.insert(name.to_owned(), Array { components: 1, values });
-        Ok(Some((Surface::new(&grid, name)?, field.label.clone())))
-    };
-    let has_values = |surface: &Surface| surface.values().any(f64::is_finite);
-    let Some(name) = wanted else {
-        for name in [VON_MISES, DISPLACEMENT] {
-            if let Some(found) = surface(name)?.filter(|(surface, _)| has_values(surface)) {
-                return Ok(found);
-            }
-        }
-        return Err(format!("neither {VON_MISES} nor {DISPLACEMENT} has values to draw: name one by --field: {known}"));
-    };
-    match surface(name)? {
-        None => Err(format!("--field {name}: there is no such field in the frame; there are {known}")),
-        Some((surface, _)) if !has_values(&surface) => {
-            Err(format!("--field {name}: it has no values on what is drawn; choose other bodies, or one of {known}"))
-        }
+    }
+    Err(format!("neither {VON_MISES} nor {DISPLACEMENT} has values to draw: name one by --field: {}", known(grid)))
+}
+
+pub(crate) fn no_such_field(grid: &Grid, name: &str) -> String {
+    format!("--field {name}: there is no such field in the frame; there are {}", known(grid))
+}
+
+pub(crate) fn no_values(grid: &Grid, name: &str) -> String {
+    format!("--field {name}: it has no values on what is drawn; choose other bodies, or one of {}", known(grid))
+}
+
+/// The surface with the values of a field that is there and has some, and the field's name for people.
+fn coloured(grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
+    let name = wanted.map_or_else(|| default_field(grid), Ok)?;
+    match surface(grid, name)? {
+        None => Err(no_such_field(grid, name)),
+        Some((surface, _)) if !has_values(&surface) => Err(no_values(grid, name)),
         Some(found) => Ok(found),
     }
 }

@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use stoss_mesh_io::{Field, VtuFrame, write_vtu};
 use stoss_report::page::coding::decode;
-use stoss_report::page::{NAME, page, write};
+use stoss_report::page::{Follower, NAME, page, write};
 use tempfile::TempDir;
 
 const FRAMES: usize = 6;
@@ -36,8 +36,13 @@ fn moved([x, y, z]: [f64; 3], frame: usize) -> [f64; 3] {
 /// A folder of results: a cube, a rope and a point that move, with a pressure on the cube only.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-    std::fs::create_dir(folder.path().join("frames")).unwrap();
+    fill(folder.path());
+    folder
+}
+
+fn fill(folder: &Path) {
+    let put = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    std::fs::create_dir_all(folder.join("frames")).unwrap();
     let points: Vec<[f64; 3]> = CUBE.iter().chain(&MORE).copied().collect();
     let mut collection = String::from("<VTKFile><Collection>");
     let mut balance = String::from("step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,total\n");
@@ -57,12 +62,16 @@ fn folder() -> TempDir {
             cell_data: vec![Field { name: "body", components: 1, values: &[0.0, 1.0, 2.0] }],
             ..VtuFrame::default()
         };
-        write_vtu(folder.path().join(format!("frames/frame_{frame:06}.vtu")), &data).unwrap();
+        write_vtu(folder.join(format!("frames/frame_{frame:06}.vtu")), &data).unwrap();
         collection += &format!("<DataSet timestep=\"{}\" file=\"frames/frame_{frame:06}.vtu\"/>", frame as f64 / 10.0);
         balance += &format!("{frame},{},0.1,1,0,0,0,0,{frame},2,{frame},3\n", frame as f64 / 10.0);
     }
     put("frames.pvd", &(collection + "</Collection></VTKFile>"));
     put("balance.csv", &balance);
+    put(
+        "contact.csv",
+        "step,time,active,sole.force_x,sole.force_y,sole.force_z,sole.area,sole.friction_work\n1,0.1,4,3,0,4,2,0\n2,0.2,4,6,0,8,2,1\n",
+    );
     let scene = "title = '</script><b>$& http://a'";
     let bodies = serde_json::json!({"bodies": ["cube", "rope", "mass"], "plan": ["one line"], "scene": scene});
     put("run.json", &bodies.to_string());
@@ -74,6 +83,26 @@ fn folder() -> TempDir {
         "verdict": {"level": "wrong", "reasons": [finding]},
     });
     put("summary.json", &summary.to_string());
+}
+
+/// Cases of a sweep, the last of them without results.
+fn sweep() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = folder.path().join("cases");
+    let mut table =
+        String::from("case,mu,outcome,verdict,reason,time,last.tip.x,last.tip.y,min.contact.max_pressure\n");
+    for number in 1..4 {
+        let mu = 0.1 * f64::from(number);
+        if number < 3 {
+            fill(&cases.join(format!("000{number}")));
+            table += &format!("{number},{mu:e},completed,sound,,0.5,{},2,3\n", 0.05 / mu);
+        } else {
+            table += &format!("{number},{mu:e},failed,,\"step 1, </script> & \"\"more\"\"\",,,,\n");
+        }
+        let mark = serde_json::json!({"scene": "", "values": {"mu": mu}});
+        std::fs::write(cases.join(format!("000{number}.json")), mark.to_string()).unwrap();
+    }
+    std::fs::write(folder.path().join("sweep.csv"), table).unwrap();
     folder
 }
 
@@ -187,6 +216,64 @@ fn a_file_of_somebody_else_is_kept() {
     write(&[folder.path()]).unwrap();
 }
 
+#[test]
+fn a_page_of_a_sweep_has_its_cases_and_its_table() {
+    let folder = sweep();
+    write(&[folder.path()]).unwrap();
+    let text = std::fs::read_to_string(folder.path().join(NAME)).unwrap();
+    assert_eq!(text.matches("class=\"run\">").count(), 2);
+    let (header, _) = unpacked(&text);
+    assert_eq!((&header["name"], &header["values"]["mu"]), (&"mu = 0.1".into(), &0.1.into()));
+    let (_, rest) = text.split_once("id=\"sweep\">").unwrap();
+    let table: Value = serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap();
+    assert_eq!((&table["cases"][0]["results"][1], &table["cases"][1]["run"]), (&0.5.into(), &1.into()));
+    assert_eq!(
+        (&table["cases"][2]["run"], &table["cases"][2]["reason"]),
+        (&Value::Null, &"step 1, </script> & \"more\"".into())
+    );
+    // A case that is named by itself has its label, too.
+    let cases = [1, 2].map(|number| folder.path().join(format!("cases/000{number}")));
+    let text = page(&[&cases[1], &cases[0]]).unwrap().text;
+    assert_eq!(unpacked(&text).0["name"], "mu = 0.2");
+    std::fs::remove_dir_all(folder.path().join("cases")).unwrap();
+    assert!(write(&[folder.path()]).unwrap_err().to_string().contains("no case"));
+}
+
+#[test]
+fn who_follows_a_run_reads_a_frame_once() {
+    let folder = folder();
+    let path = folder.path();
+    let all = std::fs::read_to_string(path.join("frames.pvd")).unwrap();
+    let shown = || unpacked(&std::fs::read_to_string(path.join(NAME)).unwrap());
+    let wanted = unpacked(&page(&[path]).unwrap().text);
+    // Three frames, and a row of a table that is being written.
+    let part = all.match_indices("/>").nth(2).map(|(end, mark)| &all[..end + mark.len()]).unwrap();
+    std::fs::write(path.join("frames.pvd"), format!("{part}</Collection></VTKFile>")).unwrap();
+    let balance = std::fs::read_to_string(path.join("balance.csv")).unwrap();
+    std::fs::write(path.join("balance.csv"), &balance[..balance.len() - 5]).unwrap();
+    let mut follower = Follower::default();
+    assert_eq!(follower.write(path, Some(2.5)).unwrap(), Vec::<String>::new());
+    let text = std::fs::read_to_string(path.join(NAME)).unwrap();
+    assert!(text.contains("<meta name=\"stoss-reload\" content=\"2.5\">"));
+    assert_eq!(shown().0["animation"]["times"].as_array().unwrap().len(), 3);
+    assert_eq!(shown().0["tables"][0]["rows"], FRAMES - 1);
+    std::fs::write(path.join("frames.pvd"), &all).unwrap();
+    std::fs::write(path.join("balance.csv"), &balance).unwrap();
+    // A frame that was read, and whose file looks as before, is not looked into again.
+    let frame = path.join("frames/frame_000001.vtu");
+    let data = std::fs::metadata(&frame).unwrap();
+    std::fs::write(&frame, vec![b'?'; data.len() as usize]).unwrap();
+    let times = std::fs::FileTimes::new().set_modified(data.modified().unwrap());
+    std::fs::File::options().write(true).open(&frame).unwrap().set_times(times).unwrap();
+    assert_eq!(follower.write(path, None).unwrap(), Vec::<String>::new());
+    assert!(shown() == wanted);
+    assert!(!std::fs::read_to_string(path.join(NAME)).unwrap().contains("content=\"2.5\""));
+    // One that was written anew is.
+    std::fs::write(&frame, "?").unwrap();
+    assert!(follower.write(path, None).unwrap()[0].contains("frame_000001.vtu"));
+    assert_eq!(shown().0["animation"]["times"].as_array().unwrap().len(), 1);
+}
+
 /// The browser, if there is one.
 fn chromium() -> Option<&'static str> {
     let starts = |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
@@ -248,10 +335,25 @@ fn a_browser_shows_it() {
         return;
     };
     let (one, two, plain) = (folder(), folder(), folder());
-    let controls =
-        ["the picture is not blank", "scrub", "clip plane", "a node can be picked", "playing changes the picture"];
+    let controls = [
+        "chart Contact force by pair",
+        "chart Contact area by pair",
+        "chart Frictional work by pair",
+        "the picture is not blank",
+        "scrub",
+        "clip plane",
+        "a node can be picked",
+        "playing changes the picture",
+    ];
     passes(browser, &[one.path()], &controls);
     passes(browser, &[one.path(), two.path()], &["panel Compare", "hide a body", "panel Verdict"]);
+    // A page that loads itself anew is as it was before.
+    Follower::default().write(one.path(), Some(0.3)).unwrap();
+    let (document, console) = load(browser, &one.path().join(NAME), "#test-reload");
+    assert_eq!((title(&document), console), ("ready", Vec::new()));
+    let sweep = sweep();
+    passes(browser, &[sweep.path()], &["panel Sweep", "panel Compare", "chart tip at the end over mu", "scrub"]);
+    write(&[one.path()]).unwrap();
     // Without frames: charts only.
     std::fs::remove_file(plain.path().join("frames.pvd")).unwrap();
     passes(browser, &[plain.path()], &["panel Balance", "panel Solver"]);

@@ -45,7 +45,8 @@ fn good_scenes_survive_a_round_trip() {
 
 #[test]
 fn our_reader_and_serde_agree() {
-    for (file, text) in good_scenes() {
+    // Expressions are evaluated by our reader.
+    for (file, text) in good_scenes().into_iter().filter(|(_, text)| !text.contains("[parameters]")) {
         let by_serde: Scene = toml::from_str(&text).unwrap();
         assert_eq!(read(&text, &file), by_serde, "{file}");
     }

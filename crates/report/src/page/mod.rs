@@ -13,13 +13,16 @@ mod tables;
 
 pub(crate) use fields::Field;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::folder::Folder;
+use crate::sweep::{Sweep, label, values};
 use crate::{Outcome, read};
+use payload::{Cache, Packing};
 
 /// Name of the page in a folder of results.
 pub const NAME: &str = "report.html";
@@ -30,14 +33,16 @@ const MARK: &str = "<meta name=\"generator\" content=\"Stoss\">";
 const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/style.css");
 /// Every part of the program, in the order in which they use each other.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 10] = [
     include_str!("assets/payload.js"),
     include_str!("assets/linear.js"),
     include_str!("assets/viewer.js"),
     include_str!("assets/charts.js"),
     include_str!("assets/curves.js"),
+    include_str!("assets/sweep.js"),
     include_str!("assets/panels.js"),
     include_str!("assets/app.js"),
+    include_str!("assets/follow.js"),
     include_str!("assets/selftest.js"),
 ];
 
@@ -50,38 +55,125 @@ pub struct Page {
     pub notes: Vec<String>,
 }
 
+/// What is put together to a page.
+#[derive(Default)]
+struct Parts {
+    head: String,
+    data: String,
+    notes: Vec<String>,
+    titles: Vec<String>,
+}
+
+impl Parts {
+    /// Adds one of so many runs.
+    fn add(&mut self, path: &Path, runs: usize, is_fast: bool, cache: &mut Cache) -> Outcome<()> {
+        let folder = Folder::open(path)?;
+        let values: BTreeMap<String, f64> = values(path);
+        let name = if values.is_empty() { folder.name() } else { label(&values) };
+        let packing = Packing { name: &name, values: &values, runs, is_fast };
+        let (bytes, notes) = payload::pack(&folder, &packing, cache)?;
+        self.notes.extend(notes);
+        let title = title(&folder);
+        if !self.titles.contains(&title) {
+            self.titles.push(title);
+        }
+        self.data += "<script type=\"text/plain\" class=\"run\">";
+        STANDARD.encode_string(bytes, &mut self.data);
+        self.data += "</script>\n";
+        Ok(())
+    }
+
+    fn page(self) -> Page {
+        let script = SCRIPTS.join("\n");
+        let title = escaped(&self.titles.join(" | "));
+        let parts = [
+            ("head", self.head.as_str()),
+            ("style", STYLE),
+            ("title", title.as_str()),
+            ("data", self.data.as_str()),
+            ("script", script.as_str()),
+        ];
+        Page { text: filled(PAGE, &parts), notes: self.notes }
+    }
+}
+
 /// The page of one run or of several that are compared.
 ///
 /// # Errors
 /// If a folder has no results at all.
 pub fn page(folders: &[&Path]) -> Outcome<Page> {
-    let (mut data, mut notes, mut titles) = (String::new(), Vec::new(), Vec::new());
+    let mut parts = Parts::default();
     for path in folders {
-        let folder = Folder::open(path)?;
-        let (bytes, found) = payload::pack(&folder)?;
-        notes.extend(found);
-        titles.push(title(&folder));
-        data += "<script type=\"text/plain\" class=\"run\">";
-        STANDARD.encode_string(bytes, &mut data);
-        data += "</script>\n";
+        parts.add(path, folders.len(), false, &mut Cache::default())?;
     }
-    let script = SCRIPTS.join("\n");
-    let title = escaped(&titles.join(" | "));
-    let parts = [("style", STYLE), ("title", title.as_str()), ("data", data.as_str()), ("script", script.as_str())];
-    Ok(Page { text: filled(PAGE, &parts), notes })
+    Ok(parts.page())
 }
 
-/// Writes the page of these runs into the folder of the first; returns the notes.
+/// The page of a sweep: its cases are compared, and its table is shown.
 ///
 /// # Errors
-/// As [`page`], and what the system says about writing.
+/// If no case has results.
+pub fn sweep_page(path: &Path, mut sweep: Sweep) -> Outcome<Page> {
+    let has_results = |folder: &Path| Folder::open(folder).is_ok();
+    let runs = sweep.cases.iter().filter(|case| has_results(&case.folder)).count();
+    if runs == 0 {
+        return Err(format!("{}: no case of the sweep has results", path.display()).into());
+    }
+    let mut parts = Parts::default();
+    for (run, case) in sweep.cases.iter_mut().filter(|case| has_results(&case.folder)).enumerate() {
+        parts.add(&case.folder, runs, false, &mut Cache::default())?;
+        case.run = Some(run);
+    }
+    // Nothing in it may look like the end of a script.
+    let table = serde_json::to_string(&sweep)?.replace('<', "\\u003c");
+    parts.data += &format!("<script type=\"application/json\" id=\"sweep\">{table}</script>\n");
+    Ok(parts.page())
+}
+
+/// Writes the page of these runs into the folder of the first, or that of a sweep into its folder; returns the notes.
+///
+/// # Errors
+/// As [`page`] and [`sweep_page`], and what the system says about writing.
 pub fn write(folders: &[&Path]) -> Outcome<Vec<String>> {
     let Some(first) = folders.first() else { return Err("no folder of results is named".into()) };
-    let (path, scratch) = (first.join(NAME), first.join(".report.html.part"));
-    if path.exists() && !read(&path)?.contains(MARK) {
-        return Err(format!("{}: it was not written by Stoss; move it away", path.display()).into());
+    must_be_ours(first)?;
+    if let (Some(sweep), 1) = (Sweep::open(first)?, folders.len()) {
+        return save(first, sweep_page(first, sweep)?);
     }
-    let Page { text, notes } = page(folders)?;
+    save(first, page(folders)?)
+}
+
+/// Writes the page of a run that goes on, again and again: frames that were read once are not read again.
+#[derive(Debug, Default)]
+pub struct Follower(Cache);
+
+impl Follower {
+    /// Writes the page of a folder, which loads itself anew after so many seconds, or does not; returns the notes.
+    ///
+    /// # Errors
+    /// As [`write`].
+    pub fn write(&mut self, path: &Path, reload: Option<f64>) -> Outcome<Vec<String>> {
+        must_be_ours(path)?;
+        let mut parts = Parts::default();
+        parts.add(path, 1, reload.is_some(), &mut self.0)?;
+        if let Some(seconds) = reload {
+            parts.head = format!("<meta name=\"stoss-reload\" content=\"{seconds}\">");
+        }
+        save(path, parts.page())
+    }
+}
+
+fn must_be_ours(folder: &Path) -> Outcome<()> {
+    let path = folder.join(NAME);
+    match path.exists() && !read(&path)?.contains(MARK) {
+        true => Err(format!("{}: it was not written by Stoss; move it away", path.display()).into()),
+        false => Ok(()),
+    }
+}
+
+/// Puts a page into its place; the run and who follows it may do so at the same time.
+fn save(folder: &Path, Page { text, notes }: Page) -> Outcome<Vec<String>> {
+    let (path, scratch) = (folder.join(NAME), folder.join(format!(".report.{}.part", std::process::id())));
     std::fs::write(&scratch, text).map_err(|error| format!("{}: {error}", scratch.display()))?;
     std::fs::rename(&scratch, &path).map_err(|error| format!("{}: {error}", path.display()))?;
     Ok(notes)
@@ -93,8 +185,8 @@ pub(crate) fn title(folder: &Folder) -> String {
     title.unwrap_or_else(|| folder.name())
 }
 
-/// Text as it stands in HTML and SVG.
-pub(crate) fn escaped(text: &str) -> String {
+/// Text as it stands in HTML.
+fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
@@ -124,7 +216,7 @@ mod tests {
     #[test]
     fn the_template_has_every_place_and_scripts_do_not_end_early() {
         assert!(PAGE.contains(MARK));
-        for name in ["style", "title", "data", "script"] {
+        for name in ["head", "style", "title", "data", "script"] {
             assert_eq!(PAGE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
         assert!(SCRIPTS.iter().all(|script| !script.contains("</script") && !script.contains("<!--")));

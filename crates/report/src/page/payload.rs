@@ -1,7 +1,10 @@
 //! What the page knows of a run, packed: a length (4 bytes, little endian), a header of that length in JSON, and arrays one behind the other, all
 //! of it in one gzip member. The header says where each array is, counted from its own end.
 
+use std::collections::BTreeMap;
 use std::io::Write;
+use std::path::PathBuf;
+use std::time::SystemTime;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -16,7 +19,7 @@ use crate::Outcome;
 use crate::folder::Folder;
 use crate::vtu::Grid;
 
-/// Most numbers in the streams of a run: they fill 2 bytes each in a browser's memory. Beyond, frames are left out evenly.
+/// Most numbers in the streams of all runs: they fill 2 bytes each in a browser's memory. Beyond, frames are left out evenly.
 const NUMBERS: usize = 40_000_000;
 /// Largest code of a position.
 const CODES: f64 = 65_535.0;
@@ -66,7 +69,8 @@ struct Packed {
 /// The header.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct Header<'a> {
-    name: String,
+    name: &'a str,
+    values: &'a BTreeMap<String, f64>,
     summary: Option<&'a Value>,
     run: Option<&'a Value>,
     tables: Vec<Columns>,
@@ -74,7 +78,38 @@ struct Header<'a> {
     notes: Vec<String>,
 }
 
+/// How a run is packed.
+#[derive(Clone, Debug)]
+pub struct Packing<'a> {
+    /// Its name on the page.
+    pub name: &'a str,
+    /// Values of the parameters by which it differs from the other runs of the page.
+    pub values: &'a BTreeMap<String, f64>,
+    /// Number of runs on the page: they share what a browser can hold.
+    pub runs: usize,
+    /// Whether time counts more than bytes.
+    pub is_fast: bool,
+}
+
+/// What tells a frame from another, without reading it.
+#[derive(Clone, Debug, PartialEq)]
+struct Stamp {
+    path: PathBuf,
+    time: f64,
+    written: Option<(SystemTime, u64)>,
+}
+
+/// Frames that were read: packing a run again while it grows reads the new ones only.
+#[derive(Debug, Default)]
+pub struct Cache {
+    shape: Shape,
+    fields: Vec<Field>,
+    stamps: Vec<Stamp>,
+    streams: Streams,
+}
+
 /// Places and values of the drawn nodes in all frames.
+#[derive(Debug, Default)]
 struct Streams {
     times: Vec<f64>,
     reference: Vec<[f64; 3]>,
@@ -86,13 +121,14 @@ struct Streams {
 ///
 /// # Errors
 /// None but of the compression.
-pub fn pack(folder: &Folder) -> Outcome<(Vec<u8>, Vec<String>)> {
+pub fn pack(folder: &Folder, packing: &Packing, cache: &mut Cache) -> Outcome<(Vec<u8>, Vec<String>)> {
     let mut notes = folder.notes.clone();
     let mut arrays = Vec::new();
-    let animation = animation(folder, &mut arrays, &mut notes);
-    let tables = tables::all(folder, &mut notes);
+    let animation = animation(folder, packing.runs, cache, &mut arrays, &mut notes);
+    let tables = tables::all(folder, packing.runs, &mut notes);
     let header = Header {
-        name: folder.name(),
+        name: packing.name,
+        values: packing.values,
         summary: folder.summary.as_ref(),
         run: folder.run.as_ref(),
         tables,
@@ -100,7 +136,8 @@ pub fn pack(folder: &Folder) -> Outcome<(Vec<u8>, Vec<String>)> {
         notes: notes.clone(),
     };
     let header = serde_json::to_vec(&header)?;
-    let mut out = GzEncoder::new(Vec::new(), Compression::default());
+    let level = if packing.is_fast { Compression::fast() } else { Compression::default() };
+    let mut out = GzEncoder::new(Vec::new(), level);
     out.write_all(&(header.len() as u32).to_le_bytes())?;
     out.write_all(&header)?;
     out.write_all(&arrays)?;
@@ -108,51 +145,72 @@ pub fn pack(folder: &Folder) -> Outcome<(Vec<u8>, Vec<String>)> {
 }
 
 /// The animation; nothing for a folder without frames that can be read.
-fn animation(folder: &Folder, arrays: &mut Vec<u8>, notes: &mut Vec<String>) -> Option<Animation> {
+fn animation(
+    folder: &Folder,
+    runs: usize,
+    cache: &mut Cache,
+    arrays: &mut Vec<u8>,
+    notes: &mut Vec<String>,
+) -> Option<Animation> {
     if folder.frames.is_empty() {
         return None;
     }
-    let first = folder.grid(0).map_err(|error| notes.push(error.to_string())).ok()?;
-    let shape = Shape::new(&first, &folder.bodies);
-    let fields = Field::of(&first);
-    if shape.nodes.is_empty() {
+    if cache.stamps.first() != Some(&stamp(folder, 0)) {
+        let first = folder.grid(0).map_err(|error| notes.push(error.to_string())).ok()?;
+        let (shape, fields) = (Shape::new(&first, &folder.bodies), Field::of(&first));
+        let reference = shape.nodes.iter().map(|&point| first.points[point]).collect();
+        let streams = Streams { reference, fields: vec![Vec::new(); fields.len()], ..Streams::default() };
+        *cache = Cache { shape, fields, stamps: Vec::new(), streams };
+    }
+    if cache.shape.nodes.is_empty() {
         return None;
     }
     let count = folder.frames.len();
-    let most = (NUMBERS / (shape.nodes.len() * (3 + fields.len()))).max(2);
+    let most = (NUMBERS / runs.max(1) / (cache.shape.nodes.len() * (3 + cache.fields.len()))).max(2);
     let every = count.div_ceil(most);
     if every > 1 {
         notes.push(format!("{}: one of {every} frames is shown, for there are many", folder.path().display()));
     }
-    let streams = streams(folder, &shape, &fields, every, first, notes);
-    Some(packed(&streams, shape, fields, every, arrays))
+    let numbers: Vec<usize> = (0..count - 1).step_by(every).chain([count - 1]).collect();
+    cache.read(folder, &numbers, notes);
+    (!cache.stamps.is_empty()).then(|| packed(&cache.streams, &cache.shape, &cache.fields, every, arrays))
 }
 
-/// Reads the frames as far as they can be read.
-fn streams(
-    folder: &Folder,
-    shape: &Shape,
-    fields: &[Field],
-    every: usize,
-    first: Grid,
-    notes: &mut Vec<String>,
-) -> Streams {
-    let reference: Vec<[f64; 3]> = shape.nodes.iter().map(|&point| first.points[point]).collect();
-    let mut streams =
-        Streams { times: Vec::new(), reference, positions: Vec::new(), fields: vec![Vec::new(); fields.len()] };
-    let last = folder.frames.len() - 1;
-    let mut grid = Some(first);
-    for k in (0..last).step_by(every).chain([last]) {
-        let read = grid.take().map_or_else(|| folder.grid(k), Ok);
-        let grid = match read.and_then(|grid| if shape.fits(&grid) { Ok(grid) } else { Err(unlike(folder, k).into()) })
-        {
-            Ok(grid) => grid,
-            Err(error) => {
-                notes.push(format!("{error}; this frame and those after it are not shown"));
-                break;
-            }
-        };
-        streams.times.push(folder.frames[k].time);
+fn stamp(folder: &Folder, frame: usize) -> Stamp {
+    let frame = &folder.frames[frame];
+    let written = std::fs::metadata(&frame.path).and_then(|data| Ok((data.modified()?, data.len()))).ok();
+    Stamp { path: frame.path.clone(), time: frame.time, written }
+}
+
+impl Cache {
+    /// Reads these frames as far as they can be read, but for those at the beginning that are known.
+    fn read(&mut self, folder: &Folder, numbers: &[usize], notes: &mut Vec<String>) {
+        let nodes = self.shape.nodes.len();
+        let same = self.stamps.iter().zip(numbers).take_while(|(known, number)| **known == stamp(folder, **number));
+        let known = same.count();
+        self.stamps.truncate(known);
+        self.streams.times.truncate(known);
+        self.streams.positions.truncate(known * nodes);
+        self.streams.fields.iter_mut().for_each(|values| values.truncate(known * nodes));
+        for &number in &numbers[known..] {
+            // Before reading: what is written anew meanwhile is read again.
+            let stamp = stamp(folder, number);
+            let fits = |grid: Grid| if self.shape.fits(&grid) { Ok(grid) } else { Err(unlike(folder, number).into()) };
+            let grid = match folder.grid(number).and_then(fits) {
+                Ok(grid) => grid,
+                Err(error) => {
+                    notes.push(format!("{error}; this frame and those after it are not shown"));
+                    break;
+                }
+            };
+            self.stamps.push(stamp);
+            self.add(folder.frames[number].time, &grid);
+        }
+    }
+
+    fn add(&mut self, time: f64, grid: &Grid) {
+        let Self { shape, fields, streams, .. } = self;
+        streams.times.push(time);
         let displacement = grid.point_data.get("displacement").filter(|array| array.components == 3);
         streams.positions.extend(shape.nodes.iter().zip(&streams.reference).map(|(&point, reference)| {
             let moved = displacement.map_or(&[0.0; 3][..], |array| array.row(point));
@@ -160,10 +218,9 @@ fn streams(
             std::array::from_fn(|k| reference[k] + if moved[k].is_finite() { moved[k] } else { 0.0 })
         }));
         for (field, values) in fields.iter().zip(&mut streams.fields) {
-            values.extend(field.values(&grid, &shape.nodes));
+            values.extend(field.values(grid, &shape.nodes));
         }
     }
-    streams
 }
 
 fn unlike(folder: &Folder, frame: usize) -> String {
@@ -182,7 +239,7 @@ fn bounds<'a>(places: impl Iterator<Item = &'a [f64; 3]>) -> ([f64; 3], [f64; 3]
     (low, std::array::from_fn(|k| high[k] - low[k]))
 }
 
-fn packed(streams: &Streams, shape: Shape, fields: Vec<Field>, every: usize, arrays: &mut Vec<u8>) -> Animation {
+fn packed(streams: &Streams, shape: &Shape, fields: &[Field], every: usize, arrays: &mut Vec<u8>) -> Animation {
     let nodes = shape.nodes.len();
     let (corner, edges) = bounds(streams.reference.iter().chain(&streams.positions));
     let code = |place: &[f64; 3], k: usize| match edges[k] > 0.0 {
@@ -203,7 +260,7 @@ fn packed(streams: &Streams, shape: Shape, fields: Vec<Field>, every: usize, arr
     let points = whole(&shape.points);
     let numbers = whole(&shape.nodes.iter().map(|&point| point as u32).collect::<Vec<_>>());
     let positions = put(&mut |out| encode(&codes, 3 * nodes, out));
-    let fields = fields.into_iter().zip(&streams.fields).map(|(field, values)| {
+    let fields = fields.iter().zip(&streams.fields).map(|(field, values)| {
         let scale = Scale::of(values);
         let codes: Vec<u16> = values.iter().map(|value| scale.code(*value)).collect();
         let finite = || values.iter().copied().filter(|value| value.is_finite()).map(f64::from);
@@ -212,13 +269,13 @@ fn packed(streams: &Streams, shape: Shape, fields: Vec<Field>, every: usize, arr
             Scale::Root { largest } => Some(largest),
             Scale::Integer => None,
         };
-        Packed { field, largest, range, stream: put(&mut |out| encode(&codes, nodes, out)) }
+        Packed { field: field.clone(), largest, range, stream: put(&mut |out| encode(&codes, nodes, out)) }
     });
     let fields: Vec<Packed> = fields.filter(|packed| packed.range[0] <= packed.range[1]).collect();
     Animation {
         times: streams.times.clone(),
         every,
-        bodies: shape.bodies,
+        bodies: shape.bodies.clone(),
         nodes,
         corner,
         edges,

@@ -6,8 +6,9 @@ use crate::Outcome;
 use crate::folder::Folder;
 use crate::table::Table;
 
-/// Rows that a chart has at most; a screen has fewer columns of pixels.
+/// Rows that a chart of one run has at most, and those that each of many has at least: a screen has fewer columns of pixels.
 const ROWS: usize = 6000;
+const FEWEST: usize = 1000;
 
 /// Tables that a page shows, by their file names without `.csv`.
 const NAMES: [&str; 6] = ["balance", "newton", "contact", "probes", "joints", "watch"];
@@ -25,10 +26,11 @@ pub struct Columns {
     pub rows: usize,
 }
 
-/// All tables of a folder; what is wrong with one of them becomes a note.
-pub fn all(folder: &Folder, notes: &mut Vec<String>) -> Vec<Columns> {
+/// All tables of a folder, one of so many runs; what is wrong with one of them becomes a note.
+pub fn all(folder: &Folder, runs: usize, notes: &mut Vec<String>) -> Vec<Columns> {
+    let most = (ROWS / runs.max(1)).max(FEWEST);
     let mut read = |name: &str| -> Option<Columns> {
-        one(folder, name).unwrap_or_else(|error| {
+        one(folder, name, most).unwrap_or_else(|error| {
             notes.push(error.to_string());
             None
         })
@@ -36,14 +38,14 @@ pub fn all(folder: &Folder, notes: &mut Vec<String>) -> Vec<Columns> {
     NAMES.iter().filter_map(|name| read(name)).collect()
 }
 
-fn one(folder: &Folder, name: &str) -> Outcome<Option<Columns>> {
+fn one(folder: &Folder, name: &str, most: usize) -> Outcome<Option<Columns>> {
     let file = format!("{name}.csv");
     let Some(table) = folder.table(&file)? else { return Ok(None) };
     let table = match name {
         "newton" => iterations(&table).map_err(|error| format!("{}: {error}", folder.path().join(&file).display()))?,
         _ => columns(&table),
     };
-    Ok(Some(thinned(Columns { name: name.to_owned(), ..table }, ROWS)))
+    Ok(Some(thinned(Columns { name: name.to_owned(), ..table }, most)))
 }
 
 fn columns(table: &Table) -> Columns {

@@ -1,30 +1,25 @@
 //! The colour bar below snapshots.
 
-use std::fmt::Write;
-
-use super::colour;
+use super::canvas::{Anchor, Canvas, Colour};
 
 /// Its height with numbers and label, in pixels.
 pub const HEIGHT: f64 = 46.0;
 
 /// Colour bar with three numbers, centred at the bottom.
-pub fn bar(out: &mut String, label: &str, range: (f64, f64), total: [f64; 2]) {
+pub fn bar(canvas: &mut dyn Canvas, label: &str, range: (f64, f64), total: [f64; 2], colour: fn(f64, f64) -> Colour) {
     const STEPS: usize = 48;
     let width = (0.5 * total[0]).min(360.0);
     let (left, top) = (0.5 * (total[0] - width), total[1] - HEIGHT);
     for step in 0..STEPS {
-        let fill = colour::hex((step as f64 + 0.5) / STEPS as f64, 1.0);
         let x = left + width * step as f64 / STEPS as f64;
-        let wide = width / STEPS as f64 + 0.3;
-        let _ = write!(out, "<path fill=\"{fill}\" d=\"M{x:.1} {top:.1}h{wide:.1}v9h-{wide:.1}z\"/>");
+        // A little of the last one is drawn upon by the next, so that no seams show.
+        let wide = width / STEPS as f64 + if step + 1 < STEPS { 1.0 } else { 0.0 };
+        canvas.rectangle(colour((step as f64 + 0.5) / STEPS as f64, 1.0), [x, top], [wide, 9.0]);
     }
     for (number, part) in bar_numbers(range).into_iter().zip([0.0, 0.5, 1.0]) {
-        let (x, y) = (left + part * width, top + 23.0);
-        let _ =
-            write!(out, "\n<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" text-anchor=\"middle\">{}</text>", number);
+        canvas.text(&number, [left + part * width, top + 23.0], 12.0, Anchor::Middle);
     }
-    let (x, y) = (0.5 * total[0], top + 39.0);
-    let _ = writeln!(out, "\n<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"13\" text-anchor=\"middle\">{label}</text>");
+    canvas.text(label, [0.5 * total[0], top + 39.0], 13.0, Anchor::Middle);
 }
 
 /// Ends and middle of a range, with as many digits as tell them apart.

@@ -1,11 +1,18 @@
-//! Pictures of bodies: the surface of a frame, seen from a camera, coloured by a field.
+//! Pictures of bodies: the surface of a frame, seen from a camera, coloured by a field, as SVG text or as pixels.
 
 mod bar;
 mod camera;
+mod canvas;
 mod colour;
+mod letters;
 mod picture;
+mod raster;
 mod surface;
+mod svg;
 
 pub use camera::Camera;
-pub use picture::{Shot, Style, columns, draw};
+pub use canvas::Colour;
+pub use colour::colour;
+pub use picture::{Finish, Layout, Shot, Style, columns, draw, draw_raster, draw_svg, value_range, window};
+pub use raster::Raster;
 pub use surface::{Surface, boundary};

@@ -1,12 +1,13 @@
-//! Snapshots side by side, in rows if there are many, as SVG: visible faces, lines and points from back to front,
+//! Snapshots side by side, in rows if there are many: visible faces, lines and points from back to front,
 //! coloured, faces lightly shaded and with thin edges.
-
-use std::fmt::Write;
 
 use super::bar::{HEIGHT as BAR, bar};
 use super::camera::{Camera, View, cross, dot};
-use super::colour;
+use super::canvas::{Anchor, Canvas, Colour, DOT, LINE};
+use super::colour::colour;
+use super::raster::Raster;
 use super::surface::{Quad, Surface};
+use super::svg::Svg;
 
 /// One snapshot.
 #[derive(Clone, Debug)]
@@ -30,8 +31,21 @@ pub struct Style<'a> {
     pub range: Option<(f64, f64)>,
 }
 
-/// Every face is drawn as `PARTS * PARTS` pieces of one colour each.
-const PARTS: usize = 2;
+/// How fine colours are.
+#[derive(Clone, Copy, Debug)]
+pub struct Finish {
+    /// Every face is drawn as `parts * parts` pieces of one colour each.
+    pub parts: usize,
+    /// Colour of a value between zero and one under a light.
+    pub colour: fn(f64, f64) -> Colour,
+}
+
+impl Finish {
+    /// For files that grow with every piece.
+    pub const COARSE: Self = Self { parts: 2, colour };
+    /// For pixels.
+    pub const FINE: Self = Self { parts: 4, colour };
+}
 
 /// Pieces are drawn this much wider, in pixels, so that no seams show between them.
 const OVERLAP: f64 = 0.35;
@@ -42,11 +56,6 @@ const LONGEST: f64 = 24.0;
 
 /// Most parts of an edge of a facet.
 const MOST_PARTS: usize = 40;
-
-/// Width of lines, diameter of points and width of the dark rims around both, in pixels.
-const LINE: f64 = 3.2;
-const DOT: f64 = 9.0;
-const RIM: f64 = 0.7;
 
 const MARGIN: f64 = 14.0;
 const TITLE: f64 = 38.0;
@@ -76,60 +85,137 @@ struct Visible {
 }
 
 /// Colour and corners of a part of a face.
-type Piece = (String, [[f64; 2]; 4]);
+type Piece = (Colour, [[f64; 2]; 4]);
 
 /// Snapshots in a row: all up to four, then as many as make two rows.
 pub fn columns(shots: usize) -> usize {
     if shots <= 4 { shots.max(1) } else { shots.div_ceil(2) }
 }
 
-/// Draws the snapshots to one scale and with one colour range.
-pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
-    let view = camera.view();
-    let corners = shots.iter().flat_map(|shot| shot.surface.places());
-    let ([left, low], [right, high]) = bounds(corners.map(|corner| view.project(corner)).map(|[x, y, _]| [x, y]));
-    // At most twice as high as wide.
-    let missing = (0.5 * (high - low) - (right - left)).max(0.0);
-    let (left, right) = (left - 0.5 * missing, right + 0.5 * missing);
-    let scale = style.width / (right - left).max(1e-300);
-    let height = (high - low) * scale;
-    let screen = |x: f64, y: f64| [(x - left) * scale, (high - y) * scale];
-    let visible = |shot: &Shot| Visible {
-        faces: uncovered(faces(&shot.surface, &view, screen)),
-        strokes: strokes(&shot.surface, &view, screen, scale),
-    };
-    let visible: Vec<Visible> = shots.iter().map(visible).collect();
-    let of_faces = visible.iter().flat_map(|shot| &shot.faces).flat_map(|face| face.values);
-    let of_strokes = visible.iter().flat_map(|shot| &shot.strokes).map(|stroke| stroke.value);
-    let (least, most) = style.range.unwrap_or_else(|| range(of_faces.chain(of_strokes)));
-    let columns = columns(shots.len());
-    let rows = shots.len().div_ceil(columns) as f64;
-    let total = [MARGIN + columns as f64 * (style.width + MARGIN), TITLE + rows * (height + CAPTION) + BAR + MARGIN];
-    let mut out = String::new();
-    // Writing to a String does not fail.
-    let _ = writeln!(
-        out,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0} {:.0}\" width=\"{:.0}\" height=\"{:.0}\" \
-         font-family=\"sans-serif\" fill=\"#333\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
-         <text x=\"{MARGIN}\" y=\"25\" font-size=\"18\">{}</text>",
-        total[0], total[1], total[0], total[1], style.title
-    );
-    for (number, (shot, visible)) in shots.iter().zip(&visible).enumerate() {
-        let x = MARGIN + (number % columns) as f64 * (style.width + MARGIN);
-        let y = TITLE + (number / columns) as f64 * (height + CAPTION);
-        let _ = writeln!(out, "<g transform=\"translate({x:.1} {y:.1})\">");
-        snapshot(&mut out, visible, (least, most));
-        let _ = writeln!(
-            out,
-            "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"14\" text-anchor=\"middle\">{}</text>\n</g>",
-            0.5 * style.width,
-            height + 18.0,
-            shot.caption
-        );
+/// What a picture has beside its natural form, in which it is as high as what is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// Width and height of the whole picture in pixels.
+    pub size: Option<[u32; 2]>,
+    /// Smallest and largest coordinates to the right and upwards of what is shown, see [`window`]; without it everything is shown.
+    pub window: Option<[[f64; 2]; 2]>,
+}
+
+/// Natural width in pixels of a picture with one snapshot whose letters are as large as they are.
+const NATURAL: [f64; 2] = [748.0, 500.0];
+
+impl Layout {
+    /// Pixels for a unit of the composition: letters grow with large pictures, and stay as they are in small ones.
+    fn scale(&self) -> f64 {
+        let Some(size) = self.size else { return 1.0 };
+        let parts = [0, 1].map(|k| f64::from(size[k]) / NATURAL[k]);
+        parts[0].min(parts[1]).max(1.0)
     }
-    bar(&mut out, style.label, (least, most), total);
-    out.push_str("</svg>\n");
-    out
+}
+
+/// Smallest and largest coordinates in the picture plane, to the right and upwards, of what a camera sees of surfaces.
+pub fn window<'a>(surfaces: impl Iterator<Item = &'a Surface>, camera: Camera) -> [[f64; 2]; 2] {
+    let view = camera.view();
+    let corners = surfaces.flat_map(Surface::places).map(|corner| view.project(corner));
+    let (low, high) = bounds(corners.map(|[x, y, _]| [x, y]));
+    [low, high]
+}
+
+/// Smallest and largest finite value of surfaces, as the ends of a colour bar.
+pub fn value_range<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> (f64, f64) {
+    range(surfaces.flat_map(Surface::values))
+}
+
+/// Draws the snapshots to one scale and with one colour range, as the text of an SVG file.
+pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
+    draw_svg(shots, camera, style, &Layout::default())
+}
+
+/// As [`draw`], with a layout.
+pub fn draw_svg(shots: &[Shot], camera: Camera, style: &Style, layout: &Layout) -> String {
+    let plan = Plan::new(shots, camera, style, layout);
+    let shown = layout.size.map_or(plan.total, |size| size.map(f64::from));
+    let mut svg = Svg::new(plan.total, shown);
+    plan.draw(shots, camera, style, Finish::COARSE, &mut svg);
+    svg.finish()
+}
+
+/// As [`draw_svg`], as pixels. Without a size every unit of the composition has `fineness` of them.
+pub fn draw_raster(
+    shots: &[Shot],
+    camera: Camera,
+    style: &Style,
+    layout: &Layout,
+    (fineness, finish): (f64, Finish),
+) -> Option<Raster> {
+    let plan = Plan::new(shots, camera, style, layout);
+    let scale = if layout.size.is_some() { layout.scale() } else { fineness };
+    let size = layout.size.unwrap_or(plan.total.map(|length| (length * scale).ceil() as u32));
+    let mut raster = Raster::new(size, scale)?;
+    plan.draw(shots, camera, style, finish, &mut raster);
+    Some(raster)
+}
+
+/// Where everything stands.
+struct Plan {
+    /// Lower left and upper right corner of what is shown, in the picture plane.
+    low: [f64; 2],
+    high: [f64; 2],
+    /// Pixels of a unit of length.
+    scale: f64,
+    /// Width and height of a snapshot.
+    shot: [f64; 2],
+    /// Of the whole picture.
+    total: [f64; 2],
+}
+
+impl Plan {
+    fn new(shots: &[Shot], camera: Camera, style: &Style, layout: &Layout) -> Self {
+        let [low, high] = layout.window.unwrap_or_else(|| window(shots.iter().map(|shot| &shot.surface), camera));
+        let columns = columns(shots.len()) as f64;
+        let rows = (shots.len() as f64 / columns).ceil();
+        let around = [MARGIN + columns * MARGIN, TITLE + rows * CAPTION + BAR + MARGIN];
+        let Some(size) = layout.size else {
+            // At most twice as high as wide.
+            let missing = (0.5 * (high[1] - low[1]) - (high[0] - low[0])).max(0.0);
+            let (low, high) = ([low[0] - 0.5 * missing, low[1]], [high[0] + 0.5 * missing, high[1]]);
+            let scale = style.width / (high[0] - low[0]).max(1e-300);
+            let shot = [style.width, (high[1] - low[1]) * scale];
+            return Self { low, high, scale, shot, total: [around[0] + columns * shot[0], around[1] + rows * shot[1]] };
+        };
+        let total = size.map(|length| f64::from(length) / layout.scale());
+        let shot = [(total[0] - around[0]) / columns, (total[1] - around[1]) / rows].map(|length| length.max(1.0));
+        let scale = (0..2).map(|k| shot[k] / (high[k] - low[k]).max(1e-300)).fold(f64::INFINITY, f64::min);
+        // In the middle of its place.
+        let missing: [f64; 2] = std::array::from_fn(|k| 0.5 * (shot[k] / scale - (high[k] - low[k])));
+        let moved = |corner: [f64; 2], sign: f64| std::array::from_fn(|k| corner[k] + sign * missing[k]);
+        Self { low: moved(low, -1.0), high: moved(high, 1.0), scale, shot, total }
+    }
+
+    fn draw(&self, shots: &[Shot], camera: Camera, style: &Style, finish: Finish, canvas: &mut dyn Canvas) {
+        let view = camera.view();
+        let screen = |x: f64, y: f64| [(x - self.low[0]) * self.scale, (self.high[1] - y) * self.scale];
+        let visible = |shot: &Shot| Visible {
+            faces: uncovered(faces(&shot.surface, &view, screen)),
+            strokes: strokes(&shot.surface, &view, screen, self.scale),
+        };
+        let visible: Vec<Visible> = shots.iter().map(visible).collect();
+        let of_faces = visible.iter().flat_map(|shot| &shot.faces).flat_map(|face| face.values);
+        let of_strokes = visible.iter().flat_map(|shot| &shot.strokes).map(|stroke| stroke.value);
+        let ends = style.range.unwrap_or_else(|| range(of_faces.chain(of_strokes)));
+        let columns = columns(shots.len());
+        canvas.text(style.title, [MARGIN, 25.0], 18.0, Anchor::Start);
+        for (number, (shot, visible)) in shots.iter().zip(&visible).enumerate() {
+            let x = MARGIN + (number % columns) as f64 * (self.shot[0] + MARGIN);
+            let y = TITLE + (number / columns) as f64 * (self.shot[1] + CAPTION);
+            canvas.enter([x, y]);
+            snapshot(canvas, visible, ends, finish);
+            canvas.leave();
+            let place = [x + 0.5 * self.shot[0], y + self.shot[1] + 18.0];
+            canvas.text(&shot.caption, place, 14.0, Anchor::Middle);
+        }
+        bar(canvas, style.label, ends, self.total, finish.colour);
+    }
 }
 
 /// Faces turned towards the eye, of open surfaces all, from back to front.
@@ -218,13 +304,13 @@ fn strokes(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2]
 }
 
 /// Parts of a face, or the whole face if they all have the same colour.
-fn pieces(face: &Face, range: (f64, f64)) -> Vec<Piece> {
-    let parts = (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i as f64, j as f64)));
-    let mut pieces: Vec<Piece> = parts
+fn pieces(face: &Face, range: (f64, f64), Finish { parts, colour }: Finish) -> Vec<Piece> {
+    let all = (0..parts).flat_map(|i| (0..parts).map(move |j| (i as f64, j as f64)));
+    let mut pieces: Vec<Piece> = all
         .map(|(i, j)| {
-            let at = |x: f64, y: f64| ((i + x) / PARTS as f64, (j + y) / PARTS as f64);
+            let at = |x: f64, y: f64| ((i + x) / parts as f64, (j + y) / parts as f64);
             let [value] = blend(at(0.5, 0.5), face.values.map(|value| [value]));
-            let fill = colour::hex((value - range.0) / (range.1 - range.0), face.light);
+            let fill = colour((value - range.0) / (range.1 - range.0), face.light);
             (fill, [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)].map(|at| blend(at, face.corners)))
         })
         .collect();
@@ -281,64 +367,27 @@ fn shade(normal: [f64; 3], view: &View) -> f64 {
     0.62 + 0.42 * dot(normal, light).max(0.0)
 }
 
-fn snapshot(out: &mut String, visible: &Visible, range: (f64, f64)) {
-    out.push_str(
-        "<g fill=\"none\" stroke=\"#222\" stroke-opacity=\".5\" stroke-width=\".5\" stroke-linejoin=\"round\">\n",
-    );
+fn snapshot(canvas: &mut dyn Canvas, visible: &Visible, range: (f64, f64), finish: Finish) {
     let mut strokes = visible.strokes.iter().peekable();
     for face in &visible.faces {
         while let Some(behind) = strokes.next_if(|stroke| stroke.nearness < face.nearness) {
-            stroke(out, behind, range);
+            draw_stroke(canvas, behind, range, finish);
         }
-        draw_face(out, face, range);
+        for (fill, corners) in &pieces(face, range, finish) {
+            canvas.piece(*fill, &widened(corners));
+        }
+        canvas.edges(&face.corners, face.edges);
     }
-    strokes.for_each(|before| stroke(out, before, range));
-    out.push_str("</g>\n");
+    strokes.for_each(|before| draw_stroke(canvas, before, range, finish));
 }
 
-fn draw_face(out: &mut String, face: &Face, range: (f64, f64)) {
-    for (fill, corners) in &pieces(face, range) {
-        let _ = write!(out, "<path stroke=\"none\" fill=\"{fill}\" d=\"");
-        path(out, &widened(corners));
-        out.push_str("z\"/>");
+/// A part of a line, or a disc.
+fn draw_stroke(canvas: &mut dyn Canvas, stroke: &Stroke, range: (f64, f64), finish: Finish) {
+    let fill = (finish.colour)((stroke.value - range.0) / (range.1 - range.0), 1.0);
+    match stroke.ends {
+        [from, to] if from == to => canvas.disc(fill, from),
+        ends => canvas.line(fill, &ends),
     }
-    if face.edges == [true; 4] {
-        out.push_str("<path d=\"");
-        path(out, &face.corners);
-        out.push_str("z\"/>\n");
-    } else if face.edges.contains(&true) {
-        out.push_str("<path d=\"");
-        for k in (0..4).filter(|&k| face.edges[k]) {
-            path(out, &[face.corners[k], face.corners[(k + 1) % 4]]);
-        }
-        out.push_str("\"/>\n");
-    } else {
-        out.push('\n');
-    }
-}
-
-/// A part of a line, or a disc, with a dark rim.
-fn stroke(out: &mut String, stroke: &Stroke, range: (f64, f64)) {
-    let fill = colour::hex((stroke.value - range.0) / (range.1 - range.0), 1.0);
-    let [from, to] = stroke.ends;
-    if from == to {
-        let (x, y, radius) = (from[0], from[1], 0.5 * DOT);
-        let _ = writeln!(
-            out,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{fill}\" stroke-opacity=\"1\" stroke-width=\"{RIM}\"/>"
-        );
-        return;
-    }
-    // Round ends of the colour alone join the parts of a line without gaps.
-    for (colour, width, cap) in [("#222", LINE + 2.0 * RIM, "butt"), (fill.as_str(), LINE, "round")] {
-        let _ = write!(
-            out,
-            "<path stroke=\"{colour}\" stroke-opacity=\"1\" stroke-width=\"{width:.1}\" stroke-linecap=\"{cap}\" d=\""
-        );
-        path(out, &stroke.ends);
-        out.push_str("\"/>");
-    }
-    out.push('\n');
 }
 
 /// Corners moved away from the middle by [`OVERLAP`].
@@ -349,28 +398,6 @@ fn widened(corners: &[[f64; 2]; 4]) -> [[f64; 2]; 4] {
         let length = away[0].hypot(away[1]).max(OVERLAP);
         std::array::from_fn(|k| corner[k] + OVERLAP * away[k] / length)
     })
-}
-
-/// Absolute start, then relative lines, in tenths of a pixel.
-fn path(out: &mut String, points: &[[f64; 2]]) {
-    let mut last = [0.0; 2];
-    for (number, point) in points.iter().enumerate() {
-        let rounded = point.map(|x| (x * 10.0).round());
-        let _ = write!(out, "{}", if number == 0 { 'M' } else { 'l' });
-        let [x, y] = [tenths(rounded[0] - last[0]), tenths(rounded[1] - last[1])];
-        let _ = write!(out, "{x}{}{y}", if y.starts_with('-') { "" } else { " " });
-        last = rounded;
-    }
-}
-
-/// A number of tenths without needless digits.
-fn tenths(value: f64) -> String {
-    let text = format!("{}", value / 10.0);
-    match (text.strip_prefix("0."), text.strip_prefix("-0.")) {
-        (Some(digits), _) => format!(".{digits}"),
-        (_, Some(digits)) => format!("-.{digits}"),
-        _ => text,
-    }
 }
 
 fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -447,13 +474,6 @@ mod tests {
         // Three columns: 14, 228 and 442 pixels from the left, the first two twice.
         assert_eq!(["translate(14.0 ", "translate(228.0 ", "translate(442.0 "].map(places), [2, 2, 1]);
         assert_eq!(places(" 38.0)"), 3);
-    }
-
-    #[test]
-    fn numbers_in_paths_are_short_and_exact() {
-        let mut out = String::new();
-        path(&mut out, &[[1.26, 0.5], [1.26, 0.5], [0.0, 10.0]]);
-        assert_eq!(out, "M1.3 .5l0 0l-1.3 9.5");
     }
 
     #[test]

@@ -26,6 +26,7 @@ pub use drift::Drift;
 pub use earlier::Overwrite;
 pub use folder::{FolderSettings, ResultFolder};
 pub use identity::SceneIdentity;
+pub use lock::is_in_use;
 pub use summary::{Memory, Outcome, Summary, WatchSummary};
 pub use watch::judge_folder;
 

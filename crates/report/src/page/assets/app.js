@@ -11,7 +11,7 @@ class App {
     this.isPlaying = false;
     this.picked = null;
     this.place = null;
-    this.panels = new Panels(runs, (target) => this.go(target));
+    this.panels = new Panels(runs, (target) => this.go(target), (run) => this.setRun(run));
     byId('runs').style.display = runs.length > 1 ? '' : 'none';
     byId('run').append(...runs.map((run, k) => element('option', { value: k, textContent: run.name })));
     byId('run').onchange = () => this.setRun(Number(byId('run').value));
@@ -327,6 +327,7 @@ class App {
   }
 
   resized() {
+    if (this.isAnimated() && this.viewer.isHome()) this.viewer.home();
     this.panels.redraw();
     this.redraw();
   }
@@ -349,5 +350,6 @@ async function start() {
   const texts = [...document.querySelectorAll('script.run')].map((script) => script.textContent);
   const app = new App(await Promise.all(texts.map(unpack)));
   obey(app, new URLSearchParams(location.hash.slice(1)));
+  follow(app);
   return app;
 }

@@ -2,6 +2,12 @@
 // Charts over the time of the run: lines, an axis on each side, a cursor at the time that the animation shows.
 
 const COLOURS = ['#2f6db3', '#c8553d', '#4f9a5b', '#8a5aa8', '#b8860b', '#3f8f93', '#94565a', '#6b7280'];
+/** Colour of a run of several: cases of a sweep, and runs that are many, go through the colour map. */
+function runColour(run, count) {
+  if (count <= COLOURS.length && !document.getElementById('sweep')) return COLOURS[run % COLOURS.length];
+  return `rgb(${mapColour(count > 1 ? 0.4 + (0.6 * run) / (count - 1) : 1).join(' ')})`;
+}
+
 /** Dashes that tell the columns of compared runs apart, and how the legend shows them. */
 const DASHES = { '': 'solid', '6,3': 'dashed', '2,2': 'dotted', '8,3,2,3': 'double', '1,3': 'dotted' };
 const MARGIN = { left: 62, right: 10, top: 8, bottom: 20 };
@@ -41,11 +47,11 @@ function placeIn(list, value) {
  *
  * `least`: length that the vertical axis has at least, so that round-off looks like what it is.
  * `series`: lists of `{ name, x, y, colour, dash }`, gaps where `y` is null. `marks`: `{ x, text, colour }`, short lines at the bottom whose text is shown
- * when the pointer is near. `seek(time)` is called for a click. A drag shows a part of the time, a double click all of it.
+ * when the pointer is near. `over`: what the horizontal axis has, if not the time. Lines with `hasDots` show their points. `seek(time)` is called for a click. A drag shows a part of the time, a double click all of it.
  */
 class Chart {
-  constructor(parent, { title, series, isLog = false, marks = [], least = 0 }, seek) {
-    Object.assign(this, { title, series, isLog, marks, least, seek, hidden: new Set(), span: null });
+  constructor(parent, { title, series, isLog = false, marks = [], least = 0, over = null }, seek) {
+    Object.assign(this, { title, series, isLog, marks, least, over, seek, hidden: new Set(), span: null });
     this.box = element('figure', { className: 'chart' });
     this.legend = element('figcaption', {}, [element('b', { textContent: isLog ? `${title} (log)` : title })]);
     this.canvas = element('canvas');
@@ -66,7 +72,7 @@ class Chart {
     const series = this.series.filter((line) => line.name === name);
     const swatch = element('i');
     swatch.style.borderTop = `2px ${DASHES[series[0].dash?.join() ?? ''] ?? 'solid'} ${series.length > 1 ? '#5b6472' : series[0].colour}`;
-    const values = series.map(({ colour }) => element('output', { style: series.length > 1 ? `color: ${colour}` : '' }));
+    const values = series.map(({ colour }) => element('output', { hidden: series.length > COLOURS.length, style: series.length > 1 ? `color: ${colour}` : '' }));
     const button = element('button', { type: 'button', title: 'show or hide' }, [swatch, name, ...values]);
     button.onclick = () => {
       if (!this.hidden.delete(name)) this.hidden.add(name);
@@ -112,8 +118,13 @@ class Chart {
 
   /** Ends of both axes. */
   ends() {
-    const [left, right] = this.span ?? this.series.reduce(
+    let [left, right] = this.span ?? this.series.reduce(
       ([a, b], { x }) => [Math.min(a, x[0]), Math.max(b, x[x.length - 1])], [Infinity, -Infinity]);
+    if (this.over && !this.span) {
+      // Room for the dots at the ends.
+      const room = 0.03 * (right - left) || 1;
+      [left, right] = [left - room, right + room];
+    }
     let [low, high] = [Infinity, -Infinity];
     for (const { x, y } of this.lines()) {
       for (let k = 0; k < x.length; k++) {
@@ -159,8 +170,8 @@ class Chart {
       pen.strokeStyle = colour;
       line(pen, [[X(x), height - MARGIN.bottom], [X(x), height - MARGIN.bottom - 14]]);
     }
-    for (const { x, y, colour, dash } of this.lines()) {
-      pen.strokeStyle = colour;
+    for (const { x, y, colour, dash, hasDots } of this.lines()) {
+      pen.strokeStyle = pen.fillStyle = colour;
       pen.lineWidth = 1.4;
       pen.setLineDash(dash ?? []);
       pen.beginPath();
@@ -174,6 +185,12 @@ class Chart {
         }
       }
       pen.stroke();
+      for (let k = 0; hasDots && k < x.length; k++) {
+        if (y[k] === null || (this.isLog && y[k] <= 0)) continue;
+        pen.beginPath();
+        pen.arc(X(x[k]), Y(y[k]), 3, 0, 2 * Math.PI);
+        pen.fill();
+      }
     }
     pen.restore();
     this.setTime(this.time ?? left);

@@ -41,6 +41,7 @@ function curvesOf(run) {
   }
   if (contact) {
     for (const [title, names] of CONTACT) put('Contact', title, contact, names);
+    charts.push(...byPair(contact));
     for (const [title, names] of together(contact)) put('Contact', title, contact, names);
   }
   if (newton) {
@@ -61,6 +62,26 @@ function column(table, name) {
   return table.values[table.names.indexOf(name)];
 }
 
+/** Sums of a pair of surfaces that belong into one chart with those of the other pairs. */
+const PAIR = [
+  ['Contact force by pair', ['force_x', 'force_y', 'force_z']],
+  ['Contact area by pair', ['area']],
+  ['Frictional work by pair', ['friction_work']],
+];
+
+/** Size of the force, area and frictional work of each pair, from the columns `PAIR.force_x` and so on. */
+function byPair(contact) {
+  const x = column(contact, 'time');
+  const pairs = contact.names.filter((name) => name.endsWith('.force_x')).map((name) => name.slice(0, -'.force_x'.length));
+  const line = (pair, parts) => {
+    const columns = parts.map((part) => column(contact, `${pair}.${part}`)).filter(Boolean);
+    const value = (k) => (columns.length > 1 ? Math.hypot(...columns.map((values) => values[k])) : columns[0][k]);
+    return columns.length ? { name: pair, x, y: x.map((_, k) => (columns.some((values) => values[k] === null) ? null : value(k))) } : null;
+  };
+  const charts = PAIR.map(([title, parts]) => ({ group: 'Contact', title, lines: pairs.map((pair) => line(pair, parts)).filter(Boolean) }));
+  return charts.filter(({ lines }) => lines.some(({ y }) => y.some((value) => value)));
+}
+
 /** The end of the name of a component, of a vector or of a tensor. */
 const COMPONENT = /(?:^[lj]|[._]|[.][fm])([xyz]{1,2})$/;
 
@@ -68,7 +89,8 @@ const COMPONENT = /(?:^[lj]|[._]|[.][fm])([xyz]{1,2})$/;
 function together(table) {
   const known = ['step', 'time', ...CONTACT.flatMap(([, names]) => names)];
   const groups = new Map();
-  for (const name of table.names.filter((found) => !known.includes(found))) {
+  const isOfPair = (name) => /[.](area|friction_work)$/.test(name);
+  for (const name of table.names.filter((found) => !known.includes(found) && !isOfPair(found))) {
     const stem = name.replace(/[xyz]{1,2}$/, (end) => (COMPONENT.test(name) ? '' : end)).replace(/[._]$/, '');
     groups.set(stem, [...(groups.get(stem) ?? []), name]);
   }
@@ -128,7 +150,7 @@ function overlaid(runs) {
         const several = runs.length > 1;
         found.series.push({
           ...line,
-          colour: COLOURS[(several ? r : k) % COLOURS.length],
+          colour: several ? runColour(r, runs.length) : COLOURS[k % COLOURS.length],
           dash: several ? Object.keys(DASHES)[k % 5].split(',').filter(Boolean).map(Number) : [],
         });
       });

@@ -2,12 +2,20 @@
 // What stands beside the animation: charts, verdict, plan, scene, and the differences between runs.
 
 class Panels {
-  /** `go({ time, place })` shows a time, and a place if there is one. */
-  constructor(runs, go) {
+  /** `go({ time, place })` shows a time, and a place if there is one; `choose(run)` shows a run. */
+  constructor(runs, go, choose) {
     this.runs = runs;
     this.go = go;
     this.tabs = new Map();
     this.charts = [];
+    this.sweep = sweepOfPage();
+    if (this.sweep) {
+      for (const chart of sweepCharts(this.sweep)) {
+        const made = new Chart(this.tab('Sweep'), chart, (value) => choose(this.nearest(value)));
+        this.charts.push(made);
+      }
+      this.tab('Sweep').append(sweepTable(this.sweep, choose));
+    }
     if (runs.length > 1) {
       this.tab('Compare').append(comparison(runs));
       document.getElementById('key').append(...runs.map((run, r) => coloured(element('span', { textContent: run.name }), r)));
@@ -37,6 +45,13 @@ class Panels {
     return made;
   }
 
+  /** Run of the case whose parameter is nearest to a value. */
+  nearest(value) {
+    const cases = this.sweep.cases.filter(({ run }) => run !== null);
+    const away = ({ parameters }) => Math.abs(parameters[0] - value);
+    return cases.reduce((a, b) => (away(b) < away(a) ? b : a)).run;
+  }
+
   open(name) {
     for (const [found, { button, panel }] of this.tabs) {
       button.classList.toggle('on', found === name);
@@ -56,12 +71,19 @@ class Panels {
   }
 
   setTime(time) {
-    for (const chart of this.charts) chart.time = time;
-    for (const chart of this.seen()) chart.setTime(time);
+    const follow = this.charts.filter(({ over }) => !over);
+    for (const chart of follow) chart.time = time;
+    for (const chart of this.seen().filter(({ over }) => !over)) chart.setTime(time);
   }
 
   /** Texts about the run that is shown. */
   setRun(run) {
+    const found = this.sweep?.cases.find((sought) => sought.run === this.runs.indexOf(run));
+    for (const chart of this.charts.filter(({ over }) => over && found)) {
+      [chart.time] = found.parameters;
+      if (chart.canvas.clientWidth > 0) chart.setTime(chart.time);
+    }
+    for (const row of document.querySelectorAll('tr.case')) row.classList.toggle('on', row.firstChild.textContent === String(found?.number));
     this.tab('Verdict').replaceChildren(...verdict(run, this.go));
     this.tab('Run').replaceChildren(...facts(run));
     const scene = run.run?.scene;
@@ -80,7 +102,7 @@ class Panels {
 
 /** Gives an element the colour of a run. */
 function coloured(made, run) {
-  made.style.color = COLOURS[run % COLOURS.length];
+  made.style.color = runColour(run, document.querySelectorAll('script.run').length);
   return made;
 }
 

@@ -36,7 +36,7 @@ async function tryControls(app) {
   use('scrub', 'input', first);
   must('the picture is not blank', pixels().filter((value, k) => k % 4 < 3 && value < 250).length > 3000);
   changes('scrub', () => use('scrub', 'input', middle), () => use('scrub', 'input', first));
-  must('the cursor of charts follows', app.panels.charts.every((chart) => chart.time === viewer.time));
+  must('the cursor of charts follows', app.panels.charts.every((chart) => chart.over || chart.time === viewer.time));
   changes('step forth', () => byId('forth').click(), () => byId('back').click());
   use('scrub', 'input', middle);
   const field = byId('field').value;
@@ -148,7 +148,7 @@ function tryPanels(app) {
     const press = (from, to) => [['pointerdown', from], ['pointermove', to], ['pointerup', to]].forEach(([type, part]) => pointer(type, part));
     press(0.5, 0.5);
     const { left, right } = chart.ends();
-    if (!(chart.time > left && chart.time < right)) throw new Error(`test: click in ${chart.title}`);
+    if (!chart.over && !(chart.time > left && chart.time < right)) throw new Error(`test: click in ${chart.title}`);
     press(0.4, 0.6);
     if (!(chart.ends().right - chart.ends().left < 0.5 * (right - left))) throw new Error(`test: part of ${chart.title}`);
     plot.dispatchEvent(new MouseEvent('dblclick'));
@@ -157,7 +157,7 @@ function tryPanels(app) {
     if (chart.lines().length !== chart.series.length - chart.labels[0].series.length) throw new Error(`test: a line of ${chart.title}`);
     chart.labels[0].button.click();
   }
-  return [...panels.tabs.keys()].map((name) => `panel ${name}`);
+  return [...[...panels.tabs.keys()].map((name) => `panel ${name}`), ...panels.charts.map(({ title }) => `chart ${title}`)];
 }
 
 async function test(app) {
@@ -168,7 +168,51 @@ async function test(app) {
     if (app.run !== app.runs[k]) throw new Error('test: choice of the run');
     if (app.isAnimated()) done.push(...(await tryControls(app)));
   }
-  return [...done, ...tryPanels(app)];
+  return [...done, ...tryPanels(app), ...trySweep(app)];
+}
+
+/** A case of the sweep is shown by a click into a chart, and by one into the table; the cursor is at its parameter. */
+function trySweep(app) {
+  const { panels } = app;
+  if (!panels.sweep) return [];
+  const cases = panels.sweep.cases.filter(({ run }) => run !== null);
+  panels.open('Sweep');
+  const charts = panels.seen();
+  const must = (name, holds) => {
+    if (!holds) throw new Error(`test: ${name}`);
+  };
+  for (const { run, parameters } of cases) {
+    charts[0]?.seek(parameters[0]);
+    must('a value chooses a run', !charts.length || app.run === app.runs[run]);
+    must('the cursor is at the parameter', charts.every((chart) => chart.over && chart.time === parameters[0]));
+  }
+  document.querySelector('tr.case').click();
+  must('a row chooses a run', app.run === app.runs[cases[0].run]);
+  return ['sweep'];
+}
+
+/** With `#test-reload` a page that loads itself anew must be after it as it was before. */
+function tryReload(app) {
+  const before = JSON.parse(sessionStorage.getItem('stoss test'));
+  if (!before) {
+    app.setTime(0.5 * app.ends()[1]);
+    Object.assign(app.viewer.camera, { azimuth: 10, elevation: 5, distance: 3, target: [1, 2, 3] });
+    app.setField(1);
+    byId('bodies').querySelector('input').click();
+    for (const [id, value] of [['clip', '1'], ['offset', '0.25'], ['range', 'frame']]) {
+      byId(id).value = value;
+      byId(id).dispatchEvent(new Event(id === 'clip' ? 'change' : 'input'));
+    }
+    app.panels.open('Run');
+    sessionStorage.setItem('stoss test', JSON.stringify(stateOf(app)));
+    return;
+  }
+  clearInterval(app.reload);
+  const after = JSON.stringify(stateOf(app));
+  const wanted = JSON.stringify(before);
+  const { show } = app.viewer;
+  const isShown = show.hidden.has(0) && show.clip.axis === 1 && show.clip.part === 0.25 && show.range === 'frame' && show.field === 1;
+  document.title = after === wanted && isShown ? 'ready' : `error ${after} is not ${wanted}`;
 }
 
 const began = performance.now();
@@ -176,6 +220,7 @@ start()
   .then(async (app) => {
     document.body.dataset.state = 'ready';
     const loaded = `loaded in ${Math.round(performance.now() - began)} ms`;
+    if (location.hash === '#test-reload') tryReload(app);
     if (location.hash !== '#test') return;
     const done = await test(app);
     document.body.append(element('pre', { id: 'tested', textContent: [loaded, ...done].join('\n') }));
@@ -184,5 +229,5 @@ start()
   .catch((error) => {
     document.body.dataset.state = 'error';
     document.body.prepend(message(error.message));
-    if (location.hash === '#test') document.title = `error ${error.message}`;
+    if (location.hash.startsWith('#test')) document.title = `error ${error.message}`;
   });

@@ -146,6 +146,12 @@ class Viewer {
   /** Looks at all that moves, from the same side. */
   home() {
     this.camera.show(this.run.corner, this.run.edges, this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1));
+    this.atHome = JSON.stringify(this.camera);
+  }
+
+  /** Whether the camera is where it was put, and not where somebody has moved it. */
+  isHome() {
+    return this.atHome === JSON.stringify(this.camera);
   }
 
   /** Frame before the time and the part of the way to the next one. */
