@@ -40,4 +40,4 @@ pub use load::{
     surface_area,
 };
 pub use mass::{MassKind, MassMatrix};
-pub use recovery::{GaussPointState, von_mises};
+pub use recovery::{GaussPointState, principal_stresses, von_mises};

@@ -107,6 +107,17 @@ named! {
         CauchyStress = "cauchy_stress",
         /// Von Mises stress.
         VonMises = "von_mises",
+        /// Principal Cauchy stresses, the largest first. Has to be named.
+        PrincipalStresses = "principal_stresses",
+        /// Deformation gradient `F`, extrapolated to nodes, in the order xx, xy, xz, yx, ...: first the current direction, then the reference
+        /// direction. Has to be named.
+        DeformationGradient = "deformation_gradient",
+        /// Green-Lagrange strain `(F^T F - 1)/2`, extrapolated to nodes; shears are tensor components. Has to be named.
+        GreenLagrangeStrain = "green_lagrange_strain",
+        /// Logarithmic strain `ln V = ln(F F^T)/2` in the current directions, extrapolated to nodes; shears are tensor components. Has to be named.
+        LogarithmicStrain = "logarithmic_strain",
+        /// Force of the supports on each node, zero where nothing is prescribed. Has to be named.
+        Reaction = "reaction",
         /// Contact pressure on slave nodes.
         ContactPressure = "contact_pressure",
         /// Gap of slave nodes.
@@ -117,6 +128,20 @@ named! {
         FrictionTraction = "friction_traction",
         /// Length of the slip in the last step, of the slave against the master; scenes with friction.
         Slip = "slip",
+    }
+}
+
+impl Field {
+    /// Whether frames have it where the scene names no fields.
+    pub fn is_default(self) -> bool {
+        !matches!(
+            self,
+            Self::PrincipalStresses
+                | Self::DeformationGradient
+                | Self::GreenLagrangeStrain
+                | Self::LogarithmicStrain
+                | Self::Reaction
+        )
     }
 }
 
@@ -169,7 +194,7 @@ pub struct Output {
     /// A frame every so many steps, at least 1. The tables have a row for every step anyway.
     #[serde(default = "Output::default_every")]
     pub every: u32,
-    /// Fields of the frames; all that apply if left out.
+    /// Fields of the frames; if left out all that apply, but for those that have to be named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<Vec<Field>>,
     /// A checkpoint every so many steps, at least 1.

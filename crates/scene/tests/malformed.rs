@@ -410,6 +410,7 @@ const CASES: &[Case] = &[
     dynamic("every = 2", "every = -1", "every = -1", "output.every"),
     dynamic("\"von_mises\"", "\"mises\"", "\"mises\"", "output.fields[1]"),
     dynamic("\"von_mises\"", "\"displacement\"", "fields", "output.fields"),
+    dynamic("\"von_mises\"", "\"strain\"", "\"strain\"", "output.fields[1]"),
     // [expect]
     dynamic("outcome = \"completed\"", "outcome = \"fine\"", "fine", "expect.outcome"),
     dynamic("linear_momentum_drift = 1e-10", "linear_momentum_drift = 0", "_drift", "expect.linear_momentum_drift"),

@@ -159,6 +159,9 @@ fn fields(node: &Node<'_>, world: &World<'_>) -> Option<Vec<Field>> {
         if matches!(field, Field::ContactPressure | Field::Gap) && !world.has_contact {
             return n.fail("needs contact, and the scene has none", "remove it or add a [[contact]]");
         }
+        if field == Field::Reaction && !world.has_support {
+            return n.fail("needs prescribed motion, and the scene has none", "remove it or add a [[prescribe]]");
+        }
         Some(field)
     })?;
     if let Some(i) = (1..fields.len()).find(|&i| fields[..i].contains(&fields[i])) {
