@@ -33,7 +33,7 @@ pub struct Picture {
 }
 
 /// Numbers with commas between.
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
     numbers.ok_or_else(|| format!("give {N} numbers with commas and without blanks between them"))

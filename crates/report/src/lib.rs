@@ -3,6 +3,7 @@
 //! - [`folder`]: a folder of results; [`page`]: one HTML file with the run as an animation, its charts and its verdict;
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
 //! - [`picture`]: one picture of a frame;
+//! - [`values`]: tables of the fields along a line and on a plane section;
 //! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
 //! - [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
@@ -14,6 +15,7 @@ pub mod paint;
 pub mod picture;
 pub mod plot;
 pub mod table;
+pub mod values;
 pub mod vtu;
 
 use std::path::Path;
