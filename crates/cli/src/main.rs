@@ -16,6 +16,7 @@ mod progress;
 mod shell;
 mod sweep;
 mod terminal;
+mod values;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ enum Command {
     Follow(follow::Follow),
     /// Draws a frame of a run as an SVG or PNG file, or all frames as a GIF file; needs no display.
     Picture(picture::Picture),
+    /// Writes values of a frame along a line or on a plane section as a table (CSV).
+    Values(values::Values),
     /// Runs a scene for all the values of its parameters that its table `[sweep]` gives.
     Sweep(sweep::SweepOptions),
     /// Reports all problems of a scene, or the plan of its run.
@@ -105,6 +108,7 @@ fn main() -> ExitCode {
         Command::Report { out } => page::report(&out),
         Command::Follow(asked) => follow::follow(&asked),
         Command::Picture(asked) => picture::write(asked),
+        Command::Values(asked) => values::write(asked),
         Command::Check { scene, set } => check(&scene, set),
         Command::Judge { out } => judge(&out),
         Command::Mesh { command } => mesh::command(command),

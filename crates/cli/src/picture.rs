@@ -55,7 +55,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// Numbers with commas between.
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
     numbers.ok_or_else(|| format!("give {N} numbers with commas and without blanks between them"))

@@ -420,3 +420,55 @@ fn frames_have_status_friction_and_slip_of_contact() {
     }
     assert_eq!((slide, stick), (9, 9));
 }
+
+/// Frames at times, at intervals and at the end only; values of a frame as tables.
+#[test]
+fn frames_are_chosen_by_time_and_their_values_are_tables() {
+    let folder =
+        folder_with(&changed(&[("every = 1", "times = [0.0, 0.011]\nfields = [\"displacement\", \"velocity\"]")]));
+    let frames = |out: &str| {
+        let names = std::fs::read_dir(folder.path().join(out).join("frames")).unwrap();
+        let mut names: Vec<String> = names.map(|f| f.unwrap().file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names.into_iter().map(|name| name[6..12].parse().unwrap()).collect::<Vec<u64>>()
+    };
+    run(folder.path(), "times", &[]);
+    // Steps of 0.002: 0.012 is the first end after 0.011, and the last step has a frame.
+    assert_eq!(frames("times"), [0, 6, 20]);
+    // Broken off and resumed, the same frames are there; the one of the break is not.
+    run(folder.path(), "broken", &["--until", "0.008"]);
+    assert_eq!(frames("broken"), [0, 4]);
+    run(folder.path(), "broken", &["--resume"]);
+    assert_eq!(results(&folder.path().join("broken")), results(&folder.path().join("times")));
+    std::fs::write(folder.path().join("scene.toml"), changed(&[("every = 1", "interval = 0.01")])).unwrap();
+    run(folder.path(), "interval", &[]);
+    assert_eq!(frames("interval"), [0, 5, 10, 15, 20]);
+    std::fs::write(folder.path().join("scene.toml"), changed(&[("every = 1", "last_only = true")])).unwrap();
+    run(folder.path(), "last", &[]);
+    assert_eq!(frames("last"), [20]);
+
+    // Through both blocks, from above the upper one to the ground.
+    let line = ["values", "times", "--line", "0.5,0.5,2.5", "0.5,0.5,0", "--points", "6", "--frame", "0"];
+    let output = stoss(folder.path(), &line);
+    let table = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(
+        lines[0],
+        "distance,x,y,z,inside,body,displacement_x,displacement_y,displacement_z,velocity_x,velocity_y,velocity_z"
+    );
+    let ends: Vec<&str> = lines[1..].iter().map(|line| line.splitn(5, ',').last().unwrap()).collect();
+    let falls = "1,upper,0e0,0e0,0e0,0e0,0e0,-1e0";
+    let rests = "1,lower,0e0,0e0,0e0,0e0,0e0,0e0";
+    assert_eq!(ends, ["0,,,,,,,", falls, falls, rests, rests, rests]);
+    let plane = ["values", "times", "--plane", "0,0,0.5", "0,0,1", "--field", "velocity", "-o", "plane.csv"];
+    assert_eq!(stoss(folder.path(), &plane).status.code(), Some(0));
+    assert!(std::fs::read_to_string(folder.path().join("plane.csv")).unwrap().lines().count() > 2000);
+    for wrong in [
+        &["values", "times"][..],
+        &["values", "times", "--line", "0,0,0", "0,0,0"],
+        &["values", "times", "--line", "0,0,0", "1,1"],
+    ] {
+        assert_eq!(stoss(folder.path(), wrong).status.code(), Some(2), "{wrong:?}");
+    }
+    assert_eq!(stoss(folder.path(), &["values", "nowhere", "--line", "0,0,0", "1,0,0"]).status.code(), Some(1));
+}

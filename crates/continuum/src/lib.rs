@@ -8,7 +8,7 @@ mod measures;
 mod moduli;
 
 pub use discrete_gradient::{energy_momentum_stress, energy_momentum_stress_and_tangent};
-pub use measures::{cauchy_stress, green_lagrange, von_mises};
+pub use measures::{cauchy_stress, green_lagrange, logarithmic_strain, principal_values, von_mises};
 pub use moduli::SmallStrainModuli;
 pub use stoss_tensor::{SymmetricTensor2, Tensor2, Tensor4};
 

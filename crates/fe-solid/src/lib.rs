@@ -41,5 +41,5 @@ pub use load::{
     surface_area,
 };
 pub use mass::{MassKind, MassMatrix};
-pub use recovery::{GaussPointState, von_mises};
+pub use recovery::{GaussPointState, principal_stresses, von_mises};
 pub use viscous::ViscousRate;

@@ -1,11 +1,11 @@
-//! Stresses for output: at Gauss points, and extrapolated to nodes. Not used by any force.
+//! Stresses and strains for output: at Gauss points, and extrapolated to nodes. Not used by any force.
 
 use crate::{
     Level, SolidBody, SolidError,
     element::{Failure, FailureKind, strain},
     kernel::{GAUSS_POINTS, NODES},
 };
-use stoss_continuum::{SymmetricTensor2, Tensor2};
+use stoss_continuum::{ConstitutiveError, SymmetricTensor2, Tensor2};
 use stoss_reference_element::hex8;
 
 /// State of one Gauss point.
@@ -19,6 +19,11 @@ pub struct GaussPointState {
     pub energy: f64,
     /// Reference volume that belongs to the point.
     pub volume: f64,
+}
+
+/// Principal stresses of a stress in the order 11, 22, 33, 12, 23, 13, the largest first.
+pub fn principal_stresses(stress: &[f64; 6]) -> [f64; 3] {
+    stoss_continuum::principal_values(&SymmetricTensor2::from_voigt(*stress))
 }
 
 /// Von Mises stress `sqrt(3/2 s:s)`, `s` the deviator, of a stress in the order 11, 22, 33, 12, 23, 13.
@@ -45,11 +50,49 @@ impl SolidBody {
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
     pub fn nodal_cauchy_stress(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
+        self.nodal_mean(q, out, |f, c| Ok(stoss_continuum::cauchy_stress(f, &self.law().stress(c)?).to_voigt()))
+    }
+
+    /// Deformation gradient `F` at the body's nodes, made as [`Self::nodal_cauchy_stress`]. Order 11, 12, 13, 21, ..., 33: the first
+    /// index is the current direction, the second the reference direction. The mean of elements that turn differently is shorter
+    /// than each: strains at nodes are means of strains, and not the strain of this mean.
+    ///
+    /// # Errors
+    /// [`SolidError::InvertedElement`], [`SolidError::Length`].
+    pub fn nodal_deformation_gradient(&self, q: &[f64], out: &mut [[f64; 9]]) -> Result<(), SolidError> {
+        self.nodal_mean(q, out, |f, _| Ok(std::array::from_fn(|k| f[(k / 3, k % 3)])))
+    }
+
+    /// Green-Lagrange strain `E = (F^T F - 1)/2` at the body's nodes, made and ordered as [`Self::nodal_cauchy_stress`]; shears are tensor
+    /// components, half of the engineering ones.
+    ///
+    /// # Errors
+    /// [`SolidError::InvertedElement`], [`SolidError::Length`].
+    pub fn nodal_green_lagrange_strain(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
+        self.nodal_mean(q, out, |_, c| Ok(stoss_continuum::green_lagrange(c).to_voigt()))
+    }
+
+    /// Logarithmic (Hencky) strain `ln V = ln(F F^T)/2` in the current directions at the body's nodes, made and ordered as
+    /// [`Self::nodal_cauchy_stress`]; shears are tensor components.
+    ///
+    /// # Errors
+    /// [`SolidError::InvertedElement`], [`SolidError::Length`].
+    pub fn nodal_logarithmic_strain(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
+        self.nodal_mean(q, out, |f, _| Ok(stoss_continuum::logarithmic_strain(f).to_voigt()))
+    }
+
+    /// The mean at the body's nodes of what `value` makes of `F` and `C` at the Gauss points, see [`Self::nodal_cauchy_stress`].
+    fn nodal_mean<const N: usize>(
+        &self,
+        q: &[f64],
+        out: &mut [[f64; N]],
+        value: impl Fn(&Tensor2, &SymmetricTensor2) -> Result<[f64; N], ConstitutiveError>,
+    ) -> Result<(), SolidError> {
         self.check_length("the positions", q)?;
         if out.len() != self.node_count() {
             return Err(SolidError::Length {
                 name: self.name().to_string(),
-                what: "the nodal stresses",
+                what: "the nodal values",
                 found: out.len(),
                 expected: self.node_count(),
             });
@@ -57,25 +100,34 @@ impl SolidBody {
         // Gauss points are the nodes of a hexahedron of half edge 1/sqrt(3), in the same order.
         let extrapolation: [[f64; GAUSS_POINTS]; NODES] =
             std::array::from_fn(|node| hex8::shape(hex8::VERTICES[node].map(|xi| xi * 3f64.sqrt())));
-        out.fill([0.0; 6]);
+        out.fill([0.0; N]);
         let mut volumes = vec![0.0; out.len()];
         for (element, nodes) in self.connectivity().iter().enumerate() {
-            let state = self.element_state(element, q).map_err(|failure| self.error(element, failure))?;
-            let volume: f64 = state.iter().map(|s| s.volume).sum();
+            let integration = self.integration(element);
+            let q = self.gather(element, q);
+            let mut values = [[0.0; N]; GAUSS_POINTS];
+            for (g, at_point) in values.iter_mut().enumerate() {
+                let of_point = strain(&q, integration, g, Level::End).and_then(|(f, c)| {
+                    let failure = |e| Failure { gauss_point: g, kind: FailureKind::Constitutive(e) };
+                    value(&Tensor2::from_fn(|i, a| f[i][a]), &c).map_err(failure)
+                });
+                *at_point = of_point.map_err(|failure| self.error(element, failure))?;
+            }
+            let volume: f64 = integration.weights.iter().sum();
             for (&node, weights) in nodes.iter().zip(&extrapolation) {
                 let local = (node - self.node_offset()) as usize;
                 volumes[local] += volume;
-                for (weight, state) in weights.iter().zip(&state) {
-                    for v in 0..6 {
-                        out[local][v] += volume * weight * state.cauchy[v];
+                for (weight, values) in weights.iter().zip(&values) {
+                    for (out, value) in out[local].iter_mut().zip(values) {
+                        *out += volume * weight * value;
                     }
                 }
             }
         }
-        for (stress, volume) in out.iter_mut().zip(&volumes) {
+        for (values, volume) in out.iter_mut().zip(&volumes) {
             if *volume > 0.0 {
-                for s in stress {
-                    *s /= volume;
+                for value in values {
+                    *value /= volume;
                 }
             }
         }

@@ -1,8 +1,12 @@
 //! Patch test: an irregular block whose boundary is moved affinely has one uniform stress.
 mod common;
 use common::*;
+use std::sync::Arc;
 use stoss_continuum::SymmetricTensor2;
-use stoss_fe_solid::{SolidStep, StressRule, von_mises};
+use stoss_fe_solid::{
+    SolidBody, SolidError, SolidStep, StressRule, kernel::determinant, principal_stresses, von_mises,
+};
+use stoss_materials::NeoHooke;
 use stoss_mesh::generate::Block;
 
 const F: [[f64; 3]; 3] = [[1.15, 0.1, -0.05], [0.02, 0.9, 0.08], [0.1, -0.03, 1.05]];
@@ -100,6 +104,46 @@ fn irregular_block_finds_the_affine_solution_with_uniform_stress() {
             assert!((resultant - expected).abs() < 1e-10 * scale, "{}: {resultant} against {expected}", law.name());
         }
     }
+}
+
+/// An affine motion of an irregular block has one F, one strain, one set of principal stresses at every node.
+#[test]
+fn an_affine_motion_has_its_own_strains_at_every_node() {
+    let mesh = distorted_block([3, 2, 2], 0.2, 5);
+    let affine = |x: [f64; 3]| std::array::from_fn(|i| 0.3 + F[i][0] * x[0] + F[i][1] * x[1] + F[i][2] * x[2]);
+    let q = map_positions(&positions(&mesh), affine);
+    let order = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+    let close = |found: &[f64], expected: &[f64], bound: f64| {
+        assert_eq!(found.len(), expected.len());
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < bound), "{found:?} against {expected:?}");
+    };
+    let green: [f64; 6] = order.map(|(a, b)| {
+        let c: f64 = (0..3).map(|i| F[i][a] * F[i][b]).sum();
+        (c - if a == b { 1.0 } else { 0.0 }) / 2.0
+    });
+    let law = NeoHooke::new(100.0, 70.0).unwrap();
+    let solid = SolidBody::new("block", &mesh, 0, Arc::new(law)).unwrap();
+    let nodes = mesh.nodes.len();
+    let mut gradient = vec![[0.0; 9]; nodes];
+    let (mut strain, mut logarithmic, mut stress) =
+        (vec![[0.0; 6]; nodes], vec![[0.0; 6]; nodes], vec![[0.0; 6]; nodes]);
+    solid.nodal_deformation_gradient(&q, &mut gradient).unwrap();
+    solid.nodal_green_lagrange_strain(&q, &mut strain).unwrap();
+    solid.nodal_logarithmic_strain(&q, &mut logarithmic).unwrap();
+    solid.nodal_cauchy_stress(&q, &mut stress).unwrap();
+    for node in 0..nodes {
+        close(&gradient[node], F.as_flattened(), 1e-13);
+        close(&strain[node], &green, 1e-13);
+        // sigma = (mu (b - 1) + lambda ln(J) 1)/J has the directions of b, and exp(2 ln V) = b.
+        let principal = principal_stresses(&stress[node]);
+        let j = determinant(&F);
+        let of_logarithms =
+            principal_stresses(&logarithmic[node]).map(|log| (70.0 * ((2.0 * log).exp() - 1.0) + 100.0 * j.ln()) / j);
+        close(&principal, &of_logarithms, 1e-11);
+        assert!(principal[0] > principal[1] && principal[1] > principal[2]);
+    }
+    let mut short = vec![[0.0; 9]; nodes - 1];
+    assert!(matches!(solid.nodal_deformation_gradient(&q, &mut short), Err(SolidError::Length { .. })));
 }
 
 #[test]

@@ -33,6 +33,19 @@ pub(crate) fn write(
     })
 }
 
+/// As [`write`], for a file that `content` writes by its name.
+#[cfg(feature = "vtkhdf")]
+pub(crate) fn through(path: &Path, content: impl FnOnce(&Path) -> Result<(), MeshIoError>) -> Result<(), MeshIoError> {
+    let temporary = temporary_name(path);
+    let io = |source| MeshIoError::Io { path: path.to_owned(), source };
+    let result = content(&temporary).and_then(|()| fs::rename(&temporary, path).map_err(io));
+    if result.is_err() {
+        // the error of the write counts, not whether the rest can be removed
+        let _ = fs::remove_file(&temporary);
+    }
+    result
+}
+
 /// Why content could not be written.
 pub(crate) enum WriteError {
     Io(io::Error),

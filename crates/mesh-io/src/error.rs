@@ -48,6 +48,15 @@ pub enum MeshIoError {
         /// What is expected.
         remedy: String,
     },
+    /// A file with frames in HDF5 cannot be read or written.
+    #[cfg(feature = "vtkhdf")]
+    #[error("{}: {problem}", path.display())]
+    Container {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// Something that is correct, but that Stoss does not compute with: other cells, other versions, several bodies.
     #[error("{}:{line}: {value}: {remedy}", path.display())]
     Unsupported {

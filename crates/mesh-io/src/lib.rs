@@ -6,7 +6,8 @@
 //! * [`write_mesh`]: a mesh with its sets as a Gmsh, Abaqus or VTU file;
 //! * [`read_surface`]: the surface of a rigid body from an STL file, text or binary;
 //! * [`VtuFrame`], [`write_vtu`], [`read_vtu`]: one frame of results for ParaView;
-//! * [`PvdWriter`]: the collection of frames over time.
+//! * [`PvdWriter`]: the collection of frames over time;
+//! * with the feature `vtkhdf`: all frames in one HDF5 file.
 //!
 //! Every error names the file, the line (of a binary file the byte), the value and what to do about it. No content of a
 //! file makes a reader panic. Files are written under a temporary name in the same folder and then renamed, so that a
@@ -34,6 +35,8 @@ mod pvd;
 mod registry;
 mod stl;
 mod survey;
+#[cfg(feature = "vtkhdf")]
+mod vtkhdf;
 mod vtu;
 mod vtu_mesh;
 mod vtu_read;
@@ -47,6 +50,8 @@ pub use pvd::{PvdEntry, PvdWriter, read_pvd_from_str};
 pub use registry::{FORMATS, Format, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};
 pub use stl::{SurfaceFile, read_surface, read_surface_counted, read_surface_from_bytes};
 pub use survey::{CellCount, MeshSurvey, Survey};
+#[cfg(feature = "vtkhdf")]
+pub use vtkhdf::{VtkhdfFile, append_vtkhdf, create_vtkhdf, keep_vtkhdf};
 pub use vtu::{Field, VtuFrame, write_vtu, write_vtu_to};
 pub use vtu_read::{OwnedField, VtuData, read_vtu, read_vtu_from_str};
 pub use write::write_mesh;

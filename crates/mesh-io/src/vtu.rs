@@ -75,7 +75,7 @@ impl VtuFrame<'_> {
     }
 
     /// Type and points of each cell, in the order of the file.
-    fn cells(&self) -> impl Iterator<Item = (u8, &[u32])> + Clone {
+    pub(crate) fn cells(&self) -> impl Iterator<Item = (u8, &[u32])> + Clone {
         let hexahedra = self.hexahedra.iter().map(|nodes| (VTK_HEXAHEDRON, nodes.as_slice()));
         let facets = self.facets.iter().map(|nodes| (vtk_facet(nodes.kind()), &**nodes));
         let lines = self.lines.iter().map(|nodes| (VTK_POLY_LINE, nodes.as_slice()));

@@ -51,7 +51,7 @@ impl VtuData {
     }
 
     /// Takes over cells, of which `offsets` are the ends in `nodes`; `None` if there are others than those that are written, or in another order.
-    fn add_cells(&mut self, nodes: &[i64], offsets: &[i64], kinds: &[u8]) -> Option<()> {
+    pub(crate) fn add_cells(&mut self, nodes: &[i64], offsets: &[i64], kinds: &[u8]) -> Option<()> {
         let mut start = 0;
         for (&end, &kind) in offsets.iter().zip(kinds) {
             let end = usize::try_from(end).ok()?;

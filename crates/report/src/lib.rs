@@ -3,6 +3,7 @@
 //! - [`folder`]: a folder of results; [`page`]: one HTML file with the run as an animation, its charts and its verdict;
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
 //! - [`picture`]: one picture of a frame, as SVG or PNG; [`animation`]: all frames as GIF;
+//! - [`values`]: tables of the fields along a line and on a plane section;
 //! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
 //! - [`sweep`]: a folder of a sweep; [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
@@ -16,6 +17,7 @@ pub mod picture;
 pub mod plot;
 pub mod sweep;
 pub mod table;
+pub mod values;
 pub mod vtu;
 
 use std::path::Path;

@@ -54,7 +54,7 @@ pub struct Options {
 
 /// An option that does not fit to the folder; the message names the folder, the option, its value and what there is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unfit(String);
+pub struct Unfit(pub(crate) String);
 
 impl fmt::Display for Unfit {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
@@ -169,7 +169,7 @@ fn camera(view: Option<[f64; 3]>) -> Result<Camera, String> {
 }
 
 /// Number of the frame among the frames, of which there is at least one.
-fn number(folder: &Folder, which: Which) -> Result<usize, String> {
+pub(crate) fn number(folder: &Folder, which: Which) -> Result<usize, String> {
     let last = folder.frames.len() - 1;
     match which {
         Which::Last => Ok(last),

@@ -107,6 +107,17 @@ named! {
         CauchyStress = "cauchy_stress",
         /// Von Mises stress.
         VonMises = "von_mises",
+        /// Principal Cauchy stresses, the largest first. Has to be named.
+        PrincipalStresses = "principal_stresses",
+        /// Deformation gradient `F`, extrapolated to nodes, in the order xx, xy, xz, yx, ...: first the current direction, then the reference
+        /// direction. Has to be named.
+        DeformationGradient = "deformation_gradient",
+        /// Green-Lagrange strain `(F^T F - 1)/2`, extrapolated to nodes; shears are tensor components. Has to be named.
+        GreenLagrangeStrain = "green_lagrange_strain",
+        /// Logarithmic strain `ln V = ln(F F^T)/2` in the current directions, extrapolated to nodes; shears are tensor components. Has to be named.
+        LogarithmicStrain = "logarithmic_strain",
+        /// Force of the supports on each node, zero where nothing is prescribed. Has to be named.
+        Reaction = "reaction",
         /// Contact pressure on slave nodes.
         ContactPressure = "contact_pressure",
         /// Gap of slave nodes.
@@ -117,6 +128,20 @@ named! {
         FrictionTraction = "friction_traction",
         /// Length of the slip in the last step, of the slave against the master; scenes with friction.
         Slip = "slip",
+    }
+}
+
+impl Field {
+    /// Whether frames have it where the scene names no fields.
+    pub fn is_default(self) -> bool {
+        !matches!(
+            self,
+            Self::PrincipalStresses
+                | Self::DeformationGradient
+                | Self::GreenLagrangeStrain
+                | Self::LogarithmicStrain
+                | Self::Reaction
+        )
     }
 }
 
@@ -161,7 +186,28 @@ pub struct Probe {
     pub joint: Option<String>,
 }
 
+/// Which completed steps have a frame, beside the last one.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Frames {
+    /// Every so many steps, step 0 included.
+    Every(u32),
+    /// The first at or after every multiple of a time.
+    Interval(f64),
+    /// The first at or after each of these times.
+    Times(Vec<f64>),
+    /// No other.
+    Last,
+}
+
 /// `[output]`: what is written, and how often.
+///
+/// One of `every`, `interval`, `times` and `last_only` says which steps have a frame; step sizes do not depend on it. The last step always has one.
+///
+/// ```toml
+/// [output]
+/// times = [0.1, 0.25]
+/// fields = ["displacement", "principal_stresses"]
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -169,7 +215,16 @@ pub struct Output {
     /// A frame every so many steps, at least 1. The tables have a row for every step anyway.
     #[serde(default = "Output::default_every")]
     pub every: u32,
-    /// Fields of the frames; all that apply if left out.
+    /// A frame at the first step that ends at or after each multiple of this time, instead of `every`; positive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval: Option<f64>,
+    /// A frame at the first step that ends at or after each of these times, instead of `every`; 0 is the initial state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub times: Option<Vec<f64>>,
+    /// No frame but that of the last step, instead of `every`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub last_only: bool,
+    /// Fields of the frames; if left out all that apply, but for those that have to be named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<Vec<Field>>,
     /// A checkpoint every so many steps, at least 1.
@@ -190,11 +245,28 @@ impl Output {
     fn default_checkpoint_every() -> u32 {
         Self::DEFAULT_CHECKPOINT_EVERY
     }
+
+    /// Which steps have a frame.
+    pub fn frames(&self) -> Frames {
+        match (self.interval, &self.times) {
+            _ if self.last_only => Frames::Last,
+            (Some(interval), _) => Frames::Interval(interval),
+            (None, Some(times)) => Frames::Times(times.clone()),
+            (None, None) => Frames::Every(self.every),
+        }
+    }
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { every: Self::DEFAULT_EVERY, fields: None, checkpoint_every: Self::DEFAULT_CHECKPOINT_EVERY }
+        Self {
+            every: Self::DEFAULT_EVERY,
+            interval: None,
+            times: None,
+            last_only: false,
+            fields: None,
+            checkpoint_every: Self::DEFAULT_CHECKPOINT_EVERY,
+        }
     }
 }
 

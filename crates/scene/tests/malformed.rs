@@ -442,6 +442,13 @@ const CASES: &[Case] = &[
     dynamic("every = 2", "every = -1", "every = -1", "output.every"),
     dynamic("\"von_mises\"", "\"mises\"", "\"mises\"", "output.fields[1]"),
     dynamic("\"von_mises\"", "\"displacement\"", "fields", "output.fields"),
+    dynamic("\"von_mises\"", "\"strain\"", "\"strain\"", "output.fields[1]"),
+    dynamic("every = 2", "interval = 0", "interval", "output.interval"),
+    dynamic("every = 2", "times = []", "times", "output.times"),
+    dynamic("every = 2", "times = [0.1, 1.5]", "times", "output.times[1]"),
+    dynamic("every = 2", "last_only = 1", "last_only", "output.last_only"),
+    dynamic("every = 2", "every = 2\ntimes = [0.1]", "times", "output.times"),
+    dynamic("every = 2", "interval = 0.1\nlast_only = true", "last_only", "output.last_only"),
     // [expect]
     dynamic("outcome = \"completed\"", "outcome = \"fine\"", "fine", "expect.outcome"),
     dynamic("linear_momentum_drift = 1e-10", "linear_momentum_drift = 0", "_drift", "expect.linear_momentum_drift"),

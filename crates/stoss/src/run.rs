@@ -129,7 +129,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         description,
         identity,
         scheme: scheme_name(&scene),
-        every: u64::from(scene.output.every),
+        frames: scene.output.frames(),
         checkpoint_every: u64::from(scene.output.checkpoint_every),
         fields: scene.output.fields.clone(),
         probes: probes.clone(),

@@ -13,7 +13,14 @@ enum Part {
     Principal(usize),
     /// Minus the mean of the principal values.
     Pressure,
+    /// One of the numbers.
+    Component(usize),
+    /// Determinant of a tensor of nine components.
+    Determinant,
 }
+
+/// Order of principal values.
+const PLACES: [&str; 3] = ["largest", "middle", "smallest"];
 
 /// A scalar field of the page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,19 +40,28 @@ impl Field {
         let field = |label: &str, array: &str, part| Self { label: label.to_owned(), array: array.to_owned(), part };
         let mut fields = Vec::new();
         for (name, array) in grid.point_data.iter().filter(|(name, _)| *name != "displacement") {
-            let label = name.replace('_', " ").replace("von mises", "von Mises stress");
+            let words = name.replace('_', " ").replace("von mises", "von Mises stress");
             let label = match name.as_str() {
                 "contact_status" => "contact status (1 sticks, 2 slides or has no friction)".to_owned(),
-                _ => label,
+                _ => words,
             };
-            if array.components != 6 {
-                fields.push(field(&label, name, Part::Size));
-                continue;
+            match (name.as_str(), array.components) {
+                // Those that the frames have, unless they have the tensor to make them of.
+                ("principal_stresses", 3) if grid.point_data.contains_key("cauchy_stress") => {}
+                ("principal_stresses", 3) => fields.extend(
+                    (0..3).map(|k| field(&format!("{} principal cauchy stress", PLACES[k]), name, Part::Component(k))),
+                ),
+                (_, 6) => {
+                    for (k, place) in PLACES.into_iter().enumerate() {
+                        fields.push(field(&format!("{place} principal {label}"), name, Part::Principal(k)));
+                    }
+                    if name.ends_with("stress") {
+                        fields.push(field(&format!("pressure of {label}"), name, Part::Pressure));
+                    }
+                }
+                (_, 9) => fields.push(field(&format!("determinant of {label}"), name, Part::Determinant)),
+                _ => fields.push(field(&label, name, Part::Size)),
             }
-            for (k, place) in ["largest", "middle", "smallest"].into_iter().enumerate() {
-                fields.push(field(&format!("{place} principal {label}"), name, Part::Principal(k)));
-            }
-            fields.push(field(&format!("pressure of {label}"), name, Part::Pressure));
         }
         fields
     }
@@ -65,6 +81,10 @@ impl Field {
         match (self.part, array.row(point)) {
             (Part::Principal(k), &[xx, yy, zz, xy, yz, xz]) => principal([xx, yy, zz, xy, yz, xz])[k],
             (Part::Pressure, [xx, yy, zz, ..]) => -(xx + yy + zz) / 3.0,
+            (Part::Component(k), row) => row[k],
+            (Part::Determinant, &[a, b, c, d, e, f, g, h, i]) => {
+                a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+            }
             _ => array.magnitude(point),
         }
     }
@@ -129,6 +149,22 @@ mod tests {
         assert_eq!(labels[..2], ["largest principal cauchy stress", "middle principal cauchy stress"]);
         assert_eq!(labels[3..], ["pressure of cauchy stress", "speed", "velocity"]);
         assert_eq!(fields[5].values(&grid, &[3, 4]), [12.0_f32.sqrt(); 2]);
+        // Principal stresses are offered once, under one name; of a strain there is no pressure, of a gradient the change of volume.
+        let names = |grid: &Grid| Field::of(grid).iter().map(Field::name).collect::<Vec<_>>();
+        let before = names(&grid);
+        grid.point_data.insert("principal_stresses".into(), array(3, 1.0));
+        assert_eq!(names(&grid), before);
+        grid.point_data.remove("cauchy_stress");
+        assert_eq!(names(&grid)[..3], before[..3]);
+        let mut row = vec![2.0, 0.5, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0, 3.0];
+        row = row.repeat(8);
+        grid.point_data.insert("deformation_gradient".into(), Array { components: 9, values: row });
+        grid.point_data.insert("green_lagrange_strain".into(), array(6, 0.0));
+        let fields = Field::of(&grid);
+        assert_eq!(fields[0].name(), "determinant_of_deformation_gradient");
+        assert!((fields[0].values(&grid, &[7])[0] - 5.85).abs() < 1e-6);
+        assert!(fields.iter().any(|field| field.label == "middle principal green lagrange strain"));
+        assert!(!fields.iter().any(|field| field.label == "pressure of green lagrange strain"));
         grid.point_data.clear();
         assert!(fields[5].values(&grid, &[3]).iter().all(|value| value.is_nan()));
     }

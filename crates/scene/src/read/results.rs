@@ -135,10 +135,45 @@ fn nodal_place(table: &Table<'_>, quantity: Quantity, part: Option<PartKind>) ->
 pub(super) fn output(node: &Node<'_>, world: &World<'_>) -> Option<Output> {
     let table = node.table()?;
     let every = table.default("every", Output::DEFAULT_EVERY, Node::count);
+    let interval = table.optional("interval", Node::positive);
+    let times = table.optional("times", |n| {
+        let times = n.list(|n| time_in_run(n, world))?;
+        if times.is_empty() {
+            return n.fail("has no time", "name times, or write last_only = true instead");
+        }
+        Some(times)
+    });
+    let last_only = table.default("last_only", false, Node::boolean);
     let fields = table.optional("fields", |n| fields(n, world));
     let checkpoint_every = table.default("checkpoint_every", Output::DEFAULT_CHECKPOINT_EVERY, Node::count);
+    let mut ways = ["every", "interval", "times", "last_only"].into_iter().filter(|&key| table.has(key));
+    let one = match (ways.next(), ways.next()) {
+        (Some(first), Some(second)) => table.fail(
+            second,
+            format!("is another choice of frames, beside `{first}`"),
+            "keep one of `every`, `interval`, `times` and `last_only`",
+        ),
+        _ => Some(()),
+    };
     table.finish();
-    Some(Output { every: every?, fields: fields?, checkpoint_every: checkpoint_every? })
+    one?;
+    Some(Output {
+        every: every?,
+        interval: interval?,
+        times: times?,
+        last_only: last_only?,
+        fields: fields?,
+        checkpoint_every: checkpoint_every?,
+    })
+}
+
+/// A time from the start to the end of the run.
+fn time_in_run(node: &Node<'_>, world: &World<'_>) -> Option<f64> {
+    let time = node.not_negative()?;
+    match world.end.filter(|&end| time > end) {
+        Some(end) => node.fail(format!("is after the end of the run, {end}"), "choose a time in the run"),
+        None => Some(time),
+    }
 }
 
 pub(super) fn watch(node: &Node<'_>) -> Option<Watch> {
@@ -158,6 +193,9 @@ fn fields(node: &Node<'_>, world: &World<'_>) -> Option<Vec<Field>> {
         }
         if matches!(field, Field::ContactPressure | Field::Gap) && !world.has_contact {
             return n.fail("needs contact, and the scene has none", "remove it or add a [[contact]]");
+        }
+        if field == Field::Reaction && !world.has_support {
+            return n.fail("needs prescribed motion, and the scene has none", "remove it or add a [[prescribe]]");
         }
         Some(field)
     })?;
@@ -263,15 +301,7 @@ fn interval(node: &Node<'_>) -> Option<Interval> {
 
 fn expected_value(table: &Table<'_>, world: &World<'_>) -> Option<ExpectedValue> {
     let name = table.required("name", "name = \"tip\"", |n| probe_of(n, world));
-    let time = table.required("time", "time = 1.0", |n| {
-        let time = n.not_negative()?;
-        if let Some(end) = world.end
-            && time > end
-        {
-            return n.fail(format!("is after the end of the run, {end}"), "choose a time in the run");
-        }
-        Some(time)
-    });
+    let time = table.required("time", "time = 1.0", |n| time_in_run(n, world));
     let component = component_fits(table, name.as_deref(), world);
     let value = table.required("value", "value = 0.1", Node::number);
     let tolerance = table.required("tolerance", "tolerance = 1e-6", Node::positive);

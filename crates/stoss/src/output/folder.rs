@@ -6,10 +6,10 @@ use super::identity::SceneIdentity;
 use super::lock::FolderLock;
 use super::table::CsvTable;
 use super::watch::{self, RunWatch};
-use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frame};
+use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frames};
 use crate::build::{ContactPlan, JointPlace, Probe};
 use crate::error::RunError;
-use crate::scene::{Field, OnFault, Watch as WatchTable};
+use crate::scene::{Field, Frames, OnFault, Watch as WatchTable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ const IDENTITY: &str = "scene";
 #[derive(Debug, Serialize, Deserialize)]
 struct Memo {
     lengths: BTreeMap<String, u64>,
-    frames: Vec<(f64, u64)>,
+    frames: frames::Log,
     drifts: Drifts,
     /// Stage of the last step.
     stage: u32,
@@ -108,8 +108,8 @@ pub struct FolderSettings {
     pub identity: SceneIdentity,
     /// Scheme, or "quasi-static".
     pub scheme: String,
-    /// A frame every so many steps.
-    pub every: u64,
+    /// Which steps have a frame, beside the last one.
+    pub frames: Frames,
     /// A checkpoint every so many steps.
     pub checkpoint_every: u64,
     /// Fields of the frames; `None`: all.
@@ -158,7 +158,7 @@ impl ResultFolder {
         std::fs::create_dir_all(&frames).map_err(OutputError::io(&frames))?;
         let memo = Memo {
             lengths: BTreeMap::new(),
-            frames: Vec::new(),
+            frames: frames::Log::default(),
             drifts: Drifts::start(simulation.balance()),
             stage: simulation.stage(),
             iterations: 0,
@@ -168,7 +168,7 @@ impl ResultFolder {
         };
         let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
         let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
-        folder.remove_other_frames()?;
+        folder.memo.frames.remove_others(path)?;
         folder.watch.write_file(path)?;
         folder.settings.description.write(path)?;
         let record = simulation.initial_record();
@@ -225,10 +225,10 @@ impl ResultFolder {
         let [judged, positions] = ["watch", "watch-positions"].map(|name| attachments.get(name).map(Vec::as_slice));
         let (judged, positions) = (judged.unwrap_or_default(), positions.unwrap_or_default());
         folder.watch.load(judged, positions, &simulation.state().q).map_err(damaged)?;
-        folder.check_frames()?;
-        folder.remove_other_frames()?;
+        folder.memo.frames.check(path)?;
+        folder.memo.frames.remove_others(path)?;
         folder.settings.description.write(path)?;
-        folder.write_collection()?;
+        folder.memo.frames.write_collection(path)?;
         // The tables may have been written anew, with other columns.
         folder.flush()?;
         folder.checkpoint(simulation)?;
@@ -308,9 +308,10 @@ impl ResultFolder {
         time.measure(|| -> Result<(), OutputError> {
             self.watch.observe(simulation, record, &mut self.watched)?;
             self.write_rows(simulation, record)?;
-            let every = self.settings.every.max(1);
-            if record.step.is_multiple_of(every) || simulation.finished() {
-                self.write_frame(simulation, record.step)?;
+            if self.memo.frames.is_due(&self.settings.frames, record.step, record.time, record.dt)
+                || simulation.finished()
+            {
+                self.write_frame(simulation)?;
             }
             Ok(())
         })?;
@@ -438,18 +439,8 @@ impl ResultFolder {
         Ok(())
     }
 
-    fn write_frame(&mut self, simulation: &Simulation, step: u64) -> Result<(), OutputError> {
-        let time = simulation.state().time;
-        let path = self.path.join("frames").join(frame::name(step));
-        frame::write(&path, simulation, self.settings.fields.as_deref(), &self.settings.drawing)?;
-        self.memo.frames.push((time, step));
-        self.write_collection()
-    }
-
-    fn write_collection(&self) -> Result<(), OutputError> {
-        let entries: Vec<(f64, String)> =
-            self.memo.frames.iter().map(|&(time, step)| (time, format!("frames/{}", frame::name(step)))).collect();
-        frame::write_collection(&self.path.join("frames.pvd"), &entries)
+    fn write_frame(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+        self.memo.frames.write(&self.path, simulation, self.settings.fields.as_deref(), &self.settings.drawing)
     }
 
     /// Whether the watch has found that the run is wrong, in a run that is to stop then.
@@ -464,35 +455,8 @@ impl ResultFolder {
     /// [`OutputError`].
     pub fn close(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
         self.checkpoint(simulation)?;
-        let step = simulation.step();
-        if self.memo.frames.last().is_none_or(|&(_, last)| last != step) {
-            self.write_frame(simulation, step)?;
-        }
-        Ok(())
-    }
-
-    /// Every frame that the collection names is there.
-    fn check_frames(&self) -> Result<(), OutputError> {
-        for &(_, step) in &self.memo.frames {
-            let file = self.path.join("frames").join(frame::name(step));
-            if !file.is_file() {
-                let reason = "this frame of the run so far is missing (put it back if you have it)".into();
-                return Err(OutputError::Damaged { path: file, reason });
-            }
-        }
-        Ok(())
-    }
-
-    /// Removes frames that do not belong to the run so far (of an earlier run, or written after the checkpoint).
-    fn remove_other_frames(&self) -> Result<(), OutputError> {
-        let folder = self.path.join("frames");
-        let ours: Vec<String> = self.memo.frames.iter().map(|&(_, step)| frame::name(step)).collect();
-        for entry in std::fs::read_dir(&folder).map_err(OutputError::io(&folder))? {
-            let entry = entry.map_err(OutputError::io(&folder))?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            if frame::step_of(&name).is_some() && !ours.contains(&name) {
-                std::fs::remove_file(entry.path()).map_err(OutputError::io(&folder))?;
-            }
+        if !self.memo.frames.has(simulation.step()) {
+            self.write_frame(simulation)?;
         }
         Ok(())
     }

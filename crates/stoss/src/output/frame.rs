@@ -1,4 +1,4 @@
-//! Frames: reference positions, displacement, velocity, stress, and what contact has at the slave nodes.
+//! Frames: reference positions, displacement, velocity, stress, strain, reactions, and what contact has at the slave nodes.
 //!
 //! Points are all vectors of the model but directions, in their order. Cells are the hexahedra of the solids, then the facets of rigid bodies, then the
 //! lines of beams and strings, then single points; the cell field `body` counts the solids and goes on with surfaces, lines and points in this order.
@@ -7,13 +7,14 @@ use super::{Drawing, OutputError};
 use crate::points::Points;
 use crate::scene::Field as SceneField;
 use std::path::{Path, PathBuf};
+use stoss_fe_solid::{SolidBody, SolidError};
 use stoss_mesh_io::{Field, PvdWriter, VtuFrame, write_vtu};
 use stoss_reference_element::FacetNodes;
 use stoss_solver::{Model, Simulation, StepError};
 
-/// Which fields a frame has; all of them if the scene names none.
+/// Which fields a frame has; those of every day if the scene names none.
 pub(crate) fn wanted(fields: Option<&[SceneField]>, field: SceneField) -> bool {
-    fields.is_none_or(|list| list.contains(&field))
+    fields.map_or(field.is_default(), |list| list.contains(&field))
 }
 
 const CONTACT_FIELDS: [SceneField; 5] = [
@@ -85,24 +86,59 @@ fn bodies(model: &Model, drawing: &Drawing) -> Vec<f64> {
     counts.enumerate().flat_map(|(k, count)| std::iter::repeat_n(k as f64, count)).collect()
 }
 
-/// Cauchy stress and its von Mises value at all nodes of solids; not a number elsewhere, which ParaView shows in a colour of its own and leaves out of
+/// What `nodal` finds at the nodes of solids; not a number elsewhere, which ParaView shows in a colour of its own and leaves out of
 /// the range. Empty without solids.
-fn stresses(simulation: &Simulation) -> Result<[Vec<f64>; 2], OutputError> {
+fn of_solids<const N: usize>(
+    simulation: &Simulation,
+    nodal: impl Fn(&SolidBody, &[f64], &mut [[f64; N]]) -> Result<(), SolidError>,
+) -> Result<Vec<[f64; N]>, OutputError> {
     let (model, state) = (simulation.model(), simulation.state());
     if model.bodies.is_empty() {
-        return Ok([Vec::new(), Vec::new()]);
+        return Ok(Vec::new());
     }
-    let nodes = model.node_count();
-    let (mut stress, mut von_mises) = (vec![f64::NAN; 6 * nodes], vec![f64::NAN; nodes]);
+    let mut values = vec![[f64::NAN; N]; model.node_count()];
     for body in &model.bodies {
-        let mut nodal = vec![[0.0; 6]; body.nodes.len()];
-        body.solid.nodal_cauchy_stress(&state.q, &mut nodal).map_err(StepError::from)?;
-        for (node, nodal) in body.nodes.clone().map(|node| node as usize).zip(&nodal) {
-            stress[6 * node..6 * node + 6].copy_from_slice(nodal);
-            von_mises[node] = stoss_fe_solid::von_mises(nodal);
-        }
+        let nodes = body.nodes.start as usize..body.nodes.end as usize;
+        nodal(&body.solid, &state.q, &mut values[nodes]).map_err(StepError::from)?;
     }
-    Ok([stress, von_mises])
+    Ok(values)
+}
+
+/// What is computed for a frame: nothing that it does not have.
+#[derive(Default)]
+struct SolidFields {
+    stress: Vec<[f64; 6]>,
+    von_mises: Vec<f64>,
+    principal: Vec<[f64; 3]>,
+    deformation_gradient: Vec<[f64; 9]>,
+    green_lagrange: Vec<[f64; 6]>,
+    logarithmic: Vec<[f64; 6]>,
+}
+
+impl SolidFields {
+    fn of(simulation: &Simulation, want: impl Fn(SceneField) -> bool) -> Result<Self, OutputError> {
+        let mut fields = Self::default();
+        let [von_mises, principal] = [SceneField::VonMises, SceneField::PrincipalStresses].map(&want);
+        if want(SceneField::CauchyStress) || von_mises || principal {
+            fields.stress = of_solids(simulation, SolidBody::nodal_cauchy_stress)?;
+        }
+        if von_mises {
+            fields.von_mises = fields.stress.iter().map(stoss_fe_solid::von_mises).collect();
+        }
+        if principal {
+            fields.principal = fields.stress.iter().map(stoss_fe_solid::principal_stresses).collect();
+        }
+        if want(SceneField::DeformationGradient) {
+            fields.deformation_gradient = of_solids(simulation, SolidBody::nodal_deformation_gradient)?;
+        }
+        if want(SceneField::GreenLagrangeStrain) {
+            fields.green_lagrange = of_solids(simulation, SolidBody::nodal_green_lagrange_strain)?;
+        }
+        if want(SceneField::LogarithmicStrain) {
+            fields.logarithmic = of_solids(simulation, SolidBody::nodal_logarithmic_strain)?;
+        }
+        Ok(fields)
+    }
 }
 
 /// Writes one frame (atomically).
@@ -125,17 +161,19 @@ pub(crate) fn write(
     let bodies = bodies(model, &drawing);
     let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
     let want = |field| wanted(fields, field);
-    let [stress, von_mises] = match want(SceneField::CauchyStress) || want(SceneField::VonMises) {
-        true => stresses(simulation)?,
-        false => [Vec::new(), Vec::new()],
-    };
+    let solid = SolidFields::of(simulation, want)?;
     let contact =
         if CONTACT_FIELDS.into_iter().any(want) { ContactFields::of(simulation)? } else { ContactFields::default() };
-    let candidates: [(SceneField, &str, usize, &[f64]); 9] = [
+    let candidates: [(SceneField, &str, usize, &[f64]); 14] = [
         (SceneField::Displacement, "displacement", 3, &displacement),
         (SceneField::Velocity, "velocity", 3, &state.v),
-        (SceneField::CauchyStress, "cauchy_stress", 6, &stress),
-        (SceneField::VonMises, "von_mises", 1, &von_mises),
+        (SceneField::CauchyStress, "cauchy_stress", 6, solid.stress.as_flattened()),
+        (SceneField::VonMises, "von_mises", 1, &solid.von_mises),
+        (SceneField::PrincipalStresses, "principal_stresses", 3, solid.principal.as_flattened()),
+        (SceneField::DeformationGradient, "deformation_gradient", 9, solid.deformation_gradient.as_flattened()),
+        (SceneField::GreenLagrangeStrain, "green_lagrange_strain", 6, solid.green_lagrange.as_flattened()),
+        (SceneField::LogarithmicStrain, "logarithmic_strain", 6, solid.logarithmic.as_flattened()),
+        (SceneField::Reaction, "reaction", 3, simulation.reactions()),
         (SceneField::ContactPressure, "contact_pressure", 1, &contact.pressure),
         (SceneField::Gap, "gap", 1, &contact.gap),
         (SceneField::ContactStatus, "contact_status", 1, &contact.status),

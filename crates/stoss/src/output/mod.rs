@@ -8,6 +8,7 @@ mod drift;
 mod earlier;
 mod folder;
 mod frame;
+mod frames;
 mod identity;
 mod lock;
 mod promises;

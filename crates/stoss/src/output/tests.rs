@@ -86,6 +86,90 @@ fn simulation(model: Model) -> Simulation {
     Simulation::new(model, settings).unwrap()
 }
 
+/// A block under a force on its top, free to get wider: the deformation is homogeneous, and known from where its corner is.
+#[test]
+fn fields_of_a_homogeneous_deformation_are_exact_at_every_node() {
+    let (lambda, mu, force) = (600.0, 400.0, 300.0);
+    let fixed = |set: &str, axis: &str| {
+        format!("[[prescribe]]\nset = \"block.{set}\"\ncomponents = [\"{axis}\"]\nfixed = true\n")
+    };
+    let text = format!(
+        r#"[scene]
+title = "block"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.5
+[[body]]
+name = "block"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [2, 1, 2] }}
+material = {{ law = "neo-hooke", lambda = {lambda}, mu = {mu} }}
+[[load]]
+set = "block.top"
+total_force = {{ table = [[0, 0, 0, 0], [1, 0, 0, {force}]] }}
+{}{}{}[output]
+fields = ["displacement", "principal_stresses", "deformation_gradient", "green_lagrange_strain", "logarithmic_strain", "reaction"]
+"#,
+        fixed("left", "x"),
+        fixed("front", "y"),
+        fixed("bottom", "z")
+    );
+    let scene = parse(&text, "block.toml").unwrap();
+    let mut simulation = crate::build::build(&scene, std::path::Path::new(".")).unwrap().simulation;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vtu");
+    let read = |simulation: &Simulation| {
+        frame::write(&path, simulation, scene.output.fields.as_deref(), &Drawing::default()).unwrap();
+        read_vtu(&path).unwrap()
+    };
+    let start = read(&simulation);
+    assert!(start.point_field("reaction").unwrap().values.iter().all(|&r| r == 0.0));
+    while !simulation.finished() {
+        simulation.advance().unwrap();
+    }
+    let data = read(&simulation);
+    let names: Vec<&str> = data.point_data.iter().map(|field| field.name.as_str()).collect();
+    // No velocity and no Cauchy stress: they were not asked for.
+    let asked = [
+        "displacement",
+        "principal_stresses",
+        "deformation_gradient",
+        "green_lagrange_strain",
+        "logarithmic_strain",
+        "reaction",
+    ];
+    assert_eq!(names, asked);
+    let corner = data.points.iter().position(|x| *x == [1.0; 3]).unwrap();
+    let u = &data.point_field("displacement").unwrap().values[3 * corner..3 * corner + 3];
+    let (wide, long) = (1.0 + u[0], 1.0 + u[2]);
+    assert!(long > 1.1 && wide < 0.99 && (u[0] - u[1]).abs() < 1e-9);
+    let everywhere = |name: &str, expected: &[f64], bound: f64| {
+        let values = &data.point_field(name).unwrap().values;
+        assert_eq!(values.len(), data.points.len() * expected.len());
+        for row in values.chunks_exact(expected.len()) {
+            assert!(
+                row.iter().zip(expected).all(|(a, b)| (a - b).abs() < bound),
+                "{name}: {row:?} against {expected:?}"
+            );
+        }
+    };
+    everywhere("deformation_gradient", &[wide, 0.0, 0.0, 0.0, wide, 0.0, 0.0, 0.0, long], 1e-9);
+    let [e, f] = [wide, long].map(|stretch| (stretch * stretch - 1.0) / 2.0);
+    everywhere("green_lagrange_strain", &[e, e, f, 0.0, 0.0, 0.0], 1e-9);
+    everywhere("logarithmic_strain", &[wide.ln(), wide.ln(), long.ln(), 0.0, 0.0, 0.0], 1e-9);
+    // The force over the current area, and the law's own stress.
+    everywhere("principal_stresses", &[force / (wide * wide), 0.0, 0.0], 1e-6 * force);
+    let j = wide * wide * long;
+    let of_law = (mu * (long * long - 1.0) + lambda * j.ln()) / j;
+    assert!((of_law - force / (wide * wide)).abs() < 1e-6 * force);
+    let reaction = &data.point_field("reaction").unwrap().values;
+    let sum: f64 = reaction.chunks_exact(3).map(|r| r[2]).sum();
+    assert!((sum + force).abs() < 1e-8 * force, "{sum}");
+    for (x, r) in data.points.iter().zip(reaction.chunks_exact(3)) {
+        assert!((0..3).all(|i| x[i] == 0.0 || r[i] == 0.0), "{x:?}: {r:?}");
+    }
+}
+
 /// A scene of solids alone has all nodes as points and all hexahedra as cells, and nothing else.
 #[test]
 fn a_frame_of_solids_is_that_of_the_plain_writer() {

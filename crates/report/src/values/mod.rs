@@ -1,0 +1,225 @@
+//! Values of a frame's fields along a line and on a plane section, as tables with comma-separated values.
+//!
+//! Between nodes values are those of the trilinear shape functions of the hexahedron that holds the point. Surfaces, lines and single
+//! points of a frame have no inside, and no values here.
+
+mod locate;
+mod section;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use crate::Outcome;
+use crate::folder::Folder;
+use crate::picture::{Unfit, Which, number};
+use crate::vtu::{Array, Grid};
+use locate::{Held, Locator};
+
+const DISPLACEMENT: &str = "displacement";
+
+/// Where values are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// At points of equal distances from one end to the other, both included.
+    Line {
+        /// The ends.
+        ends: [[f64; 3]; 2],
+        /// Number of points, two at least.
+        points: usize,
+    },
+    /// At the points of a square grid on a plane, as far as they are in a body.
+    Plane {
+        /// A point of the plane and of the grid.
+        point: [f64; 3],
+        /// Its normal, of any length.
+        normal: [f64; 3],
+        /// Distance of the points; without it a fiftieth of the longer side of what the plane cuts.
+        spacing: Option<f64>,
+    },
+}
+
+/// In which configuration points are meant and positions told.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Configuration {
+    /// The deformed one.
+    #[default]
+    Current,
+    /// That of the frames' points.
+    Reference,
+}
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The frame.
+    pub frame: Which,
+    /// Where.
+    pub place: Place,
+    /// Arrays of the frame; all if there is none.
+    pub fields: Vec<String>,
+    /// Of points and positions.
+    pub configuration: Configuration,
+}
+
+/// The table: a line of names, then a line for every point and body that holds it. A point in several bodies has a row for each; within a body the first
+/// cell counts. Of a line, a point in no body has a row with `inside` 0, whose body and values are empty; of a plane it has none. Values that are not
+/// numbers are empty.
+///
+/// # Errors
+/// [`Unfit`] for an option that does not fit; else what is wrong with the folder or the frame, with its name.
+pub fn values(path: &Path, options: &Options) -> Outcome<String> {
+    let folder = Folder::open(path)?;
+    let unfit = |text: String| Unfit(format!("{}: {text}", path.display()));
+    if folder.frames.is_empty() {
+        let notes: String = folder.notes.iter().map(|note| format!("; {note}")).collect();
+        return Err(format!("{}: no frames to take values from{notes}", path.display()).into());
+    }
+    let frame = number(&folder, options.frame).map_err(unfit)?;
+    let grid = folder.grid(frame)?;
+    Ok(table(&grid, &folder.bodies, options).map_err(unfit)?)
+}
+
+fn table(grid: &Grid, bodies: &[String], options: &Options) -> Result<String, String> {
+    let fields = chosen(grid, &options.fields)?;
+    let places = places(grid, options.configuration)?;
+    let locator = Locator::new(&grid.hexahedra, &places);
+    let mut out = String::new();
+    let mut rows = Rows { grid, bodies, fields: &fields, locator: &locator, found: Vec::new(), out: &mut out };
+    match options.place {
+        Place::Line { ends: [from, to], points } => {
+            let way: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
+            let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if !(length.is_normal() && points >= 2) {
+                return Err("--line: give two different points of finite numbers, and at least 2 as --points".into());
+            }
+            rows.header(&["distance"]);
+            for k in 0..points {
+                let part = k as f64 / (points - 1) as f64;
+                let x = std::array::from_fn(|i| if k + 1 == points { to[i] } else { from[i] + part * way[i] });
+                rows.of(&[part * length], x, true);
+            }
+        }
+        Place::Plane { point, normal, spacing } => {
+            let section = section::Section::new(&grid.hexahedra, &places, point, normal, spacing)?;
+            rows.header(&["u", "v"]);
+            section.points().for_each(|([u, v], x)| rows.of(&[u, v], x, false));
+            if rows.out.lines().nth(1).is_none() {
+                return Err("--plane: no point of the grid is in a body; choose a smaller --spacing".into());
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// The arrays of these names, all without names.
+fn chosen<'a>(grid: &'a Grid, names: &[String]) -> Result<Vec<(&'a str, &'a Array)>, String> {
+    if grid.hexahedra.is_empty() {
+        return Err("the frame has no deformable bodies: there are no values inside of others".into());
+    }
+    if names.is_empty() {
+        return Ok(grid.point_data.iter().map(|(name, array)| (name.as_str(), array)).collect());
+    }
+    let one = |name: &String| {
+        let known = || grid.point_data.keys().cloned().collect::<Vec<_>>().join(", ");
+        let found = grid.point_data.get_key_value(name).map(|(name, array)| (name.as_str(), array));
+        found.ok_or_else(|| format!("--field {name}: there is no such array in the frame; there are {}", known()))
+    };
+    names.iter().map(one).collect()
+}
+
+/// Places of the points.
+fn places(grid: &Grid, configuration: Configuration) -> Result<Vec<[f64; 3]>, String> {
+    let displacement = grid.point_data.get(DISPLACEMENT).filter(|array| array.components == 3);
+    match (configuration, displacement) {
+        (Configuration::Reference, _) => Ok(grid.points.clone()),
+        (Configuration::Current, Some(array)) => {
+            let moved = |(k, x): (usize, &[f64; 3])| std::array::from_fn(|i| x[i] + array.row(k)[i]);
+            Ok(grid.points.iter().enumerate().map(moved).collect())
+        }
+        (Configuration::Current, None) => {
+            Err("the frame has no displacement, so that current positions are not known: \
+                                               choose --configuration reference"
+                .into())
+        }
+    }
+}
+
+/// Names of the components of an array.
+fn components(name: &str, count: usize) -> Vec<String> {
+    const VECTOR: [&str; 3] = ["x", "y", "z"];
+    let endings: Vec<String> = match (name, count) {
+        (_, 1) => return vec![name.to_owned()],
+        ("principal_stresses", _) => (1..=count).map(|k| k.to_string()).collect(),
+        (_, 3) => VECTOR.map(str::to_owned).to_vec(),
+        (_, 6) => ["xx", "yy", "zz", "xy", "yz", "xz"].map(str::to_owned).to_vec(),
+        (_, 9) => VECTOR.iter().flat_map(|a| VECTOR.map(|b| format!("{a}{b}"))).collect(),
+        _ => (1..=count).map(|k| k.to_string()).collect(),
+    };
+    endings.into_iter().map(|ending| format!("{name}_{ending}")).collect()
+}
+
+/// Writes the rows.
+struct Rows<'a> {
+    grid: &'a Grid,
+    bodies: &'a [String],
+    fields: &'a [(&'a str, &'a Array)],
+    locator: &'a Locator<'a>,
+    found: Vec<Held>,
+    out: &'a mut String,
+}
+
+impl Rows<'_> {
+    fn header(&mut self, first: &[&str]) {
+        let fields = self.fields.iter().flat_map(|(name, array)| components(name, array.components));
+        let names = first.iter().chain(&["x", "y", "z", "inside", "body"]).map(|name| (*name).to_owned());
+        self.out.push_str(&names.chain(fields).collect::<Vec<_>>().join(","));
+        self.out.push('\n');
+    }
+
+    /// The rows of a point at `x`, and one that says that it is in no body if `always`.
+    fn of(&mut self, first: &[f64], x: [f64; 3], always: bool) {
+        let mut found = std::mem::take(&mut self.found);
+        self.locator.find(x, &mut found);
+        let mut told: Vec<usize> = Vec::new();
+        for held in &found {
+            let body = self.body(held.cell);
+            if told.contains(&body) {
+                continue;
+            }
+            told.push(body);
+            self.position(first, x);
+            let name = self.bodies.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
+            let _ = write!(self.out, "1,{name}"); // cannot fail: a text grows.
+            let nodes = &self.grid.hexahedra[held.cell];
+            for (_, array) in self.fields {
+                for k in 0..array.components {
+                    let value: f64 = nodes.iter().zip(&held.weights).map(|(&n, w)| w * array.row(n)[k]).sum();
+                    self.out.push(',');
+                    if value.is_finite() {
+                        let _ = write!(self.out, "{value:e}"); // cannot fail: as above.
+                    }
+                }
+            }
+            self.out.push('\n');
+        }
+        if found.is_empty() && always {
+            self.position(first, x);
+            self.out.push_str("0,");
+            let empty = self.fields.iter().map(|(_, array)| array.components).sum();
+            self.out.extend(std::iter::repeat_n(',', empty));
+            self.out.push('\n');
+        }
+        self.found = found;
+    }
+
+    fn position(&mut self, first: &[f64], x: [f64; 3]) {
+        for value in first.iter().chain(&x) {
+            let _ = write!(self.out, "{value:e},"); // cannot fail: a text grows.
+        }
+    }
+
+    fn body(&self, cell: usize) -> usize {
+        let number = self.grid.cell_data.get("body").and_then(|array| array.values.get(cell));
+        number.map_or(0, |number| number.clamp(0.0, 1e6) as usize)
+    }
+}
