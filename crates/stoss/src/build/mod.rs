@@ -27,6 +27,7 @@ mod placed;
 mod plan;
 mod probe;
 mod schedule;
+mod sets;
 mod supports;
 mod tie;
 mod unsupported;
@@ -131,6 +132,9 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut warnings = Vec::new();
     let (mut probes, mut plans, mut names) = (Vec::new(), Vec::new(), BTreeMap::new());
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
+    if problems.list.is_empty() {
+        sets::add(scene, &mut placed, &mut problems);
+    }
     if problems.list.is_empty() {
         multibody::fix(scene, &parts, &mut model);
         let fixed = model.prescriptions.len();
