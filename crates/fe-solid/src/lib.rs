@@ -29,6 +29,7 @@ mod error;
 pub mod kernel;
 mod load;
 mod mass;
+mod point;
 mod recovery;
 
 pub use assembly::{TangentTarget, Workspace};
@@ -40,4 +41,5 @@ pub use load::{
     surface_area,
 };
 pub use mass::{MassKind, MassMatrix};
+pub use point::{MaterialPoint, PointState};
 pub use recovery::{GaussPointState, von_mises};

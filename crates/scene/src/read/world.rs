@@ -3,7 +3,7 @@
 use super::node::{Node, known};
 use super::sets::Sets;
 use super::table::Table;
-use crate::{JointKind, Kind, PartKind, Quantity, split_set};
+use crate::{JointKind, Kind, PartKind, ProbeComponent, split_set};
 use std::collections::BTreeMap;
 use toml::de::DeValue;
 
@@ -91,6 +91,9 @@ impl KnownPart {
     }
 }
 
+/// A probe, and the components of its values if they could be read.
+pub(super) type KnownProbe = (String, Option<&'static [ProbeComponent]>);
+
 /// What has a name that `[[event]]` or `off` of `[[stage]]` may use.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Action {
@@ -127,7 +130,8 @@ pub(super) struct World<'a> {
     pub(super) actions: Vec<(String, Action)>,
     /// False if a name of those could not be read, or is that of another one.
     pub(super) actions_complete: bool,
-    pub(super) probes: Vec<(String, Option<Quantity>)>,
+    /// Probes and the components of their values, if those could be read.
+    pub(super) probes: Vec<KnownProbe>,
     pub(super) probes_complete: bool,
     pub(super) has_contact: bool,
     pub(super) has_tie: bool,

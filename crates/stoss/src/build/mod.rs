@@ -6,6 +6,7 @@ mod condition;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod contact;
 mod drawing;
+mod extreme;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod friction;
 mod law;
@@ -38,6 +39,7 @@ use contact::contacts;
 use missing::contacts;
 
 pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
+pub use extreme::Extreme;
 pub use law::{FrictionLawResult, LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use plan::{ContactPlan, FrictionPlan};
 pub use probe::{Probe, ProbeTarget};
