@@ -46,6 +46,8 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
     });
     let component = reduced_component(table, quantity);
     let place = match quantity {
+        // Reported already.
+        Some(quantity) if table.has("reduce") && !quantity.has_extrema() => Some(()),
         Some(quantity) if table.has("reduce") => {
             let part = body.as_ref().and_then(|body| body.as_deref()).and_then(|name| world.part(name));
             extremum_place(table, quantity, part.map(|part| part.kind))
