@@ -83,7 +83,7 @@ pub fn integration(
 }
 
 /// Inverse of a matrix with known determinant.
-fn inverse(m: &Matrix3, det: f64) -> Matrix3 {
+pub(crate) fn inverse(m: &Matrix3, det: f64) -> Matrix3 {
     let cofactor = |r: usize, c: usize| {
         let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
         m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]

@@ -29,6 +29,7 @@ mod error;
 pub mod kernel;
 mod load;
 mod mass;
+mod point;
 mod recovery;
 mod viscous;
 
@@ -41,5 +42,6 @@ pub use load::{
     surface_area,
 };
 pub use mass::{MassKind, MassMatrix};
+pub use point::{MaterialPoint, PointState};
 pub use recovery::{GaussPointState, principal_stresses, von_mises};
 pub use viscous::ViscousRate;

@@ -1,7 +1,7 @@
 //! `[[event]]` and `[[stage]]`: what changes in the course of a run.
 
 use crate::names::named;
-use crate::{Automatic, Component, Integrator, Stabilise};
+use crate::{Automatic, Integrator, ProbeComponent, Stabilise};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -37,9 +37,9 @@ pub struct Event {
 pub struct EventCondition {
     /// Name of the probe.
     pub probe: String,
-    /// Component of a quantity with three values; left out where there is one.
+    /// Component of a quantity with several values; left out where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub component: Option<Component>,
+    pub component: Option<ProbeComponent>,
     /// Holds if the value is larger.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub above: Option<f64>,

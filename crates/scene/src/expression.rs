@@ -14,6 +14,9 @@
 /// Deepest nesting of brackets, signs and powers.
 const DEPTH: usize = 64;
 
+/// Most operations of a formula in which coordinates appear.
+const SIZE: usize = 1000;
+
 /// Functions of one argument.
 const UNARY: [(&str, fn(f64) -> f64); 15] = [
     ("sqrt", f64::sqrt),
@@ -52,6 +55,8 @@ pub(crate) enum ExpressionError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Name {
     Value(f64),
+    /// A coordinate: 0, 1 or 2.
+    Coordinate(usize),
     /// It is known, but its value is wrong, which is reported elsewhere.
     Wrong,
     Unknown,
@@ -72,18 +77,68 @@ fn is_reserved(name: &str) -> bool {
         || BINARY.iter().any(|(known, _)| *known == name)
 }
 
+/// A scalar function of the position, without coordinates a number.
+#[derive(Clone, Debug)]
+pub struct Formula(Term);
+
+#[derive(Clone, Debug)]
+enum Term {
+    Number(f64),
+    Coordinate(usize),
+    Unary(fn(f64) -> f64, Box<Term>),
+    Binary(fn(f64, f64) -> f64, Box<[Term; 2]>),
+}
+
+impl Formula {
+    /// Its value at a position; it may be infinite or no number, as in `1/x` at zero.
+    pub fn value(&self, position: [f64; 3]) -> f64 {
+        self.0.value(position)
+    }
+
+    /// Its value if no coordinate appears in it.
+    pub fn constant(&self) -> Option<f64> {
+        match self.0 {
+            Term::Number(value) => Some(value),
+            _ => None,
+        }
+    }
+}
+
+impl Term {
+    fn value(&self, position: [f64; 3]) -> f64 {
+        match self {
+            Self::Number(value) => *value,
+            Self::Coordinate(i) => position[*i],
+            Self::Unary(function, argument) => function(argument.value(position)),
+            Self::Binary(function, arguments) => function(arguments[0].value(position), arguments[1].value(position)),
+        }
+    }
+}
+
 /// The value of an expression, which is finite.
 pub(crate) fn evaluate(text: &str, lookup: &dyn Fn(&str) -> Name) -> Result<f64, ExpressionError> {
-    let mut parser = Parser { text, at: 0, depth: 0, lookup };
-    let value = parser.sum()?;
+    let mut parser = Parser { text, at: 0, depth: 0, size: 0, lookup };
+    let term = parser.sum()?;
     parser.skip_space();
     if parser.at < text.len() {
         return Err(parser.wrong("an operator is missing here, or a bracket is too much"));
     }
+    let value = term.value([0.0; 3]);
     if !value.is_finite() {
         return Err(ExpressionError::Wrong { message: format!("gives {value}, which is no finite number"), at: 1 });
     }
     Ok(value)
+}
+
+/// The longest formula that starts at a byte of a text, and the byte at which it ends.
+pub(crate) fn formula(
+    text: &str,
+    at: usize,
+    lookup: &dyn Fn(&str) -> Name,
+) -> Result<(Formula, usize), ExpressionError> {
+    let mut parser = Parser { text, at, depth: 0, size: 0, lookup };
+    let term = parser.sum()?;
+    Ok((Formula(term), parser.at))
 }
 
 struct Parser<'a> {
@@ -91,10 +146,12 @@ struct Parser<'a> {
     /// Byte at which the rest begins.
     at: usize,
     depth: usize,
+    /// Operations that depend on coordinates so far.
+    size: usize,
     lookup: &'a dyn Fn(&str) -> Name,
 }
 
-type Value = Result<f64, ExpressionError>;
+type Value = Result<Term, ExpressionError>;
 
 impl Parser<'_> {
     fn rest(&self) -> &str {
@@ -127,13 +184,38 @@ impl Parser<'_> {
         ExpressionError::Wrong { message: message.to_owned(), at }
     }
 
+    /// The function of a term, computed at once if that is a number.
+    fn unary(&mut self, function: fn(f64) -> f64, argument: Term) -> Value {
+        if let Term::Number(a) = argument {
+            return Ok(Term::Number(function(a)));
+        }
+        self.grow()?;
+        Ok(Term::Unary(function, Box::new(argument)))
+    }
+
+    /// As [`Self::unary`], of two terms.
+    fn binary(&mut self, function: fn(f64, f64) -> f64, first: Term, second: Term) -> Value {
+        if let (Term::Number(a), Term::Number(b)) = (&first, &second) {
+            return Ok(Term::Number(function(*a, *b)));
+        }
+        self.grow()?;
+        Ok(Term::Binary(function, Box::new([first, second])))
+    }
+
+    fn grow(&mut self) -> Result<(), ExpressionError> {
+        self.size += 1;
+        if self.size > SIZE { Err(self.wrong("is too long")) } else { Ok(()) }
+    }
+
     fn sum(&mut self) -> Value {
         let mut value = self.product()?;
         loop {
             if self.take('+') {
-                value += self.product()?;
+                let other = self.product()?;
+                value = self.binary(|a, b| a + b, value, other)?;
             } else if self.take('-') {
-                value -= self.product()?;
+                let other = self.product()?;
+                value = self.binary(|a, b| a - b, value, other)?;
             } else {
                 return Ok(value);
             }
@@ -144,9 +226,11 @@ impl Parser<'_> {
         let mut value = self.signed()?;
         loop {
             if self.take('*') {
-                value *= self.signed()?;
+                let other = self.signed()?;
+                value = self.binary(|a, b| a * b, value, other)?;
             } else if self.take('/') {
-                value /= self.signed()?;
+                let other = self.signed()?;
+                value = self.binary(|a, b| a / b, value, other)?;
             } else {
                 return Ok(value);
             }
@@ -159,7 +243,8 @@ impl Parser<'_> {
             return Err(self.wrong("is nested too deeply"));
         }
         let value = if self.take('-') {
-            -self.signed()?
+            let value = self.signed()?;
+            self.unary(|a| -a, value)?
         } else if self.take('+') {
             self.signed()?
         } else {
@@ -171,7 +256,11 @@ impl Parser<'_> {
 
     fn power(&mut self) -> Value {
         let base = self.atom()?;
-        if self.take('^') { Ok(base.powf(self.signed()?)) } else { Ok(base) }
+        if self.take('^') {
+            let exponent = self.signed()?;
+            return self.binary(f64::powf, base, exponent);
+        }
+        Ok(base)
     }
 
     fn atom(&mut self) -> Value {
@@ -214,7 +303,7 @@ impl Parser<'_> {
         let value = rest.get(..end).and_then(|text| text.parse().ok());
         let value = value.ok_or_else(|| self.wrong("is no number"))?;
         self.at += end;
-        Ok(value)
+        Ok(Term::Number(value))
     }
 
     fn name(&mut self) -> Value {
@@ -223,7 +312,7 @@ impl Parser<'_> {
         let name = rest.get(..length).unwrap_or_default().to_owned();
         if name == "pi" {
             self.at += length;
-            return Ok(std::f64::consts::PI);
+            return Ok(Term::Number(std::f64::consts::PI));
         }
         let unary = UNARY.iter().find(|(known, _)| *known == name).map(|(_, function)| *function);
         let unary = unary.or((name == "degrees").then_some(f64::to_degrees as fn(f64) -> f64));
@@ -235,12 +324,13 @@ impl Parser<'_> {
             }
             let first = self.sum()?;
             let value = match (unary, binary) {
-                (Some(function), _) => function(first),
+                (Some(function), _) => self.unary(function, first)?,
                 (None, Some(function)) => {
                     if !self.take(',') {
                         return Err(self.wrong(&format!("`{name}` needs two arguments with a comma between them")));
                     }
-                    function(first, self.sum()?)
+                    let second = self.sum()?;
+                    self.binary(function, first, second)?
                 }
                 (None, None) => first,
             };
@@ -250,7 +340,11 @@ impl Parser<'_> {
         match (self.lookup)(&name) {
             Name::Value(value) => {
                 self.at += length;
-                Ok(value)
+                Ok(Term::Number(value))
+            }
+            Name::Coordinate(i) => {
+                self.at += length;
+                Ok(Term::Coordinate(i))
             }
             Name::Wrong => Err(ExpressionError::Reported),
             Name::Unknown => Err(ExpressionError::UnknownName(name)),

@@ -33,6 +33,7 @@ mod rigid;
 mod samples;
 #[cfg(feature = "schema")]
 mod schema;
+mod set_expression;
 mod source;
 mod string;
 mod support;
@@ -69,10 +70,13 @@ pub use mesh::{
 pub use names::known;
 pub use part::PartKind;
 pub use problem::{Problem, SceneErrors};
-pub use results::{Expect, ExpectedValue, Field, Frames, Interval, Outcome, Output, Probe, Quantity};
+pub use results::{
+    Expect, ExpectedValue, Field, Frames, Interval, Outcome, Output, Probe, ProbeComponent, Quantity, Reduce,
+};
 pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, SphereShape, SurfaceFile};
 #[cfg(feature = "schema")]
 pub use schema::json_schema;
+pub use set_expression::{Formula, RegionKind, Relation, SetExpression, SetRegion};
 pub use source::Location;
 pub use string::{ElasticString, PointMass};
 pub use support::{Support, SupportPer};
@@ -127,6 +131,10 @@ pub struct Scene {
     /// `[[set]]`.
     #[serde(default, rename = "set", skip_serializing_if = "Vec::is_empty")]
     pub sets: Vec<SetDefinition>,
+    /// `[sets]`: names for expressions over sets, for instance `left = "block.all & x < 0.5"`. Such a name may stand wherever a set is
+    /// named, by itself or as `part.name`, and in other expressions.
+    #[serde(default, rename = "sets", skip_serializing_if = "BTreeMap::is_empty")]
+    pub named_sets: BTreeMap<String, String>,
     /// `[[contact]]`.
     #[serde(default, rename = "contact", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<Contact>,
@@ -189,6 +197,12 @@ impl Scene {
     /// As [`Self::locate`], or else the place of the nearest table around the key, or else the start of the file.
     pub fn locate_nearest(&self, key: &str) -> Location {
         self.source.locate_nearest(key)
+    }
+
+    /// The expressions over sets that the scene uses, in the order of the file but each after those that it uses. Only a scene that was
+    /// read by [`parse`] has them.
+    pub fn set_expressions(&self) -> &[SetExpression] {
+        &self.source.expressions
     }
 
     /// Position of a body in [`Self::bodies`].

@@ -1,7 +1,7 @@
 //! Probes, output, and what a run is expected to show.
 
+use crate::Verdict;
 use crate::names::named;
-use crate::{Component, Verdict};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,14 @@ named! {
         Elevation = "elevation",
         /// Angular velocity of a rigid body (1/time). Dynamic scenes only.
         AngularVelocity = "angular_velocity",
+        /// Cauchy stress at a material point: `.xx .yy .zz .xy .yz .xz`.
+        CauchyStress = "cauchy_stress",
+        /// Green-Lagrange strain `(F^T F - 1)/2` at a material point: `.xx .yy .zz .xy .yz .xz`.
+        GreenLagrangeStrain = "green_lagrange_strain",
+        /// Von Mises stress at a material point.
+        VonMises = "von_mises",
+        /// Deformation gradient at a material point, rows of the current and columns of the reference direction: `.xx .xy .xz .yx` and so on.
+        DeformationGradient = "deformation_gradient",
         /// Kinetic plus strain energy of a body, or of all.
         Energy = "energy",
         /// Kinetic energy of a body, or of all. Dynamic scenes only.
@@ -82,17 +90,85 @@ impl Quantity {
         )
     }
 
-    /// Number of values: 1 for energies, angles and coordinates of joints, otherwise 3.
-    pub fn columns(self) -> usize {
+    /// True if it belongs to a material point of a deformable body: needs `body` and `point`, and is what the element's interpolation gives there.
+    pub fn is_of_material(self) -> bool {
+        matches!(self, Self::CauchyStress | Self::GreenLagrangeStrain | Self::VonMises | Self::DeformationGradient)
+    }
+
+    /// True if it may have a [`Reduce`]: it has a value at each node. Stresses are then those of the frames, extrapolated to nodes.
+    pub fn has_extrema(self) -> bool {
+        matches!(
+            self,
+            Self::Displacement
+                | Self::Position
+                | Self::Velocity
+                | Self::Reaction
+                | Self::ContactForce
+                | Self::CauchyStress
+                | Self::VonMises
+        )
+    }
+
+    /// Names of its components in the order of their columns; empty for one value: energies, angles, coordinates of joints, von Mises stress.
+    pub fn components(self) -> &'static [ProbeComponent] {
+        use ProbeComponent::{X, Xx, Xy, Xz, Y, Yx, Yy, Yz, Z, Zx, Zy, Zz};
         match self {
             Self::Energy
             | Self::KineticEnergy
             | Self::StrainEnergy
             | Self::JointAngle
             | Self::JointDisplacement
-            | Self::Elevation => 1,
-            _ => 3,
+            | Self::Elevation
+            | Self::VonMises => &[],
+            Self::CauchyStress | Self::GreenLagrangeStrain => &[Xx, Yy, Zz, Xy, Yz, Xz],
+            Self::DeformationGradient => &[Xx, Xy, Xz, Yx, Yy, Yz, Zx, Zy, Zz],
+            _ => &[X, Y, Z],
         }
+    }
+
+    /// Number of values: 1, or that of its components.
+    pub fn columns(self) -> usize {
+        self.components().len().max(1)
+    }
+}
+
+named! {
+    /// Component of a vector or tensor.
+    ProbeComponent {
+        /// Of a vector, along x.
+        X = "x",
+        /// Of a vector, along y.
+        Y = "y",
+        /// Of a vector, along z.
+        Z = "z",
+        /// Of a tensor, row x, column x.
+        Xx = "xx",
+        /// Row x, column y.
+        Xy = "xy",
+        /// Row x, column z.
+        Xz = "xz",
+        /// Row y, column x.
+        Yx = "yx",
+        /// Row y, column y.
+        Yy = "yy",
+        /// Row y, column z.
+        Yz = "yz",
+        /// Row z, column x.
+        Zx = "zx",
+        /// Row z, column y.
+        Zy = "zy",
+        /// Row z, column z.
+        Zz = "zz",
+    }
+}
+
+named! {
+    /// Which of the values at the nodes of a set or body a probe records.
+    Reduce {
+        /// The largest.
+        Max = "max",
+        /// The smallest.
+        Min = "min",
     }
 }
 
@@ -156,7 +232,8 @@ named! {
 }
 
 /// `[[probe]]`: a column, or three, of `probes.csv`. Nodal quantities need `set`, or `body` and `point`, or a rigid body or point mass as `body`; energies
-/// and momenta are those of `body`, or of everything; those of joints need `joint`.
+/// and momenta are those of `body`, or of everything; those of joints need `joint`; stresses and strains need `body` and `point`. With `reduce` it is the
+/// extremum over the nodes of `set` or `body`, and a second column `name.node` tells at which node, by its number in the frames.
 ///
 /// ```toml
 /// [[probe]]
@@ -178,12 +255,26 @@ pub struct Probe {
     /// Name of a part. Motions of a rigid body without a `point` are those of its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<String>,
-    /// A point in the placed reference configuration: the nearest node of `body` is probed, or of a rigid body the point itself.
+    /// A point in the placed reference configuration: the nearest node of `body` is probed, or of a rigid body the point itself; of stresses and strains the
+    /// material point, which must lie in the body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,
     /// Name of a joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
+    /// Records the extremum over the nodes of `set` or `body` instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reduce: Option<Reduce>,
+    /// Component whose extremum it is; the length of the vector if left out. With `reduce` only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub component: Option<ProbeComponent>,
+}
+
+impl Probe {
+    /// Names of the components of its values, empty for one value.
+    pub fn components(&self) -> &'static [ProbeComponent] {
+        if self.reduce.is_some() { &[] } else { self.quantity.components() }
+    }
 }
 
 /// Which completed steps have a frame, beside the last one.
@@ -352,9 +443,9 @@ pub struct ExpectedValue {
     pub name: String,
     /// Time, in `[0, end]`.
     pub time: f64,
-    /// Component; left out for energies.
+    /// Component; left out where there is one value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub component: Option<Component>,
+    pub component: Option<ProbeComponent>,
     /// Expected value.
     pub value: f64,
     /// Largest absolute difference, positive.

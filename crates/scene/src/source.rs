@@ -1,5 +1,6 @@
 //! Where the keys of a scene stand in its file.
 
+use crate::SetExpression;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
@@ -25,6 +26,8 @@ pub(crate) struct Source {
     line_starts: Vec<usize>,
     /// Span of the value of every key path.
     spans: BTreeMap<String, Range<usize>>,
+    /// Expressions over sets, each after those that it uses.
+    pub(crate) expressions: Vec<SetExpression>,
 }
 
 impl PartialEq for Source {
@@ -36,7 +39,18 @@ impl PartialEq for Source {
 impl Source {
     pub(crate) fn new(text: &str, file: &str) -> Self {
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
-        Self { file: file.to_owned(), text: text.to_owned(), line_starts, spans: BTreeMap::new() }
+        Self {
+            file: file.to_owned(),
+            text: text.to_owned(),
+            line_starts,
+            spans: BTreeMap::new(),
+            expressions: Vec::new(),
+        }
+    }
+
+    /// Expressions without a text.
+    pub(crate) fn of_expressions(expressions: Vec<SetExpression>) -> Self {
+        Self { expressions, ..Self::default() }
     }
 
     /// Records the span of every value below `table`.

@@ -458,6 +458,14 @@ const CASES: &[Case] = &[
     dynamic("time = 0.5", "time = 1.5", "time = 1.5", "expect.probe[0].time"),
     dynamic("component = \"z\"\n", "", "[[expect.probe]]", "expect.probe[0].component"),
     dynamic("tolerance = 0.5", "tolerance = 0", "tolerance = 0\n", "expect.probe[0].tolerance"),
+    // expressions over sets
+    quasi("\"block.bottom\"", "\"block.bottom & x >\"", "x >", "prescribe[0].set"),
+    quasi("\"block.bottom\"", "\"block.bottom & ring.all\"", "ring.all", "prescribe[0].set"),
+    quasi("\"block.bottom\"", "\"blok.all & x > 0\"", "blok", "prescribe[0].set"),
+    quasi("\"block.bottom\"", "\"x > 0\"", "x > 0", "prescribe[0].set"),
+    quasi("[time]", "[sets]\nx = \"block.top\"\n[time]", "x = ", "sets.x"),
+    quasi("[time]", "[sets]\nleft = \"block.top & w > 0\"\n[time]", "w > 0", "sets.left"),
+    quasi("[time]", "[sets]\nleft = 1\n[time]", "left", "sets.left"),
     quasi("max_newton_mean = 6", "energy_drift = 1e-9", "energy_drift", "expect.energy_drift"),
     quasi("max_newton_mean = 6", "contact_at_end = false", "contact_at_end", "expect.contact_at_end"),
 ];

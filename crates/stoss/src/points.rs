@@ -34,7 +34,6 @@ impl Points {
     }
 
     /// Place of a vector among the points; of a direction, and of a vector that does not exist, a number that is no point's.
-    #[cfg(feature = "output")]
     pub fn place(&self, node: u32) -> u32 {
         self.places.get(node as usize).copied().unwrap_or(NONE)
     }

@@ -1,6 +1,7 @@
 //! Reads the whole document, table after table.
 
 use super::node::is_name;
+use super::sets::Sets;
 use super::table::Table;
 use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
 use super::{
@@ -35,6 +36,8 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let setting = Setting { kind, gravity: has_gravity };
     let held = held(&prescribe_tables, &event_tables, &stage_tables);
     let parts = Parts::read(root, setting, &held, &own_laws.materials);
+    let owners = parts.known.iter().map(|part| (part.name.clone(), part.has_no_sets().then(|| part.kind.noun())));
+    let sets = Sets::new(root, owners.collect(), parts.complete);
     let mut world = World {
         kind,
         end: time.as_ref().map(|time| time.end),
@@ -49,14 +52,17 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         has_contact: !contact_tables.is_empty(),
         has_tie: !tie_tables.is_empty(),
         own_friction: &own_laws.friction,
+        sets,
     };
+    world.sets.read();
+    let named_sets = world.sets.texts();
 
     let mut unique = Unique::new("set");
-    let mut sets = Vec::new();
+    let mut regions = Vec::new();
     for table in root.tables("set") {
         let set = table.as_ref().and_then(|table| conditions::set(table, &world));
         unique.check(table.as_ref(), "name", set.as_ref().map(|set| set.name.as_str()));
-        sets.push(set);
+        regions.push(set);
     }
 
     // Names of what can be released or switched off; contacts and ties have rules of their own.
@@ -169,7 +175,8 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         beams: all(parts.beams)?,
         strings: all(parts.strings)?,
         masses: all(parts.masses)?,
-        sets: all(sets)?,
+        sets: all(regions)?,
+        named_sets: named_sets?,
         contacts: all(contacts)?,
         ties: all(ties)?,
         joints: all(joints)?,
@@ -183,7 +190,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         output: output?,
         watch: watch?,
         expect: expect?,
-        source: Source::default(),
+        source: Source::of_expressions(world.sets.into_list()),
     })
 }
 

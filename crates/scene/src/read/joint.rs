@@ -104,10 +104,10 @@ fn between(node: &Node<'_>, world: &World<'_>, oriented: Option<JointKind>) -> O
 }
 
 fn side(node: &Node<'_>, world: &World<'_>, oriented: Option<JointKind>) -> Option<String> {
-    let text = node.text()?;
-    if text == GROUND {
-        return Some(text);
+    if node.string_value() == Some(GROUND) {
+        return Some(GROUND.to_owned());
     }
+    let text = world.sets.reference(node)?;
     let (name, set) = match split_set(&text) {
         Some((name, set)) => (name, Some(set)),
         None => (text.as_str(), None),

@@ -18,6 +18,8 @@ mod parameters;
 mod prescribe;
 mod results;
 mod rigid;
+mod set_parser;
+mod sets;
 mod string;
 mod support;
 mod sweep;
@@ -57,7 +59,10 @@ pub(crate) fn scene(
     let scene = node.table().and_then(|table| document::document(&table, own_laws));
     let problems = report.problems.into_inner();
     match (SceneErrors::new(problems, text), scene) {
-        (None, Some(scene)) => Ok(Scene { source, ..scene }),
+        (None, Some(scene)) => {
+            source.expressions.clone_from(&scene.source.expressions);
+            Ok(Scene { source, ..scene })
+        }
         (Some(errors), _) => Err(errors),
         (None, None) => {
             // Every reader that returns nothing has reported why; should one forget, the scene must still not pass.

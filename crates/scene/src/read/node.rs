@@ -80,6 +80,11 @@ impl<'a> Node<'a> {
         self.fail(format!("must be {expected}, found {}", with_article(found)), format!("write for instance {example}"))
     }
 
+    /// The text of a string; nothing is reported.
+    pub(super) fn string_value(&self) -> Option<&'a str> {
+        if let DeValue::String(text) = self.value { Some(text.as_ref()) } else { None }
+    }
+
     pub(super) fn string(&self) -> Option<String> {
         match self.value {
             DeValue::String(text) => Some(text.to_string()),

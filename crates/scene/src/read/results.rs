@@ -1,16 +1,15 @@
 //! Reads `[[probe]]`, `[output]`, `[watch]`, `[expect]`.
 
 use super::node::{Node, known};
-use super::prescribe::component;
 use super::table::Table;
-use super::world::{World, part_name, set_reference};
+use super::world::{KnownProbe, World, part_name, set_reference};
 use crate::{
-    Component, CoordinateKind, Expect, ExpectedValue, Field, Interval, JointKind, Kind, OnFault, Outcome, Output,
-    PartKind, Probe, Quantity, Verdict, Watch,
+    CoordinateKind, Expect, ExpectedValue, Field, Interval, JointKind, Kind, OnFault, Outcome, Output, PartKind, Probe,
+    ProbeComponent, Quantity, Reduce, Verdict, Watch,
 };
 
-/// The probe, and its name with its quantity, which `[expect]` needs even if the rest is bad.
-pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Option<(String, Option<Quantity>)>) {
+/// The probe, and its name with the components of its values, which `[expect]` needs even if the rest is bad.
+pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Option<KnownProbe>) {
     let name = table.required("name", "name = \"tip\"", Node::name);
     let quantity = table.required("quantity", "quantity = \"displacement\"", |n| {
         let quantity = n.choice(Quantity::NAMES, Quantity::from_name)?;
@@ -33,7 +32,30 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
     let body = table.optional("body", |n| part_name(n, world));
     let point = table.optional("point", Node::vector);
     let joint = table.optional("joint", |n| joint(n, quantity, world));
+    let reduce = table.optional("reduce", |n| {
+        let reduce = n.choice(Reduce::NAMES, Reduce::from_name)?;
+        match quantity {
+            Some(quantity) if !quantity.has_extrema() => {
+                let names = Quantity::NAMES.iter().copied();
+                let names = names.filter(|name| Quantity::from_name(name).is_some_and(Quantity::has_extrema));
+                let list = names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+                n.fail(format!("`{quantity}` has no value at each node"), format!("extrema are there of {list}"))
+            }
+            _ => Some(reduce),
+        }
+    });
+    let component = reduced_component(table, quantity);
     let place = match quantity {
+        // Reported already.
+        Some(quantity) if table.has("reduce") && !quantity.has_extrema() => Some(()),
+        Some(quantity) if table.has("reduce") => {
+            let part = body.as_ref().and_then(|body| body.as_deref()).and_then(|name| world.part(name));
+            extremum_place(table, quantity, part.map(|part| part.kind))
+        }
+        Some(quantity) if quantity.is_of_material() => {
+            let part = body.as_ref().and_then(|body| body.as_deref()).and_then(|name| world.part(name));
+            material_place(table, quantity, part.map(|part| part.kind))
+        }
         Some(quantity) if quantity.is_of_joint() => {
             let place = refuse(table, &["set", "body", "point"], || format!("`{quantity}` belongs to a joint"));
             if table.has("joint") { place } else { table.missing("joint", "joint = \"elbow\"") }
@@ -51,10 +73,20 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
         None => Some(()),
     };
     table.finish();
-    let known_as = name.clone().map(|name| (name, quantity));
+    let components = if table.has("reduce") { Some(&[][..]) } else { quantity.map(Quantity::components) };
+    let known_as = name.clone().map(|name| (name, components));
     let probe = (|| {
         place?;
-        Some(Probe { name: name?, quantity: quantity?, set: set?, body: body?, point: point?, joint: joint? })
+        Some(Probe {
+            name: name?,
+            quantity: quantity?,
+            set: set?,
+            body: body?,
+            point: point?,
+            joint: joint?,
+            reduce: reduce?,
+            component: component?,
+        })
     })();
     (probe, known_as)
 }
@@ -90,6 +122,72 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
         None => {
             node.fail("is no joint of this scene", known(&name, world.joints.iter().map(|(name, _)| name.as_str())))
         }
+    }
+}
+
+/// The key `component` of an extremum: positions and stresses have no length.
+fn reduced_component(table: &Table<'_>, quantity: Option<Quantity>) -> Option<Option<ProbeComponent>> {
+    let component = table.optional("component", |n| {
+        if !table.has("reduce") {
+            return n.fail("is for extrema: the columns of all components are there", "remove it, or add `reduce`");
+        }
+        match quantity.map(Quantity::components) {
+            None => n.choice(ProbeComponent::NAMES, ProbeComponent::from_name),
+            Some([]) => n.fail("the quantity has a single value", "remove it"),
+            Some(all) => component_of(n, all),
+        }
+    });
+    let needed = matches!(quantity, Some(Quantity::Position | Quantity::CauchyStress));
+    if needed && table.has("reduce") && !table.has("component") {
+        let first = quantity.and_then(|quantity| quantity.components().last()).map_or("z", |last| last.name());
+        return table.missing("component", &format!("component = \"{first}\""));
+    }
+    component
+}
+
+fn component_of(node: &Node<'_>, all: &[ProbeComponent]) -> Option<ProbeComponent> {
+    let names: Vec<&str> = all.iter().map(|component| component.name()).collect();
+    node.choice(&names, |name| ProbeComponent::from_name(name).filter(|component| all.contains(component)))
+}
+
+/// The place of an extremum: the nodes of a set, or of a part.
+fn extremum_place(table: &Table<'_>, quantity: Quantity, part: Option<PartKind>) -> Option<()> {
+    for key in ["point", "joint"] {
+        if table.has(key) {
+            return table.fail(key, "an extremum belongs to a set or a body", "remove it");
+        }
+    }
+    match (table.has("set"), table.has("body")) {
+        (true, true) => table.fail("body", "the set names its body already", "remove it"),
+        (false, false) => table.missing("body", "body = \"ball\"` or `set = \"ball.outer\""),
+        _ => match part {
+            Some(kind) if quantity.is_of_material() && kind != PartKind::Body => {
+                let message = format!("is {}: `{quantity}` belongs to a deformable body", kind.noun());
+                table.fail("body", message, "name a deformable body")
+            }
+            _ => Some(()),
+        },
+    }
+}
+
+/// The place of a stress or strain: a point of a deformable body.
+fn material_place(table: &Table<'_>, quantity: Quantity, part: Option<PartKind>) -> Option<()> {
+    for key in ["set", "joint"] {
+        if table.has(key) {
+            let remedy = "write `body` and `point`, or `reduce = \"max\"` for the largest value of a set";
+            return table.fail(key, format!("`{quantity}` belongs to a point of a body"), remedy);
+        }
+    }
+    if !table.has("body") {
+        return table.missing("body", "body = \"plate\"");
+    }
+    match part {
+        Some(kind) if kind != PartKind::Body => {
+            let message = format!("is {}: `{quantity}` belongs to a deformable body", kind.noun());
+            table.fail("body", message, "name a deformable body")
+        }
+        _ if !table.has("point") => table.missing("point", "point = [0.0, 0.0, 0.0]"),
+        _ => Some(()),
     }
 }
 
@@ -322,13 +420,17 @@ pub(super) fn probe_of(node: &Node<'_>, world: &World<'_>) -> Option<String> {
     Some(name)
 }
 
-/// The key `component`, there if and only if the probe has three values.
-pub(super) fn component_fits(table: &Table<'_>, probe: Option<&str>, world: &World<'_>) -> Option<Option<Component>> {
-    let component = table.optional("component", component);
-    let quantity = probe.and_then(|name| world.probes.iter().find(|(probe, _)| probe == name)).and_then(|p| p.1);
-    match (quantity.map(Quantity::columns), table.has("component")) {
-        (Some(3), false) => table.missing("component", "component = \"z\""),
-        (Some(1), true) => table.fail("component", "the quantity has a single value", "remove it"),
-        _ => component,
+/// The key `component`, there if and only if the probe has several values.
+pub(super) fn component_fits(
+    table: &Table<'_>,
+    probe: Option<&str>,
+    world: &World<'_>,
+) -> Option<Option<ProbeComponent>> {
+    let known = probe.and_then(|name| world.probes.iter().find(|(probe, _)| probe == name)).and_then(|p| p.1);
+    match (known, table.has("component")) {
+        (Some([]), true) => table.fail("component", "the quantity has a single value", "remove it"),
+        (Some([.., last]), false) => table.missing("component", &format!("component = \"{last}\"")),
+        (Some(all), true) => table.optional("component", |n| component_of(n, all)),
+        _ => table.optional("component", |n| n.choice(ProbeComponent::NAMES, ProbeComponent::from_name)),
     }
 }

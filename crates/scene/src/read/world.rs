@@ -1,8 +1,9 @@
 //! What the parts of a scene must know about each other, and the names in it.
 
 use super::node::{Node, known};
+use super::sets::Sets;
 use super::table::Table;
-use crate::{JointKind, Kind, PartKind, Quantity, split_set};
+use crate::{JointKind, Kind, PartKind, ProbeComponent, split_set};
 use std::collections::BTreeMap;
 use toml::de::DeValue;
 
@@ -70,6 +71,11 @@ pub(super) struct KnownPart {
 }
 
 impl KnownPart {
+    /// True for what has one place only, the set `all`.
+    pub(super) fn has_no_sets(&self) -> bool {
+        self.sets().is_some_and(|sets| sets.len() == 1)
+    }
+
     fn is_line(&self) -> bool {
         matches!(self.kind, PartKind::Beam | PartKind::String)
     }
@@ -84,6 +90,9 @@ impl KnownPart {
         }
     }
 }
+
+/// A probe, and the components of its values if they could be read.
+pub(super) type KnownProbe = (String, Option<&'static [ProbeComponent]>);
 
 /// What has a name that `[[event]]` or `off` of `[[stage]]` may use.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -121,11 +130,13 @@ pub(super) struct World<'a> {
     pub(super) actions: Vec<(String, Action)>,
     /// False if a name of those could not be read, or is that of another one.
     pub(super) actions_complete: bool,
-    pub(super) probes: Vec<(String, Option<Quantity>)>,
+    /// Probes and the components of their values, if those could be read.
+    pub(super) probes: Vec<KnownProbe>,
     pub(super) probes_complete: bool,
     pub(super) has_contact: bool,
     pub(super) has_tie: bool,
     pub(super) has_support: bool,
+    pub(super) sets: Sets<'a>,
     /// Names of laws of friction beside the catalogue.
     pub(super) own_friction: &'a [&'a str],
 }
@@ -167,15 +178,16 @@ pub(super) fn meshed_part(node: &Node<'_>, world: &World<'_>, rigid: bool) -> Op
     }
 }
 
-/// A reference `part.set` to a set of a part of this scene.
+/// A reference `part.set` to a set of a part of this scene, or an expression over its sets.
 pub(super) fn set_reference(node: &Node<'_>, world: &World<'_>) -> Option<String> {
-    let text = node.text()?;
+    let text = world.sets.reference(node)?;
     let Some((part, set)) = split_set(&text) else {
         return node.fail("is not of the form `body.set`", "name body and set, for instance \"plate.top\"");
     };
     if let Some(part) = world.find(node, part)?
         && let Some(sets) = part.sets()
         && !sets.contains(&set)
+        && !world.sets.contains(&part.name, set)
     {
         let what = part.kind.noun();
         return node.fail(format!("{what} has no set `{set}`"), known(set, sets.iter().copied()));
@@ -185,7 +197,10 @@ pub(super) fn set_reference(node: &Node<'_>, world: &World<'_>) -> Option<String
 
 /// A reference `part.set` to a set of a deformable body or of a rigid one with a surface.
 pub(super) fn surface_reference(node: &Node<'_>, world: &World<'_>) -> Option<String> {
-    let text = set_reference(node, world)?;
+    with_surface(node, world, set_reference(node, world)?)
+}
+
+fn with_surface(node: &Node<'_>, world: &World<'_>, text: String) -> Option<String> {
     if let Some(part) = split_set(&text).and_then(|(part, _)| world.part(part))
         && !part.has_surface
     {
@@ -197,23 +212,13 @@ pub(super) fn surface_reference(node: &Node<'_>, world: &World<'_>) -> Option<St
 
 /// A reference `part.set` to a side of a contact: a surface, or the nodes of a beam or string (`is_line`).
 pub(super) fn contact_reference(node: &Node<'_>, world: &World<'_>) -> Option<String> {
-    match raw_part(node, world) {
-        Some(part) if part.is_line() => set_reference(node, world),
-        _ => surface_reference(node, world),
-    }
+    let text = set_reference(node, world)?;
+    if is_line(&text, world) { Some(text) } else { with_surface(node, world, text) }
 }
 
 /// Whether a reference is to a beam or a string.
 pub(super) fn is_line(reference: &str, world: &World<'_>) -> bool {
     split_set(reference).and_then(|(part, _)| world.part(part)).is_some_and(KnownPart::is_line)
-}
-
-/// The part of a reference, if there is one; nothing is reported.
-fn raw_part<'w>(node: &Node<'_>, world: &'w World<'_>) -> Option<&'w KnownPart> {
-    match node.value {
-        DeValue::String(text) => split_set(text).and_then(|(part, _)| world.part(part)),
-        _ => None,
-    }
 }
 
 /// A name that `[[event]]` and `[[stage]]` may use.

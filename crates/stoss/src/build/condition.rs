@@ -58,6 +58,15 @@ pub(super) fn resolve<T>(
         }
         Err(error) => {
             let remedy = match &error {
+                MeshError::WrongSetKind { wanted: SetKind::Facets, name, .. }
+                    if problems.scene.set_expressions().iter().any(|set| set.part == body && set.name == *name) =>
+                {
+                    let message =
+                        "holds at nodes, but at all nodes of no facet of the surface, and a surface is needed";
+                    let remedy = "let it hold at whole facets, or take facets by normal(part, nx, ny, nz, degrees)";
+                    problems.add(key.to_owned(), reference, message, remedy);
+                    return None;
+                }
                 MeshError::WrongSetKind { wanted: SetKind::Facets, .. } => format!(
                     "choose a set of facets of body `{body}`: {}; a surface between two elements has no outside and is a set of nodes",
                     placed[b].facet_sets().join(", ")

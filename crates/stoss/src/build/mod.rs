@@ -6,6 +6,7 @@ mod condition;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod contact;
 mod drawing;
+mod extreme;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod friction;
 mod law;
@@ -28,6 +29,7 @@ mod placed;
 mod plan;
 mod probe;
 mod schedule;
+mod sets;
 mod supports;
 mod tie;
 mod unsupported;
@@ -38,6 +40,7 @@ use contact::contacts;
 use missing::contacts;
 
 pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
+pub use extreme::Extreme;
 pub use law::{FrictionLawResult, LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use plan::{ContactPlan, FrictionPlan};
 pub use probe::{Probe, ProbeTarget};
@@ -133,6 +136,9 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut warnings = Vec::new();
     let (mut probes, mut plans, mut names) = (Vec::new(), Vec::new(), BTreeMap::new());
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
+    if problems.list.is_empty() {
+        sets::add(scene, &mut placed, &mut problems);
+    }
     if problems.list.is_empty() {
         multibody::fix(scene, &parts, &mut model);
         let fixed = model.prescriptions.len();

@@ -2,11 +2,13 @@
 
 use super::Problems;
 use super::condition::resolve;
+use super::extreme::Extreme;
 use super::multibody::Parts;
 use super::placed::{Placed, index};
-use crate::scene::{Quantity, Scene};
+use crate::scene::{Quantity, Reduce, Scene};
 use crate::solver::{Model, Simulation};
 use stoss_contact::JointReport;
+use stoss_fe_solid::MaterialPoint;
 
 /// Where a probe looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,13 +21,17 @@ pub enum ProbeTarget {
     Part(usize, Vec<u32>),
     /// A point that vectors of the model carry with these weights, and its reference position.
     Point(Vec<(u32, f64)>, [f64; 3]),
+    /// A material point of a body.
+    Material(usize, MaterialPoint),
+    /// The extremum over nodes.
+    Extreme(Extreme),
     /// A joint, by its place among the contacts of the model.
     Joint(usize),
     /// The whole model.
     Model,
 }
 
-/// A probe: one or three numbers a step. Displacement, position and velocity are means over the nodes, reaction, its moment and contact
+/// A probe: one or several numbers a step. Displacement, position and velocity are means over the nodes, reaction, its moment and contact
 /// force are sums; energies and momenta are those of a body or of the whole model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
@@ -38,17 +44,46 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// Heads of the columns: the name, with `.x`, `.y`, `.z` for vectors.
+    /// Heads of the columns: the name, with `.x`, `.y`, `.z` for vectors, `.xx` and so on for tensors; of extrema the name and `.node`.
     pub fn columns(&self) -> Vec<String> {
-        if self.quantity.columns() == 1 {
+        let components = self.quantity.components();
+        if matches!(self.target, ProbeTarget::Extreme(_)) {
+            vec![self.name.clone(), format!("{}.node", self.name)]
+        } else if components.is_empty() {
             vec![self.name.clone()]
         } else {
-            ["x", "y", "z"].map(|c| format!("{}.{c}", self.name)).to_vec()
+            components.iter().map(|component| format!("{}.{component}", self.name)).collect()
         }
     }
 
-    /// The numbers at the last completed step; the first [`Quantity::columns`] count.
+    /// The numbers of [`Self::columns`] at the last completed step.
+    pub fn values(&self, simulation: &Simulation) -> Vec<f64> {
+        match &self.target {
+            ProbeTarget::Extreme(extreme) => extreme.value(simulation).to_vec(),
+            ProbeTarget::Material(body, point) => self.material(simulation, *body, point),
+            _ => self.value(simulation)[..self.quantity.columns()].to_vec(),
+        }
+    }
+
+    /// What the interpolation of the element gives at a point; not a number where that is turned inside out.
+    fn material(&self, simulation: &Simulation, body: usize, point: &MaterialPoint) -> Vec<f64> {
+        let Ok(state) = simulation.model().bodies[body].solid.state_at(point, &simulation.state().q) else {
+            return vec![f64::NAN; self.quantity.columns()];
+        };
+        match self.quantity {
+            Quantity::DeformationGradient => state.deformation_gradient.concat(),
+            Quantity::GreenLagrangeStrain => state.green_lagrange.to_vec(),
+            Quantity::VonMises => vec![stoss_fe_solid::von_mises(&state.cauchy)],
+            _ => state.cauchy.to_vec(),
+        }
+    }
+
+    /// The first three of [`Self::values`], zero beyond them.
     pub fn value(&self, simulation: &Simulation) -> [f64; 3] {
+        if let ProbeTarget::Extreme(_) | ProbeTarget::Material(..) = self.target {
+            let values = self.values(simulation);
+            return std::array::from_fn(|i| values.get(i).copied().unwrap_or_default());
+        }
         let balance = match self.target {
             ProbeTarget::Body(body) => simulation.body_balance(body),
             ProbeTarget::Part(part, _) => simulation.part_balance(part),
@@ -90,6 +125,11 @@ impl Probe {
                 let angle = if [x, y, z] == [0.0; 3] { f64::NAN } else { z.atan2(x.hypot(y)).to_degrees() };
                 [angle, 0.0, 0.0]
             }
+            // Of a material point: above.
+            Quantity::CauchyStress
+            | Quantity::GreenLagrangeStrain
+            | Quantity::VonMises
+            | Quantity::DeformationGradient => [f64::NAN; 3],
             Quantity::Displacement => {
                 let (q, x) = (self.mean(&simulation.state().q), self.mean(&simulation.model().reference));
                 std::array::from_fn(|i| q[i] - x[i])
@@ -100,7 +140,12 @@ impl Probe {
     fn nodes(&self) -> &[u32] {
         match &self.target {
             ProbeTarget::Nodes(nodes) | ProbeTarget::Part(_, nodes) => nodes,
-            ProbeTarget::Body(_) | ProbeTarget::Point(..) | ProbeTarget::Joint(_) | ProbeTarget::Model => &[],
+            ProbeTarget::Body(_)
+            | ProbeTarget::Point(..)
+            | ProbeTarget::Material(..)
+            | ProbeTarget::Extreme(_)
+            | ProbeTarget::Joint(_)
+            | ProbeTarget::Model => &[],
         }
     }
 
@@ -176,6 +221,64 @@ fn moves(quantity: Quantity) -> bool {
     matches!(quantity, Displacement | Position | Velocity | Elevation)
 }
 
+/// The nodes of an extremum.
+fn extreme(
+    scene: &Scene,
+    placed: &[Placed],
+    model: &Model,
+    p: usize,
+    item: &crate::scene::Probe,
+    reduce: Reduce,
+    problems: &mut Problems<'_>,
+) -> Option<Extreme> {
+    let (part, nodes) = match (&item.set, &item.body) {
+        (Some(set), _) => resolve(placed, &format!("probe[{p}].set"), set, problems, Placed::nodes_of)?,
+        (None, Some(body)) => {
+            let key = format!("probe[{p}].body");
+            if index(placed, body).is_none() {
+                problems.add(key, body, "has no nodes", "name a part with a mesh or surface");
+                return None;
+            }
+            resolve(placed, &key, &format!("{body}.all"), problems, Placed::nodes_of)?
+        }
+        (None, None) => return None,
+    };
+    let body = scene.body_index(&placed[part].name);
+    if item.quantity.is_of_material() && body.is_none() {
+        let message = format!("`{}` belongs to deformable bodies", item.quantity);
+        problems.add(format!("probe[{p}]"), &item.name, message, "name a set of a deformable body");
+        return None;
+    }
+    let components = item.quantity.components();
+    let component = item.component.and_then(|wanted| components.iter().position(|c| *c == wanted));
+    Some(Extreme::new(model, nodes, body, item.quantity, component, reduce))
+}
+
+/// The material point of a stress or strain.
+fn material(
+    scene: &Scene,
+    placed: &[Placed],
+    model: &Model,
+    p: usize,
+    item: &crate::scene::Probe,
+    problems: &mut Problems<'_>,
+) -> Option<ProbeTarget> {
+    let (x, body) = (item.point?, scene.body_index(item.body.as_deref()?)?);
+    match model.bodies[body].solid.material_point(&model.reference, x) {
+        Some(point) => Some(ProbeTarget::Material(body, point)),
+        None => {
+            let (node, distance) = placed[body].nearest(x);
+            let nearest: [f64; 3] = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
+            let message = format!("is in no element of `{}`", placed[body].name);
+            let remedy = format!(
+                "choose a point of the body in its place; the nearest node is at {nearest:?}, {distance:.3e} away"
+            );
+            problems.add(format!("probe[{p}].point"), format!("{x:?}"), message, remedy);
+            None
+        }
+    }
+}
+
 pub(super) fn probes(
     scene: &Scene,
     placed: &[Placed],
@@ -185,7 +288,17 @@ pub(super) fn probes(
 ) -> Vec<Probe> {
     let mut out = Vec::new();
     for (p, item) in scene.probes.iter().enumerate() {
-        let target = if let Some(set) = &item.set {
+        let target = if let Some(reduce) = item.reduce {
+            match extreme(scene, placed, model, p, item, reduce, problems) {
+                Some(extreme) => ProbeTarget::Extreme(extreme),
+                None => continue,
+            }
+        } else if item.quantity.is_of_material() {
+            match material(scene, placed, model, p, item, problems) {
+                Some(target) => target,
+                None => continue,
+            }
+        } else if let Some(set) = &item.set {
             match resolve(placed, &format!("probe[{p}].set"), set, problems, Placed::nodes_of) {
                 Some((_, nodes)) => ProbeTarget::Nodes(nodes),
                 None => continue,

@@ -132,7 +132,10 @@ impl Schedule {
             let Some(probe) = probes.iter().position(|probe| probe.name == when.probe) else { continue };
             schedule.conditional.push(Conditional {
                 probe,
-                component: when.component.map_or(0, |component| component.index()),
+                component: when
+                    .component
+                    .and_then(|wanted| probes[probe].quantity.components().iter().position(|c| *c == wanted))
+                    .unwrap_or_default(),
                 bound: when.above.or(when.below).unwrap_or_default(),
                 above: when.above.is_some(),
                 release,
@@ -232,7 +235,7 @@ impl Schedule {
             if simulation.released().contains(&event.release) {
                 continue;
             }
-            let value = probes[event.probe].value(simulation)[event.component];
+            let value = probes[event.probe].values(simulation).get(event.component).copied().unwrap_or(f64::NAN);
             if if event.above { value > event.bound } else { value < event.bound } {
                 simulation.release(event.release, Some(&event.event))?;
             }

@@ -359,7 +359,7 @@ impl ResultFolder {
         if let Some(table) = &mut self.probes {
             table.integer(record.step).number(record.time);
             for probe in &self.settings.probes {
-                table.numbers(&probe.value(simulation)[..probe.quantity.columns()]);
+                table.numbers(&probe.values(simulation));
             }
             table.end_row()?;
         }

@@ -1,0 +1,86 @@
+//! The largest or smallest value of a quantity over nodes.
+
+use crate::points::Points;
+use crate::scene::{Quantity, Reduce};
+use crate::solver::{Model, Simulation};
+
+/// Where an extremum is sought, and of what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extreme {
+    /// Global nodes.
+    nodes: Vec<u32>,
+    /// Their numbers in the frames.
+    numbers: Vec<u32>,
+    /// The body of a stress.
+    body: Option<usize>,
+    quantity: Quantity,
+    /// Component, or the length of the vector.
+    component: Option<usize>,
+    reduce: Reduce,
+}
+
+impl Extreme {
+    /// Of `quantity`, or its component, at these nodes; stresses belong to a body.
+    pub(super) fn new(
+        model: &Model,
+        nodes: Vec<u32>,
+        body: Option<usize>,
+        quantity: Quantity,
+        component: Option<usize>,
+        reduce: Reduce,
+    ) -> Self {
+        let points = Points::of(model);
+        let numbers = nodes.iter().map(|&node| points.place(node)).collect();
+        Self { nodes, numbers, body, quantity, component, reduce }
+    }
+
+    /// The extremum and the number of its node, the first of equals; not a number where there is no value, as of reactions without supports.
+    pub(super) fn value(&self, simulation: &Simulation) -> [f64; 2] {
+        let values = self.values(simulation);
+        let best = self.numbers.iter().zip(values).filter(|(_, value)| !value.is_nan()).reduce(|best, next| {
+            let better = match self.reduce {
+                Reduce::Max => next.1 > best.1,
+                Reduce::Min => next.1 < best.1,
+            };
+            if better { next } else { best }
+        });
+        best.map_or([f64::NAN; 2], |(&number, value)| [value, f64::from(number)])
+    }
+
+    /// The value at each node.
+    fn values(&self, simulation: &Simulation) -> Vec<f64> {
+        let (model, state) = (simulation.model(), simulation.state());
+        match self.quantity {
+            Quantity::CauchyStress | Quantity::VonMises => self.stresses(simulation),
+            Quantity::Displacement => self.vectors(&state.q, Some(&model.reference)),
+            Quantity::Position => self.vectors(&state.q, None),
+            Quantity::Velocity => self.vectors(&state.v, None),
+            Quantity::Reaction => self.vectors(simulation.reactions(), None),
+            Quantity::ContactForce => self.vectors(simulation.contact_force(), None),
+            // The others have no extrema.
+            _ => Vec::new(),
+        }
+    }
+
+    /// A component or the length of a vector, or of its difference to another one.
+    fn vectors(&self, values: &[f64], from: Option<&[f64]>) -> Vec<f64> {
+        let at = |node: u32| {
+            let place = 3 * node as usize;
+            let v = values.get(place..place + 3)?;
+            let from = from.and_then(|from| from.get(place..place + 3)).unwrap_or(&[0.0; 3]);
+            Some([v[0] - from[0], v[1] - from[1], v[2] - from[2]])
+        };
+        let value = |v: [f64; 3]| self.component.map_or_else(|| v[0].hypot(v[1]).hypot(v[2]), |c| v[c]);
+        self.nodes.iter().map(|&node| at(node).map_or(f64::NAN, value)).collect()
+    }
+
+    fn stresses(&self, simulation: &Simulation) -> Vec<f64> {
+        let Some(body) = self.body.map(|body| &simulation.model().bodies[body]) else { return Vec::new() };
+        let mut nodal = vec![[0.0; 6]; body.nodes.len()];
+        if body.solid.nodal_cauchy_stress(&simulation.state().q, &mut nodal).is_err() {
+            return Vec::new();
+        }
+        let value = |stress: &[f64; 6]| self.component.map_or_else(|| stoss_fe_solid::von_mises(stress), |c| stress[c]);
+        self.nodes.iter().map(|&node| value(&nodal[(node - body.nodes.start) as usize])).collect()
+    }
+}
