@@ -12,7 +12,8 @@ use crate::control::Clock;
 use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::{
-    Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, StepError, StepRecord, Switches, Timings,
+    Balance, Decision, FailedAttempt, LoadKind, Model, Release, SimulationError, StepControl, StepError, StepRecord,
+    Switches, Timings,
 };
 use stoss_contact::SlotReport;
 use stoss_integrators::{Scheme, State, StepRule};
@@ -131,6 +132,8 @@ pub struct Simulation {
     balance: Balance,
     timings: Timings,
     decisions: Vec<Decision>,
+    /// Of the step that was tried last.
+    failures: Vec<FailedAttempt>,
     solves: u64,
 }
 
@@ -209,6 +212,7 @@ impl Simulation {
             balance: Balance::default(),
             timings: Timings::default(),
             decisions: Vec::new(),
+            failures: Vec::new(),
             solves: 0,
             model,
             control,
@@ -382,6 +386,10 @@ impl Simulation {
     /// All decisions so far.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
+    }
+    /// Attempts of the step that was tried last that failed, in their order; of a step that was completed, those before it succeeded.
+    pub fn failures(&self) -> &[FailedAttempt] {
+        &self.failures
     }
     /// Linear solves so far, failed attempts included.
     pub fn solves(&self) -> u64 {
