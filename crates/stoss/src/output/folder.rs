@@ -5,7 +5,7 @@ use super::earlier::{self, Overwrite};
 use super::identity::SceneIdentity;
 use super::lock::FolderLock;
 use super::table::CsvTable;
-use super::watch::{self, RunWatch};
+use super::watch::{self, RunWatch, Watched};
 use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frame};
 use crate::build::{ContactPlan, JointPlace, Probe};
 use crate::error::RunError;
@@ -400,6 +400,11 @@ impl ResultFolder {
     /// Whether the watch has found that the run is wrong, in a run that is to stop then.
     pub fn must_stop(&self) -> bool {
         self.watch.on_fault() == OnFault::Stop && self.watch.verdict().level == stoss_watch::Level::Wrong
+    }
+
+    /// The worst drift and the deepest penetration so far.
+    pub fn worst(&self) -> Watched {
+        self.watch.worst()
     }
 
     /// Ends a session: a checkpoint, and a frame of the last completed step if it has none. That frame is not in the checkpoint, so that
