@@ -3,11 +3,13 @@
 //! - [`folder`]: a folder of results; [`page`]: one HTML file with the run as an animation, its charts and its verdict;
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
 //! - [`picture`]: one picture of a frame;
+//! - [`diagnosis`]: the page that says why a run stopped, with pictures of the place;
 //! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
 //! - [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
 //! An SVG text refers to nothing outside of itself. Not here: running anything, and which scene is drawn how.
 
+pub mod diagnosis;
 pub mod folder;
 pub mod page;
 pub mod paint;

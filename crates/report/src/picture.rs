@@ -13,7 +13,7 @@ use crate::vtu::{Array, Grid};
 const WIDTH: f64 = 720.0;
 
 /// Direction of the eye unless another is asked for: that of the page.
-const CAMERA: Camera = Camera { azimuth: -60.0, elevation: 22.0 };
+pub(crate) const CAMERA: Camera = Camera { azimuth: -60.0, elevation: 22.0 };
 
 /// Displacement is the only vector that moves the points; its size is a field like the others.
 const DISPLACEMENT: &str = "displacement";
@@ -149,7 +149,7 @@ fn chosen(grid: &Grid, names: &[String], wanted: &[String]) -> Result<Grid, Stri
 }
 
 /// The surface with the values of a field, and the field's name for people.
-fn coloured(grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
+pub(crate) fn coloured(grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
     let fields = Field::of(grid);
     let mut known: Vec<String> = fields.iter().map(Field::name).collect();
     known.extend(grid.point_data.contains_key(DISPLACEMENT).then(|| DISPLACEMENT.to_owned()));

@@ -8,4 +8,5 @@ mod surface;
 
 pub use camera::Camera;
 pub use picture::{Shot, Style, columns, draw};
+pub(crate) use surface::deformed;
 pub use surface::{Surface, boundary};

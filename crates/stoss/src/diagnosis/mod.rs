@@ -28,6 +28,9 @@ use std::path::Path;
 /// Name of the file in a folder of results.
 pub const FILE: &str = "diagnosis.json";
 
+/// Name of the page that shows it to people; the program `stoss` writes it.
+pub const PAGE: &str = "diagnosis.html";
+
 /// What looks for the signs of a cause.
 type Look = fn(&Case<'_>) -> Vec<Finding>;
 
@@ -248,13 +251,15 @@ impl Diagnosis {
         serde_json::from_str(&text).map(Some).map_err(unreadable)
     }
 
-    /// Removes that of an earlier run.
+    /// Removes that of the part of a run that was done before it was resumed.
     pub(crate) fn remove(folder: &Path) -> Result<(), OutputError> {
-        let path = folder.join(FILE);
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(OutputError::io(&path)(error)),
-            _ => Ok(()),
+        if !folder.join(FILE).is_file() {
+            return Ok(());
         }
+        for path in [folder.join(FILE), folder.join(PAGE)].into_iter().filter(|path| path.is_file()) {
+            std::fs::remove_file(&path).map_err(OutputError::io(&path))?;
+        }
+        Ok(())
     }
 }
 

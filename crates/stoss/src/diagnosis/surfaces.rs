@@ -134,21 +134,26 @@ fn facing_sets(case: &Case<'_>, names: &[String; 2], x: Option<[f64; 3]>) -> Opt
     };
     let (first, second) = (sets(&names[0])?, sets(&names[1])?);
     let apart = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
-    let mut best: Option<(f64, [String; 2])> = None;
+    let mut best: Option<(f64, usize, [String; 2])> = None;
     for (a, of_a) in &first {
         for (b, of_b) in second.iter().filter(|(_, of_b)| facing(of_a, of_b, q)) {
+            let count = of_a.len() + of_b.len();
             let (of_a, of_b) = (facets(of_a, q), facets(of_b, q));
             let each = of_a.iter().flat_map(|(_, x, _)| of_b.iter().map(move |(_, y, _)| apart(x, y)));
             let near = |facets: &[([f64; 3], [f64; 3], f64)], x: &[f64; 3]| {
                 facets.iter().map(|(_, y, _)| apart(x, y)).fold(f64::INFINITY, f64::min)
             };
             let far = x.map_or(0.0, |x| near(&of_a, &x) + near(&of_b, &x)) + each.fold(f64::INFINITY, f64::min);
-            if best.as_ref().is_none_or(|(other, _)| far < *other) {
-                best = Some((far, [a.clone(), b.clone()]));
+            // Of sets that are as near the smaller ones: the whole boundary costs more and says less.
+            let is_better = best.as_ref().is_none_or(|&(other, facets, _)| {
+                far < other * (1.0 - 1e-9) || far <= other * (1.0 + 1e-9) && count < facets
+            });
+            if is_better {
+                best = Some((far, count, [a.clone(), b.clone()]));
             }
         }
     }
-    best.map(|(_, sets)| sets)
+    best.map(|(.., sets)| sets)
 }
 
 /// Contacts none of whose facets look at each other, now or at the start.
