@@ -2,7 +2,7 @@
 
 use crate::progress::Progress;
 use crate::terminal::{say, tell_line};
-use crate::{WRONG, diagnostics, interrupt, page};
+use crate::{WRONG, diagnose, diagnostics, interrupt, page};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -72,6 +72,8 @@ fn default_folder(scene: &Path) -> PathBuf {
 struct Listener {
     progress: Progress,
     json: bool,
+    /// Why the run stopped or came out wrong, shown at the end.
+    diagnosis: Option<String>,
 }
 
 impl Listener {
@@ -83,6 +85,9 @@ impl Listener {
 
     fn show(&mut self, event: &Event<'_>) {
         self.tell(EventRecord::of(event));
+        if let Event::Diagnosis(diagnosis) = event {
+            self.diagnosis = Some(diagnosis.to_string());
+        }
         self.progress.show(event);
     }
 
@@ -108,7 +113,7 @@ pub fn run(job: Job) -> ExitCode {
     let out = job.out.clone().unwrap_or_else(|| default_folder(&job.scene));
     let quiet = job.quiet || job.json;
     let stop = Arc::new(AtomicBool::new(false));
-    let listener = Arc::new(Mutex::new(Listener { progress: Progress::new(quiet), json: job.json }));
+    let listener = Arc::new(Mutex::new(Listener { progress: Progress::new(quiet), json: job.json, diagnosis: None }));
     let raised = {
         let listener = Arc::clone(&listener);
         move || {
@@ -147,6 +152,14 @@ pub fn run(job: Job) -> ExitCode {
             Err(error) => say!("warning: no page: {error}"),
         }
     }
+    let diagnosis = listener.diagnosis.take();
+    let page = diagnosis.as_ref().and_then(|_| diagnose::page(&out));
+    let tell_diagnosis = || {
+        if let Some(diagnosis) = diagnosis.as_ref().filter(|_| !quiet) {
+            say!("{diagnosis}");
+            page.iter().for_each(|page| say!("  more:   {page}"));
+        }
+    };
     match result {
         Ok(summary) => {
             let code = code_of(&summary);
@@ -154,6 +167,7 @@ pub fn run(job: Job) -> ExitCode {
             if quiet && summary.is_fault() {
                 say!("{}", summary.verdict);
             }
+            tell_diagnosis();
             if let Outcome::Interrupted { last_step, last_time } = summary.outcome {
                 say!("interrupted after step {last_step} at t = {last_time}; the checkpoint is in {}", out.display());
                 say!("to go on: {}", resume_command(&job, &out));
@@ -171,6 +185,7 @@ pub fn run(job: Job) -> ExitCode {
                 RunError::Scene(problems) => diagnostics::print(&job.scene, problems),
                 error => say!("error: {error}"),
             }
+            tell_diagnosis();
             ExitCode::from(code)
         }
     }

@@ -4,6 +4,7 @@
 //! simulation stopped early (all completed steps are kept); 4 the run went on, but the watch found its result wrong;
 //! 5 Ctrl-C or SIGTERM ended the run after a step.
 
+mod diagnose;
 mod diagnostics;
 mod examples;
 mod follow;
@@ -64,6 +65,11 @@ enum Command {
         /// A folder of results.
         out: PathBuf,
     },
+    /// Says why a run stopped or came out wrong, where, and what to try; writes a page with pictures of the place, `diagnosis.html`, into its folder.
+    Diagnose {
+        /// A folder of results.
+        out: PathBuf,
+    },
     /// Looks at mesh files.
     Mesh {
         #[command(subcommand)]
@@ -111,6 +117,7 @@ fn main() -> ExitCode {
         Command::Values(asked) => values::write(asked),
         Command::Check { scene, set } => check(&scene, set),
         Command::Judge { out } => judge(&out),
+        Command::Diagnose { out } => diagnose::diagnose(&out),
         Command::Mesh { command } => mesh::command(command),
         Command::Init { name, from } => examples::init(&name, from.as_deref()),
         Command::Examples { name } => examples::examples(name.as_deref()),

@@ -3,6 +3,7 @@
 use crate::terminal::say;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use stoss::output::Watched;
 use stoss::run::{Event, Summary};
 
 /// Shows the events of a run.
@@ -10,6 +11,13 @@ pub struct Progress {
     quiet: bool,
     terminal: bool,
     bar: Option<ProgressBar>,
+}
+
+/// The worst drift and the deepest penetration so far.
+fn worst(watched: &Watched) -> String {
+    let drift = watched.drift.map(|(name, drift)| format!("  drift {drift:.1e} ({name})")).unwrap_or_default();
+    let depth = watched.relative_depth;
+    if depth > 0.0 { format!("{drift}  depth {depth:.3} edges") } else { drift }
 }
 
 impl Progress {
@@ -36,11 +44,14 @@ impl Progress {
                     self.bar = Some(bar);
                 }
             }
-            Event::Step { record, end, .. } => {
+            Event::Step { record, end, watched, .. } => {
                 let active = record.contact.as_ref().map_or(0, |c| c.active);
                 let line = format!(
-                    "step {:5}  t = {:<10.6}  Newton {:2}  contacts {active:4}",
-                    record.step, record.time, record.iterations
+                    "step {:5}  t = {:<10.6}  Newton {:2}  contacts {active:4}{}",
+                    record.step,
+                    record.time,
+                    record.iterations,
+                    worst(watched)
                 );
                 match &self.bar {
                     Some(bar) => {

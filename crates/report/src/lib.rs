@@ -4,12 +4,14 @@
 //! - [`plot`]: lines over linear or logarithmic axes, plane curves, maps of coloured cells;
 //! - [`picture`]: one picture of a frame, as SVG or PNG; [`animation`]: all frames as GIF;
 //! - [`values`]: tables of the fields along a line and on a plane section;
+//! - [`diagnosis`]: the page that says why a run stopped, with pictures of the place;
 //! - [`paint`]: surfaces of bodies, lines and points, coloured by a field;
 //! - [`sweep`]: a folder of a sweep; [`vtu`]: frames; [`table`]: tables with comma-separated values.
 //!
 //! An SVG text refers to nothing outside of itself. Not here: running anything, and which scene is drawn how.
 
 pub mod animation;
+pub mod diagnosis;
 pub mod folder;
 pub mod page;
 pub mod paint;

@@ -17,7 +17,7 @@ pub(crate) const WIDTH: f64 = 720.0;
 const FINENESS: f64 = 2.0;
 
 /// Direction of the eye unless another is asked for: that of the page.
-const CAMERA: Camera = Camera { azimuth: -60.0, elevation: 22.0 };
+pub(crate) const CAMERA: Camera = Camera { azimuth: -60.0, elevation: 22.0 };
 
 /// Displacement is the only vector that moves the points; its size is a field like the others.
 const DISPLACEMENT: &str = "displacement";
@@ -260,7 +260,7 @@ pub(crate) fn no_values(grid: &Grid, name: &str) -> String {
 }
 
 /// The surface with the values of a field that is there and has some, and the field's name for people.
-fn coloured(grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
+pub(crate) fn coloured(grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
     let name = wanted.map_or_else(|| default_field(grid), Ok)?;
     match surface(grid, name)? {
         None => Err(no_such_field(grid, name)),

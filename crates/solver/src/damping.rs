@@ -56,14 +56,14 @@ impl FeSystem<'_> {
         tangent: Option<RateTangent>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        let System { solid_map: map, solid_values, first_stencil, masses, workspaces, stabilisation, has_rates, .. } =
-            &mut *self.system;
+        let System {
+            solid_map: map, solid_values, first_stencil, masses, workspaces, stabilisation, has_rates, ..
+        } = &mut *self.system;
         if let Some(stabilisation) = stabilisation.as_ref().filter(|_| !*has_rates) {
             for (mass, &first_stencil) in stabilisation.masses().iter().zip(&*first_stencil) {
                 mass.multiply_add(stabilisation.ramp, v, out);
                 if let Some(RateTangent { weight, rate, .. }) = tangent {
-                    let target =
-                        TangentTarget { map, first_stencil, factor: stabilisation.ramp, values: solid_values };
+                    let target = TangentTarget { map, first_stencil, factor: stabilisation.ramp, values: solid_values };
                     mass.add_to_tangent(weight * rate, target);
                 }
             }

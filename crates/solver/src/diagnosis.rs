@@ -1,7 +1,7 @@
 //! Says in words of the model what the linear algebra knows by the number of an equation.
 
 use crate::assembly::{Iterate, System};
-use crate::{Model, StepError, Unknown};
+use crate::{Model, Place, StepError, Unknown};
 use stoss_linalg::{LinalgError, NONE};
 
 /// Constraints that are violated by this part of the largest violation are named, too.
@@ -35,6 +35,7 @@ pub(crate) fn linear_error(
         let node = component / 3;
         return StepError::Singular {
             unknown: Unknown::Position { component: (component % 3) as u8, node: node_name(model, node, &iterate.q) },
+            at: Place { component: Some((component % 3) as u8), ..Place::of_node(node) },
             hint: position_hint(model, system, &iterate.active, dynamic, node),
         };
     }
@@ -47,6 +48,7 @@ pub(crate) fn linear_error(
     if let Some((pair, slot)) = bilateral {
         return StepError::Singular {
             unknown: Unknown::Multiplier { constraint: model.contacts[pair].name.clone(), equation: slot + 1 },
+            at: Place::of_slot(model, pair, slot, &iterate.q),
             hint: "it follows from others at this moment: a mechanism in a singular position, a joint, tie or support that is there twice, or what is held at both ends; try another \
                    step size"
                 .into(),
@@ -55,6 +57,7 @@ pub(crate) fn linear_error(
     let Some((pair, slot)) = slot else {
         return StepError::Singular {
             unknown: Unknown::Unnamed,
+            at: Place::default(),
             hint: "are there enough supports, and no constraint twice?".into(),
         };
     };
@@ -63,6 +66,7 @@ pub(crate) fn linear_error(
             pair: model.contacts[pair].name.clone(),
             node: slot_name(model, pair, slot, &iterate.q),
         },
+        at: Place::of_slot(model, pair, slot, &iterate.q),
         hint: "its constraint follows from others: is the same contact given twice, or is the motion of all nodes \
                there prescribed?"
             .into(),
@@ -77,7 +81,12 @@ pub(crate) fn slot_name(model: &Model, pair: usize, slot: usize, q: &[f64]) -> S
 
 /// Where the residual that was assembled last is largest, and what may be the reason. `of_constraints`: the largest violation of a constraint is
 /// what counts.
-pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate, of_constraints: bool) -> String {
+pub(crate) fn largest_residual(
+    model: &Model,
+    system: &System,
+    iterate: &Iterate,
+    of_constraints: bool,
+) -> (String, Place) {
     let size =
         |equation: usize| system.rhs.get(equation).map_or(0.0, |r| if r.is_nan() { f64::INFINITY } else { r.abs() });
     if of_constraints {
@@ -89,6 +98,7 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
         let all: Vec<_> = slots.collect();
         if let Some(&(largest, pair, slot)) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
             let name = &model.contacts[pair].name;
+            let at = Place::of_slot(model, pair, slot, &iterate.q);
             if model.contacts[pair].method.is_bilateral() {
                 let mut others: Vec<&str> = Vec::new();
                 for &(size, other, _) in &all {
@@ -98,21 +108,23 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
                     }
                 }
                 let others = if others.is_empty() { String::new() } else { format!(" (and in {})", others.join(", ")) };
-                return format!(
+                let text = format!(
                     "largest in equation {} of {name}{others}: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now; try \
                      another step size",
                     slot + 1
                 );
+                return (text, at);
             }
             let node = slot_name(model, pair, slot, &iterate.q);
-            return format!(
+            let text = format!(
                 "largest in the constraint of {node} in contact {name}: try smaller steps; if the master has an edge or a rim there, exchange slave and master"
             );
+            return (text, at);
         }
     }
     let free = system.numbering.free.iter().enumerate();
     let Some((_, &component)) = free.max_by(|a, b| size(a.0).total_cmp(&size(b.0))) else {
-        return "there is no equation".into();
+        return ("there is no equation".into(), Place::default());
     };
     let node = component / 3;
     let place = node_name(model, node, &iterate.q);
@@ -124,7 +136,7 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
             }
         });
     }
-    match contact {
+    let text = match contact {
         Some((name, true)) => format!(
             "largest at {place}, which {name} holds: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now, or the load there may be too \
              large; try another step size"
@@ -136,7 +148,8 @@ pub(crate) fn largest_residual(model: &Model, system: &System, iterate: &Iterate
         None => format!(
             "largest at {place}: the elements there may deform too much for one step, or the load there be too large; try smaller steps"
         ),
-    }
+    };
+    (text, Place { component: Some((component % 3) as u8), ..Place::of_node(node) })
 }
 
 /// Why a vector of a part is not determined.

@@ -1,6 +1,7 @@
 //! Errors of a step and of a run.
 
 use crate::checkpoint::CheckpointError;
+use crate::failure::Place;
 use stoss_contact::ContactError;
 use stoss_fe_solid::{InsideOut, SolidError};
 use stoss_linalg::LinalgError;
@@ -32,12 +33,16 @@ pub enum StepError {
         residual: f64,
         /// Where the residual is largest, and what may be the reason.
         place: String,
+        /// The same in numbers of the model.
+        at: Place,
     },
     /// A matrix without inverse.
     #[error("the system is singular: {unknown} is not determined; {hint}")]
     Singular {
         /// The unknown in which the undetermined motion is largest.
         unknown: Unknown,
+        /// The same in numbers of the model.
+        at: Place,
         /// What may be the reason.
         hint: String,
     },
@@ -52,6 +57,8 @@ pub enum StepError {
         count: usize,
         /// The first of them.
         first: String,
+        /// The same in numbers of the model.
+        at: Place,
         /// Changes of the set in this attempt.
         changes: usize,
         /// Changes of pairings in this attempt.

@@ -52,7 +52,7 @@ impl Prescription {
 
     /// Position (a length) of component `column` of a node with this reference position: `X + u(t)`, with a rotation
     /// `c + R(t) (X - c) + u(t)`, without linearisation.
-    pub(crate) fn position(&self, node: u32, reference: [f64; 3], time: f64, column: usize) -> f64 {
+    pub fn position(&self, node: u32, reference: [f64; 3], time: f64, column: usize) -> f64 {
         let component = usize::from(self.components[column]);
         let turn = |rotation: &AxisRotation| self.seen(rotation, node).displacement(reference, time)[component];
         let turn = self.rotation.as_ref().map_or(0.0, turn);

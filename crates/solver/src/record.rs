@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use stoss_contact::Coverage;
 
 /// One row of the Newton history.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NewtonRow {
     /// Iteration within the step, from 0 (the predictor).
     pub iteration: u32,

@@ -14,7 +14,8 @@ use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::stabilise::Stabilisation;
 use crate::{
-    Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, Stabilise, StepError, StepRecord, Switches, Timings,
+    Balance, Decision, FailedAttempt, LoadKind, Model, Release, SimulationError, Stabilise, StepControl, StepError,
+    StepRecord, Switches, Timings,
 };
 use stoss_contact::SlotReport;
 use stoss_integrators::{Scheme, State, StepRule};
@@ -135,6 +136,8 @@ pub struct Simulation {
     balance: Balance,
     timings: Timings,
     decisions: Vec<Decision>,
+    /// Of the step that was tried last.
+    failures: Vec<FailedAttempt>,
     solves: u64,
 }
 
@@ -215,6 +218,7 @@ impl Simulation {
             balance: Balance::default(),
             timings: Timings::default(),
             decisions: Vec::new(),
+            failures: Vec::new(),
             solves: 0,
             model,
             control,
@@ -388,6 +392,10 @@ impl Simulation {
     /// All decisions so far.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
+    }
+    /// Attempts of the step that was tried last that failed, in their order; of a step that was completed, those before it succeeded.
+    pub fn failures(&self) -> &[FailedAttempt] {
+        &self.failures
     }
     /// Linear solves so far, failed attempts included.
     pub fn solves(&self) -> u64 {

@@ -2,8 +2,9 @@
 
 use crate::assembly::{Iterate, System};
 use crate::diagnosis::{largest_residual, slot_name};
+use crate::failure::Trace;
 use crate::problem::{StepProblem, start_auxiliaries};
-use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
+use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, Place, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
 use stoss_integrators::Step;
@@ -41,11 +42,13 @@ pub(crate) struct StepInput<'a> {
 fn not_converged(report: &NewtonReport, model: &Model, system: &System, iterate: &Iterate) -> StepError {
     let accepted = report.accepted();
     let of_constraints = accepted.is_some_and(|record| record.violation * record.scale > record.residual);
+    let (place, at) = largest_residual(model, system, iterate, of_constraints);
     StepError::NotConverged {
         reason: report.reason.to_string(),
         iterations: report.iteration_count(),
         residual: accepted.map_or(f64::NAN, |record| record.relative_residual()),
-        place: largest_residual(model, system, iterate, of_constraints),
+        place,
+        at,
     }
 }
 
@@ -85,13 +88,15 @@ impl ActiveSets {
     }
 
     /// Applies the rule of the active set and renews pairings at a converged iterate.
-    fn look(&mut self, model: &mut Model, iterate: &mut Iterate) -> Result<Look, StepError> {
+    fn look(&mut self, model: &mut Model, iterate: &mut Iterate, trace: &mut Trace) -> Result<Look, StepError> {
         let mut look = Look::default();
         for c in 0..model.contacts.len() {
             let Some(method) = model.contacts[c].method.as_contact_mut() else { continue };
             let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
             method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
+            trace.begin(active);
             let outcome = self.controls[c].propose(active, pressures, &self.gaps[c], &self.factors[c]);
+            trace.end(c, active);
             let (activated, released) = match outcome {
                 ActiveSetOutcome::Unchanged | ActiveSetOutcome::Cycling => (0, 0),
                 ActiveSetOutcome::Changed { activated, released } | ActiveSetOutcome::Union { activated, released } => {
@@ -119,13 +124,15 @@ impl ActiveSets {
     }
 
     /// Applies the bare rule at an iterate, without memory; returns how many slots changed.
-    fn follow(&mut self, model: &Model, iterate: &mut Iterate) -> Result<usize, StepError> {
+    fn follow(&mut self, model: &Model, iterate: &mut Iterate, trace: &mut Trace) -> Result<usize, StepError> {
         let mut changes = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
             let Some(method) = pair.method.as_contact() else { continue };
             let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
             method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
+            trace.begin(active);
             changes += self.controls[c].follow(active, pressures, &self.gaps[c], &self.factors[c]);
+            trace.end(c, active);
             for (p, active) in pressures.iter_mut().zip(active.iter()) {
                 if !active {
                     *p = 0.0;
@@ -141,6 +148,7 @@ impl ActiveSets {
             pair: model.contacts[pair].name.clone(),
             count: flipping.len(),
             first: flipping.first().map(|&slot| slot_name(model, pair, slot, q)).unwrap_or_default(),
+            at: flipping.first().map(|&slot| Place::of_slot(model, pair, slot, q)).unwrap_or_default(),
             changes: self.changes,
             repairs: self.repairs,
         }
@@ -157,18 +165,17 @@ fn augment(model: &mut Model, iterate: &Iterate) -> Result<usize, StepError> {
     Ok(unsettled)
 }
 
-/// Tries the step. The pairings of `model.contacts` and the pattern of `system` are left in the state of the last iteration. `solves` counts
-/// linear solutions, also those of an attempt that fails.
+/// Tries the step. The pairings of `model.contacts` and the pattern of `system` are left in the state of the last iteration. `trace` has
+/// what was done, also of an attempt that fails.
 pub(crate) fn attempt(
     model: &mut Model,
     system: &mut System,
     input: StepInput<'_>,
     timings: &mut Timings,
-    solves: &mut u32,
+    trace: &mut Trace,
 ) -> Result<Attempt, StepError> {
     let mut iterate = input.start;
     let mut sets = ActiveSets::new(model, &iterate);
-    let mut rows = Vec::new();
     let mut look = Look::default();
     let has_contact = model.has_unilateral_contact();
     // What earlier steps factorised would show in the last bits, and a run that is resumed knows nothing of it.
@@ -178,7 +185,7 @@ pub(crate) fn attempt(
         timings.measure(Phase::Contact, || start_auxiliaries(model, &input.step, &mut iterate))?;
     }
     if !input.predict.is_empty() {
-        let (iterate, assembled) = (&mut iterate, None);
+        let (iterate, assembled, solves) = (&mut iterate, None, &mut trace.solves);
         StepProblem { model, system, step: input.step, iterate, timings, solves, solved_shifted: false, assembled }
             .predict(&input.predict)?;
         start_auxiliaries(model, &input.step, iterate)?;
@@ -194,7 +201,9 @@ pub(crate) fn attempt(
                 polish: 0,
                 // In statics only a solution tells what a set leads to: at the start of a step, as after a change of the set, a load that is light
                 // against the stiffness leaves a residual within the loose tolerance and pressures that say nothing yet.
-                min_iterations: u32::from((look.changes > 0 || rows.is_empty()) && !input.step.rule.has_inertia()),
+                min_iterations: u32::from(
+                    (look.changes > 0 || trace.newton.is_empty()) && !input.step.rule.has_inertia(),
+                ),
                 max_iterations: if early > 0 { 1 } else { input.newton.max_iterations },
                 ..input.newton
             }
@@ -207,7 +216,7 @@ pub(crate) fn attempt(
             step: input.step,
             iterate: &mut iterate,
             timings,
-            solves,
+            solves: &mut trace.solves,
             solved_shifted: false,
             assembled,
         };
@@ -220,11 +229,11 @@ pub(crate) fn attempt(
         for (k, record) in report.iterations.iter().enumerate() {
             // A further Newton call starts where the last one stopped: its first residual is a new row only if the
             // constraints changed.
-            if k == 0 && look.changes == 0 && !rows.is_empty() {
+            if k == 0 && look.changes == 0 && !trace.newton.is_empty() {
                 continue;
             }
-            rows.push(NewtonRow {
-                iteration: rows.len() as u32,
+            trace.newton.push(NewtonRow {
+                iteration: trace.newton.len() as u32,
                 residual: record.relative_residual(),
                 increment: record.increment,
                 active,
@@ -238,7 +247,7 @@ pub(crate) fn attempt(
                 if loose && early > 0 && report.reason == StopReason::MaxIterations =>
             {
                 early -= 1;
-                let changes = timings.measure(Phase::Search, || sets.follow(model, &mut iterate))?;
+                let changes = timings.measure(Phase::Search, || sets.follow(model, &mut iterate, trace))?;
                 look = Look { changes, doubtful: false };
                 assembled = last;
                 if changes > 0 {
@@ -255,9 +264,9 @@ pub(crate) fn attempt(
             }
         }
         if !has_contact {
-            return Ok(Attempt { iterate, newton: rows, repaired: 0 });
+            return Ok(Attempt { iterate, newton: std::mem::take(&mut trace.newton), repaired: 0 });
         }
-        look = timings.measure(Phase::Search, || sets.look(model, &mut iterate))?;
+        look = timings.measure(Phase::Search, || sets.look(model, &mut iterate, trace))?;
         accurate |= look.doubtful;
         assembled = None;
         if look.changes > 0 {
@@ -269,7 +278,7 @@ pub(crate) fn attempt(
             loose = false;
             assembled = last;
         } else if !look.doubtful && timings.measure(Phase::Search, || augment(model, &iterate))? == 0 {
-            return Ok(Attempt { iterate, newton: rows, repaired: sets.repairs });
+            return Ok(Attempt { iterate, newton: std::mem::take(&mut trace.newton), repaired: sets.repairs });
         }
     }
     Err(StepError::ActiveSet { rounds: MAX_ROUNDS, changes: sets.changes, repairs: sets.repairs })

@@ -6,7 +6,7 @@
 //! # What it is not
 //! No callback and no log: [`crate::run::run_scene`] hands out its own [`Event`]s, and these are made from them.
 
-use crate::output::Summary;
+use crate::output::{Summary, Watched};
 use crate::run::{Event, RunError};
 use crate::scene::Problem;
 #[cfg(feature = "schema")]
@@ -40,6 +40,8 @@ pub enum EventRecord {
     },
     /// A step was completed; its results are in the folder.
     Step(StepEvent),
+    /// The run stopped or came out wrong, and this is why. The file `diagnosis.json` in the folder has all of it.
+    Diagnosis(DiagnosisEvent),
     /// Ctrl-C or SIGTERM: the run will end after the present step.
     Interrupting,
     /// The run has ended, at its end or before.
@@ -72,8 +74,32 @@ pub struct StepEvent {
     pub total: f64,
     /// Contact, if the scene has any.
     pub contact: Option<ContactEvent>,
+    /// Largest drift so far of what scheme, loads and supports leave constant, a part of its scale; null if nothing is.
+    pub drift: Option<f64>,
+    /// What drifts so: `linear momentum`, `angular momentum` or `energy`.
+    pub drift_of: Option<String>,
+    /// Deepest penetration of bodies so far, a length.
+    pub depth: f64,
+    /// The same in edges of the facets there.
+    pub relative_depth: f64,
     /// What the step control decided on the way to this step.
     pub decisions: Vec<DecisionEvent>,
+}
+
+/// Why a run stopped or came out wrong: the likely cause.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct DiagnosisEvent {
+    /// Name of the cause, for instance `no-support`.
+    pub cause: String,
+    /// How certain: `high`, `medium` or `low`.
+    pub confidence: String,
+    /// Where, in words.
+    pub place: String,
+    /// The cause in words of the scene.
+    pub sentence: String,
+    /// What to try, the most promising first.
+    pub remedies: Vec<String>,
 }
 
 /// Contact at the end of a step, all pairs together.
@@ -174,7 +200,20 @@ impl EventRecord {
                 resumed: *resumed,
             }),
             Event::Warning(text) => Some(Self::Warning { message: (*text).to_owned() }),
-            Event::Step { record, end } => Some(Self::Step(step_event(record, *end))),
+            Event::Step { record, end, watched } => Some(Self::Step(step_event(record, *end, watched))),
+            Event::Diagnosis(diagnosis) => diagnosis.findings.first().map(|first| {
+                let name = |value: serde_json::Result<serde_json::Value>| {
+                    // Units of an enum: printing cannot fail, and gives a string.
+                    value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+                };
+                Self::Diagnosis(DiagnosisEvent {
+                    cause: name(serde_json::to_value(first.cause)),
+                    confidence: name(serde_json::to_value(first.confidence)),
+                    place: first.place.text.clone(),
+                    sentence: first.sentence.clone(),
+                    remedies: first.remedies.iter().map(|remedy| remedy.text.clone()).collect(),
+                })
+            }),
         }
     }
 
@@ -218,7 +257,7 @@ impl EventRecord {
     }
 }
 
-fn step_event(record: &StepRecord, end: f64) -> StepEvent {
+fn step_event(record: &StepRecord, end: f64, watched: &Watched) -> StepEvent {
     StepEvent {
         step: record.step,
         stage: record.stage,
@@ -236,6 +275,10 @@ fn step_event(record: &StepRecord, end: f64) -> StepEvent {
             min_gap: contact.min_gap.is_finite().then_some(contact.min_gap),
             max_pressure: contact.max_pressure,
         }),
+        drift: watched.drift.map(|(_, drift)| drift).filter(|drift| drift.is_finite()),
+        drift_of: watched.drift.map(|(name, _)| name.to_owned()),
+        depth: watched.depth,
+        relative_depth: watched.relative_depth,
         decisions: record
             .decisions
             .iter()

@@ -43,6 +43,8 @@ pub use stoss_watch as watch;
 #[cfg(feature = "scene")]
 pub mod build;
 #[cfg(feature = "output")]
+pub mod diagnosis;
+#[cfg(feature = "output")]
 mod error;
 #[cfg(feature = "output")]
 pub mod events;

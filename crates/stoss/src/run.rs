@@ -1,8 +1,9 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
 use crate::build::{Built, OwnLaws, Schedule, build_with};
+use crate::diagnosis::{Case, Cause, Confidence, Diagnosis};
 use crate::output::{
-    Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, changed_by,
+    Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, Watched, changed_by,
     contact_bodies, judge_start, promises,
 };
 use crate::scene::Scene;
@@ -61,7 +62,11 @@ pub enum Event<'a> {
         record: &'a StepRecord,
         /// End time.
         end: f64,
+        /// The worst drift and the deepest penetration so far.
+        watched: Watched,
     },
+    /// The run stopped or came out wrong, and this is why; it is in the folder, too.
+    Diagnosis(&'a Diagnosis),
 }
 
 /// Sets the number of threads of all element loops of this process. Results do not depend on it.
@@ -86,8 +91,7 @@ fn load(path: &Path, laws: &OwnLaws, set: &[(String, String)]) -> Result<(Scene,
     let text = read_text(path)?;
     let scene =
         crate::scene::parse_set(&text, &path.display().to_string(), &laws.names(), set).map_err(RunError::Scene)?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let built = build_with(&scene, folder, laws).map_err(RunError::Scene)?;
+    let built = build_with(&scene, scene_folder(path), laws).map_err(RunError::Scene)?;
     Ok((scene, built))
 }
 
@@ -111,6 +115,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         scene: scene.text().to_owned(),
         ..Description::new(built.simulation.model(), &built.drawing)
     };
+    let watched = watched_bodies(&built);
     let Built { mut simulation, schedule, joints, probes, warnings, contacts, mesh_files, drawing, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
@@ -156,6 +161,18 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         step: scene.time.step,
         resumed: options.resume,
     });
+    let diagnose = |simulation: &Simulation, summary: &Summary, error: Option<String>| {
+        let verdict = &summary.verdict;
+        let place = scene_folder(path);
+        let diagnosis =
+            Diagnosis::of(&Case::new(&scene, place, &options.laws, simulation, watched.clone(), verdict, error));
+        Diagnosis::remove(&options.out)?;
+        if diagnosis.is_worth_reading() {
+            diagnosis.write(&options.out)?;
+            return Ok::<_, RunError>(Some(diagnosis));
+        }
+        Ok(None)
+    };
     let mut folder = if options.resume {
         ResultFolder::resume(&options.out, settings, &mut simulation)?
     } else {
@@ -183,7 +200,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
                 if let Some(systems) = &systems {
                     systems.check()?;
                 }
-                report(Event::Step { record: &record, end });
+                report(Event::Step { record: &record, end, watched: folder.worst() });
                 if folder.must_stop() {
                     break;
                 }
@@ -194,7 +211,11 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
                 let (last_step, last_time) = (simulation.step(), simulation.state().time);
                 folder.close(&simulation)?;
                 let reason = source.to_string();
-                folder.summarise(&simulation, Outcome::Failed { reason, last_step, last_time })?;
+                let failed = Outcome::Failed { reason: reason.clone(), last_step, last_time };
+                let summary = folder.summarise(&simulation, failed)?;
+                if let Some(diagnosis) = diagnose(&simulation, &summary, Some(reason))? {
+                    report(Event::Diagnosis(&diagnosis));
+                }
                 return Err(RunError::Simulation {
                     source: Box::new(source),
                     last_step,
@@ -215,7 +236,38 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
             Outcome::Stopped { last_step, last_time }
         }
     };
-    Ok(folder.summarise(&simulation, outcome)?)
+    let summary = folder.summarise(&simulation, outcome)?;
+    if let Some(diagnosis) = diagnose(&simulation, &summary, None)? {
+        report(Event::Diagnosis(&diagnosis));
+    }
+    Ok(summary)
+}
+
+/// The folder that mesh files of a scene are sought in.
+fn scene_folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new("."))
+}
+
+/// Names of the bodies as the watch counts them.
+fn watched_bodies(built: &Built) -> Vec<String> {
+    let solids = built.simulation.model().bodies.iter().map(|body| body.solid.name().to_owned());
+    solids.chain(built.drawing.surfaces.iter().map(|surface| surface.name.clone())).collect()
+}
+
+/// Looks for causes in a scene that has not run.
+///
+/// # Errors
+/// As [`check_scene`].
+pub fn diagnose_scene(path: &Path, options: &RunOptions) -> Result<Diagnosis, RunError> {
+    let (scene, built) = load(path, &options.laws, &options.set)?;
+    diagnose_start(path, options, &scene, &built)
+}
+
+fn diagnose_start(path: &Path, options: &RunOptions, scene: &Scene, built: &Built) -> Result<Diagnosis, RunError> {
+    let start = judge_start(&built.simulation, scene, &built.drawing)?;
+    let watched = watched_bodies(built);
+    let folder = scene_folder(path);
+    Ok(Diagnosis::of(&Case::new(scene, folder, &options.laws, &built.simulation, watched, &start, None)))
 }
 
 /// At the end of a stage begins the next one; false at the end of the last.
@@ -276,6 +328,13 @@ pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, 
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
     let start = judge_start(&built.simulation, &scene, &built.drawing)?;
     lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
+    for found in diagnose_start(path, options, &scene, &built)?.findings {
+        // The others have warnings of their own.
+        if found.cause == Cause::Density && found.confidence == Confidence::High {
+            let remedy = found.remedies.first().map(|remedy| format!("; {}", remedy.text)).unwrap_or_default();
+            lines.push(format!("  warning: {}{remedy}", found.sentence));
+        }
+    }
     lines.push("no problems found".to_owned());
     Ok(PlanReport { lines })
 }

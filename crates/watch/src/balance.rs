@@ -55,6 +55,9 @@ pub struct BalanceWatch {
     /// Lowest total energy, and largest loss by contact, so far.
     lowest: f64,
     largest_loss: f64,
+    /// Largest drifts of linear momentum, angular momentum and energy so far, as far as they are promised to be constant.
+    #[serde(default)]
+    drifts: [f64; 3],
 }
 
 impl BalanceWatch {
@@ -63,7 +66,25 @@ impl BalanceWatch {
     pub fn new(promises: Promises, mass: f64, radius: f64, smallest: f64) -> Self {
         // Finite, for files.
         let (lowest, largest_loss) = (f64::MAX, f64::MIN);
-        Self { promises, mass, radius, first: None, scales: [0.0, 0.0, smallest], lowest, largest_loss }
+        Self {
+            promises,
+            mass,
+            radius,
+            first: None,
+            scales: [0.0, 0.0, smallest],
+            lowest,
+            largest_loss,
+            drifts: [0.0; 3],
+        }
+    }
+
+    /// Name and size, a part of its scale, of the largest drift so far of what is promised to be constant; none without such a promise.
+    pub fn worst_drift(&self) -> Option<(&'static str, f64)> {
+        let Promises { linear, angular, energy, .. } = self.promises;
+        let promised = [linear.contains(&true), angular, energy];
+        let names = ["linear momentum", "angular momentum", "energy"];
+        let drifts = names.into_iter().zip(self.drifts).zip(promised).filter(|(_, promised)| *promised);
+        drifts.map(|(drift, _)| drift).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// What a step breaks. The first one is the start, with which all others are compared.
@@ -97,6 +118,7 @@ impl BalanceWatch {
         let exceeds = |part: f64, limit: f64| part > limit || part.is_nan();
         for i in (0..3).filter(|&i| linear[i]) {
             let drift = part((state.linear[i] - first.linear[i]).abs(), self.scales[0]);
+            self.drifts[0] = self.drifts[0].max(drift);
             if exceeds(drift, tolerance) {
                 let what =
                     format!("the linear momentum along {} has changed by {drift:.1e} of its scale", ["x", "y", "z"][i]);
@@ -106,6 +128,7 @@ impl BalanceWatch {
         if angular {
             let change: [f64; 3] = std::array::from_fn(|i| state.angular[i] - first.angular[i]);
             let drift = part(size(&change), self.scales[1]);
+            self.drifts[1] = self.drifts[1].max(drift);
             if exceeds(drift, tolerance) {
                 let what = format!("the angular momentum has changed by {drift:.1e} of its scale");
                 broken(Level::Wrong, what + ", though nothing acts on the bodies and the scheme conserves it", drift);
@@ -114,6 +137,7 @@ impl BalanceWatch {
         let closed = state.total + state.closing_loss;
         if energy {
             let drift = part((closed - first.total - first.closing_loss).abs(), self.scales[2]);
+            self.drifts[2] = self.drifts[2].max(drift);
             if exceeds(drift, tolerance) {
                 let what = format!("the balance of energy is off by {drift:.1e} of the energy");
                 broken(Level::Wrong, what + ", though the scheme conserves it", drift);
@@ -185,6 +209,18 @@ mod tests {
         assert_eq!(second(promises(), |s| s.total += 1e-5), wrong);
         assert_eq!(second(promises(), |s| (s.total, s.closing_loss) = (2.1, -0.1)), wrong);
         assert_eq!(second(promises(), |s| s.linear[2] = f64::NAN), wrong);
+    }
+
+    #[test]
+    fn the_worst_drift_is_kept_and_is_one_of_what_is_promised() {
+        let mut watch = BalanceWatch::new(Promises { angular: false, ..promises() }, 1.0, 1.0, 0.0);
+        for total in [2.0, 2.3, 2.1] {
+            watch.observe(0, 0.0, &BalanceState { total, angular: [total; 3], ..start() });
+        }
+        let (name, drift) = watch.worst_drift().unwrap();
+        assert!(name == "energy" && (drift - 0.1).abs() < 1e-12, "{name} {drift}");
+        let none = Promises { linear: [false; 3], angular: false, energy: false, ..promises() };
+        assert_eq!(BalanceWatch::new(none, 1.0, 1.0, 0.0).worst_drift(), None);
     }
 
     #[test]

@@ -186,7 +186,7 @@ pub(crate) fn title(folder: &Folder) -> String {
 }
 
 /// Text as it stands in HTML.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 

@@ -15,4 +15,5 @@ pub use canvas::Colour;
 pub use colour::colour;
 pub use picture::{Finish, Layout, Shot, Style, columns, draw, draw_raster, draw_svg, value_range, window};
 pub use raster::Raster;
+pub(crate) use surface::deformed;
 pub use surface::{Surface, boundary};

@@ -108,7 +108,7 @@ fn open_bodies(grid: &Grid) -> BTreeSet<u64> {
 }
 
 /// Place of a point: frames store reference coordinates and the displacement beside them.
-fn deformed(grid: &Grid, point: usize) -> [f64; 3] {
+pub(crate) fn deformed(grid: &Grid, point: usize) -> [f64; 3] {
     let reference = grid.points[point];
     match grid.point_data.get("displacement").map(|displacement| displacement.row(point)) {
         Some([x, y, z]) => [reference[0] + x, reference[1] + y, reference[2] + z],

@@ -52,6 +52,12 @@ pub(super) fn parameters(table: &Table<'_>) -> Option<BTreeMap<String, Parameter
 /// Poisson's ratio.
 pub(super) fn poisson(node: &Node<'_>) -> Option<f64> {
     let value = node.number()?;
+    if value == 0.5 {
+        return node.fail(
+            "is that of an incompressible body: its bulk modulus would be infinite, and its pressure no function of the displacements",
+            "use 0.49, with which volume hardly changes; much closer to 0.5 the elements lock",
+        );
+    }
     if value <= -1.0 || value >= 0.5 {
         return node.fail(
             "must lie between -1 and 0.5, both excluded",

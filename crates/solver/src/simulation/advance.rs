@@ -2,11 +2,13 @@
 
 use super::{InsideOutRule, Simulation};
 use crate::assembly::{Iterate, System, no_auxiliaries};
+use crate::failure::Trace;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
-    Automatic, Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord,
+    Automatic, Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError,
+    StepRecord,
 };
 use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage};
@@ -74,6 +76,7 @@ impl Simulation {
     fn advance_untimed(&mut self) -> Result<StepRecord, SimulationError> {
         // Those between the steps belong to the step that follows.
         let first_decision = self.decisions.partition_point(|decision| decision.step <= self.step);
+        self.failures.clear();
         loop {
             match self.try_step() {
                 Ok(completed) => return Ok(self.accept(completed, first_decision)),
@@ -167,6 +170,17 @@ impl Simulation {
     }
 
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
+        let mut trace = Trace::default();
+        let result = self.traced(from, dt, rule, &mut trace);
+        self.solves += u64::from(trace.solves);
+        if let Err(cause) = &result {
+            let failed = trace.failed(&self.model, (self.step + 1, self.state.time, dt), cause);
+            self.failures.push(failed);
+        }
+        result
+    }
+
+    fn traced(&mut self, from: Start, dt: f64, rule: StepRule, trace: &mut Trace) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
         self.begin_contact(dt, rule)?;
         let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
@@ -200,10 +214,8 @@ impl Simulation {
         }
         start.follow(&self.model.embedding);
         let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, predict, newton: self.newton };
-        let mut solves = 0;
-        let attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, &mut solves);
-        self.solves += u64::from(solves);
-        let mut attempt = attempt?;
+        let mut attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, trace)?;
+        let solves = trace.solves;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
         let strain = self.strain_energy(&attempt.iterate.q)?;

@@ -49,6 +49,9 @@ pub use schedule::Schedule;
 use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
 use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, Stage, StepControl};
 use mesh_files::MeshFiles;
+#[cfg(feature = "output")]
+pub(crate) use placed::Placed;
+#[cfg(not(feature = "output"))]
 use placed::Placed;
 use schedule::Named;
 use std::collections::BTreeMap;
@@ -196,6 +199,16 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             }
         }
     }
+}
+
+/// The parts of a scene that was built before, in their places and with the same numbers of nodes, for whoever wants to look at their sets.
+#[cfg(feature = "output")]
+pub(crate) fn placed_parts(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Vec<Placed> {
+    let mut problems = Problems { scene, list: Vec::new() };
+    let (mut model, mut files) = (Model::default(), MeshFiles::new(folder));
+    let (mut placed, _) = body::bodies(scene, laws, &mut model, &mut files, &mut problems);
+    placed.append(&mut multibody::parts(scene, &mut model, &mut files, &mut problems).placed);
+    placed
 }
 
 /// What the names of a scene are in the model: loads and contacts as in the scene, prescriptions behind those of fixed bodies.

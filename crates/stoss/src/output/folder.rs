@@ -5,7 +5,7 @@ use super::earlier::{self, Overwrite};
 use super::identity::SceneIdentity;
 use super::lock::FolderLock;
 use super::table::CsvTable;
-use super::watch::{self, RunWatch};
+use super::watch::{self, RunWatch, Watched};
 use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frames};
 use crate::build::{ContactPlan, JointPlace, Probe};
 use crate::error::RunError;
@@ -253,7 +253,12 @@ impl ResultFolder {
             .collect();
         let has_contact = simulation.model().has_contact_pairs();
         let has_friction = settings.has_friction();
-        let more = [(has_contact, CLOSING), (has_friction, FRICTION), (has_damping(simulation), DAMPING), (settings.schedule.is_stabilised(), STABILISATION)];
+        let more = [
+            (has_contact, CLOSING),
+            (has_friction, FRICTION),
+            (has_damping(simulation), DAMPING),
+            (settings.schedule.is_stabilised(), STABILISATION),
+        ];
         let more = more.iter().filter(|(has, _)| *has).map(|(_, columns)| *columns);
         let balance_header = std::iter::once(BALANCE).chain(more).collect::<Vec<_>>().join(",");
         Ok(Self {
@@ -446,6 +451,11 @@ impl ResultFolder {
     /// Whether the watch has found that the run is wrong, in a run that is to stop then.
     pub fn must_stop(&self) -> bool {
         self.watch.on_fault() == OnFault::Stop && self.watch.verdict().level == stoss_watch::Level::Wrong
+    }
+
+    /// The worst drift and the deepest penetration so far.
+    pub fn worst(&self) -> Watched {
+        self.watch.worst()
     }
 
     /// Ends a session: a checkpoint, and a frame of the last completed step if it has none. That frame is not in the checkpoint, so that

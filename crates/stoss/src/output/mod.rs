@@ -29,7 +29,7 @@ pub use folder::{FolderSettings, ResultFolder};
 pub use identity::SceneIdentity;
 pub use lock::is_in_use;
 pub use summary::{Memory, Outcome, Summary, WatchSummary};
-pub use watch::judge_folder;
+pub use watch::{Watched, judge_folder};
 
 pub(crate) use promises::{changed_by, promises};
 pub(crate) use systems::SystemWriter;

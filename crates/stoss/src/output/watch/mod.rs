@@ -41,6 +41,19 @@ struct Memo {
     balance: Option<BalanceWatch>,
     stage: u32,
     last: u64,
+    #[serde(default)]
+    deepest: [f64; 2],
+}
+
+/// The worst that the watch has seen so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Watched {
+    /// What drifts most of that which scheme, loads and supports leave constant, and by which part of its scale, in the present stage.
+    pub drift: Option<(&'static str, f64)>,
+    /// Deepest penetration, a length.
+    pub depth: f64,
+    /// The same in edges of the facets there.
+    pub relative_depth: f64,
 }
 
 /// The watch on a running simulation.
@@ -63,6 +76,8 @@ pub(super) struct RunWatch {
     /// Positions that were looked at last, and their step.
     previous: Vec<f64>,
     last: Option<u64>,
+    /// Depth and relative depth of the deepest penetration so far.
+    deepest: [f64; 2],
     spent: Duration,
 }
 
@@ -105,6 +120,7 @@ impl RunWatch {
             on_fault: settings.on_fault,
             previous: Vec::new(),
             last: None,
+            deepest: [0.0; 2],
             spent: Duration::ZERO,
         })
     }
@@ -151,6 +167,9 @@ impl RunWatch {
         table.integer(record.step).number(record.time);
         match seen.deepest() {
             Some(deepest) => {
+                if deepest.relative > self.deepest[1] {
+                    self.deepest = [deepest.depth, deepest.relative];
+                }
                 table.numbers(&[deepest.depth, deepest.relative]).integer(u64::from(deepest.node));
                 table.text(self.file.name(deepest.body)).text(self.file.name(deepest.into));
             }
@@ -202,6 +221,12 @@ impl RunWatch {
         Ok(())
     }
 
+    /// The worst so far.
+    pub(super) fn worst(&self) -> Watched {
+        let [depth, relative_depth] = self.deepest;
+        Watched { drift: self.balance.as_ref().and_then(BalanceWatch::worst_drift), depth, relative_depth }
+    }
+
     /// Verdict on what was seen so far.
     pub(super) fn verdict(&self) -> Verdict {
         self.judge.verdict()
@@ -226,7 +251,7 @@ impl RunWatch {
     pub(super) fn save(&self, step: u64) -> Result<[(String, Vec<u8>); 2], serde_json::Error> {
         let last = self.last.unwrap_or_default();
         let (judge, balance, stage) = (self.judge.clone(), self.balance.clone(), self.stage);
-        let memo = serde_json::to_vec(&Memo { judge, balance, stage, last })?;
+        let memo = serde_json::to_vec(&Memo { judge, balance, stage, last, deepest: self.deepest })?;
         let positions = match last == step {
             true => Vec::new(),
             false => self.previous.iter().flat_map(|x| x.to_le_bytes()).collect(),
@@ -251,6 +276,7 @@ impl RunWatch {
         self.balance = memo.balance;
         self.stage = memo.stage;
         self.last = Some(memo.last);
+        self.deepest = memo.deepest;
         Ok(())
     }
 }

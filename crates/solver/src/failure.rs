@@ -1,0 +1,183 @@
+//! What an attempted step that failed leaves behind: facts for whoever looks for the cause.
+//!
+//! It is no diagnosis: what the facts mean for a scene is not known here.
+
+use crate::error::StepError;
+use crate::{Model, NewtonRow};
+use serde::{Deserialize, Serialize};
+use stoss_fe_solid::SolidError;
+
+/// Most slots of a failed attempt whose changes are kept.
+const MOST_SLOTS: usize = 8;
+
+/// Where something is in a model; what does not apply is `None`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Global number of a vector: a node, or the centre or a director of a rigid body.
+    pub node: Option<u32>,
+    /// Component of the position (0, 1, 2).
+    pub component: Option<u8>,
+    /// Number of a body in [`Model::bodies`] and of an element in it.
+    pub element: Option<(usize, usize)>,
+    /// Number of a pair in [`Model::contacts`] and of a slot of it.
+    pub slot: Option<(usize, usize)>,
+}
+
+impl Place {
+    /// A node.
+    pub(crate) fn of_node(node: u32) -> Self {
+        Self { node: Some(node), ..Self::default() }
+    }
+
+    /// A slot, and the node that it belongs to.
+    pub(crate) fn of_slot(model: &Model, pair: usize, slot: usize, q: &[f64]) -> Self {
+        let reports = model.contacts[pair].method.report(q).unwrap_or_default();
+        Self { node: reports.get(slot).map(|report| report.node), slot: Some((pair, slot)), ..Self::default() }
+    }
+
+    fn of_element(model: &Model, body: &str, element: usize) -> Self {
+        let number = model.bodies.iter().position(|other| other.solid.name() == body);
+        Self { element: number.map(|number| (number, element)), ..Self::default() }
+    }
+}
+
+/// In which way an attempt failed; see [`StepError`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum FailureKind {
+    /// An element is inverted at a Gauss point.
+    InvertedElement,
+    /// Elements are turned inside out at a vertex.
+    InsideOut,
+    /// Newton did not converge.
+    NotConverged,
+    /// A matrix without inverse.
+    Singular,
+    /// Sets of constraints came back.
+    Cycling,
+    /// The active set did not settle.
+    Unsettled,
+    /// Whatever else: what the cause says in words.
+    Other,
+}
+
+/// A slot whose state changed while an attempt was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SlotChanges {
+    /// Number of the pair in [`Model::contacts`].
+    pub pair: usize,
+    /// Its slot.
+    pub slot: usize,
+    /// How often it closed or opened.
+    pub changes: u32,
+}
+
+/// An attempt that failed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FailedAttempt {
+    /// Step that was tried.
+    pub step: u64,
+    /// Time at its start.
+    pub time: f64,
+    /// Its size.
+    pub dt: f64,
+    /// How.
+    pub kind: FailureKind,
+    /// The cause in words.
+    pub reason: String,
+    /// Where.
+    pub place: Place,
+    /// Newton history.
+    pub newton: Vec<NewtonRow>,
+    /// The slots that changed most often, those first.
+    pub slots: Vec<SlotChanges>,
+}
+
+/// What is noted while an attempt is made.
+#[derive(Debug, Default)]
+pub(crate) struct Trace {
+    /// Linear solutions.
+    pub solves: u32,
+    pub newton: Vec<NewtonRow>,
+    /// How often each slot of each pair closed or opened; empty as long as none did.
+    changes: Vec<Vec<u32>>,
+    before: Vec<bool>,
+}
+
+impl Trace {
+    /// The active set of a pair is about to change.
+    pub fn begin(&mut self, active: &[bool]) {
+        self.before.clear();
+        self.before.extend_from_slice(active);
+    }
+
+    /// It may have changed since [`Self::begin`].
+    pub fn end(&mut self, pair: usize, active: &[bool]) {
+        if self.before == active {
+            return;
+        }
+        if self.changes.len() <= pair {
+            self.changes.resize(pair + 1, Vec::new());
+        }
+        let counts = &mut self.changes[pair];
+        counts.resize(active.len(), 0);
+        for ((count, before), now) in counts.iter_mut().zip(&self.before).zip(active) {
+            *count += u32::from(before != now);
+        }
+    }
+
+    /// The attempt failed.
+    pub fn failed(self, model: &Model, (step, time, dt): (u64, f64, f64), cause: &StepError) -> FailedAttempt {
+        let changed = self.changes.iter().enumerate().flat_map(|(pair, counts)| {
+            let some = counts.iter().enumerate().filter(|(_, changes)| **changes > 0);
+            some.map(move |(slot, &changes)| SlotChanges { pair, slot, changes })
+        });
+        let mut slots: Vec<SlotChanges> = changed.collect();
+        slots.sort_by_key(|slot| std::cmp::Reverse(slot.changes));
+        slots.truncate(MOST_SLOTS);
+        let (kind, place) = classified(model, cause);
+        FailedAttempt { step, time, dt, kind, reason: cause.to_string(), place, newton: self.newton, slots }
+    }
+}
+
+fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
+    match cause {
+        StepError::Solid(
+            SolidError::InvertedElement { body, element, .. } | SolidError::Constitutive { body, element, .. },
+        ) => (FailureKind::InvertedElement, Place::of_element(model, body, *element)),
+        StepError::InsideOut { body, found, .. } => {
+            let place = Place::of_element(model, body, found.element);
+            let corner = |(body, element): (usize, usize)| {
+                model.bodies[body].solid.connectivity().get(element)?.get(found.vertex).copied()
+            };
+            // Elements count nodes of the model.
+            (FailureKind::InsideOut, Place { node: place.element.and_then(corner), ..place })
+        }
+        StepError::NotConverged { at, .. } => (FailureKind::NotConverged, *at),
+        StepError::Singular { at, .. } => (FailureKind::Singular, *at),
+        StepError::Cycling { at, .. } => (FailureKind::Cycling, *at),
+        StepError::ActiveSet { .. } => (FailureKind::Unsettled, Place::default()),
+        _ => (FailureKind::Other, Place::default()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slots_that_change_most_come_first() {
+        let mut trace = Trace::default();
+        let sets = [[false, true, true], [true, true, true], [false, true, false], [true, true, false]];
+        for pair in sets.windows(2) {
+            trace.begin(&pair[0]);
+            trace.end(1, &pair[1]);
+        }
+        let cause = StepError::ActiveSet { rounds: 3, changes: 3, repairs: 0 };
+        let failed = trace.failed(&Model::default(), (4, 0.5, 0.1), &cause);
+        let counts: Vec<_> = failed.slots.iter().map(|s| (s.pair, s.slot, s.changes)).collect();
+        assert_eq!(counts, [(1, 0, 3), (1, 2, 1)]);
+        assert_eq!((failed.kind, failed.step), (FailureKind::Unsettled, 4));
+    }
+}

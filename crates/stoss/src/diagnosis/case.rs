@@ -1,0 +1,244 @@
+//! What is known of a run: scene, model, facts of the solver, verdict of the watch.
+
+use super::{Attempt, Where};
+use crate::build::{OwnLaws, Placed, placed_parts};
+use crate::scene::{Scene, split_set};
+use std::cell::OnceCell;
+use std::path::{Path, PathBuf};
+use stoss_mesh::Mesh;
+use stoss_reference_element::FacetNodes;
+use stoss_solver::{FailedAttempt, FailureKind, Model, Place, Simulation};
+use stoss_watch::{Level, Verdict};
+
+/// Most failed attempts that are told.
+const MOST_ATTEMPTS: usize = 4;
+
+/// A run that stopped, came out wrong, or did neither.
+pub struct Case<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The simulation at its last completed step.
+    pub simulation: &'a Simulation,
+    /// What the watch has found.
+    pub verdict: &'a Verdict,
+    /// What stopped it.
+    error: Option<String>,
+    folder: PathBuf,
+    laws: OwnLaws,
+    /// Made when somebody asks for a set or a mesh.
+    parts: OnceCell<Vec<Placed>>,
+    /// Names of the bodies as the verdict counts them: solids, then rigid surfaces.
+    watched: Vec<String>,
+}
+
+impl<'a> Case<'a> {
+    /// Of a simulation of a scene whose mesh files are sought in `folder`; `watched` are the names of the bodies with a surface, in the order of the watch, and
+    /// `error` is what stopped it.
+    pub fn new(
+        scene: &'a Scene,
+        folder: &Path,
+        laws: &OwnLaws,
+        simulation: &'a Simulation,
+        watched: Vec<String>,
+        verdict: &'a Verdict,
+        error: Option<String>,
+    ) -> Self {
+        let (folder, laws) = (folder.to_path_buf(), laws.clone());
+        Self { scene, simulation, verdict, error, folder, laws, parts: OnceCell::new(), watched }
+    }
+
+    pub(super) fn model(&self) -> &Model {
+        self.simulation.model()
+    }
+
+    /// The last failed attempt, if it was what stopped the run.
+    pub(super) fn failure(&self) -> Option<&FailedAttempt> {
+        self.simulation.failures().last().filter(|_| self.error.is_some())
+    }
+
+    /// Whether the run stopped with one of these.
+    pub(super) fn failed_by(&self, kinds: &[FailureKind]) -> bool {
+        self.failure().is_some_and(|failure| kinds.contains(&failure.kind))
+    }
+
+    /// Whether it stopped or came out wrong or doubtful.
+    pub(super) fn is_bad(&self) -> bool {
+        self.error.is_some() || self.verdict.level != Level::Sound
+    }
+
+    /// What happened, empty if nothing did.
+    pub(super) fn what(&self) -> String {
+        let found = self.verdict.reasons.first().map(|found| format!("{}: {}", found.level, found.sentence));
+        self.error.clone().or(found).unwrap_or_default()
+    }
+
+    /// Where it happened.
+    pub(super) fn place(&self) -> Where {
+        if let Some(failure) = self.failure() {
+            return self.place_of(&failure.place);
+        }
+        let found = self.verdict.reasons.first().filter(|_| self.error.is_none());
+        found.map_or_else(Where::default, |found| {
+            let names = found.bodies.map(|[a, b]| [self.watched_name(a), self.watched_name(b)]);
+            Where {
+                text: match &names {
+                    Some([a, b]) if a != b => format!("between `{a}` and `{b}`"),
+                    Some([a, _]) => format!("`{a}`"),
+                    None => String::new(),
+                },
+                body: names.map(|[a, _]| a),
+                position: found.position,
+                ..Where::default()
+            }
+        })
+    }
+
+    /// The last failed attempts in words.
+    pub(super) fn attempts(&self) -> Vec<Attempt> {
+        let failures = if self.error.is_some() { self.simulation.failures() } else { &[] };
+        let skipped = failures.len().saturating_sub(MOST_ATTEMPTS);
+        let attempt = |failure: &FailedAttempt| Attempt {
+            dt: failure.dt,
+            reason: failure.reason.clone(),
+            residuals: failure.newton.iter().map(|row| row.residual).filter(|r| r.is_finite()).collect(),
+            changing: failure.slots.iter().map(|slot| (self.slot_name(slot.pair, slot.slot), slot.changes)).collect(),
+        };
+        failures[skipped..].iter().map(attempt).collect()
+    }
+
+    pub(super) fn slot_name(&self, pair: usize, slot: usize) -> String {
+        let node = self.slot_node(pair, slot);
+        let text = node.map_or_else(|| format!("slot {slot}"), |node| self.node(node).text);
+        format!("{text} in contact `{}`", self.model().contacts[pair].name)
+    }
+
+    fn slot_node(&self, pair: usize, slot: usize) -> Option<u32> {
+        Some(self.simulation.contact_report(pair).ok()?.get(slot)?.node)
+    }
+
+    /// Name of a body as the verdict counts.
+    pub(super) fn watched_name(&self, body: usize) -> String {
+        self.watched.get(body).cloned().unwrap_or_else(|| format!("body {body}"))
+    }
+
+    /// A place of the solver in words.
+    pub(super) fn place_of(&self, place: &Place) -> Where {
+        let mut found = match (place.node, place.element) {
+            (Some(node), _) => self.node(node),
+            (None, Some((body, element))) => self.element(body, element),
+            (None, None) => Where::default(),
+        };
+        if let Some((_, element)) = place.element.filter(|_| place.node.is_some()) {
+            found.text = format!("element {element} at {}", found.text);
+            found.element = Some(element);
+        }
+        if let Some((pair, _)) = place.slot {
+            let name = self.model().contacts[pair].name.clone();
+            found.text =
+                if found.text.is_empty() { format!("`{name}`") } else { format!("{} in `{name}`", found.text) };
+            found.pair = Some(name);
+        }
+        found
+    }
+
+    /// A node.
+    pub(super) fn node(&self, node: u32) -> Where {
+        let model = self.model();
+        let position = self.position(node);
+        let [x, y, z] = position;
+        let at = format!("({x:.4}, {y:.4}, {z:.4})");
+        if let Some(body) = model.bodies.iter().find(|body| body.nodes.contains(&node)) {
+            let (local, name) = (node - body.nodes.start, body.solid.name());
+            return Where {
+                text: format!("node {local} of `{name}` at {at}"),
+                body: Some(name.to_owned()),
+                node: Some(local),
+                position: Some(position),
+                ..Where::default()
+            };
+        }
+        match model.parts.iter().find(|part| part.own_vectors().contains(&node)) {
+            Some(part) => Where {
+                text: format!("`{}`", part.name()),
+                body: Some(part.name().to_owned()),
+                position: (!part.is_direction(node)).then_some(position),
+                ..Where::default()
+            },
+            None => Where { text: format!("the point {at}"), position: Some(position), ..Where::default() },
+        }
+    }
+
+    /// An element of a body of the model.
+    pub(super) fn element(&self, body: usize, element: usize) -> Where {
+        let solid = &self.model().bodies[body].solid;
+        let corners = solid.connectivity().get(element).copied().unwrap_or_default();
+        let corners = corners.map(|node| self.position(node));
+        let position: [f64; 3] = std::array::from_fn(|i| corners.iter().map(|x| x[i]).sum::<f64>() / 8.0);
+        let [x, y, z] = position;
+        Where {
+            text: format!("element {element} of `{}` at ({x:.4}, {y:.4}, {z:.4})", solid.name()),
+            body: Some(solid.name().to_owned()),
+            element: Some(element),
+            position: Some(position),
+            ..Where::default()
+        }
+    }
+
+    /// Position of a node at the end of the last completed step.
+    pub(super) fn position(&self, node: u32) -> [f64; 3] {
+        let at = 3 * node as usize;
+        let q = &self.simulation.state().q;
+        std::array::from_fn(|i| q.get(at + i).copied().unwrap_or(f64::NAN))
+    }
+
+    /// The mesh of a deformable body in its place.
+    pub(super) fn mesh(&self, body: &str) -> Option<&Mesh> {
+        self.part(body)?.mesh()
+    }
+
+    pub(super) fn part(&self, name: &str) -> Option<&Placed> {
+        let parts = self.parts.get_or_init(|| placed_parts(self.scene, &self.folder, &self.laws));
+        parts.iter().find(|part| part.name == name)
+    }
+
+    /// Facets of a set `part.set`, none if it has none.
+    pub(super) fn facets(&self, set: &str) -> Vec<FacetNodes> {
+        let facets = || self.part(split_set(set)?.0)?.facets_of(split_set(set)?.1).ok();
+        facets().unwrap_or_default()
+    }
+
+    /// Nodes of a set `part.set`, none if it has none.
+    pub(super) fn nodes(&self, set: &str) -> Vec<u32> {
+        let nodes = || self.part(split_set(set)?.0)?.nodes_of(split_set(set)?.1).ok();
+        nodes().unwrap_or_default()
+    }
+
+    /// Largest extent of a body in the reference, and length of an edge of its elements: the cube root of their mean volume.
+    pub(super) fn sizes(&self, body: usize) -> Option<(f64, f64)> {
+        let model = self.model();
+        let (solid, nodes) = (&model.bodies.get(body)?.solid, &model.bodies.get(body)?.nodes);
+        let along = |i: usize| nodes.clone().map(move |node| model.reference[3 * node as usize + i]);
+        let extent = |i: usize| along(i).fold(f64::MIN, f64::max) - along(i).fold(f64::MAX, f64::min);
+        let size = (0..3).map(extent).fold(0.0, f64::max);
+        Some((size, (solid.volume() / solid.element_count().max(1) as f64).cbrt()))
+    }
+
+    /// Number of the scene's contact that a pair of the model is.
+    pub(super) fn contacts(&self) -> impl Iterator<Item = (usize, &crate::scene::Contact)> {
+        let pairs = &self.model().contacts;
+        self.scene
+            .contacts
+            .iter()
+            .enumerate()
+            .filter(move |(c, item)| pairs.get(*c).is_some_and(|pair| pair.name == item.label()))
+    }
+
+    /// Key of the step size of the present stage.
+    pub(super) fn step_key(&self) -> String {
+        let stage = self.simulation.stage() as usize;
+        match self.scene.stages.is_empty() {
+            true => "time.step".to_owned(),
+            false => format!("stage[{}].step", stage.saturating_sub(1)),
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Elements that cannot do what they should: slivers, and linear ones of a nearly incompressible material.
+
+use super::case::Case;
+use super::{Cause, Confidence, Finding, Remedy, Where};
+use crate::scene::{Generator, MeshSource};
+use stoss_mesh::Mesh;
+use stoss_solver::FailureKind;
+
+/// Scaled Jacobian in the reference below which an element is a sliver.
+const SLIVER: f64 = 0.05;
+/// Poisson's ratio from which on linear hexahedra lock.
+const LOCKS: f64 = 0.495;
+
+/// Corners with the three corners beside each, right-handed.
+const CORNERS: [[usize; 4]; 8] =
+    [[0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7], [4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]];
+
+/// The smallest scaled Jacobian at the corners of an element, and the corner.
+fn worst_corner(mesh: &Mesh, element: u32) -> (f64, usize) {
+    let x = mesh.element_coordinates(element);
+    let at = |[o, a, b, c]: [usize; 4]| {
+        let [a, b, c] = [a, b, c].map(|k| -> [f64; 3] { std::array::from_fn(|i| x[k][i] - x[o][i]) });
+        let length = |a: [f64; 3]| a.iter().map(|a| a * a).sum::<f64>().sqrt();
+        let product = a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0]);
+        product / (length(a) * length(b) * length(c)).max(f64::MIN_POSITIVE)
+    };
+    let corners = CORNERS.iter().enumerate().map(|(k, corner)| (at(*corner), k));
+    corners.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((1.0, 0))
+}
+
+/// An element of the mesh that is nearly degenerate, where a run failed or in a body that is not sound.
+pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
+    use FailureKind::{InsideOut, InvertedElement, NotConverged};
+    if !case.is_bad() {
+        return Vec::new();
+    }
+    let failed = case.failure().and_then(|failure| failure.place.element);
+    let place = case.place();
+    let mut list = Vec::new();
+    for (b, body) in case.model().bodies.iter().enumerate() {
+        let name = body.solid.name();
+        let Some(mesh) = case.mesh(name) else { continue };
+        let quality = mesh.quality();
+        let of_failure = failed.filter(|&(other, _)| other == b).map(|(_, element)| element as u32);
+        let worst =
+            of_failure.filter(|&element| worst_corner(mesh, element).0 < SLIVER).unwrap_or(quality.worst_element);
+        let (jacobian, corner) = worst_corner(mesh, worst);
+        if jacobian >= SLIVER {
+            continue;
+        }
+        let is_here = place.body.as_deref() == Some(name);
+        let confidence = match (of_failure == Some(worst), is_here) {
+            (true, _) if case.failed_by(&[InsideOut, InvertedElement, NotConverged]) => Confidence::High,
+            (_, true) => Confidence::Medium,
+            _ => Confidence::Low,
+        };
+        let node = mesh.elements[worst as usize][corner];
+        let at = case.node(body.nodes.start + node);
+        let mut evidence = vec![format!(
+            "the scaled Jacobian of element {worst} is {jacobian:.1e} at node {node} in the mesh itself (1: a box, 0: flat); that of the whole mesh is {:.1e} at least",
+            quality.min_scaled_jacobian
+        )];
+        evidence.extend(case.failure().filter(|_| is_here).map(|failure| failure.reason.clone()));
+        let generated =
+            matches!(case.scene.bodies.get(b).map(|b| &b.mesh), Some(MeshSource::Generator(Generator::Hexahedron(_))));
+        let from = match generated {
+            true => format!(
+                "`body[{b}].mesh.corners`: move the corner next to that node, the angle there is nearly 180 degrees or 0"
+            ),
+            false => "in the mesher: move it, or mesh the region anew; `stoss mesh info FILE` shows the worst element"
+                .to_owned(),
+        };
+        list.push(Finding {
+            cause: Cause::Sliver,
+            confidence,
+            place: Where { text: format!("element {worst} at {}", at.text), element: Some(worst as usize), ..at },
+            sentence: format!("element {worst} of `{name}` is a sliver: the least deformation turns its corner at node {node} inside out"),
+            evidence,
+            remedies: vec![
+                Remedy::words(format!("mend the mesh at node {node} of `{name}`, {from}")),
+                Remedy::set("solver.inside_out", "\"warn\"", "goes on with a warning as long as integration points allow, and the stress there means nothing"),
+            ],
+        });
+    }
+    list
+}
+
+/// Materials that are so incompressible that linear hexahedra lock.
+pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
+    let mut list = Vec::new();
+    for (b, body) in case.model().bodies.iter().enumerate() {
+        let nu = body.solid.law().small_strain_moduli().poisson_ratio();
+        if nu < LOCKS {
+            continue;
+        }
+        let name = body.solid.name();
+        let key = format!("body[{b}].material.poisson");
+        let remedy = match case.scene.locate(&key) {
+            Some(_) => {
+                Remedy::set(key, "0.49", "volume changes by about a fiftieth of a shear, and elements do not lock yet")
+            }
+            None => Remedy::words(format!(
+                "give `body[{b}].material` a smaller bulk modulus: fifty times the shear modulus is enough"
+            )),
+        };
+        let is_here = case.is_bad() && case.place().body.as_deref() == Some(name);
+        list.push(Finding {
+            cause: Cause::Incompressible,
+            confidence: if is_here { Confidence::Medium } else { Confidence::Low },
+            place: Where { text: format!("`{name}`"), body: Some(name.to_owned()), ..Where::default() },
+            sentence: format!(
+                "`{name}` is nearly incompressible (Poisson's ratio {nu}): linear hexahedra lock, they are far too stiff and their pressure alternates"
+            ),
+            evidence: vec![format!("the bulk modulus is {:.0} times the shear modulus", 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)))],
+            remedies: vec![remedy],
+        });
+    }
+    list
+}

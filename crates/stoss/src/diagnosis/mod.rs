@@ -1,0 +1,289 @@
+//! Why a run stopped, or came out wrong: where, what, the likely cause, and what to try.
+//!
+//! The solver leaves facts ([`stoss_solver::FailedAttempt`]), the watch a verdict. Each function in [`FINDINGS`] looks at these, the scene and the model for
+//! the signs of one cause and gives a [`Finding`] or none; the most certain one comes first. What they know of the case is in [`Case`].
+//!
+//! # What it is not
+//! No cure: nothing is tried again, and nothing of a run depends on it.
+//!
+//! # How to add a cause
+//! A variant of [`Cause`] with its title, a function in the module of its sense, a line in [`FINDINGS`], a scene in `tests/failing`.
+
+mod case;
+mod contact;
+mod elements;
+mod motion;
+mod scales;
+mod supports;
+mod surfaces;
+mod text;
+mod toml;
+
+pub use case::Case;
+
+use crate::error::OutputError;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Name of the file in a folder of results.
+pub const FILE: &str = "diagnosis.json";
+
+/// Name of the page that shows it to people; the program `stoss` writes it.
+pub const PAGE: &str = "diagnosis.html";
+
+/// What looks for the signs of a cause.
+type Look = fn(&Case<'_>) -> Vec<Finding>;
+
+/// All that is looked for.
+const FINDINGS: [Look; 10] = [
+    supports::supports,
+    scales::density,
+    scales::step,
+    surfaces::overlap,
+    surfaces::facing_away,
+    surfaces::missing_contact,
+    elements::sliver,
+    elements::incompressible,
+    contact::locked_by_friction,
+    contact::cycles,
+];
+
+/// A cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Cause {
+    /// A body may slide, in statics.
+    NoSupport,
+    /// A body may turn, and not slide, in statics.
+    FreeRotation,
+    /// Bodies lie in each other at the start.
+    OverlapAtStart,
+    /// A contact names surfaces that are turned away from each other.
+    SurfacesFaceAway,
+    /// Bodies collide and no contact is named.
+    MissingContact,
+    /// The density does not fit the modulus.
+    Density,
+    /// An element of the mesh is nearly degenerate.
+    Sliver,
+    /// Friction locks a wedge.
+    FrictionLocks,
+    /// The step is too large for the motion in it.
+    StepTooLarge,
+    /// Nearly incompressible.
+    Incompressible,
+    /// Contact points that open and close, or stick and slide, with every iteration.
+    ContactCycles,
+    /// None that is known.
+    Unknown,
+}
+
+/// How certain a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Confidence {
+    /// Cannot be excluded.
+    Low,
+    /// The signs fit.
+    Medium,
+    /// The signs fit, and what happened is what the cause does.
+    High,
+}
+
+/// Where in the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Where {
+    /// In words.
+    pub text: String,
+    /// Name of a body or of another part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
+    /// Number of a node in its body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<u32>,
+    /// Number of an element in its body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub element: Option<usize>,
+    /// Name of a contact, tie or joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair: Option<String>,
+    /// Position at the end of the last completed step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+}
+
+/// A change of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Change {
+    /// A key gets another value.
+    Set {
+        /// Path of the key, for instance `contact[0].friction.mu`.
+        key: String,
+        /// The value as TOML.
+        value: String,
+    },
+    /// Something is added at the end of the scene.
+    Add {
+        /// As TOML.
+        toml: String,
+    },
+}
+
+/// Something to try.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Remedy {
+    /// In words.
+    pub text: String,
+    /// As changes of the scene; empty if it is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<Change>,
+}
+
+impl Remedy {
+    fn words(text: impl Into<String>) -> Self {
+        Self { text: text.into(), changes: Vec::new() }
+    }
+
+    /// Sets one key; `why` follows the key and its value.
+    fn set(key: impl Into<String>, value: impl Into<String>, why: &str) -> Self {
+        let (key, value) = (key.into(), value.into());
+        let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
+        Self { text: format!("set `{key} = {value}`{why}"), changes: vec![Change::Set { key, value }] }
+    }
+}
+
+/// A cause and why it is thought to be the one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// The cause.
+    pub cause: Cause,
+    /// How certain.
+    pub confidence: Confidence,
+    /// Where.
+    pub place: Where,
+    /// The cause in words of the scene.
+    pub sentence: String,
+    /// Signs of it, with numbers.
+    pub evidence: Vec<String>,
+    /// What to try, the most promising first.
+    pub remedies: Vec<Remedy>,
+}
+
+/// A failed attempt.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Attempt {
+    /// Step size.
+    pub dt: f64,
+    /// What the solver said.
+    pub reason: String,
+    /// Relative residuals from iteration to iteration.
+    pub residuals: Vec<f64>,
+    /// Points of contact that opened and closed, and how often, those that did so most first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changing: Vec<(String, u32)>,
+}
+
+/// What is known of a run that stopped or came out wrong.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Diagnosis {
+    /// Title of the scene.
+    pub title: String,
+    /// What happened: the error, or the worst that the watch found.
+    pub what: String,
+    /// Last completed step.
+    pub step: u64,
+    /// Its time.
+    pub time: f64,
+    /// Where it happened.
+    pub place: Where,
+    /// Likely causes, the most certain first; at least one if anything happened.
+    pub findings: Vec<Finding>,
+    /// The last failed attempts.
+    pub attempts: Vec<Attempt>,
+}
+
+impl Diagnosis {
+    /// Of a case. Without an error and with a sound verdict there may be no finding at all.
+    pub fn of(case: &Case<'_>) -> Self {
+        let mut findings: Vec<Finding> = FINDINGS.iter().flat_map(|look| look(case)).collect();
+        findings.sort_by(|a, b| b.confidence.cmp(&a.confidence).then(a.cause.cmp(&b.cause)));
+        let what = case.what();
+        if findings.is_empty() && !what.is_empty() {
+            findings.push(unknown(case));
+        }
+        let place = match case.place() {
+            place if place.text.is_empty() => findings.first().map(|first| first.place.clone()).unwrap_or_default(),
+            place => place,
+        };
+        let (step, time) = (case.simulation.step(), case.simulation.state().time);
+        Self { title: case.scene.header.title.clone(), what, step, time, place, findings, attempts: case.attempts() }
+    }
+
+    /// Whether somebody should read it: something happened, or a cause is certain although nothing did.
+    pub fn is_worth_reading(&self) -> bool {
+        !self.what.is_empty() || self.findings.iter().any(|finding| finding.confidence == Confidence::High)
+    }
+
+    /// Writes it into a folder of results.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn write(&self, folder: &Path) -> Result<(), OutputError> {
+        let path = folder.join(FILE);
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
+        std::fs::write(&path, text + "\n").map_err(OutputError::io(&path))
+    }
+
+    /// Reads that of a folder of results; nothing if there is none, as after a run that ended well.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn read(folder: &Path) -> Result<Option<Self>, OutputError> {
+        let path = folder.join(FILE);
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let text = std::fs::read_to_string(&path).map_err(OutputError::io(&path))?;
+        let unreadable = |e: serde_json::Error| OutputError::Unreadable { path, reason: e.to_string() };
+        serde_json::from_str(&text).map(Some).map_err(unreadable)
+    }
+
+    /// Removes that of the part of a run that was done before it was resumed.
+    pub(crate) fn remove(folder: &Path) -> Result<(), OutputError> {
+        if !folder.join(FILE).is_file() {
+            return Ok(());
+        }
+        for path in [folder.join(FILE), folder.join(PAGE)].into_iter().filter(|path| path.is_file()) {
+            std::fs::remove_file(&path).map_err(OutputError::io(&path))?;
+        }
+        Ok(())
+    }
+}
+
+/// What is said if no cause was found.
+fn unknown(case: &Case<'_>) -> Finding {
+    let time = &case.scene.time;
+    let mut remedies = Vec::new();
+    if case.failure().is_some() {
+        let step = case.step_key();
+        remedies.push(Remedy::set(step, toml::number(toml::down(0.5 * time.step)), "half of what it is"));
+        if time.max_cuts < crate::scene::Time::DEFAULT_MAX_CUTS {
+            let cuts = crate::scene::Time::DEFAULT_MAX_CUTS.to_string();
+            remedies.push(Remedy::set("time.max_cuts", cuts, "the default"));
+        }
+    }
+    remedies.push(Remedy::words(
+        "look at the frames before the end at this place, in `report.html` or with `stoss picture`",
+    ));
+    Finding {
+        cause: Cause::Unknown,
+        confidence: Confidence::Low,
+        place: case.place(),
+        sentence: "none of the causes that are looked for shows its signs".to_owned(),
+        evidence: vec![case.what()],
+        remedies,
+    }
+}

@@ -1,0 +1,339 @@
+//! Rigid motions that nothing holds, in statics: of single bodies, and of bodies that ties, joints and springs connect.
+
+use super::case::Case;
+use super::motion::{Motions, motions, null_space};
+use super::{Cause, Change, Confidence, Finding, Remedy, toml};
+use crate::scene::split_set;
+use crate::solver::{Coupling, Model};
+use std::collections::BTreeSet;
+use stoss_contact::{ContactRule, StepConfiguration};
+use stoss_solver::FailureKind;
+
+/// Most bodies that are connected for which motions are looked for.
+const MOST_MEMBERS: usize = 20;
+
+/// What moves as a rigid body: a solid, or a part with vectors of its own.
+struct Member {
+    name: String,
+    vectors: std::ops::Range<u32>,
+    centre: [f64; 3],
+    length: f64,
+    /// Its vectors that are directions.
+    directions: BTreeSet<u32>,
+    /// Whether it has an extent, so that it can turn.
+    turns: bool,
+    /// Whether something elastic, or a string, may hold it.
+    elastic: bool,
+}
+
+/// A linear equation for rigid motions: members with six coefficients each.
+type Row = Vec<(usize, [f64; 6])>;
+
+/// Findings for every group of bodies that is not held.
+pub(super) fn supports(case: &Case<'_>) -> Vec<Finding> {
+    if case.simulation.plan().rule.has_inertia() {
+        return Vec::new();
+    }
+    let members = members(case);
+    let mut rows = prescribed(case, &members);
+    rows.extend(bilateral(case, &members));
+    let touching = touching(case);
+    groups(members.len(), &rows)
+        .into_iter()
+        .filter(|group| group.len() <= MOST_MEMBERS && !group.iter().any(|&m| members[m].elastic))
+        .filter_map(|group| finding(case, &members, &rows, &group, &touching))
+        .collect()
+}
+
+fn members(case: &Case<'_>) -> Vec<Member> {
+    let model = case.model();
+    let strings: BTreeSet<&str> = case.scene.strings.iter().map(|string| string.name.as_str()).collect();
+    let solids = model.bodies.iter().map(|body| (body.solid.name().to_owned(), body.nodes.clone(), BTreeSet::new()));
+    let parts = model.parts.iter().filter(|part| !part.own_vectors().is_empty()).map(|part| {
+        let directions = part.own_vectors().filter(|&vector| part.is_direction(vector)).collect();
+        (part.name().to_owned(), part.own_vectors(), directions)
+    });
+    let mut list: Vec<Member> = solids
+        .chain(parts)
+        .map(|(name, vectors, directions): (String, std::ops::Range<u32>, BTreeSet<u32>)| {
+            let points: Vec<[f64; 3]> =
+                vectors.clone().filter(|v| !directions.contains(v)).map(|v| case.position(v)).collect();
+            let count = points.len().max(1) as f64;
+            let centre: [f64; 3] = std::array::from_fn(|i| points.iter().map(|x| x[i]).sum::<f64>() / count);
+            let arms = points.iter().map(|x| (0..3).map(|i| (x[i] - centre[i]).powi(2)).sum::<f64>().sqrt());
+            let lengths = directions.iter().map(|&v| case.position(v).iter().map(|x| x * x).sum::<f64>().sqrt());
+            let length = arms.chain(lengths).fold(0.0, f64::max);
+            let elastic = strings.contains(name.as_str());
+            Member {
+                name,
+                vectors,
+                centre,
+                directions,
+                turns: length > 0.0,
+                length: length.max(f64::MIN_POSITIVE),
+                elastic,
+            }
+        })
+        .collect();
+    let mut elastic: Vec<u32> = Vec::new();
+    for part in model.parts.iter().filter(|part| part.own_vectors().is_empty()) {
+        part.stencils(&mut |vectors| elastic.extend_from_slice(vectors));
+    }
+    for pair in model.contacts.iter().filter(|pair| matches!(pair.method, Coupling::Potential(_))) {
+        let active = vec![true; pair.method.slot_count()];
+        pair.method.stencils(&active, &mut |nodes, _| elastic.extend_from_slice(nodes));
+    }
+    for support in &case.scene.supports {
+        elastic.extend(case.nodes(&support.set));
+    }
+    for node in elastic {
+        if let Some(m) = member_of(model, &list, node) {
+            list[m].elastic = true;
+        }
+    }
+    list
+}
+
+/// The member that a vector belongs to, or that carries it.
+fn member_of(model: &Model, members: &[Member], node: u32) -> Option<usize> {
+    let of = |vector: u32| members.iter().position(|member| member.vectors.contains(&vector));
+    of(node).or_else(|| of(model.embedding.carriers(node)?.first()?.0))
+}
+
+/// Adds `factor` times component `i` of the motion of a vector to a row.
+fn add(case: &Case<'_>, members: &[Member], row: &mut Row, node: u32, i: usize, factor: f64) {
+    let Some(m) = member_of(case.model(), members, node).filter(|_| factor != 0.0) else { return };
+    let member = &members[m];
+    let x = case.position(node);
+    let is_direction = member.directions.contains(&node);
+    let arm: [f64; 3] = if is_direction { x } else { std::array::from_fn(|k| x[k] - member.centre[k]) };
+    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+    let place = row.iter().position(|(other, _)| *other == m).unwrap_or_else(|| {
+        row.push((m, [0.0; 6]));
+        row.len() - 1
+    });
+    let coefficients = &mut row[place].1;
+    coefficients[i] += if is_direction { 0.0 } else { factor };
+    coefficients[3 + j] += factor * arm[k] / member.length;
+    coefficients[3 + k] -= factor * arm[j] / member.length;
+}
+
+/// Prescribed components.
+fn prescribed(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for prescription in &case.model().prescriptions {
+        for &node in &prescription.nodes {
+            for &component in &prescription.components {
+                let mut row = Row::new();
+                add(case, members, &mut row, node, usize::from(component), 1.0);
+                rows.push(row);
+            }
+        }
+    }
+    rows
+}
+
+/// Equations of joints and ties at the present positions; those of rigidity hold for every rigid motion and say nothing.
+fn bilateral(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
+    let q = &case.simulation.state().q;
+    let mut rows = Vec::new();
+    for (pair, active) in case.model().contacts.iter().zip(case.simulation.active()) {
+        if !pair.method.is_bilateral() || pair.method.is_off() {
+            continue;
+        }
+        let pressures = vec![0.0; active.len()];
+        let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+        // What cannot be evaluated here stopped the run with an error of its own.
+        let _ = pair.method.assemble(step, &pressures, active, true, &mut |local| {
+            let (n, dim) = (3 * local.nodes.len(), local.dim());
+            for slot in 0..local.slots.len() {
+                let entries = &local.tangent[(n + slot) * dim..(n + slot) * dim + n];
+                let size: f64 = entries.iter().map(|entry| entry.abs()).sum();
+                let mut row = Row::new();
+                for (k, &entry) in entries.iter().enumerate() {
+                    add(case, members, &mut row, local.nodes[k / 3], k % 3, entry);
+                }
+                let left = row.iter().flat_map(|(_, c)| c).map(|c| c * c).sum::<f64>().sqrt();
+                if left > 1e-9 * size {
+                    row.iter_mut().flat_map(|(_, c)| c).for_each(|c| *c /= left);
+                    rows.push(row);
+                }
+            }
+        });
+    }
+    rows
+}
+
+/// Names of the bodies that a contact of the scene touches.
+fn touching(case: &Case<'_>) -> BTreeSet<String> {
+    let names =
+        |item: &crate::scene::Contact| item.surfaces().map(|set| split_set(set).map(|(body, _)| body.to_owned()));
+    case.scene.contacts.iter().flat_map(names).flatten().collect()
+}
+
+/// Members that equations connect.
+fn groups(count: usize, rows: &[Row]) -> Vec<Vec<usize>> {
+    let mut group: Vec<usize> = (0..count).collect();
+    for row in rows {
+        for pair in row.windows(2) {
+            let (from, to) = (group[pair[0].0], group[pair[1].0]);
+            group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
+        }
+    }
+    let groups = (0..count).map(|leader| (0..count).filter(|&m| group[m] == leader).collect::<Vec<_>>());
+    groups.filter(|members| !members.is_empty()).collect()
+}
+
+/// Free motions of the members of a group.
+fn free(members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Motions> {
+    let n = 6 * group.len();
+    let mut gram = vec![vec![0.0; n]; n];
+    let place = |m: usize| group.iter().position(|&other| other == m);
+    for row in rows {
+        let Some(row) = row.iter().map(|(m, c)| Some((place(*m)?, c))).collect::<Option<Vec<_>>>() else { continue };
+        for &(a, x) in &row {
+            for &(b, y) in &row {
+                for i in 0..6 {
+                    for j in 0..6 {
+                        gram[6 * a + i][6 * b + j] += x[i] * y[j];
+                    }
+                }
+            }
+        }
+    }
+    for (k, &m) in group.iter().enumerate().filter(|&(_, &m)| !members[m].turns) {
+        debug_assert!(m < members.len());
+        (3..6).for_each(|i| gram[6 * k + i][6 * k + i] += 1.0);
+    }
+    let vectors = null_space(gram);
+    let of = |(k, &m): (usize, &usize)| {
+        let own: Vec<Vec<f64>> = vectors.iter().map(|v| v[6 * k..6 * k + 6].to_vec()).collect();
+        motions(&own, members[m].centre, members[m].length)
+    };
+    group.iter().enumerate().map(of).collect()
+}
+
+fn is_free(motions: &Motions) -> bool {
+    !(motions.translations.is_empty() && motions.rotations.is_empty())
+}
+
+fn finding(
+    case: &Case<'_>,
+    members: &[Member],
+    rows: &[Row],
+    group: &[usize],
+    touching: &BTreeSet<String>,
+) -> Option<Finding> {
+    let free_of = free(members, rows, group);
+    let moving: Vec<(usize, &Motions)> =
+        group.iter().copied().zip(&free_of).filter(|(_, motions)| is_free(motions)).collect();
+    let &(first, motions) = moving.first()?;
+    let touches = moving.iter().any(|&(m, _)| touching.contains(&members[m].name));
+    let place = case.place();
+    let is_here = |m: usize| place.body.as_deref() == Some(members[m].name.as_str());
+    let singular = case.failed_by(&[FailureKind::Singular]);
+    let confidence = match (singular && moving.iter().any(|&(m, _)| is_here(m)), touches) {
+        (true, _) => Confidence::High,
+        (false, false) if case.is_bad() => Confidence::High,
+        (false, false) => Confidence::Medium,
+        (false, true) if case.is_bad() => Confidence::Medium,
+        (false, true) => Confidence::Low,
+    };
+    let at = moving.iter().map(|&(m, _)| m).find(|&m| is_here(m)).unwrap_or(first);
+    let words: Vec<String> = moving.iter().map(|(m, motions)| format!("`{}` is {motions}", members[*m].name)).collect();
+    let contact =
+        if touches { "; contact can hold it only where it touches, and friction only where it sticks" } else { "" };
+    let slides = moving.iter().any(|(_, motions)| !motions.translations.is_empty());
+    let place = if is_here(at) {
+        place
+    } else {
+        super::Where {
+            text: format!("`{}`", members[at].name),
+            body: Some(members[at].name.clone()),
+            position: Some(members[at].centre),
+            ..Default::default()
+        }
+    };
+    let mut evidence = vec![format!(
+        "prescribed components{} leave {} of the six rigid motions, and statics have no inertia",
+        if group.len() > 1 { ", joints and ties together" } else { "" },
+        motions.translations.len() + motions.rotations.len()
+    )];
+    if singular {
+        evidence.push("the matrix is singular".to_owned());
+    }
+    Some(Finding {
+        cause: if slides { Cause::NoSupport } else { Cause::FreeRotation },
+        confidence,
+        place,
+        sentence: format!("{}{contact}", words.join("; ")),
+        evidence,
+        remedies: remedies(case, members, rows, group),
+    })
+}
+
+/// Prescriptions that would hold a single body: more components of one that is there, or one on another set.
+fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Remedy> {
+    let mut list = Vec::new();
+    let scene = case.scene;
+    let names = ["x", "y", "z"];
+    let holds = |more: &[(u32, usize)]| {
+        let mut all = rows.to_vec();
+        for &(node, i) in more {
+            let mut row = Row::new();
+            add(case, members, &mut row, node, i, 1.0);
+            all.push(row);
+        }
+        free(members, &all, group).iter().all(|motions| !is_free(motions))
+    };
+    if let &[only] = group {
+        let name = &members[only].name;
+        for (p, item) in scene.prescriptions.iter().enumerate().filter(|(_, item)| item.fixed) {
+            let Some(set) = item.set.as_deref().filter(|set| split_set(set).is_some_and(|(body, _)| body == name))
+            else {
+                continue;
+            };
+            let more: Vec<(u32, usize)> = case.nodes(set).iter().flat_map(|&n| (0..3).map(move |i| (n, i))).collect();
+            if item.components.len() < 3 && holds(&more) {
+                let why = format!("`{set}` is then held in all directions");
+                list.push(Remedy::set(format!("prescribe[{p}].components"), toml::strings(&names), &why));
+            }
+        }
+        list.extend(other_set(case, name, &holds));
+    }
+    list.push(Remedy::words(match case.scene.stages.is_empty() {
+        true => "or set `scene.kind = \"dynamic\"` with densities and an integrator, where inertia holds what is free",
+        false => "or let a dynamic stage do it, where inertia holds what is free",
+    }));
+    list
+}
+
+/// The prescription of fewest components on a set of the body, without one and without a load, that holds it.
+fn other_set(case: &Case<'_>, name: &str, holds: &dyn Fn(&[(u32, usize)]) -> bool) -> Option<Remedy> {
+    let names = ["x", "y", "z"];
+    let scene = case.scene;
+    let sets: Vec<String> = case.part(name)?.set_names().into_iter().map(|set| format!("{name}.{set}")).collect();
+    let is_taken = |set: &String| {
+        scene.prescriptions.iter().any(|item| item.set.as_ref() == Some(set))
+            || scene.loads.iter().any(|item| item.set.as_ref() == Some(set))
+            || scene.contacts.iter().any(|item| item.surfaces().contains(&set.as_str()))
+            || set.ends_with(".all")
+    };
+    let free_sets: Vec<&String> = sets.iter().filter(|set| !is_taken(set)).collect();
+    let choices: [&[usize]; 7] = [&[0], &[1], &[2], &[0, 1], &[0, 2], &[1, 2], &[0, 1, 2]];
+    for components in choices {
+        for set in &free_sets {
+            let more: Vec<(u32, usize)> =
+                case.nodes(set).iter().flat_map(|&n| components.iter().map(move |&i| (n, i))).collect();
+            if holds(&more) {
+                let components = toml::strings(&components.iter().map(|&i| names[i]).collect::<Vec<_>>());
+                let toml = format!("[[prescribe]]\nset = \"{set}\"\ncomponents = {components}\nfixed = true\n");
+                let text = format!(
+                    "hold another place: `[[prescribe]] set = \"{set}\", components = {components}, fixed = true`"
+                );
+                return Some(Remedy { text, changes: vec![Change::Add { toml }] });
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,78 @@
+//! A diagnosis in words: a short form for the terminal.
+
+use super::{Cause, Confidence, Diagnosis, Finding};
+use std::fmt;
+
+/// Most causes beside the first that the short form names, and most remedies.
+const MOST_OTHERS: usize = 2;
+const MOST_REMEDIES: usize = 3;
+
+impl Cause {
+    /// In few words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::NoSupport => "nothing holds the body",
+            Self::FreeRotation => "a rotation is free",
+            Self::OverlapAtStart => "bodies overlap at the start",
+            Self::SurfacesFaceAway => "surfaces of a contact face away",
+            Self::MissingContact => "a contact is missing",
+            Self::Density => "the density does not fit",
+            Self::Sliver => "a sliver in the mesh",
+            Self::FrictionLocks => "friction locks",
+            Self::StepTooLarge => "the step is too large",
+            Self::Incompressible => "nearly incompressible",
+            Self::ContactCycles => "contact points come and go",
+            Self::Unknown => "not known",
+        }
+    }
+}
+
+impl fmt::Display for Confidence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::High => "almost certain",
+            Self::Medium => "likely",
+            Self::Low => "possible",
+        })
+    }
+}
+
+impl Finding {
+    /// What it is and how certain.
+    pub fn title(&self) -> String {
+        format!("{} ({})", self.cause.title(), self.confidence)
+    }
+}
+
+/// At most twelve lines.
+impl fmt::Display for Diagnosis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some((first, others)) = self.findings.split_first() else {
+            return f.write_str("diagnosis: nothing was found");
+        };
+        writeln!(f, "diagnosis: {}", first.title())?;
+        writeln!(f, "  where:  {}", first.place.text)?;
+        if !self.what.is_empty() {
+            writeln!(f, "  what:   {}", line(&self.what))?;
+        }
+        write!(f, "  cause:  {}", line(&first.sentence))?;
+        for (k, remedy) in first.remedies.iter().take(MOST_REMEDIES).enumerate() {
+            write!(f, "\n  {} {}. {}", if k == 0 { "try:   " } else { "       " }, k + 1, line(&remedy.text))?;
+        }
+        for other in others.iter().filter(|other| other.confidence > Confidence::Low).take(MOST_OTHERS) {
+            write!(f, "\n  or:     {}, {}", other.title(), other.place.text)?;
+        }
+        Ok(())
+    }
+}
+
+/// Most characters of a line.
+const LONGEST: usize = 400;
+
+fn line(text: &str) -> String {
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(LONGEST) {
+        Some((at, _)) => format!("{}...", &line[..at]),
+        None => line,
+    }
+}
