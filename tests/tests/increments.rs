@@ -101,7 +101,9 @@ rotation = { axis = [0, 0, 1], about = [0.5, 0.5, 0], degrees = { table = [[0, 0
 #[test]
 fn increments_are_halved_after_failures_down_to_the_smallest() {
     let time = |smallest: f64| {
-        format!("end = 1.0\nstep = 1.0\nautomatic = {{ initial = 1.0, smallest = {smallest:?} }}\n[solver]\nmax_iterations = 5")
+        format!(
+            "end = 1.0\nstep = 1.0\nautomatic = {{ initial = 1.0, smallest = {smallest:?} }}\n[solver]\nmax_iterations = 5"
+        )
     };
     let mut chosen = simulation(&twisted(&time(0.01)));
     let steps = run(&mut chosen);

@@ -27,7 +27,8 @@ fn a_step_between_two_places_of_a_rigid_body_has_no_viscous_force() {
     let mut random = Random(11);
     let q_n = random.perturbed(&positions(&mesh), 0.1);
     let r = random.rotation();
-    let q_np1 = map_positions(&q_n, |x| std::array::from_fn(|i| 7.0 - r[i][0] * x[0] - r[i][1] * x[1] + r[i][2] * x[2]));
+    let q_np1 =
+        map_positions(&q_n, |x| std::array::from_fn(|i| 7.0 - r[i][0] * x[0] - r[i][1] * x[1] + r[i][2] * x[2]));
     // -(two columns): still a proper rotation.
     let mid: Vec<f64> = q_n.iter().zip(&q_np1).map(|(a, b)| 0.5 * (a + b)).collect();
     let v: Vec<f64> = q_n.iter().zip(&q_np1).map(|(a, b)| b - a).collect();

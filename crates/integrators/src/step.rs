@@ -1,6 +1,8 @@
 //! One step, for any scheme and any system.
 
-use crate::{Combination, ConstraintTerm, ForceRule, RateTangent, SecondOrderSystem, State, StepConfiguration, StepRule};
+use crate::{
+    Combination, ConstraintTerm, ForceRule, RateTangent, SecondOrderSystem, State, StepConfiguration, StepRule,
+};
 use std::ops::Range;
 
 /// A step that is being solved.

@@ -53,9 +53,7 @@ pub use friction::{
     CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
     Sticking,
 };
-pub use general::{
-    Automatic, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time,
-};
+pub use general::{Automatic, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time};
 pub use gravity::Gravity;
 pub use joint::{
     ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension,

@@ -209,7 +209,8 @@ impl StepProblem<'_> {
         let contact = contact_rule(rule.constraint.rule);
         rule.force.rule != ForceRule::DiscreteGradient
             && (!self.system.has_followers || self.model.loads.iter().all(Load::is_symmetric))
-            && (!(self.system.has_damping && self.system.has_rates) || self.model.bodies.iter().all(|body| body.damping.stiffness == 0.0))
+            && (!(self.system.has_damping && self.system.has_rates)
+                || self.model.bodies.iter().all(|body| body.damping.stiffness == 0.0))
             && self.model.parts.iter().all(|part| part.is_symmetric())
             && (self.model.contacts.is_empty()
                 || rule.constraint.weight == 1.0

@@ -13,7 +13,8 @@ use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::stabilise::Stabilisation;
 use crate::{
-    Balance, Decision, LoadKind, Model, Release, SimulationError, StepControl, Stabilise, StepError, StepRecord, Switches, Timings,
+    Balance, Decision, LoadKind, Model, Release, SimulationError, Stabilise, StepControl, StepError, StepRecord,
+    Switches, Timings,
 };
 use stoss_contact::SlotReport;
 use stoss_integrators::{Scheme, State, StepRule};

@@ -47,7 +47,11 @@ pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
     let [chooses, stabilises] = ["automatic", "stabilise"].map(statics);
     for key in ["max_cuts", "grow_after"] {
         if chooses.is_some() && table.has("automatic") && table.has(key) {
-            return table.fail(key, "does not go with `automatic`", "remove it; see `smallest` and `after` of `automatic`");
+            return table.fail(
+                key,
+                "does not go with `automatic`",
+                "remove it; see `smallest` and `after` of `automatic`",
+            );
         }
     }
     table.finish();

@@ -6,7 +6,8 @@ use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
-    Automatic, Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord,
+    Automatic, Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError,
+    StepRecord,
 };
 use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage, StepConfiguration as ContactStep};

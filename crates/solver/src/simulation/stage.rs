@@ -3,11 +3,12 @@
 use super::Simulation;
 use crate::assembly::System;
 use crate::diagnosis::node_name;
-use crate::step::decision;
 use crate::stabilise::Stabilisation;
+use crate::step::decision;
 use crate::switches::Acting;
 use crate::{
-    Automatic, Balance, Clock, Coupling, Decision, DecisionKind, Model, Release, SimulationError, Stabilise, StepControl, StepError, Switches,
+    Automatic, Balance, Clock, Coupling, Decision, DecisionKind, Model, Release, SimulationError, Stabilise,
+    StepControl, StepError, Switches,
 };
 use stoss_contact::{ContactRule, StepConfiguration};
 use stoss_integrators::{Scheme, State};

@@ -230,7 +230,12 @@ impl ResultFolder {
         let probe_header = format!("step,time,{}", heads.join(","));
         let has_contact = simulation.model().has_unilateral_contact();
         let has_friction = settings.has_friction();
-        let more = [(has_contact, CLOSING), (has_friction, FRICTION), (has_damping(simulation), DAMPING), (settings.schedule.is_stabilised(), STABILISATION)];
+        let more = [
+            (has_contact, CLOSING),
+            (has_friction, FRICTION),
+            (has_damping(simulation), DAMPING),
+            (settings.schedule.is_stabilised(), STABILISATION),
+        ];
         let more = more.iter().filter(|(has, _)| *has).map(|(_, columns)| *columns);
         let balance_header = std::iter::once(BALANCE).chain(more).collect::<Vec<_>>().join(",");
         Ok(Self {
