@@ -63,7 +63,7 @@ const CASES: &[Case] = &[
     quasi(
         "set = \"block.left\"\ntraction = [0, 0, 1.5]",
         "body = \"block\"\nangular_velocity = 3\naxis = [0, 0, 0]",
-        "axis",
+        "axis = [0, 0, 0]",
         "load[0].axis",
     ),
     quasi(

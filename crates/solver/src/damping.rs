@@ -1,31 +1,11 @@
-//! Damping of bodies, and forces of dampers in a step.
+//! Forces of the damping of bodies in a step, and of the stabilisation of statics.
 
 use crate::assembly::System;
 use crate::system::FeSystem;
-use crate::{Model, StepError};
+use crate::{Damping, Model, StepError};
 use stoss_fe_solid::{TangentTarget, ViscousRate};
 use stoss_integrators::RateTangent;
 use stoss_linalg::vector;
-
-/// Mass- and stiffness-proportional damping of a body (Rayleigh): for small strains the force `(a M + b K) v`. Only where there is inertia.
-///
-/// The mass part resists rigid motions too, and takes momentum. The stiffness part is a viscous stress in the material frame
-/// ([`stoss_fe_solid::SolidBody::add_viscous_force`]), which leaves rigid motions and both momenta alone. A mode with the angular frequency `w` has the damping ratio
-/// `a / (2 w) + b w / 2`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Damping {
-    /// `a`, one over a time, not negative.
-    pub mass: f64,
-    /// `b`, a time, not negative.
-    pub stiffness: f64,
-}
-
-impl Damping {
-    /// Whether there is any.
-    pub fn acts(&self) -> bool {
-        self.mass > 0.0 || self.stiffness > 0.0
-    }
-}
 
 impl System {
     /// Whether the present stage has inertia; without, nothing has a rate and bodies are not damped.
@@ -44,6 +24,26 @@ impl System {
         };
         // Round-off of a rigid motion has any sign.
         (dt * self.own.iter().map(of).sum::<f64>()).max(0.0)
+    }
+
+    /// Sets the part of the stabilisation that acts at the end of a step; without a rest nothing of it is evaluated.
+    pub fn set_ramp(&mut self, ramp: f64) {
+        if let Some(stabilisation) = &mut self.stabilisation {
+            stabilisation.ramp = ramp;
+            self.has_damping = ramp > 0.0;
+        }
+    }
+
+    /// Work that stabilisation took in a static step with this `increment`, by the trapezium rule as that of loads is measured: before the step, where `ramp_n` of it acted, the
+    /// velocities were `v_n`.
+    pub fn stabilised(&self, ramp_n: f64, v_n: &[f64], increment: &[f64], dt: f64) -> f64 {
+        let Some(stabilisation) = &self.stabilisation else { return 0.0 };
+        let mut force = vec![0.0; increment.len()];
+        for mass in stabilisation.masses() {
+            mass.multiply_add(0.5 * ramp_n, v_n, &mut force);
+            mass.multiply_add(0.5 * stabilisation.ramp / dt, increment, &mut force);
+        }
+        vector::dot(&force, increment)
     }
 }
 

@@ -39,13 +39,12 @@ mod timing;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use control::{Automatic, Clock, StepControl};
-pub use damping::Damping;
 pub use embedding::Embedding;
 pub use error::{SimulationError, StepError, Unknown};
 pub use failure::{FailedAttempt, FailureKind, Place, SlotChanges};
 pub use ledger::Balance;
 pub use loads::{Load, LoadKind};
-pub use model::{Body, ContactPair, Coupling, Model, Prescription, Silent};
+pub use model::{Body, ContactPair, Coupling, Damping, Model, Prescription, Silent};
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, PairSummary, StepRecord};
 pub use rotation::AxisRotation;
 pub use simulation::{FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage};

@@ -1,7 +1,7 @@
 //! What is to be simulated.
 
 use crate::switches::Acting;
-use crate::{AxisRotation, Damping, Embedding, Load, Release, SimulationError, Switches, Table};
+use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, Table};
 use std::ops::Range;
 use stoss_contact::{
     Auxiliary, Bilateral, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
@@ -9,6 +9,26 @@ use stoss_contact::{
 };
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_part::Part;
+
+/// Mass- and stiffness-proportional damping of a body (Rayleigh): for small strains the force `(a M + b K) v`. Only where there is inertia.
+///
+/// The mass part resists rigid motions too, and takes momentum. The stiffness part is a viscous stress in the material frame
+/// ([`stoss_fe_solid::SolidBody::add_viscous_force`]), which leaves rigid motions and both momenta alone. A mode with the angular frequency `w` has the damping ratio
+/// `a / (2 w) + b w / 2`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Damping {
+    /// `a`, one over a time, not negative.
+    pub mass: f64,
+    /// `b`, a time, not negative.
+    pub stiffness: f64,
+}
+
+impl Damping {
+    /// Whether there is any.
+    pub fn acts(&self) -> bool {
+        self.mass > 0.0 || self.stiffness > 0.0
+    }
+}
 
 /// A deformable body.
 #[derive(Debug)]

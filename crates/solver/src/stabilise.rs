@@ -1,10 +1,8 @@
 //! Viscous stabilisation of statics, which vanishes with the end of a stage.
 
 use crate::Model;
-use crate::assembly::System;
 use std::ops::Range;
 use stoss_fe_solid::{MassKind, MassMatrix};
-use stoss_linalg::vector;
 
 /// How large the stabilisation of a static stage is: nodes of bodies resist motion with `c r M_1 (q_np1 - q_n) / h`, where `M_1` is the lumped mass of unit density and `r`
 /// falls linearly from 1 at the start of the stage to 0 at its end. The last equilibrium is therefore free of it.
@@ -57,26 +55,4 @@ fn longest_side(reference: &[f64], nodes: Range<u32>) -> f64 {
         high - low
     };
     (0..3).map(side).fold(0.0, f64::max)
-}
-
-impl System {
-    /// Sets the part of the stabilisation that acts at the end of a step; without a rest nothing of it is evaluated.
-    pub fn set_ramp(&mut self, ramp: f64) {
-        if let Some(stabilisation) = &mut self.stabilisation {
-            stabilisation.ramp = ramp;
-            self.has_damping = ramp > 0.0;
-        }
-    }
-
-    /// Work that stabilisation took in a static step with this `increment`, by the trapezium rule as that of loads is measured: before the step, where `ramp_n` of it acted, the
-    /// velocities were `v_n`.
-    pub fn stabilised(&self, ramp_n: f64, v_n: &[f64], increment: &[f64], dt: f64) -> f64 {
-        let Some(Stabilisation { masses, ramp }) = &self.stabilisation else { return 0.0 };
-        let mut force = vec![0.0; increment.len()];
-        for mass in masses {
-            mass.multiply_add(0.5 * ramp_n, v_n, &mut force);
-            mass.multiply_add(0.5 * ramp / dt, increment, &mut force);
-        }
-        vector::dot(&force, increment)
-    }
 }

@@ -188,7 +188,7 @@ impl Schedule {
     }
 
     /// Whether a segment of statics is stabilised.
-    pub(crate) fn is_stabilised(&self) -> bool {
+    pub fn is_stabilised(&self) -> bool {
         self.segments.iter().any(|segment| segment.integrator.is_none() && segment.stabilise.is_some())
     }
 
