@@ -67,7 +67,7 @@ pub use mesh::{
 pub use names::known;
 pub use part::PartKind;
 pub use problem::{Problem, SceneErrors};
-pub use results::{Expect, ExpectedValue, Field, Frames, Interval, Outcome, Output, Probe, Quantity};
+pub use results::{Expect, ExpectedValue, Field, FrameFormat, Frames, Interval, Outcome, Output, Probe, Quantity};
 pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, SphereShape, SurfaceFile};
 #[cfg(feature = "schema")]
 pub use schema::json_schema;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Every file that a run writes beside its frames, with what stands near its beginning if this program wrote it. An empty file is
 /// a table that a kill left.
-const FILES: [(&str, &str); 12] = [
+const FILES: [(&str, &str); 13] = [
     ("balance.csv", "step,time,dt,lx,"),
     ("newton.csv", "step,time,iteration,"),
     ("contact.csv", "step,time,active,"),
@@ -17,6 +17,7 @@ const FILES: [(&str, &str); 12] = [
     ("run.json", "\"bodies\""),
     ("report.html", "<meta name=\"generator\" content=\"Stoss\">"),
     ("frames.pvd", "frames/frame_"),
+    ("frames.vtkhdf", "HDF\r\n"),
     ("summary.json", "\"scene_hash\""),
     ("checkpoint", "STOSSCP"),
 ];
