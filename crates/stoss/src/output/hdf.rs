@@ -9,7 +9,12 @@ pub(super) use without::*;
 mod with {
     use std::path::Path;
     use stoss_mesh_io::{MeshIoError, VtkhdfFile, VtuData};
-    pub use stoss_mesh_io::{append_vtkhdf as append, create_vtkhdf as create, keep_vtkhdf as keep};
+    pub use stoss_mesh_io::{append_vtkhdf as append, create_vtkhdf as create};
+
+    /// Removes all frames but the first, `count` of them.
+    pub fn keep(path: &Path, count: usize) -> Result<(), MeshIoError> {
+        stoss_mesh_io::keep_vtkhdf(path, count)
+    }
 
     /// Steps of the frames of a file.
     pub fn steps(path: &Path) -> Result<Vec<u64>, MeshIoError> {
