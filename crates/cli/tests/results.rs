@@ -472,3 +472,48 @@ fn frames_are_chosen_by_time_and_their_values_are_tables() {
     }
     assert_eq!(stoss(folder.path(), &["values", "nowhere", "--line", "0,0,0", "1,0,0"]).status.code(), Some(1));
 }
+
+/// All frames in one file: they are those of the VTU files of the same run, also after a break, and the other commands read them.
+#[test]
+fn one_file_has_the_frames_of_all_vtu_files() {
+    use stoss_report::folder::Folder;
+    let fields = "every = 2\nfields = [\"displacement\", \"cauchy_stress\", \"gap\", \"deformation_gradient\"]";
+    let folder = folder_with(&changed(&[("every = 1", fields)]));
+    let at = |out: &str| folder.path().join(out);
+    run(folder.path(), "vtu", &[]);
+    let single = changed(&[("every = 1", &format!("{fields}\nformat = \"vtkhdf\""))]);
+    std::fs::write(at("scene.toml"), single).unwrap();
+    run(folder.path(), "whole", &[]);
+    // The frame of the break, of step 7, is not in the run that goes on.
+    run(folder.path(), "broken", &["--until", "0.014"]);
+    assert_eq!(Folder::open(&at("broken")).unwrap().frames.len(), 5);
+    run(folder.path(), "broken", &["--resume"]);
+    // Of an earlier run with VTU files nothing stays.
+    run(folder.path(), "later", &["--until", "0.004"]);
+    let vtu = Folder::open(&at("vtu")).unwrap();
+    for out in ["whole", "broken"] {
+        let one = Folder::open(&at(out)).unwrap();
+        assert!(!at(out).join("frames").exists() && !at(out).join("frames.pvd").exists());
+        assert_eq!(one.frames.len(), vtu.frames.len());
+        for k in 0..vtu.frames.len() {
+            assert_eq!(one.frames[k].time, vtu.frames[k].time);
+            // Gaps may be no numbers: texts are compared.
+            assert_eq!(
+                format!("{:?}", one.grid(k).unwrap()),
+                format!("{:?}", vtu.grid(k).unwrap()),
+                "{out}: frame {k}"
+            );
+        }
+    }
+    let judged = |out: &str| stoss(folder.path(), &["judge", out]).stdout;
+    assert_eq!(judged("whole"), judged("vtu"));
+    let line = |out: &str| stoss(folder.path(), &["values", out, "--line", "0.5,0.5,1.8", "0.5,0.5,0"]).stdout;
+    assert!(line("broken") == line("vtu") && line("vtu").len() > 5000);
+    assert_eq!(stoss(folder.path(), &["report", "whole", "vtu"]).status.code(), Some(0));
+    // Another format for the rest of a run is refused, and a run with VTU files removes the one file.
+    std::fs::write(at("scene.toml"), changed(&[("every = 1", fields)])).unwrap();
+    let output = stoss(folder.path(), &["run", "scene.toml", "--out", "later", "--resume"]);
+    assert!(output.status.code() == Some(1) && stderr(&output).contains("format = \"vtkhdf\""), "{}", stderr(&output));
+    run(folder.path(), "later", &[]);
+    assert!(!at("later").join("frames.vtkhdf").exists() && at("later").join("frames/frame_000002.vtu").exists());
+}

@@ -10,6 +10,9 @@ use crate::table::Table;
 use crate::vtu::{self, Grid};
 use crate::{Outcome, read};
 
+/// The file with all frames of a run whose scene asks for it.
+const ALL: &str = "frames.vtkhdf";
+
 /// A stored frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
@@ -17,6 +20,8 @@ pub struct Frame {
     pub time: f64,
     /// Its file.
     pub path: PathBuf,
+    /// Its place in a file that has all frames.
+    pub place: Option<usize>,
 }
 
 /// An open folder.
@@ -41,7 +46,7 @@ impl Folder {
     /// # Errors
     /// If it has neither a summary nor frames nor a balance. A file that is there and cannot be read becomes a note.
     pub fn open(path: &Path) -> Outcome<Self> {
-        let known = ["summary.json", "frames.pvd", "balance.csv"];
+        let known = ["summary.json", "frames.pvd", ALL, "balance.csv"];
         if !known.iter().any(|name| path.join(name).is_file()) {
             return Err(format!("{}: no results of a run (none of {})", path.display(), known.join(", ")).into());
         }
@@ -79,7 +84,11 @@ impl Folder {
     /// # Errors
     /// What is wrong with it, with its name.
     pub fn grid(&self, frame: usize) -> Outcome<Grid> {
-        vtu::load(&self.frames[frame].path)
+        let Frame { path, place, .. } = &self.frames[frame];
+        match place {
+            Some(place) => vtu::load_part(path, *place),
+            None => vtu::load(path),
+        }
     }
 
     /// Reads a table; nothing if there is none of that name. A last row without a line feed is left out: it is being written.
@@ -97,14 +106,19 @@ impl Folder {
     }
 }
 
-/// The frames of `frames.pvd`; none without that file.
+/// The frames of the one file that has all, or of `frames.pvd`; none without these files.
 fn frames(folder: &Path) -> Outcome<Vec<Frame>> {
+    let all = folder.join(ALL);
+    if all.is_file() {
+        let times = vtu::times(&all)?.into_iter().enumerate();
+        return Ok(times.map(|(k, time)| Frame { time, path: all.clone(), place: Some(k) }).collect());
+    }
     let file = folder.join("frames.pvd");
     if !file.is_file() {
         return Ok(Vec::new());
     }
     let entries = vtu::collection(&read(&file)?).map_err(|error| format!("{}: {error}", file.display()))?;
-    Ok(entries.into_iter().map(|(time, name)| Frame { time, path: folder.join(name) }).collect())
+    Ok(entries.into_iter().map(|(time, name)| Frame { time, path: folder.join(name), place: None }).collect())
 }
 
 /// Names in the list `bodies` of a file: strings, or objects with a `name`.

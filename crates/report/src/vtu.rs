@@ -76,6 +76,47 @@ pub fn load(path: &Path) -> Outcome<Grid> {
     Ok(read_vtu(path)?.into())
 }
 
+/// Reads a frame, counted from 0, of a VTKHDF file.
+///
+/// # Errors
+/// What is wrong with the file, with its name; without the feature `vtkhdf` that it cannot be read.
+#[cfg(feature = "vtkhdf")]
+pub fn load_part(path: &Path, frame: usize) -> Outcome<Grid> {
+    Ok(stoss_mesh_io::VtkhdfFile::open(path)?.read(frame)?.into())
+}
+
+/// Times of the frames of a VTKHDF file.
+///
+/// # Errors
+/// What is wrong with the file, with its name; without the feature `vtkhdf` that it cannot be read.
+#[cfg(feature = "vtkhdf")]
+pub fn times(path: &Path) -> Outcome<Vec<f64>> {
+    Ok(stoss_mesh_io::VtkhdfFile::open(path)?.frames().iter().map(|&(_, time)| time).collect())
+}
+
+/// As with the feature `vtkhdf`, without which the file cannot be read.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "vtkhdf"))]
+pub fn load_part(path: &Path, _: usize) -> Outcome<Grid> {
+    Err(absent(path))
+}
+
+/// As with the feature `vtkhdf`, without which the file cannot be read.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "vtkhdf"))]
+pub fn times(path: &Path) -> Outcome<Vec<f64>> {
+    Err(absent(path))
+}
+
+#[cfg(not(feature = "vtkhdf"))]
+fn absent(path: &Path) -> Box<dyn std::error::Error> {
+    format!("{}: this build reads VTU frames only (cargo feature `vtkhdf`)", path.display()).into()
+}
+
 /// Reads the text of a file.
 ///
 /// # Errors

@@ -69,7 +69,8 @@ pub use names::known;
 pub use part::PartKind;
 pub use problem::{Problem, SceneErrors};
 pub use results::{
-    Expect, ExpectedValue, Field, Frames, Interval, Outcome, Output, Probe, ProbeComponent, Quantity, Reduce,
+    Expect, ExpectedValue, Field, FrameFormat, Frames, Interval, Outcome, Output, Probe, ProbeComponent, Quantity,
+    Reduce,
 };
 pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, SphereShape, SurfaceFile};
 #[cfg(feature = "schema")]

@@ -277,6 +277,18 @@ impl Probe {
     }
 }
 
+named! {
+    /// In which files the frames of a run are.
+    #[derive(Default)]
+    FrameFormat {
+        /// One VTU file each, and a collection of them.
+        #[default]
+        Vtu = "vtu",
+        /// All in one VTKHDF file.
+        Vtkhdf = "vtkhdf",
+    }
+}
+
 /// Which completed steps have a frame, beside the last one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Frames {
@@ -315,12 +327,21 @@ pub struct Output {
     /// No frame but that of the last step, instead of `every`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub last_only: bool,
+    /// In which files frames are.
+    #[serde(default, skip_serializing_if = "FrameFormat::is_default")]
+    pub format: FrameFormat,
     /// Fields of the frames; if left out all that apply, but for those that have to be named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<Vec<Field>>,
     /// A checkpoint every so many steps, at least 1.
     #[serde(default = "Output::default_checkpoint_every")]
     pub checkpoint_every: u32,
+}
+
+impl FrameFormat {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Output {
@@ -355,6 +376,7 @@ impl Default for Output {
             interval: None,
             times: None,
             last_only: false,
+            format: FrameFormat::default(),
             fields: None,
             checkpoint_every: Self::DEFAULT_CHECKPOINT_EVERY,
         }

@@ -496,6 +496,7 @@ const CASES: &[Case] = &[
     dynamic("every = 2", "interval = 0", "interval", "output.interval"),
     dynamic("every = 2", "times = []", "times", "output.times"),
     dynamic("every = 2", "times = [0.1, 1.5]", "times", "output.times[1]"),
+    dynamic("every = 2", "every = 2\nformat = \"vtk\"", "\"vtk\"", "output.format"),
     dynamic("every = 2", "last_only = 1", "last_only", "output.last_only"),
     dynamic("every = 2", "every = 2\ntimes = [0.1]", "times", "output.times"),
     dynamic("every = 2", "interval = 0.1\nlast_only = true", "last_only", "output.last_only"),

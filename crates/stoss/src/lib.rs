@@ -9,6 +9,7 @@
 //! | `multibody` | rigid bodies, beams, strings, springs and joints ([`multibody`]) |
 //! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
 //! | `mesh-files` | Gmsh and Abaqus readers |
+//! | `vtkhdf` | frames of a run in one HDF5 file |
 //! | `output` | folders of results, the [`watch`] on every run, and [`run`], which the program `stoss` is a thin layer over |
 //!
 //! This crate contains no algorithm: it translates a scene into a [`solver::Model`] and writes what the

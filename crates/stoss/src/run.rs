@@ -135,6 +135,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         identity,
         scheme: scheme_name(&scene),
         frames: scene.output.frames(),
+        format: scene.output.format,
         checkpoint_every: u64::from(scene.output.checkpoint_every),
         fields: scene.output.fields.clone(),
         probes: probes.clone(),

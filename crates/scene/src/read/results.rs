@@ -4,8 +4,8 @@ use super::node::{Node, known};
 use super::table::Table;
 use super::world::{KnownProbe, World, part_name, set_reference};
 use crate::{
-    CoordinateKind, Expect, ExpectedValue, Field, Interval, JointKind, Kind, OnFault, Outcome, Output, PartKind, Probe,
-    ProbeComponent, Quantity, Reduce, Verdict, Watch,
+    CoordinateKind, Expect, ExpectedValue, Field, FrameFormat, Interval, JointKind, Kind, OnFault, Outcome, Output,
+    PartKind, Probe, ProbeComponent, Quantity, Reduce, Verdict, Watch,
 };
 
 /// The probe, and its name with the components of its values, which `[expect]` needs even if the rest is bad.
@@ -242,6 +242,8 @@ pub(super) fn output(node: &Node<'_>, world: &World<'_>) -> Option<Output> {
         Some(times)
     });
     let last_only = table.default("last_only", false, Node::boolean);
+    let formats = |n: &Node<'_>| n.choice(FrameFormat::NAMES, FrameFormat::from_name);
+    let format = table.default("format", FrameFormat::default(), formats);
     let fields = table.optional("fields", |n| fields(n, world));
     let checkpoint_every = table.default("checkpoint_every", Output::DEFAULT_CHECKPOINT_EVERY, Node::count);
     let mut ways = ["every", "interval", "times", "last_only"].into_iter().filter(|&key| table.has(key));
@@ -260,6 +262,7 @@ pub(super) fn output(node: &Node<'_>, world: &World<'_>) -> Option<Output> {
         interval: interval?,
         times: times?,
         last_only: last_only?,
+        format: format?,
         fields: fields?,
         checkpoint_every: checkpoint_every?,
     })

@@ -1,9 +1,23 @@
 //! Tables of the scene format that this build of the program cannot simulate.
 
-use crate::scene::{Problem, Scene};
+use crate::scene::{FrameFormat, Problem, Scene};
+
+/// The first table or key that needs a feature which is not built in.
+pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
+    multibody(scene).or_else(|| vtkhdf(scene))
+}
+
+/// Frames in a format that needs the feature `vtkhdf`, where files of results are built in at all.
+fn vtkhdf(scene: &Scene) -> Option<Problem> {
+    let is_wanted = cfg!(feature = "output") && scene.output.format == FrameFormat::Vtkhdf;
+    (is_wanted && !cfg!(feature = "vtkhdf")).then(|| {
+        let remedy = "build it with the cargo feature `vtkhdf`, or choose format = \"vtu\"";
+        Problem::at(scene, "output.format", "vtkhdf", "this build of Stoss has no VTKHDF", remedy)
+    })
+}
 
 /// One problem that names the scene's tables that need the feature `multibody`, at the first of them; `None` if there are none, or it is built in.
-pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
+fn multibody(scene: &Scene) -> Option<Problem> {
     if cfg!(feature = "multibody") {
         return None;
     }

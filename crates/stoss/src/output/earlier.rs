@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Every file that a run writes beside its frames, with what stands near its beginning if this program wrote it. An empty file is
 /// a table that a kill left.
-const FILES: [(&str, &str); 14] = [
+const FILES: [(&str, &str); 15] = [
     ("balance.csv", "step,time,dt,lx,"),
     ("newton.csv", "step,time,iteration,"),
     ("contact.csv", "step,time,active,"),
@@ -19,6 +19,7 @@ const FILES: [(&str, &str); 14] = [
     ("diagnosis.json", "\"findings\""),
     ("diagnosis.html", "<meta name=\"generator\" content=\"Stoss\">"),
     ("frames.pvd", "frames/frame_"),
+    ("frames.vtkhdf", "HDF\r\n"),
     ("summary.json", "\"scene_hash\""),
     ("checkpoint", "STOSSCP"),
 ];

@@ -9,7 +9,7 @@ use super::watch::{self, RunWatch, Watched};
 use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frames};
 use crate::build::{ContactPlan, JointPlace, Probe};
 use crate::error::RunError;
-use crate::scene::{Field, Frames, OnFault, Watch as WatchTable};
+use crate::scene::{Field, FrameFormat, Frames, OnFault, Watch as WatchTable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -110,6 +110,8 @@ pub struct FolderSettings {
     pub scheme: String,
     /// Which steps have a frame, beside the last one.
     pub frames: Frames,
+    /// In which files frames are.
+    pub format: FrameFormat,
     /// A checkpoint every so many steps.
     pub checkpoint_every: u64,
     /// Fields of the frames; `None`: all.
@@ -154,11 +156,9 @@ impl ResultFolder {
     ) -> Result<Self, OutputError> {
         let lock = FolderLock::take(path)?;
         earlier::remove(path, overwrite)?;
-        let frames = path.join("frames");
-        std::fs::create_dir_all(&frames).map_err(OutputError::io(&frames))?;
         let memo = Memo {
             lengths: BTreeMap::new(),
-            frames: frames::Log::default(),
+            frames: frames::Log::new(settings.format),
             drifts: Drifts::start(simulation.balance()),
             stage: simulation.stage(),
             iterations: 0,
@@ -210,6 +210,7 @@ impl ResultFolder {
         let damaged = |reason: String| OutputError::Damaged { path: file.clone(), reason };
         let bytes = attachments.get("folder").ok_or_else(|| damaged("it was not written by this program".into()))?;
         let memo: Memo = serde_json::from_slice(bytes).map_err(|e| damaged(e.to_string()))?;
+        memo.frames.keep_format(settings.format).map_err(|reason| RunError::Resume { path: file.clone(), reason })?;
         let lengths = memo.lengths.clone();
         let table_of_probes = path.join(PROBES);
         let open = |name: &str, header: &str| match lengths.get(name) {

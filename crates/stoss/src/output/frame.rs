@@ -6,9 +6,9 @@
 use super::{Drawing, OutputError};
 use crate::points::Points;
 use crate::scene::Field as SceneField;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use stoss_fe_solid::{SolidBody, SolidError};
-use stoss_mesh_io::{Field, PvdWriter, VtuFrame, write_vtu};
+use stoss_mesh_io::{Field, MeshIoError, PvdWriter, VtuFrame, write_vtu};
 use stoss_reference_element::FacetNodes;
 use stoss_solver::{Model, Simulation, StepError};
 
@@ -141,12 +141,22 @@ impl SolidFields {
     }
 }
 
-/// Writes one frame (atomically).
+/// Writes one frame as a VTU file (atomically).
 pub(crate) fn write(
     path: &Path,
     simulation: &Simulation,
     fields: Option<&[SceneField]>,
     drawing: &Drawing,
+) -> Result<(), OutputError> {
+    with(simulation, fields, drawing, |frame| write_vtu(path, frame))
+}
+
+/// Makes a frame and hands it to `store`.
+pub(super) fn with(
+    simulation: &Simulation,
+    fields: Option<&[SceneField]>,
+    drawing: &Drawing,
+    store: impl FnOnce(&VtuFrame) -> Result<(), MeshIoError>,
 ) -> Result<(), OutputError> {
     let model = simulation.model();
     let state = simulation.state();
@@ -195,7 +205,7 @@ pub(crate) fn write(
         field_data: Vec::new(),
         time: Some(state.time),
     };
-    Ok(write_vtu(path, &frame)?)
+    Ok(store(&frame)?)
 }
 
 /// File name of the frame of a step.
@@ -207,18 +217,6 @@ pub(super) fn name(step: u64) -> String {
 pub(super) fn step_of(name: &str) -> Option<u64> {
     let step = name.strip_prefix("frame_")?.strip_suffix(".vtu")?;
     (step.len() >= 6 && step.bytes().all(|byte| byte.is_ascii_digit())).then(|| step.parse().ok())?
-}
-
-/// Steps and files of the frames of a folder of results, in the order of the steps.
-pub(super) fn stored(folder: &Path) -> Result<Vec<(u64, PathBuf)>, OutputError> {
-    let folder = folder.join("frames");
-    let mut frames = Vec::new();
-    for entry in std::fs::read_dir(&folder).map_err(OutputError::io(&folder))? {
-        let entry = entry.map_err(OutputError::io(&folder))?;
-        frames.extend(step_of(&entry.file_name().to_string_lossy()).map(|step| (step, entry.path())));
-    }
-    frames.sort();
-    Ok(frames)
 }
 
 /// Writes the collection of all frames (atomically).

@@ -9,6 +9,7 @@ mod earlier;
 mod folder;
 mod frame;
 mod frames;
+mod hdf;
 mod identity;
 mod lock;
 mod promises;

@@ -1,7 +1,7 @@
 //! What a run leaves for `stoss judge`, and the judgement of stored results.
 
 use super::model::watched;
-use crate::output::{OutputError, frame};
+use crate::output::{OutputError, frames};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use stoss_mesh_io::VtuData;
@@ -154,16 +154,16 @@ pub fn judge_folder(folder: &Path) -> Result<Verdict, OutputError> {
     let mut judge = file.judge();
     let mut watch: Option<Watch> = None;
     let mut previous: Option<Vec<f64>> = None;
-    for (step, path) in frame::stored(folder)? {
-        let data = stoss_mesh_io::read_vtu(&path)?;
+    for stored in frames::stored(folder)? {
+        let (step, path, data) = (stored.step, stored.file(), stored.read()?);
         let displacement = data.point_field("displacement").filter(|field| field.components == 3);
         let Some(displacement) = displacement else {
             let reason = "it has no field `displacement`: run again with it in [output] fields".into();
-            return Err(damaged(&path, reason));
+            return Err(damaged(path, reason));
         };
         let reference: Vec<f64> = data.points.iter().flatten().copied().collect();
         if displacement.values.len() != reference.len() || !file.fits(&data) {
-            return Err(damaged(&path, format!("its sizes do not fit {FILE}")));
+            return Err(damaged(path, format!("its sizes do not fit {FILE}")));
         }
         let q: Vec<f64> = reference.iter().zip(&displacement.values).map(|(x, u)| x + u).collect();
         let watch = match &mut watch {
