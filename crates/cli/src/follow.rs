@@ -51,7 +51,8 @@ pub fn follow(asked: &Follow) -> ExitCode {
 
 fn write(out: &Path, interval: Duration, stop: &AtomicBool) -> stoss_report::Outcome<()> {
     let began = Instant::now();
-    while Folder::open(out).is_err() && began.elapsed() < PATIENCE && !stop.load(Ordering::Relaxed) {
+    let may_come = || began.elapsed() < PATIENCE || stoss::output::is_in_use(out);
+    while Folder::open(out).is_err() && may_come() && !stop.load(Ordering::Relaxed) {
         std::thread::sleep(LOOK);
     }
     let mut page = Follower::default();

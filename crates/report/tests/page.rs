@@ -347,13 +347,6 @@ fn a_browser_shows_it() {
     ];
     passes(browser, &[one.path()], &controls);
     passes(browser, &[one.path(), two.path()], &["panel Compare", "hide a body", "panel Verdict"]);
-    // A page that loads itself anew is as it was before.
-    Follower::default().write(one.path(), Some(0.3)).unwrap();
-    let (document, console) = load(browser, &one.path().join(NAME), "#test-reload");
-    assert_eq!((title(&document), console), ("ready", Vec::new()));
-    let sweep = sweep();
-    passes(browser, &[sweep.path()], &["panel Sweep", "panel Compare", "chart tip at the end over mu", "scrub"]);
-    write(&[one.path()]).unwrap();
     // Without frames: charts only.
     std::fs::remove_file(plain.path().join("frames.pvd")).unwrap();
     passes(browser, &[plain.path()], &["panel Balance", "panel Solver"]);
@@ -377,4 +370,18 @@ fn a_browser_shows_it() {
     let text = std::fs::read_to_string(&file).unwrap().replacen("class=\"run\">H4s", "class=\"run\">H5s", 1);
     std::fs::write(&file, text).unwrap();
     assert!(title(&load(browser, &file, "#test").0).starts_with("error"));
+}
+
+#[test]
+fn a_browser_shows_a_sweep_and_keeps_what_it_shows_over_a_reload() {
+    let Some(browser) = chromium() else {
+        println!("skipped: no chromium on this machine");
+        return;
+    };
+    let (one, sweep) = (folder(), sweep());
+    // A page that loads itself anew is as it was before.
+    Follower::default().write(one.path(), Some(0.3)).unwrap();
+    let (document, console) = load(browser, &one.path().join(NAME), "#test-reload");
+    assert_eq!((title(&document), console), ("ready", Vec::new()));
+    passes(browser, &[sweep.path()], &["panel Sweep", "panel Compare", "chart tip at the end over mu", "scrub"]);
 }

@@ -151,7 +151,7 @@ impl Follower {
     /// Writes the page of a folder, which loads itself anew after so many seconds, or does not; returns the notes.
     ///
     /// # Errors
-    /// As [`write`].
+    /// As [`write()`].
     pub fn write(&mut self, path: &Path, reload: Option<f64>) -> Outcome<Vec<String>> {
         must_be_ours(path)?;
         let mut parts = Parts::default();

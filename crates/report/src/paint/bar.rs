@@ -1,6 +1,7 @@
 //! The colour bar below snapshots.
 
 use super::canvas::{Anchor, Canvas, Colour};
+use super::letters;
 
 /// Its height with numbers and label, in pixels.
 pub const HEIGHT: f64 = 46.0;
@@ -19,7 +20,7 @@ pub fn bar(canvas: &mut dyn Canvas, label: &str, range: (f64, f64), total: [f64;
     for (number, part) in bar_numbers(range).into_iter().zip([0.0, 0.5, 1.0]) {
         canvas.text(&number, [left + part * width, top + 23.0], 12.0, Anchor::Middle);
     }
-    canvas.text(label, [0.5 * total[0], top + 39.0], 13.0, Anchor::Middle);
+    canvas.text(label, [0.5 * total[0], top + 39.0], letters::fitted(label, 13.0, 0.95 * total[0]), Anchor::Middle);
 }
 
 /// Ends and middle of a range, with as many digits as tell them apart.

@@ -153,6 +153,12 @@ pub fn written(text: &str, size: f64) -> (Vec<Vec<[f64; 2]>>, f64) {
     (out, (x - GAP).max(0.0) * unit)
 }
 
+/// A size of letters at which a text is no wider than its place, and no larger than this one. Other letters, as those of an SVG picture, are about as wide.
+pub fn fitted(text: &str, size: f64, room: f64) -> f64 {
+    let (_, width) = written(text, size);
+    if width > room { (size * room / width * 10.0).floor() / 10.0 } else { size }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,5 +186,7 @@ mod tests {
         let right = points().map(|point| point[0]).reduce(f64::max).unwrap();
         assert!((right - width).abs() < 1e-12 && (width - 1.2 * (8.0 + 2.0 * GAP + BLANK)).abs() < 1e-9);
         assert_eq!(written("", 10.0), (Vec::new(), 0.0));
+        assert_eq!(fitted("H H", 10.0, width), 10.0);
+        assert!((fitted("H H", 10.0, 0.5 * width) - 5.0).abs() <= 0.1);
     }
 }

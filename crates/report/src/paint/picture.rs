@@ -5,6 +5,7 @@ use super::bar::{HEIGHT as BAR, bar};
 use super::camera::{Camera, View, cross, dot};
 use super::canvas::{Anchor, Canvas, Colour, DOT, LINE};
 use super::colour::colour;
+use super::letters;
 use super::raster::Raster;
 use super::surface::{Quad, Surface};
 use super::svg::Svg;
@@ -204,7 +205,8 @@ impl Plan {
         let of_strokes = visible.iter().flat_map(|shot| &shot.strokes).map(|stroke| stroke.value);
         let ends = style.range.unwrap_or_else(|| range(of_faces.chain(of_strokes)));
         let columns = columns(shots.len());
-        canvas.text(style.title, [MARGIN, 25.0], 18.0, Anchor::Start);
+        let size = letters::fitted(style.title, 18.0, self.total[0] - 2.0 * MARGIN);
+        canvas.text(style.title, [MARGIN, 25.0], size, Anchor::Start);
         for (number, (shot, visible)) in shots.iter().zip(&visible).enumerate() {
             let x = MARGIN + (number % columns) as f64 * (self.shot[0] + MARGIN);
             let y = TITLE + (number / columns) as f64 * (self.shot[1] + CAPTION);
@@ -212,7 +214,7 @@ impl Plan {
             snapshot(canvas, visible, ends, finish);
             canvas.leave();
             let place = [x + 0.5 * self.shot[0], y + self.shot[1] + 18.0];
-            canvas.text(&shot.caption, place, 14.0, Anchor::Middle);
+            canvas.text(&shot.caption, place, letters::fitted(&shot.caption, 14.0, self.shot[0]), Anchor::Middle);
         }
         bar(canvas, style.label, ends, self.total, finish.colour);
     }

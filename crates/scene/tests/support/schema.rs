@@ -84,7 +84,7 @@ fn check_properties(
             (Some(property), _) => check(root, property, value, &format!("{path}.{key}"), found),
             (None, Some(Value::Bool(false))) => found.push(format!("{path}: unknown key {key}")),
             (None, None | Some(Value::Bool(true))) => {}
-            (None, Some(other)) => panic!("additionalProperties {other}"),
+            (None, Some(other)) => check(root, other, value, &format!("{path}.{key}"), found),
         }
     }
 }
