@@ -65,9 +65,19 @@ pub fn page(folders: &[&Path]) -> Outcome<Page> {
         STANDARD.encode_string(bytes, &mut data);
         data += "</script>\n";
     }
+    // The page of the diagnosis is beside that of the first run, which the browser opens.
+    let diagnosed = folders.len() == 1 && folders[0].join(crate::diagnosis::FILE).is_file();
+    let link = format!("<a href=\"{}\">why, and what to try</a>", crate::diagnosis::NAME);
+    let diagnosis = if diagnosed { link.as_str() } else { "" };
     let script = SCRIPTS.join("\n");
     let title = escaped(&titles.join(" | "));
-    let parts = [("style", STYLE), ("title", title.as_str()), ("data", data.as_str()), ("script", script.as_str())];
+    let parts = [
+        ("style", STYLE),
+        ("title", title.as_str()),
+        ("diagnosis", diagnosis),
+        ("data", data.as_str()),
+        ("script", script.as_str()),
+    ];
     Ok(Page { text: filled(PAGE, &parts), notes })
 }
 
@@ -124,7 +134,7 @@ mod tests {
     #[test]
     fn the_template_has_every_place_and_scripts_do_not_end_early() {
         assert!(PAGE.contains(MARK));
-        for name in ["style", "title", "data", "script"] {
+        for name in ["style", "title", "diagnosis", "data", "script"] {
             assert_eq!(PAGE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
         assert!(SCRIPTS.iter().all(|script| !script.contains("</script") && !script.contains("<!--")));

@@ -9,4 +9,4 @@ mod surface;
 pub use camera::Camera;
 pub use picture::{Shot, Style, columns, draw};
 pub(crate) use surface::deformed;
-pub use surface::{Surface, boundary};
+pub use surface::{Line, Surface, boundary};
