@@ -154,9 +154,9 @@ fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
             // Elements count nodes of the model.
             (FailureKind::InsideOut, Place { node: place.element.and_then(corner), ..place })
         }
-        StepError::NotConverged { at, .. } => (FailureKind::NotConverged, *at),
-        StepError::Singular { at, .. } => (FailureKind::Singular, *at),
-        StepError::Cycling { at, .. } => (FailureKind::Cycling, *at),
+        StepError::NotConverged { at, .. } => (FailureKind::NotConverged, **at),
+        StepError::Singular { at, .. } => (FailureKind::Singular, **at),
+        StepError::Cycling { at, .. } => (FailureKind::Cycling, **at),
         StepError::ActiveSet { .. } => (FailureKind::Unsettled, Place::default()),
         _ => (FailureKind::Other, Place::default()),
     }

@@ -48,7 +48,7 @@ fn not_converged(report: &NewtonReport, model: &Model, system: &System, iterate:
         iterations: report.iteration_count(),
         residual: accepted.map_or(f64::NAN, |record| record.relative_residual()),
         place,
-        at,
+        at: Box::new(at),
     }
 }
 
@@ -148,7 +148,7 @@ impl ActiveSets {
             pair: model.contacts[pair].name.clone(),
             count: flipping.len(),
             first: flipping.first().map(|&slot| slot_name(model, pair, slot, q)).unwrap_or_default(),
-            at: flipping.first().map(|&slot| Place::of_slot(model, pair, slot, q)).unwrap_or_default(),
+            at: flipping.first().map(|&slot| Box::new(Place::of_slot(model, pair, slot, q))).unwrap_or_default(),
             changes: self.changes,
             repairs: self.repairs,
         }
