@@ -150,17 +150,17 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
         .collect();
     evidence.push(failure.reason.clone());
     let mut remedies = Vec::new();
-    if let Some((c, item)) = case.contacts().find(|(_, item)| item.label() == name) {
-        if let (Some(slave), Some(master)) = (&item.slave, &item.master) {
-            let change = |key: &str, value: &String| super::Change::Set {
-                key: format!("contact[{c}].{key}"),
-                value: format!("\"{value}\""),
-            };
-            let text = format!(
-                "exchange slave and master of `{name}`: set `contact[{c}].slave = \"{master}\"` and `contact[{c}].master = \"{slave}\"`"
-            );
-            remedies.push(Remedy { text, changes: vec![change("slave", master), change("master", slave)] });
-        }
+    if let Some((c, item)) = case.contacts().find(|(_, item)| item.label() == name)
+        && let (Some(slave), Some(master)) = (&item.slave, &item.master)
+    {
+        let change = |key: &str, value: &String| super::Change::Set {
+            key: format!("contact[{c}].{key}"),
+            value: format!("\"{value}\""),
+        };
+        let text = format!(
+            "exchange slave and master of `{name}`: set `contact[{c}].slave = \"{master}\"` and `contact[{c}].master = \"{slave}\"`"
+        );
+        remedies.push(Remedy { text, changes: vec![change("slave", master), change("master", slave)] });
     }
     let step = toml::number(toml::down(0.5 * case.scene.time.step));
     remedies.push(Remedy::set(case.step_key(), step, "half of what it is"));
