@@ -18,9 +18,9 @@ use crate::vtu::{Array, Grid};
 use crate::{Outcome, read};
 
 /// Name of the page in a folder of results.
-pub const NAME: &str = "diagnosis.html";
+pub const NAME: &str = crate::folder::DIAGNOSIS_PAGE;
 /// Name of the file that it is made from.
-pub(crate) const FILE: &str = "diagnosis.json";
+const FILE: &str = crate::folder::DIAGNOSIS;
 
 /// Cells around the place that its picture shows.
 const NEAR: usize = 12;

@@ -10,6 +10,10 @@ use crate::table::Table;
 use crate::vtu::{self, Grid};
 use crate::{Outcome, read};
 
+/// Why a run stopped or came out wrong; the page of that.
+pub(crate) const DIAGNOSIS: &str = "diagnosis.json";
+pub(crate) const DIAGNOSIS_PAGE: &str = "diagnosis.html";
+
 /// A stored frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {

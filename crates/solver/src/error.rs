@@ -1,7 +1,7 @@
 //! Errors of a step and of a run.
 
 use crate::checkpoint::CheckpointError;
-use crate::failure::Place;
+use crate::place::Place;
 use stoss_contact::ContactError;
 use stoss_fe_solid::{InsideOut, SolidError};
 use stoss_linalg::LinalgError;

@@ -66,8 +66,8 @@ pub fn page(folders: &[&Path]) -> Outcome<Page> {
         data += "</script>\n";
     }
     // The page of the diagnosis is beside that of the first run, which the browser opens.
-    let diagnosed = folders.len() == 1 && folders[0].join(crate::diagnosis::FILE).is_file();
-    let link = format!("<a href=\"{}\">why, and what to try</a>", crate::diagnosis::NAME);
+    let diagnosed = folders.len() == 1 && folders[0].join(crate::folder::DIAGNOSIS).is_file();
+    let link = format!("<a href=\"{}\">why, and what to try</a>", crate::folder::DIAGNOSIS_PAGE);
     let diagnosis = if diagnosed { link.as_str() } else { "" };
     let script = SCRIPTS.join("\n");
     let title = escaped(&titles.join(" | "));
