@@ -122,7 +122,43 @@ fn a_free_rotation() {
     is_cause(&finding, Cause::FreeRotation);
     assert_eq!(finding.place.body.as_deref(), Some("flap"));
     assert!(finding.sentence.contains("free to turn about y through (0.0000, "), "{}", finding.sentence);
+    // What turns most is the far end, across the plate.
+    let [Change::Add { toml }] = &finding.remedies[0].changes[..] else { panic!("{finding:#?}") };
+    assert!(toml.contains("flap.right") && toml.contains("[\"z\"]"), "{toml}");
     is_mended("free-rotation", &finding, 0);
+}
+
+/// A rigid body on a hinge, in statics.
+#[test]
+fn a_free_rotation_of_a_joint() {
+    let text = r#"
+[scene]
+title = "a pendulum without weight"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.5
+max_cuts = 1
+[[rigid]]
+name = "crank"
+mass = 1.0
+euler = [0.1, 0.1, 0.1]
+centre = [0.0, 0.5, 0.0]
+[[joint]]
+name = "bearing"
+kind = "hinge"
+between = ["ground", "crank"]
+at = [0, 0, 0]
+axis = [0, 0, 1]
+[[load]]
+set = "crank.all"
+force = [1.0, 0.0, 0.0]
+"#;
+    let Left { result, diagnosis } = run(text);
+    assert!(matches!(result, Err(RunError::Simulation { .. })));
+    let finding = diagnosis.unwrap().findings[0].clone();
+    assert_eq!((finding.cause, finding.place.body.as_deref()), (Cause::FreeRotation, Some("crank")), "{finding:#?}");
+    assert!(finding.sentence.contains("free to turn about z through (0.0000, 0.0000, 0.0000)"), "{}", finding.sentence);
 }
 
 #[test]

@@ -11,22 +11,25 @@ use serde_json::Value;
 
 use crate::folder::Folder;
 use crate::page::escaped;
-use crate::paint::{Camera, Shot, Style, draw};
-use crate::picture::{CAMERA, coloured};
+use crate::paint::{Camera, Line, Shot, Style, draw};
+use crate::picture::{CAMERA, coloured, rounded};
 use crate::plot::{Labels, Series, logarithmic};
 use crate::vtu::{Array, Grid};
 use crate::{Outcome, read};
 
 /// Name of the page in a folder of results.
-pub const NAME: &str = "diagnosis.html";
+pub const NAME: &str = crate::folder::DIAGNOSIS_PAGE;
 /// Name of the file that it is made from.
-const FILE: &str = "diagnosis.json";
+const FILE: &str = crate::folder::DIAGNOSIS;
 
 /// Cells around the place that its picture shows.
-const NEAR: usize = 40;
+const NEAR: usize = 12;
 /// Widths of the pictures in pixels.
 const WIDE: f64 = 520.0;
 const SMALL: f64 = 320.0;
+/// Radius of the circle about the place, a part of what is shown, and its corners.
+const RADIUS: f64 = 0.07;
+const CORNERS: usize = 36;
 /// Part of the direction from the middle of the model to the place in that of the eye.
 const OUTWARD: f64 = 1.5;
 
@@ -102,9 +105,8 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
     let Diagnosis { title, what, step, time, place, findings, attempts } = diagnosis;
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"generator\" content=\"Stoss\">\n<title>{title}: diagnosis</title>\
-         <style>{STYLE}</style></head><body>\n<h1>{title}: why it {verb}</h1>\n<dl>\n",
+         <style>{STYLE}</style></head><body>\n<h1>{title}: diagnosis</h1>\n<dl>\n",
         title = escaped(title),
-        verb = if attempts.is_empty() { "came out so" } else { "stopped" },
     );
     // Writing to a String does not fail.
     let first = findings.first();
@@ -113,7 +115,7 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
     if !what.is_empty() {
         let _ = writeln!(out, "<dt>What</dt><dd>{}</dd>", marked(what));
     }
-    let _ = writeln!(out, "<dt>Last good state</dt><dd>step {step} at t = {time}</dd>\n</dl>");
+    let _ = writeln!(out, "<dt>Last good state</dt><dd>step {step} at t = {}</dd>\n</dl>", rounded(*time));
     let position = shown.position.or(place.position);
     if let Some(pictures) = position.and_then(|x| pictures(folder, x, &shown.text)) {
         out += &pictures;
@@ -212,9 +214,9 @@ fn pictures(folder: &Path, place: [f64; 3], text: &str) -> Option<String> {
     let camera = camera(&grid, place);
     let near = svg(&around(&grid, place), place, camera, "the place", WIDE)?;
     let far = svg(&grid, place, camera, "all", SMALL)?;
-    let time = folder.frames[number].time;
+    let time = rounded(folder.frames[number].time);
     Some(format!(
-        "<figure>{near}</figure><figure>{far}</figure>\n<p>The last frame, t = {time}. The circle marks {}; the left picture shows the elements around it.</p>\n",
+        "<figure>{near}</figure><figure>{far}</figure>\n<p>The last frame, t = {time}. The circle is about the place ({}); the left picture shows the elements around it.</p>\n",
         marked(text)
     ))
 }
@@ -228,12 +230,19 @@ fn svg(grid: &Grid, place: [f64; 3], camera: Camera, caption: &str, width: f64) 
     if !places().flatten().chain(place).all(f64::is_finite) {
         return None;
     }
-    // Towards the eye, so that nothing covers it: in a parallel projection its place in the picture is the same.
+    // A circle, moved towards the eye so that nothing covers it: in a parallel projection its place in the picture is the same. The lowest value has the lightest colour.
     let far = places().map(|x| distance(x, place)).fold(0.0, f64::max);
-    let eye = camera.view().eye;
-    let marker: [f64; 3] = std::array::from_fn(|i| place[i] + 2.0 * far * eye[i]);
-    let most = surface.values().filter(|value| value.is_finite()).fold(0.0, f64::max);
-    surface.points.push((marker, most));
+    let view = camera.view();
+    let corner = |k: usize| -> [f64; 3] {
+        let (sine, cosine) = (k as f64 * std::f64::consts::TAU / CORNERS as f64).sin_cos();
+        let radius = RADIUS * far;
+        std::array::from_fn(|i| {
+            place[i] + 2.0 * far * view.eye[i] + radius * (cosine * view.right[i] + sine * view.up[i])
+        })
+    };
+    let least = surface.values().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
+    let values = vec![if least.is_finite() { least } else { 0.0 }; CORNERS + 1];
+    surface.lines.push(Line { points: (0..=CORNERS).map(corner).collect(), values });
     let label = escaped(&label);
     let style = Style { title: "", label: &label, width, range: None };
     Some(draw(&[Shot { caption: caption.to_owned(), surface }], camera, &style))

@@ -12,6 +12,9 @@ use crate::{Outcome, read};
 
 /// The file with all frames of a run whose scene asks for it.
 const ALL: &str = "frames.vtkhdf";
+/// Why a run stopped or came out wrong; the page of that.
+pub(crate) const DIAGNOSIS: &str = "diagnosis.json";
+pub(crate) const DIAGNOSIS_PAGE: &str = "diagnosis.html";
 
 /// A stored frame.
 #[derive(Clone, Debug, PartialEq)]

@@ -270,7 +270,7 @@ pub(crate) fn coloured(grid: &Grid, wanted: Option<&str>) -> Result<(Surface, St
 }
 
 /// A number with six digits at most.
-fn rounded(value: f64) -> f64 {
+pub(crate) fn rounded(value: f64) -> f64 {
     // cannot fail: what was written as a number is read as one.
     format!("{value:.5e}").parse().unwrap_or(value)
 }

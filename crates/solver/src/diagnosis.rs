@@ -35,7 +35,7 @@ pub(crate) fn linear_error(
         let node = component / 3;
         return StepError::Singular {
             unknown: Unknown::Position { component: (component % 3) as u8, node: node_name(model, node, &iterate.q) },
-            at: Place { component: Some((component % 3) as u8), ..Place::of_node(node) },
+            at: Box::new(Place { component: Some((component % 3) as u8), ..Place::of_node(node) }),
             hint: position_hint(model, system, &iterate.active, dynamic, node),
         };
     }
@@ -48,7 +48,7 @@ pub(crate) fn linear_error(
     if let Some((pair, slot)) = bilateral {
         return StepError::Singular {
             unknown: Unknown::Multiplier { constraint: model.contacts[pair].name.clone(), equation: slot + 1 },
-            at: Place::of_slot(model, pair, slot, &iterate.q),
+            at: Box::new(slot_place(model, pair, slot, &iterate.q)),
             hint: "it follows from others at this moment: a mechanism in a singular position, a joint, tie or support that is there twice, or what is held at both ends; try another \
                    step size"
                 .into(),
@@ -57,7 +57,7 @@ pub(crate) fn linear_error(
     let Some((pair, slot)) = slot else {
         return StepError::Singular {
             unknown: Unknown::Unnamed,
-            at: Place::default(),
+            at: Box::default(),
             hint: "are there enough supports, and no constraint twice?".into(),
         };
     };
@@ -66,11 +66,17 @@ pub(crate) fn linear_error(
             pair: model.contacts[pair].name.clone(),
             node: slot_name(model, pair, slot, &iterate.q),
         },
-        at: Place::of_slot(model, pair, slot, &iterate.q),
+        at: Box::new(slot_place(model, pair, slot, &iterate.q)),
         hint: "its constraint follows from others: is the same contact given twice, or is the motion of all nodes \
                there prescribed?"
             .into(),
     }
+}
+
+/// A slot, and the node that it belongs to.
+pub(crate) fn slot_place(model: &Model, pair: usize, slot: usize, q: &[f64]) -> Place {
+    let reports = model.contacts[pair].method.report(q).unwrap_or_default();
+    Place { node: reports.get(slot).map(|report| report.node), slot: Some((pair, slot)), ..Place::default() }
 }
 
 /// The slave node of a slot.
@@ -98,7 +104,7 @@ pub(crate) fn largest_residual(
         let all: Vec<_> = slots.collect();
         if let Some(&(largest, pair, slot)) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
             let name = &model.contacts[pair].name;
-            let at = Place::of_slot(model, pair, slot, &iterate.q);
+            let at = slot_place(model, pair, slot, &iterate.q);
             if model.contacts[pair].method.is_bilateral() {
                 let mut others: Vec<&str> = Vec::new();
                 for &(size, other, _) in &all {

@@ -1,7 +1,7 @@
 //! Errors of a step and of a run.
 
 use crate::checkpoint::CheckpointError;
-use crate::failure::Place;
+use crate::place::Place;
 use stoss_contact::ContactError;
 use stoss_fe_solid::{InsideOut, SolidError};
 use stoss_linalg::LinalgError;
@@ -34,7 +34,7 @@ pub enum StepError {
         /// Where the residual is largest, and what may be the reason.
         place: String,
         /// The same in numbers of the model.
-        at: Place,
+        at: Box<Place>,
     },
     /// A matrix without inverse.
     #[error("the system is singular: {unknown} is not determined; {hint}")]
@@ -42,7 +42,7 @@ pub enum StepError {
         /// The unknown in which the undetermined motion is largest.
         unknown: Unknown,
         /// The same in numbers of the model.
-        at: Place,
+        at: Box<Place>,
         /// What may be the reason.
         hint: String,
     },
@@ -58,7 +58,7 @@ pub enum StepError {
         /// The first of them.
         first: String,
         /// The same in numbers of the model.
-        at: Place,
+        at: Box<Place>,
         /// Changes of the set in this attempt.
         changes: usize,
         /// Changes of pairings in this attempt.

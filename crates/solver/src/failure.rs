@@ -3,43 +3,12 @@
 //! It is no diagnosis: what the facts mean for a scene is not known here.
 
 use crate::error::StepError;
-use crate::{Model, NewtonRow};
+use crate::{Model, NewtonRow, Place};
 use serde::{Deserialize, Serialize};
 use stoss_fe_solid::SolidError;
 
 /// Most slots of a failed attempt whose changes are kept.
 const MOST_SLOTS: usize = 8;
-
-/// Where something is in a model; what does not apply is `None`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Place {
-    /// Global number of a vector: a node, or the centre or a director of a rigid body.
-    pub node: Option<u32>,
-    /// Component of the position (0, 1, 2).
-    pub component: Option<u8>,
-    /// Number of a body in [`Model::bodies`] and of an element in it.
-    pub element: Option<(usize, usize)>,
-    /// Number of a pair in [`Model::contacts`] and of a slot of it.
-    pub slot: Option<(usize, usize)>,
-}
-
-impl Place {
-    /// A node.
-    pub(crate) fn of_node(node: u32) -> Self {
-        Self { node: Some(node), ..Self::default() }
-    }
-
-    /// A slot, and the node that it belongs to.
-    pub(crate) fn of_slot(model: &Model, pair: usize, slot: usize, q: &[f64]) -> Self {
-        let reports = model.contacts[pair].method.report(q).unwrap_or_default();
-        Self { node: reports.get(slot).map(|report| report.node), slot: Some((pair, slot)), ..Self::default() }
-    }
-
-    fn of_element(model: &Model, body: &str, element: usize) -> Self {
-        let number = model.bodies.iter().position(|other| other.solid.name() == body);
-        Self { element: number.map(|number| (number, element)), ..Self::default() }
-    }
-}
 
 /// In which way an attempt failed; see [`StepError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -141,22 +110,27 @@ impl Trace {
     }
 }
 
+fn of_element(model: &Model, body: &str, element: usize) -> Place {
+    let number = model.bodies.iter().position(|other| other.solid.name() == body);
+    Place { element: number.map(|number| (number, element)), ..Place::default() }
+}
+
 fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
     match cause {
         StepError::Solid(
             SolidError::InvertedElement { body, element, .. } | SolidError::Constitutive { body, element, .. },
-        ) => (FailureKind::InvertedElement, Place::of_element(model, body, *element)),
+        ) => (FailureKind::InvertedElement, of_element(model, body, *element)),
         StepError::InsideOut { body, found, .. } => {
-            let place = Place::of_element(model, body, found.element);
+            let place = of_element(model, body, found.element);
             let corner = |(body, element): (usize, usize)| {
                 model.bodies[body].solid.connectivity().get(element)?.get(found.vertex).copied()
             };
             // Elements count nodes of the model.
             (FailureKind::InsideOut, Place { node: place.element.and_then(corner), ..place })
         }
-        StepError::NotConverged { at, .. } => (FailureKind::NotConverged, *at),
-        StepError::Singular { at, .. } => (FailureKind::Singular, *at),
-        StepError::Cycling { at, .. } => (FailureKind::Cycling, *at),
+        StepError::NotConverged { at, .. } => (FailureKind::NotConverged, **at),
+        StepError::Singular { at, .. } => (FailureKind::Singular, **at),
+        StepError::Cycling { at, .. } => (FailureKind::Cycling, **at),
         StepError::ActiveSet { .. } => (FailureKind::Unsettled, Place::default()),
         _ => (FailureKind::Other, Place::default()),
     }

@@ -1,10 +1,10 @@
 //! One attempted step: predictor, Newton with a fixed active set, active-set update, repeat.
 
 use crate::assembly::{Iterate, System};
-use crate::diagnosis::{largest_residual, slot_name};
+use crate::diagnosis::{largest_residual, slot_name, slot_place};
 use crate::failure::Trace;
 use crate::problem::{StepProblem, start_auxiliaries};
-use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, Place, StepError, Timings};
+use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
 use stoss_integrators::Step;
@@ -48,7 +48,7 @@ fn not_converged(report: &NewtonReport, model: &Model, system: &System, iterate:
         iterations: report.iteration_count(),
         residual: accepted.map_or(f64::NAN, |record| record.relative_residual()),
         place,
-        at,
+        at: Box::new(at),
     }
 }
 
@@ -148,7 +148,7 @@ impl ActiveSets {
             pair: model.contacts[pair].name.clone(),
             count: flipping.len(),
             first: flipping.first().map(|&slot| slot_name(model, pair, slot, q)).unwrap_or_default(),
-            at: flipping.first().map(|&slot| Place::of_slot(model, pair, slot, q)).unwrap_or_default(),
+            at: flipping.first().map(|&slot| Box::new(slot_place(model, pair, slot, q))).unwrap_or_default(),
             changes: self.changes,
             repairs: self.repairs,
         }

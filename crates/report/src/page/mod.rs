@@ -19,7 +19,7 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::folder::Folder;
+use crate::folder::{DIAGNOSIS, DIAGNOSIS_PAGE, Folder};
 use crate::sweep::{Sweep, label, values};
 use crate::{Outcome, read};
 use payload::{Cache, Packing};
@@ -59,6 +59,8 @@ pub struct Page {
 #[derive(Default)]
 struct Parts {
     head: String,
+    /// Whether there is a diagnosis to refer to.
+    diagnosis: bool,
     data: String,
     notes: Vec<String>,
     titles: Vec<String>,
@@ -86,7 +88,9 @@ impl Parts {
     fn page(self) -> Page {
         let script = SCRIPTS.join("\n");
         let title = escaped(&self.titles.join(" | "));
+        let link = format!("<a href=\"{DIAGNOSIS_PAGE}\">why, and what to try</a>");
         let parts = [
+            ("diagnosis", if self.diagnosis { link.as_str() } else { "" }),
             ("head", self.head.as_str()),
             ("style", STYLE),
             ("title", title.as_str()),
@@ -106,6 +110,8 @@ pub fn page(folders: &[&Path]) -> Outcome<Page> {
     for path in folders {
         parts.add(path, folders.len(), false, &mut Cache::default())?;
     }
+    // The page of the diagnosis is beside that of the run.
+    parts.diagnosis = folders.len() == 1 && folders[0].join(DIAGNOSIS).is_file();
     Ok(parts.page())
 }
 
@@ -156,6 +162,7 @@ impl Follower {
         must_be_ours(path)?;
         let mut parts = Parts::default();
         parts.add(path, 1, reload.is_some(), &mut self.0)?;
+        parts.diagnosis = path.join(DIAGNOSIS).is_file();
         if let Some(seconds) = reload {
             parts.head = format!("<meta name=\"stoss-reload\" content=\"{seconds}\">");
         }
@@ -216,7 +223,7 @@ mod tests {
     #[test]
     fn the_template_has_every_place_and_scripts_do_not_end_early() {
         assert!(PAGE.contains(MARK));
-        for name in ["head", "style", "title", "data", "script"] {
+        for name in ["head", "style", "title", "diagnosis", "data", "script"] {
             assert_eq!(PAGE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
         assert!(SCRIPTS.iter().all(|script| !script.contains("</script") && !script.contains("<!--")));

@@ -16,4 +16,4 @@ pub use colour::colour;
 pub use picture::{Finish, Layout, Shot, Style, columns, draw, draw_raster, draw_svg, value_range, window};
 pub use raster::Raster;
 pub(crate) use surface::deformed;
-pub use surface::{Surface, boundary};
+pub use surface::{Line, Surface, boundary};

@@ -53,7 +53,14 @@ impl<'a> Case<'a> {
 
     /// The last failed attempt, if it was what stopped the run.
     pub(super) fn failure(&self) -> Option<&FailedAttempt> {
-        self.simulation.failures().last().filter(|_| self.error.is_some())
+        self.failures().last()
+    }
+
+    /// The failed attempts of the step that stopped the run; none if something else did.
+    pub(super) fn failures(&self) -> &[FailedAttempt] {
+        let failures = self.simulation.failures();
+        let is_present = failures.last().is_some_and(|last| last.step > self.simulation.step());
+        if self.error.is_some() && is_present { failures } else { &[] }
     }
 
     /// Whether the run stopped with one of these.
@@ -95,7 +102,7 @@ impl<'a> Case<'a> {
 
     /// The last failed attempts in words.
     pub(super) fn attempts(&self) -> Vec<Attempt> {
-        let failures = if self.error.is_some() { self.simulation.failures() } else { &[] };
+        let failures = self.failures();
         let skipped = failures.len().saturating_sub(MOST_ATTEMPTS);
         let attempt = |failure: &FailedAttempt| Attempt {
             dt: failure.dt,

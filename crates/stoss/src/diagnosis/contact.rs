@@ -5,10 +5,8 @@ use super::{Cause, Confidence, Finding, Remedy, Where, toml};
 use crate::scene::{Friction, split_set};
 use stoss_solver::FailureKind;
 
-/// Part of the closed points from which on a contact sticks.
-const MOST: f64 = 0.5;
-/// Coefficient that friction of dry solids rarely exceeds.
-const USUAL: f64 = 1.0;
+/// Coefficient, in multiples of the one that just locks, from which on a wedge locks also where bodies give way.
+const FAR_ABOVE: f64 = 2.0;
 /// Part of the coefficient that just locks that does not.
 const BELOW: f64 = 0.9;
 /// Changes of a contact point in one attempt from which on it comes and goes.
@@ -39,7 +37,6 @@ pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
         }
         let normal: [f64; 3] = std::array::from_fn(|i| closed.iter().map(|(r, _)| r.weight * r.normal[i]).sum());
         let normal = normal.map(|n| n / norm(normal).max(f64::MIN_POSITIVE));
-        let sticking = closed.iter().filter(|(r, _)| r.friction.is_some_and(|f| f.sticks)).count();
         let Some(drive) = drive(case, item) else { continue };
         // Normals point from the master to the slave: into the gap is against them.
         let sine = -(0..3).map(|i| drive[i] * normal[i]).sum::<f64>() / norm(drive);
@@ -51,7 +48,7 @@ pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
             continue;
         }
         let label = item.label();
-        let sticks = sticking as f64 > MOST * closed.len() as f64;
+        let locks = mu > FAR_ABOVE * tangent;
         let bodies = item.surfaces().map(|set| split_set(set).map_or(set, |(body, _)| body).to_owned());
         let place = case.place();
         let is_here =
@@ -69,19 +66,19 @@ pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
         let below = toml::down(BELOW * tangent);
         list.push(Finding {
             cause: Cause::FrictionLocks,
-            confidence: match (is_here, sticks || mu > USUAL) {
+            confidence: match (is_here, locks) {
                 (true, true) => Confidence::High,
                 (true, false) | (false, true) => Confidence::Medium,
                 (false, false) => Confidence::Low,
             },
             place,
             sentence: format!(
-                "friction locks the wedge: `{}` is driven into `{}` at {angle:.1} degrees to their surface, and with mu = {mu} above tan {angle:.1} = {tangent:.3} it cannot slide; the elements take all of the motion",
+                "friction locks the wedge: `{}` is driven into `{}` at {angle:.1} degrees to their surface, and with mu = {mu} above tan {angle:.1} = {tangent:.3} it holds the more, the harder it is driven: the elements take the motion",
                 bodies[0], bodies[1]
             ),
             evidence: vec![
-                format!("{sticking} of {} closed points of `{label}` stick", closed.len()),
-                format!("mu = {mu}; it locks above {tangent:.3}"),
+                format!("mu = {mu} is {:.1} times the coefficient that just locks, {tangent:.3}", mu / tangent),
+                format!("{} points of `{label}` are closed", closed.len()),
             ],
             remedies: vec![
                 Remedy::set(format!("contact[{c}].friction.{key}"), toml::number(below), &format!("below {tangent:.3} it slides")),
@@ -150,17 +147,17 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
         .collect();
     evidence.push(failure.reason.clone());
     let mut remedies = Vec::new();
-    if let Some((c, item)) = case.contacts().find(|(_, item)| item.label() == name) {
-        if let (Some(slave), Some(master)) = (&item.slave, &item.master) {
-            let change = |key: &str, value: &String| super::Change::Set {
-                key: format!("contact[{c}].{key}"),
-                value: format!("\"{value}\""),
-            };
-            let text = format!(
-                "exchange slave and master of `{name}`: set `contact[{c}].slave = \"{master}\"` and `contact[{c}].master = \"{slave}\"`"
-            );
-            remedies.push(Remedy { text, changes: vec![change("slave", master), change("master", slave)] });
-        }
+    if let Some((c, item)) = case.contacts().find(|(_, item)| item.label() == name)
+        && let (Some(slave), Some(master)) = (&item.slave, &item.master)
+    {
+        let change = |key: &str, value: &String| super::Change::Set {
+            key: format!("contact[{c}].{key}"),
+            value: format!("\"{value}\""),
+        };
+        let text = format!(
+            "exchange slave and master of `{name}`: set `contact[{c}].slave = \"{master}\"` and `contact[{c}].master = \"{slave}\"`"
+        );
+        remedies.push(Remedy { text, changes: vec![change("slave", master), change("master", slave)] });
     }
     let step = toml::number(toml::down(0.5 * case.scene.time.step));
     remedies.push(Remedy::set(case.step_key(), step, "half of what it is"));

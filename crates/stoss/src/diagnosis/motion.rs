@@ -117,7 +117,7 @@ pub(super) fn motions(vectors: &[Vec<f64>], centre: [f64; 3], length: f64) -> Mo
     let spins = span(&turns.iter().map(|v| v[3..].to_vec()).collect::<Vec<_>>());
     let rotations = directions(&spins).into_iter().map(|axis| {
         // The combination of turns whose rotation is the axis, by least squares over an orthonormal basis of rotations.
-        let mut total = vec![0.0; 6];
+        let mut total = [0.0; 6];
         for v in eliminated(&turns, &spins) {
             let along = dot(&v[3..], &axis);
             total.iter_mut().zip(&v).for_each(|(t, v)| *t += along * v);

@@ -185,7 +185,8 @@ pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
     if !case.failed_by(&[InvertedElement, InsideOut, NotConverged, Cycling, Unsettled]) {
         return Vec::new();
     }
-    let first = &case.simulation.failures()[0];
+    // cannot fail: there is a last one.
+    let first = &case.failures()[0];
     let Some((per_step, edge, text, body)) = travel(case, first.dt) else { return Vec::new() };
     let (nominal, smallest) = (per_step / edge, per_step / edge * failure.dt / first.dt);
     if nominal < LARGE || smallest < MAYBE {

@@ -186,6 +186,16 @@ fn groups(count: usize, rows: &[Row]) -> Vec<Vec<usize>> {
 
 /// Free motions of the members of a group.
 fn free(members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Motions> {
+    let vectors = null_vectors(members, rows, group);
+    let of = |(k, &m): (usize, &usize)| {
+        let own: Vec<Vec<f64>> = vectors.iter().map(|v| v[6 * k..6 * k + 6].to_vec()).collect();
+        motions(&own, members[m].centre, members[m].length)
+    };
+    group.iter().enumerate().map(of).collect()
+}
+
+/// The same as vectors of six numbers a member.
+fn null_vectors(members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Vec<f64>> {
     let n = 6 * group.len();
     let mut gram = vec![vec![0.0; n]; n];
     let place = |m: usize| group.iter().position(|&other| other == m);
@@ -201,16 +211,10 @@ fn free(members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Motions> {
             }
         }
     }
-    for (k, &m) in group.iter().enumerate().filter(|&(_, &m)| !members[m].turns) {
-        debug_assert!(m < members.len());
+    for (k, _) in group.iter().enumerate().filter(|&(_, &m)| !members[m].turns) {
         (3..6).for_each(|i| gram[6 * k + i][6 * k + i] += 1.0);
     }
-    let vectors = null_space(gram);
-    let of = |(k, &m): (usize, &usize)| {
-        let own: Vec<Vec<f64>> = vectors.iter().map(|v| v[6 * k..6 * k + 6].to_vec()).collect();
-        motions(&own, members[m].centre, members[m].length)
-    };
-    group.iter().enumerate().map(of).collect()
+    null_space(gram)
 }
 
 fn is_free(motions: &Motions) -> bool {
@@ -299,7 +303,20 @@ fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) 
                 list.push(Remedy::set(format!("prescribe[{p}].components"), toml::strings(&names), &why));
             }
         }
-        list.extend(other_set(case, name, &holds));
+        let vectors = null_vectors(members, rows, group);
+        // How far a free motion moves these components, in the mean; of the one that moves them least.
+        let moved = |more: &[(u32, usize)]| {
+            let square = |v: &Vec<f64>| {
+                let along = |&(node, i): &(u32, usize)| {
+                    let mut row = Row::new();
+                    add(case, members, &mut row, node, i, 1.0);
+                    row.iter().flat_map(|(_, c)| c.iter().zip(v)).map(|(c, v)| c * v).sum::<f64>().powi(2)
+                };
+                more.iter().map(along).sum::<f64>() / more.len().max(1) as f64
+            };
+            vectors.iter().map(square).fold(f64::INFINITY, f64::min)
+        };
+        list.extend(other_set(case, name, &holds, &moved));
     }
     list.push(Remedy::words(match case.scene.stages.is_empty() {
         true => "or set `scene.kind = \"dynamic\"` with densities and an integrator, where inertia holds what is free",
@@ -308,8 +325,13 @@ fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) 
     list
 }
 
-/// The prescription of fewest components on a set of the body, without one and without a load, that holds it.
-fn other_set(case: &Case<'_>, name: &str, holds: &dyn Fn(&[(u32, usize)]) -> bool) -> Option<Remedy> {
+/// The prescription of fewest components on a set of the body, without one and without a load, that holds it; of several the one on what would move most.
+fn other_set(
+    case: &Case<'_>,
+    name: &str,
+    holds: &dyn Fn(&[(u32, usize)]) -> bool,
+    moved: &dyn Fn(&[(u32, usize)]) -> f64,
+) -> Option<Remedy> {
     let names = ["x", "y", "z"];
     let scene = case.scene;
     let sets: Vec<String> = case.part(name)?.set_names().into_iter().map(|set| format!("{name}.{set}")).collect();
@@ -320,19 +342,22 @@ fn other_set(case: &Case<'_>, name: &str, holds: &dyn Fn(&[(u32, usize)]) -> boo
             || set.ends_with(".all")
     };
     let free_sets: Vec<&String> = sets.iter().filter(|set| !is_taken(set)).collect();
-    let choices: [&[usize]; 7] = [&[0], &[1], &[2], &[0, 1], &[0, 2], &[1, 2], &[0, 1, 2]];
-    for components in choices {
-        for set in &free_sets {
-            let more: Vec<(u32, usize)> =
-                case.nodes(set).iter().flat_map(|&n| components.iter().map(move |&i| (n, i))).collect();
-            if holds(&more) {
-                let components = toml::strings(&components.iter().map(|&i| names[i]).collect::<Vec<_>>());
-                let toml = format!("[[prescribe]]\nset = \"{set}\"\ncomponents = {components}\nfixed = true\n");
-                let text = format!(
-                    "hold another place: `[[prescribe]] set = \"{set}\", components = {components}, fixed = true`"
-                );
-                return Some(Remedy { text, changes: vec![Change::Add { toml }] });
-            }
+    let choices: [&[&[usize]]; 3] = [&[&[0], &[1], &[2]], &[&[0, 1], &[0, 2], &[1, 2]], &[&[0, 1, 2]]];
+    for choices in choices {
+        let more = |components: &[usize], set: &str| -> Vec<(u32, usize)> {
+            case.nodes(set).iter().flat_map(|&n| components.iter().map(move |&i| (n, i))).collect()
+        };
+        let all = choices.iter().flat_map(|components| free_sets.iter().map(move |set| (components, set)));
+        let holding =
+            all.map(|(components, set)| (components, set, more(components, set))).filter(|(.., more)| holds(more));
+        let best =
+            holding.map(|(components, set, more)| (components, set, moved(&more))).max_by(|a, b| a.2.total_cmp(&b.2));
+        if let Some((components, set, _)) = best {
+            let components = toml::strings(&components.iter().map(|&i| names[i]).collect::<Vec<_>>());
+            let toml = format!("[[prescribe]]\nset = \"{set}\"\ncomponents = {components}\nfixed = true\n");
+            let text =
+                format!("hold another place: `[[prescribe]] set = \"{set}\", components = {components}, fixed = true`");
+            return Some(Remedy { text, changes: vec![Change::Add { toml }] });
         }
     }
     None

@@ -53,11 +53,11 @@ impl fmt::Display for Diagnosis {
         writeln!(f, "diagnosis: {}", first.title())?;
         writeln!(f, "  where:  {}", first.place.text)?;
         if !self.what.is_empty() {
-            writeln!(f, "  what:   {}", line(&self.what))?;
+            writeln!(f, "  what:   {}", line(&self.what, WHAT))?;
         }
-        write!(f, "  cause:  {}", line(&first.sentence))?;
+        write!(f, "  cause:  {}", line(&first.sentence, LONGEST))?;
         for (k, remedy) in first.remedies.iter().take(MOST_REMEDIES).enumerate() {
-            write!(f, "\n  {} {}. {}", if k == 0 { "try:   " } else { "       " }, k + 1, line(&remedy.text))?;
+            write!(f, "\n  {} {}. {}", if k == 0 { "try:   " } else { "       " }, k + 1, line(&remedy.text, LONGEST))?;
         }
         for other in others.iter().filter(|other| other.confidence > Confidence::Low).take(MOST_OTHERS) {
             write!(f, "\n  or:     {}, {}", other.title(), other.place.text)?;
@@ -66,12 +66,13 @@ impl fmt::Display for Diagnosis {
     }
 }
 
-/// Most characters of a line.
+/// Most characters of a line, and of the error, which was told before.
 const LONGEST: usize = 400;
+const WHAT: usize = 140;
 
-fn line(text: &str) -> String {
+fn line(text: &str, longest: usize) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    match line.char_indices().nth(LONGEST) {
+    match line.char_indices().nth(longest) {
         Some((at, _)) => format!("{}...", &line[..at]),
         None => line,
     }

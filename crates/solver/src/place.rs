@@ -1,0 +1,23 @@
+//! Where something is in a model, in its numbers.
+
+use serde::{Deserialize, Serialize};
+
+/// Where something is in a model; what does not apply is `None`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Global number of a vector: a node, or the centre or a director of a rigid body.
+    pub node: Option<u32>,
+    /// Component of the position (0, 1, 2).
+    pub component: Option<u8>,
+    /// Number of a body in [`Model::bodies`] and of an element in it.
+    pub element: Option<(usize, usize)>,
+    /// Number of a pair in [`Model::contacts`] and of a slot of it.
+    pub slot: Option<(usize, usize)>,
+}
+
+impl Place {
+    /// A node.
+    pub(crate) fn of_node(node: u32) -> Self {
+        Self { node: Some(node), ..Self::default() }
+    }
+}
