@@ -14,6 +14,7 @@ pub mod paint;
 pub mod picture;
 pub mod plot;
 pub mod table;
+pub mod units;
 pub mod vtu;
 
 use std::path::Path;

@@ -39,6 +39,7 @@ mod string;
 mod support;
 mod sweep;
 mod tie;
+mod units;
 mod vector;
 mod watch;
 
@@ -54,7 +55,7 @@ pub use friction::{
     CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
     Sticking,
 };
-pub use general::{Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
+pub use general::{FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Time};
 pub use gravity::Gravity;
 pub use joint::{
     ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension,
@@ -78,6 +79,7 @@ pub use string::{ElasticString, PointMass};
 pub use support::{Support, SupportPer};
 pub use sweep::{Sweep, SweepRange, SweepValues};
 pub use tie::{Interface, Multipliers, Tie, TieForm};
+pub use units::{Dimension, Units};
 pub use watch::{OnFault, Verdict, Watch};
 
 #[cfg(feature = "schema")]

@@ -2,7 +2,7 @@
 
 use crate::build::{Built, OwnLaws, Schedule, build_with};
 use crate::output::{
-    Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, changed_by,
+    Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, UnitLabels, changed_by,
     contact_bodies, judge_start, promises,
 };
 use crate::scene::Scene;
@@ -109,6 +109,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         plan: plan_lines(&scene, &built),
         file: scene.file().to_owned(),
         scene: scene.text().to_owned(),
+        units: UnitLabels::new(&scene, &built.probes),
         ..Description::new(built.simulation.model(), &built.drawing)
     };
     let Built { mut simulation, schedule, joints, probes, warnings, contacts, mesh_files, drawing, .. } = built;

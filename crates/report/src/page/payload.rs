@@ -14,6 +14,7 @@ use super::shape::{Body, Shape};
 use super::tables::{self, Columns};
 use crate::Outcome;
 use crate::folder::Folder;
+use crate::units;
 use crate::vtu::Grid;
 
 /// Most numbers in the streams of a run: they fill 2 bytes each in a browser's memory. Beyond, frames are left out evenly.
@@ -56,6 +57,8 @@ struct Animation {
 struct Packed {
     #[serde(flatten)]
     field: Field,
+    /// Its unit, if it has one.
+    unit: Option<String>,
     /// Largest magnitude, see [`Scale::Root`]; nothing for [`Scale::Integer`].
     largest: Option<f64>,
     /// Smallest and largest value.
@@ -125,7 +128,11 @@ fn animation(folder: &Folder, arrays: &mut Vec<u8>, notes: &mut Vec<String>) -> 
         notes.push(format!("{}: one of {every} frames is shown, for there are many", folder.path().display()));
     }
     let streams = streams(folder, &shape, &fields, every, first, notes);
-    Some(packed(&streams, shape, fields, every, arrays))
+    let mut animation = packed(&streams, shape, fields, every, arrays);
+    for packed in &mut animation.fields {
+        packed.unit = units::of_field(folder, &packed.field.name());
+    }
+    Some(animation)
 }
 
 /// Reads the frames as far as they can be read.
@@ -212,7 +219,7 @@ fn packed(streams: &Streams, shape: Shape, fields: Vec<Field>, every: usize, arr
             Scale::Root { largest } => Some(largest),
             Scale::Integer => None,
         };
-        Packed { field, largest, range, stream: put(&mut |out| encode(&codes, nodes, out)) }
+        Packed { field, unit: None, largest, range, stream: put(&mut |out| encode(&codes, nodes, out)) }
     });
     let fields: Vec<Packed> = fields.filter(|packed| packed.range[0] <= packed.range[1]).collect();
     Animation {
