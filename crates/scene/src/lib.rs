@@ -9,7 +9,8 @@
 //!
 //! # How to add a key
 //! A documented field in the type, one line in the reader under `read/`, and a malformed scene in `tests/malformed.rs`. A
-//! new scheme, quantity, field or contact method is one line in its enumeration: reading, error messages and schema follow.
+//! new scheme, quantity, field or contact method is one line in its enumeration: reading, error messages and schema follow. A key that is renamed or removed gets a
+//! line in `read/old.rs`, and [`FORMAT`] grows.
 
 mod beam;
 mod body;
