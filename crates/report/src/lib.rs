@@ -19,6 +19,7 @@ pub mod picture;
 pub mod plot;
 pub mod sweep;
 pub mod table;
+pub mod units;
 pub mod values;
 pub mod vtu;
 

@@ -1,5 +1,6 @@
 //! The tables `[scene]`, `[time]` and `[solver]`.
 
+use crate::Units;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -57,7 +58,18 @@ pub struct Header {
     pub title: String,
     /// Dynamic or quasi-static.
     pub kind: Kind,
+    /// What the numbers are measured in: labels of tables, charts and pictures, and a warning where densities, moduli, sizes or gravity are unusual. Nothing is
+    /// converted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
+    /// Version of the scene format that the scene is written for, at most [`FORMAT`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub format: Option<u32>,
 }
+
+/// Version of the scene format that this program reads. It grows when a scene that was right means something else or is wrong: renamed and removed keys; not when
+/// keys are added.
+pub const FORMAT: u32 = 1;
 
 /// `[time]`: interval, step size, scheme and step control. Runs start at time zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,8 @@
 //!
 //! # How to add a key
 //! A documented field in the type, one line in the reader under `read/`, and a malformed scene in `tests/malformed.rs`. A
-//! new scheme, quantity, field or contact method is one line in its enumeration: reading, error messages and schema follow.
+//! new scheme, quantity, field or contact method is one line in its enumeration: reading, error messages and schema follow. A key that is renamed or removed gets a
+//! line in `read/old.rs`, and [`FORMAT`] grows.
 
 mod beam;
 mod body;
@@ -39,6 +40,7 @@ mod string;
 mod support;
 mod sweep;
 mod tie;
+mod units;
 mod vector;
 mod watch;
 
@@ -54,7 +56,9 @@ pub use friction::{
     CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
     Sticking,
 };
-pub use general::{Automatic, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time};
+pub use general::{
+    Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time,
+};
 pub use gravity::Gravity;
 pub use joint::{
     ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension,
@@ -81,6 +85,7 @@ pub use string::{ElasticString, PointMass};
 pub use support::{Support, SupportPer};
 pub use sweep::{Sweep, SweepRange, SweepValues};
 pub use tie::{Interface, Multipliers, Tie, TieForm};
+pub use units::{Dimension, Units};
 pub use watch::{OnFault, Verdict, Watch};
 
 #[cfg(feature = "schema")]

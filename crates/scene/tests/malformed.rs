@@ -130,6 +130,14 @@ const CASES: &[Case] = &[
     dynamic("\"Hollow ball on plate\"", "7", "title", "scene.title"),
     dynamic("[scene]\n", "[scene]\nauthor = \"x\"\n", "author", "scene.author"),
     dynamic("[output]", "[outputs]", "[outputs]", "outputs"),
+    dynamic("[scene]\n", "[scene]\nformat = 2\n", "format", "scene.format"),
+    dynamic("[scene]\n", "[scene]\nformat = 0\n", "format", "scene.format"),
+    dynamic("[scene]\n", "[scene]\nformat = \"new\"\n", "format", "scene.format"),
+    dynamic("[scene]\n", "[scene]\nunits = \"mm-kg-min\"\n", "units", "scene.units"),
+    dynamic("[scene]\n", "[scene]\nunits = 1\n", "units", "scene.units"),
+    // what was once
+    dynamic("method = \"nts\"", "method = \"nts\"\nnormals = \"averaged\"", "normals", "contact[0].normals"),
+    dynamic("method = \"nts\"", "method = \"nts\"\nsmoothing = 0.1", "smoothing", "contact[0].smoothing"),
     // [time]
     dynamic("step = 0.01", "step = 0.0", "step = 0.0", "time.step"),
     dynamic("step = 0.01", "step = -0.01", "step = -", "time.step"),
@@ -593,10 +601,27 @@ fn remedies_name_what_was_probably_meant() {
         ("master = \"plate.top\"", "master = \"plat.top\"", "did you mean `plate`"),
         ("generator = \"block\"", "generator = \"blok\"", "did you mean `block`"),
         ("\"energy-momentum\"", "\"bdf2\"", "`midpoint`"),
+        ("[output]", "[outputs]", "did you mean `output`"),
+        ("[scene]\n", "[scene]\nunits = \"mm-t\"\n", "did you mean `mm-t-s`"),
     ] {
         let errors = parse(&DYNAMIC.replacen(from, to, 1), "x.toml").unwrap_err();
         assert!(errors.problems().iter().any(|problem| problem.remedy.contains(hint)), "{errors}");
     }
+}
+
+#[test]
+fn old_keys_and_words_are_told_from_unknown_ones() {
+    for (to, message) in [
+        ("normals = \"averaged\"", "normals are the means of the facets"),
+        ("smoothing = 0.1", "slivers carry no pressure"),
+        ("constraint = \"one-sided\"", "mortar contact keeps the true gap"),
+        ("normal = \"averaged\"", "is an unknown key"),
+    ] {
+        let errors = parse(&DYNAMIC.replacen("constraint = \"modified\"", to, 1), "x.toml").unwrap_err();
+        assert!(errors.problems().iter().any(|problem| problem.message.contains(message)), "{errors}");
+    }
+    let newer = parse(&DYNAMIC.replacen("[scene]\n", "[scene]\nformat = 7\n", 1), "x.toml").unwrap_err();
+    assert!(newer.problems()[0].message.contains("newer than this program"), "{newer}");
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use crate::build::{Built, OwnLaws, Schedule, build_with};
 use crate::diagnosis::{Case, Cause, Confidence, Diagnosis};
 use crate::output::{
-    Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, Watched, changed_by,
-    contact_bodies, judge_start, promises,
+    Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, UnitLabels, Watched,
+    changed_by, contact_bodies, judge_start, promises,
 };
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -113,6 +113,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         plan: plan_lines(&scene, &built),
         file: scene.file().to_owned(),
         scene: scene.text().to_owned(),
+        units: UnitLabels::new(&scene, &built.probes),
         ..Description::new(built.simulation.model(), &built.drawing)
     };
     let watched = watched_bodies(&built);

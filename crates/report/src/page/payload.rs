@@ -17,6 +17,7 @@ use super::shape::{Body, Shape};
 use super::tables::{self, Columns};
 use crate::Outcome;
 use crate::folder::Folder;
+use crate::units;
 use crate::vtu::Grid;
 
 /// Most numbers in the streams of all runs: they fill 2 bytes each in a browser's memory. Beyond, frames are left out evenly.
@@ -59,6 +60,8 @@ struct Animation {
 struct Packed {
     #[serde(flatten)]
     field: Field,
+    /// Its unit, if it has one.
+    unit: Option<String>,
     /// Largest magnitude, see [`Scale::Root`]; nothing for [`Scale::Integer`].
     largest: Option<f64>,
     /// Smallest and largest value.
@@ -173,7 +176,14 @@ fn animation(
     }
     let numbers: Vec<usize> = (0..count - 1).step_by(every).chain([count - 1]).collect();
     cache.read(folder, &numbers, notes);
-    (!cache.stamps.is_empty()).then(|| packed(&cache.streams, &cache.shape, &cache.fields, every, arrays))
+    if cache.stamps.is_empty() {
+        return None;
+    }
+    let mut animation = packed(&cache.streams, &cache.shape, &cache.fields, every, arrays);
+    for packed in &mut animation.fields {
+        packed.unit = units::of_field(folder, &packed.field.name());
+    }
+    Some(animation)
 }
 
 fn stamp(folder: &Folder, frame: usize) -> Stamp {
@@ -269,7 +279,7 @@ fn packed(streams: &Streams, shape: &Shape, fields: &[Field], every: usize, arra
             Scale::Root { largest } => Some(largest),
             Scale::Integer => None,
         };
-        Packed { field: field.clone(), largest, range, stream: put(&mut |out| encode(&codes, nodes, out)) }
+        Packed { field: field.clone(), unit: None, largest, range, stream: put(&mut |out| encode(&codes, nodes, out)) }
     });
     let fields: Vec<Packed> = fields.filter(|packed| packed.range[0] <= packed.range[1]).collect();
     Animation {

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::Outcome;
 use crate::folder::Folder;
 use crate::table::Table;
+use crate::units;
 
 /// Rows that a chart of one run has at most, and those that each of many has at least: a screen has fewer columns of pixels.
 const ROWS: usize = 6000;
@@ -20,6 +21,8 @@ pub struct Columns {
     pub name: String,
     /// Names of the columns.
     pub names: Vec<String>,
+    /// Their units; empty for pure numbers and in runs without units.
+    pub units: Vec<String>,
     /// The columns; numbers that are not finite become `null`.
     pub values: Vec<Vec<f64>>,
     /// Rows before it was thinned.
@@ -45,13 +48,16 @@ fn one(folder: &Folder, name: &str, most: usize) -> Outcome<Option<Columns>> {
         "newton" => iterations(&table).map_err(|error| format!("{}: {error}", folder.path().join(&file).display()))?,
         _ => columns(&table),
     };
-    Ok(Some(thinned(Columns { name: name.to_owned(), ..table }, most)))
+    let unit = |column: &String| units::of_column(folder, name, column).unwrap_or_default();
+    let units = table.names.iter().map(unit).collect();
+    Ok(Some(thinned(Columns { name: name.to_owned(), units, ..table }, most)))
 }
 
 fn columns(table: &Table) -> Columns {
     // cannot fail: the names are the table's own.
     let values = table.names().iter().map(|name| table.column(name).map(<[f64]>::to_vec).unwrap_or_default());
-    Columns { name: String::new(), names: table.names().to_vec(), values: values.collect(), rows: table.rows() }
+    let names = table.names().to_vec();
+    Columns { name: String::new(), names, units: Vec::new(), values: values.collect(), rows: table.rows() }
 }
 
 /// Of each step the number of its last iteration and the residual there.
@@ -67,7 +73,7 @@ fn iterations(table: &Table) -> Result<Columns, String> {
         }
     }
     let names = ["step", "time", "iterations", "last residual"].map(str::to_owned).to_vec();
-    Ok(Columns { name: String::new(), names, rows: values[0].len(), values })
+    Ok(Columns { name: String::new(), names, units: Vec::new(), rows: values[0].len(), values })
 }
 
 /// Keeps at most `most` rows: the table is cut into parts of equal length, and of each part the first and the last row stay
@@ -109,7 +115,8 @@ mod tests {
         (wave[77_777], wave[12_345], wave[5]) = (40.0, -30.0, f64::NAN);
         let time: Vec<f64> = (0..rows).map(f64::from).collect();
         let names = vec!["time".to_owned(), "wave".to_owned()];
-        let table = Columns { name: "probes".into(), names, values: vec![time, wave], rows: rows as usize };
+        let table =
+            Columns { name: "probes".into(), names, units: Vec::new(), values: vec![time, wave], rows: rows as usize };
         let thin = thinned(table, 600);
         let (time, wave) = (&thin.values[0], &thin.values[1]);
         assert!(time.len() <= 600 && time.len() > 300 && thin.rows == 100_000);

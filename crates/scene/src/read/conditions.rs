@@ -95,9 +95,6 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let slave = named("slave", "slave = \"ball.outer\"", &side);
     let master = named("master", "master = \"plate.top\"", &master_side);
     let constraint = table.optional("constraint", |n| {
-        if n.text()? == "one-sided" {
-            return n.fail("is no constraint any more: mortar contact keeps the true gap, which needs none", "remove it");
-        }
         let constraint = n.choice(Constraint::NAMES, Constraint::from_name)?;
         if constraint != Constraint::Standard && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("is for dynamic scenes only", "use \"standard\", which closes the gap");

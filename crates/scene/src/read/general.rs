@@ -2,7 +2,9 @@
 
 use super::node::Node;
 use super::table::Table;
-use crate::{Automatic, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time};
+use crate::{
+    Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time, Units,
+};
 use std::collections::BTreeMap;
 use stoss_integrators::SCHEMES;
 
@@ -10,8 +12,18 @@ use stoss_integrators::SCHEMES;
 pub(super) fn header(table: &Table<'_>) -> (Option<Header>, Option<Kind>) {
     let title = table.required("title", "title = \"Ball on plate\"", Node::text);
     let kind = table.required("kind", "kind = \"dynamic\"", |n| n.choice(Kind::NAMES, Kind::from_name));
+    let units = table.optional("units", |n| n.choice(Units::NAMES, Units::from_name));
+    let format = table.optional("format", |n| {
+        let format = n.count()?;
+        if format > FORMAT {
+            let message = format!("is newer than this program, which reads scenes of the format {FORMAT}");
+            return n.fail(message, "use a newer version of Stoss, or write the scene for this format");
+        }
+        Some(format)
+    });
     table.finish();
-    (title.zip(kind).map(|(title, kind)| Header { title, kind }), kind)
+    let header = (|| Some(Header { title: title?, kind: kind?, units: units?, format: format? }))();
+    (header, kind)
 }
 
 /// More steps than this are a mistake in `step` or `end`.

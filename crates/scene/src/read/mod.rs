@@ -14,6 +14,7 @@ mod joint;
 mod material;
 mod mesh;
 mod node;
+mod old;
 mod parameters;
 mod prescribe;
 mod results;

@@ -2,6 +2,7 @@
 //!
 //! Every reader returns `None` after it has reported what is wrong, so that reading goes on and all problems are found.
 
+use super::old;
 use super::values::{self, Parameters};
 pub(super) use crate::names::known;
 use crate::source::{Source, element};
@@ -202,7 +203,10 @@ impl<'a> Node<'a> {
         };
         match from_name(name) {
             Some(value) => Some(value),
-            None => self.fail("is unknown", known(name, names.iter().copied())),
+            None => match old::word(&self.key, name) {
+                Some((message, remedy)) => self.fail(message, remedy),
+                None => self.fail("is unknown", known(name, names.iter().copied())),
+            },
         }
     }
 

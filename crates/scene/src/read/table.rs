@@ -1,6 +1,7 @@
 //! A table of the document: required and optional keys, and those that nobody asked for.
 
 use super::node::{Node, known};
+use super::old;
 use crate::source::join;
 use std::cell::{Cell, RefCell};
 use toml::de::{DeTable, DeValue};
@@ -154,8 +155,11 @@ impl<'a> Table<'a> {
                 let mut keys: Vec<&str> = known_keys.clone();
                 keys.sort_unstable();
                 keys.dedup();
-                let remedy = known(key.get_ref(), keys);
-                self.node.report.add(location, path, "", "is an unknown key".into(), remedy);
+                let (message, remedy) = match old::key(&path) {
+                    Some((message, remedy)) => (message, remedy.to_owned()),
+                    None => ("is an unknown key", known(key.get_ref(), keys)),
+                };
+                self.node.report.add(location, path, "", message.into(), remedy);
             }
         }
     }

@@ -27,6 +27,7 @@ mod overlap;
 mod pair;
 mod placed;
 mod plan;
+mod plausible;
 mod probe;
 mod schedule;
 mod sets;
@@ -156,6 +157,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         if problems.list.is_empty() {
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
         }
+        warnings.extend(plausible::warnings(scene, &model));
         warnings.extend(supports::warnings(scene, &model));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
         // Places in the model are known only if nothing was left out.

@@ -1,7 +1,10 @@
 //! `run.json`: what the other files do not say of a run and what people want to read beside its results.
 
 use super::{Drawing, OutputError};
+use crate::build::Probe;
+use crate::scene::{Dimension, Scene};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 use stoss_solver::Model;
 
@@ -16,6 +19,36 @@ pub struct Description {
     pub file: String,
     /// Text of the scene.
     pub scene: String,
+    /// Labels of the units, if the scene says what its numbers are measured in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<UnitLabels>,
+}
+
+/// The labels of a system of units.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct UnitLabels {
+    /// Name of the system, for instance `mm-t-s`.
+    pub system: String,
+    /// Labels by what a number measures: `length`, `stress` and the others of [`Dimension`].
+    pub labels: BTreeMap<String, String>,
+    /// Labels of the columns of `probes.csv`.
+    pub probes: BTreeMap<String, String>,
+}
+
+impl UnitLabels {
+    /// Of a scene and its probes; nothing if the scene names no units.
+    pub fn new(scene: &Scene, probes: &[Probe]) -> Option<Self> {
+        let units = scene.header.units?;
+        let dimensions = Dimension::NAMES.iter().filter_map(|name| Dimension::from_name(name));
+        let labels = dimensions.map(|dimension| (dimension.name().to_owned(), units.label(dimension))).collect();
+        // The number of a node has none.
+        let columns = probes.iter().flat_map(|probe| {
+            let label = units.label(probe.quantity.dimension());
+            let columns = probe.columns().into_iter().filter(|column| !column.ends_with(".node"));
+            columns.map(move |column| (column, label.clone()))
+        });
+        Some(Self { system: units.name().to_owned(), labels, probes: columns.collect() })
+    }
 }
 
 impl Description {

@@ -12,7 +12,7 @@ const WITHOUT_INFLUENCE: [&str; 5] = ["output", "watch", "expect", "parameters",
 /// How many differences are named.
 const NAMED: usize = 5;
 
-/// Version, parsed scene and mesh files; comments, title, end, probes on which no event depends, `[output]`, `[watch]` and `[expect]` are left out.
+/// Version, parsed scene and mesh files; comments, title, units, end, probes on which no event depends, `[output]`, `[watch]` and `[expect]` are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneIdentity {
     version: String,
@@ -29,11 +29,15 @@ impl SceneIdentity {
     pub fn new(scene: &Scene, meshes: &[Vec<u8>]) -> Result<Self, serde_json::Error> {
         let mut value = serde_json::to_value(scene)?;
         if let Value::Object(tables) = &mut value {
+            let parameters = parameters_of_sets(scene, tables);
             for table in WITHOUT_INFLUENCE {
                 tables.remove(table);
             }
+            tables.extend(parameters.map(|parameters| ("parameters".to_owned(), parameters)));
             keep_probes_of_events(tables);
-            remove(tables, "scene", "title");
+            for label in ["title", "units", "format"] {
+                remove(tables, "scene", label);
+            }
             remove(tables, "time", "end");
             remove_unused_sets(tables);
         }
@@ -95,8 +99,29 @@ fn keep_probes_of_events(tables: &mut Map<String, Value>) {
     }
 }
 
-/// Sets that only other probes name have no influence.
+/// The parameters that expressions over sets name: those of numbers are in the numbers.
+fn parameters_of_sets(scene: &Scene, tables: &Map<String, Value>) -> Option<Value> {
+    let texts: Vec<&str> = scene.set_expressions().iter().map(|set| set.region.text.as_str()).collect();
+    let words = |text: &str, name: &str| text.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|w| w == name);
+    let parameters = tables.get("parameters")?.as_object()?.iter();
+    let named = parameters.filter(|(name, _)| texts.iter().any(|text| words(text, name)));
+    let named: Map<String, Value> = named.map(|(name, value)| (name.clone(), value.clone())).collect();
+    (!named.is_empty()).then_some(Value::Object(named))
+}
+
+/// Sets that nothing or only other probes name have no influence.
 fn remove_unused_sets(tables: &mut Map<String, Value>) {
+    if let Some(Value::Object(sets)) = tables.remove("sets") {
+        let used = |name: &str| {
+            names(&Value::Object(tables.clone()), name)
+                || sets.iter().any(|(other, text)| other != name && names(text, name))
+        };
+        let kept: Map<String, Value> =
+            sets.iter().filter(|(name, _)| used(name)).map(|(name, text)| (name.clone(), text.clone())).collect();
+        if !kept.is_empty() {
+            tables.insert("sets".to_owned(), Value::Object(kept));
+        }
+    }
     let Some(Value::Array(mut sets)) = tables.remove("set") else { return };
     let rest = Value::Object(tables.clone());
     sets.retain(|set| set.get("name").and_then(Value::as_str).is_none_or(|name| names(&rest, name)));
@@ -105,10 +130,10 @@ fn remove_unused_sets(tables: &mut Map<String, Value>) {
     }
 }
 
-/// Whether a text stands anywhere in a value.
+/// Whether a text stands anywhere in a value, also as part of an expression.
 fn names(value: &Value, text: &str) -> bool {
     match value {
-        Value::String(found) => found == text,
+        Value::String(found) => found.contains(text),
         Value::Array(list) => list.iter().any(|value| names(value, text)),
         Value::Object(table) => table.values().any(|value| names(value, text)),
         _ => false,

@@ -23,7 +23,7 @@ pub use crate::build::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
 mod tests;
 
 pub use crate::error::OutputError;
-pub use description::Description;
+pub use description::{Description, UnitLabels};
 pub use drift::Drift;
 pub use earlier::Overwrite;
 pub use folder::{FolderSettings, ResultFolder};

@@ -45,7 +45,7 @@ class App {
     const level = run.summary?.verdict?.level ?? 'no verdict';
     Object.assign(byId('verdict'), { textContent: level, className: `badge ${level}`, onclick: () => this.panels.open('Verdict') });
     const s = run.summary;
-    byId('facts').textContent = s ? `${run.name} · ${ending(s)} · ${s.steps} steps to t = ${text(s.time)} · ${text(s.wall_seconds)} s` : run.name;
+    byId('facts').textContent = s ? `${run.name} · ${ending(s)} · ${s.steps} steps to t = ${text(s.time)}${after(unitOf(run, 'time'))} · ${text(s.wall_seconds)} s` : run.name;
     this.panels.setRun(run);
     this.place = null;
     this.pick(null);
@@ -206,7 +206,7 @@ class App {
       this.viewer.time = Math.min(Math.max(time, first), last);
       Object.assign(byId('scrub'), { min: first, max: last, value: this.viewer.time });
       const { frame } = this.viewer.moment();
-      byId('now').textContent = `t = ${text(this.viewer.time)}  (${frame + 1}/${this.run.animation.times.length})`;
+      byId('now').textContent = `t = ${text(this.viewer.time)}${after(unitOf(this.run, 'time'))}  (${frame + 1}/${this.run.animation.times.length})`;
     }
     this.panels.setTime(time);
     this.redraw();
@@ -231,8 +231,8 @@ class App {
       const field = animation.fields[Math.max(this.viewer.show.field, 0)];
       const values = valuesOf(field);
       const y = animation.times.map((_, frame) => values[frame * animation.nodes + node.node]).map((v) => (Number.isNaN(v) ? null : v));
-      const series = [{ name: field.label, x: animation.times, y, colour: COLOURS[0] }];
-      this.panels.node({ title: this.nameOf(node), series });
+      const series = [{ name: withUnit(field.label, field.unit), x: animation.times, y, colour: COLOURS[0] }];
+      this.panels.node({ title: this.nameOf(node), series, unit: unitOf(this.run, 'time') });
     }
     this.redraw();
   }
@@ -265,10 +265,10 @@ class App {
     byId('bar').classList.toggle('off', !field);
     if (!field) return;
     const [low, high] = this.viewer.range();
-    const key = [field.label, low, high].join();
+    const key = [field.label, field.unit, low, high].join();
     if (key === this.barKey) return;
     this.barKey = key;
-    byId('bar-name').textContent = field.label;
+    byId('bar-name').textContent = withUnit(field.label, field.unit);
     const canvas = byId('bar-colours');
     Object.assign(canvas, { width: 1, height: 256 });
     const pen = canvas.getContext('2d');
@@ -289,8 +289,9 @@ class App {
     const { node } = this.picked;
     const place = this.viewer.place(node);
     const move = subtract(place, placeOf(this.run.animation, 0, node));
-    const rows = [['position', place.map(text).join('  ')], ['displacement', move.map(text).join('  ')]];
-    for (const field of this.run.animation.fields.slice(1)) rows.push([field.label, text(this.viewer.value(field, node))]);
+    const length = unitOf(this.run, 'length');
+    const rows = [[withUnit('position', length), place.map(text).join('  ')], [withUnit('displacement', length), move.map(text).join('  ')]];
+    for (const field of this.run.animation.fields.slice(1)) rows.push([withUnit(field.label, field.unit), text(this.viewer.value(field, node))]);
     byId('picked').replaceChildren(element('b', { textContent: this.nameOf(this.picked) }), table(rows));
   }
 

@@ -45,13 +45,13 @@ function placeIn(list, value) {
 /**
  * A chart.
  *
- * `least`: length that the vertical axis has at least, so that round-off looks like what it is.
+ * `unit`: that of the time. `least`: length that the vertical axis has at least, so that round-off looks like what it is.
  * `series`: lists of `{ name, x, y, colour, dash }`, gaps where `y` is null. `marks`: `{ x, text, colour }`, short lines at the bottom whose text is shown
  * when the pointer is near. `over`: what the horizontal axis has, if not the time. Lines with `hasDots` show their points. `seek(time)` is called for a click. A drag shows a part of the time, a double click all of it.
  */
 class Chart {
-  constructor(parent, { title, series, isLog = false, marks = [], least = 0, over = null }, seek) {
-    Object.assign(this, { title, series, isLog, marks, least, over, seek, hidden: new Set(), span: null });
+  constructor(parent, { title, series, isLog = false, marks = [], least = 0, unit = '', over = null }, seek) {
+    Object.assign(this, { title, series, isLog, marks, least, unit, over, seek, hidden: new Set(), span: null });
     this.box = element('figure', { className: 'chart' });
     this.legend = element('figcaption', {}, [element('b', { textContent: isLog ? `${title} (log)` : title })]);
     this.canvas = element('canvas');
@@ -209,9 +209,11 @@ class Chart {
     }
     pen.textAlign = 'center';
     pen.textBaseline = 'top';
-    for (const x of ticks(left, right, Math.max(2, width / 90))) {
+    const times = ticks(left, right, Math.max(2, width / 90));
+    for (const x of times) {
       line(pen, [[X(x), height - MARGIN.bottom], [X(x), height - MARGIN.bottom + 4]]);
-      pen.fillText(tickText(x, right - left), X(x), height - MARGIN.bottom + 6);
+      const unit = this.unit && x === times[times.length - 1] ? ` ${this.unit}` : '';
+      pen.fillText(tickText(x, right - left) + unit, X(x), height - MARGIN.bottom + 6);
     }
   }
 

@@ -31,7 +31,9 @@ function curvesOf(run) {
     const x = column(table, 'time');
     const lines = names.map((name) => ({ name: nameOf(name), x, y: column(table, name) }));
     const moving = lines.filter(({ y }) => y && y.some((value) => value !== null && value !== 0));
-    if (x?.length && moving.length) charts.push({ group, title, lines: moving, ...more });
+    const units = names.map((found) => table.units?.[table.names.indexOf(found)]).filter((unit) => unit !== undefined);
+    const unit = units.every((other) => other === units[0]) ? units[0] : '';
+    if (x?.length && moving.length) charts.push({ group, title: withUnit(title, unit), lines: moving, ...more });
   };
   const { balance, newton, contact, probes, joints, watch } = tables;
   if (balance) {
@@ -54,6 +56,7 @@ function curvesOf(run) {
     for (const [title, names] of together(joints)) put('Joints', title.replace(/[.]([a-z]+)$/, (_, end) => JOINT[end] ?? `.${end}`), joints, names);
   }
   if (watch) for (const [title, names] of WATCH) put('Watch', title, watch, names);
+  for (const chart of charts) chart.unit = unitOf(run, 'time');
   // A run that failed in its first step has no line of some.
   return charts.filter(({ lines }) => lines.some(({ x }) => x.length));
 }
@@ -115,7 +118,7 @@ function stepSize(run, balance) {
   const y = dt.flatMap((step, k) => (k ? [step, step] : []));
   const steps = dt.filter((step) => step > 0);
   const isLog = steps.reduce((a, b) => Math.max(a, b), 0) > 20 * steps.reduce((a, b) => Math.min(a, b), Infinity);
-  return { group: 'Solver', title: 'Step size', lines: [{ name: 'step', x, y }], isLog, marks: decisions(run) };
+  return { group: 'Solver', title: withUnit('Step size', unitOf(run, 'time')), lines: [{ name: 'step', x, y }], isLog, marks: decisions(run) };
 }
 
 /** Size of the change of momenta and energy. */

@@ -16,9 +16,24 @@ async function unpack(base64) {
     }
     animation.positions = interleaved(decode(at(animation.positions), 3 * animation.nodes), animation.nodes);
     for (const field of animation.fields) field.codes = decode(at(field.stream), animation.nodes);
-    animation.fields.unshift(displacement(animation));
+    animation.fields.unshift({ ...displacement(animation), unit: unitOf(run, 'length') });
   }
   return run;
+}
+
+/** The unit of what a number measures, if the run has units. */
+function unitOf(run, dimension) {
+  return run.run?.units?.labels?.[dimension];
+}
+
+/** A name with its unit behind it, if there is one. */
+function withUnit(name, unit) {
+  return unit ? `${name} [${unit}]` : name;
+}
+
+/** A unit behind a number. */
+function after(unit) {
+  return unit ? ` ${unit}` : '';
 }
 
 function bytesOf(base64) {

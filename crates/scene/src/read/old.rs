@@ -1,0 +1,63 @@
+//! Keys and words that scenes once had. An error says what replaces them, instead of that they are unknown.
+//!
+//! Who renames or removes a key, or a word that a key may have, adds a line here.
+
+/// A key that is no more, or a word that a key may not have any more.
+struct Old {
+    /// Path of the key without numbers of elements.
+    key: &'static str,
+    /// The word; `None` if the key itself is no more.
+    word: Option<&'static str>,
+    message: &'static str,
+    remedy: &'static str,
+}
+
+const OLD: [Old; 3] = [
+    Old {
+        key: "contact.normals",
+        word: None,
+        message: "is no key any more: normals are the means of the facets around a node, on each side of a sharp edge",
+        remedy: "remove it",
+    },
+    Old {
+        key: "contact.smoothing",
+        word: None,
+        message: "is no key any more: the weighted gap follows the facets, and slivers carry no pressure",
+        remedy: "remove it",
+    },
+    Old {
+        key: "contact.constraint",
+        word: Some("one-sided"),
+        message: "is no constraint any more: mortar contact keeps the true gap, which needs none",
+        remedy: "remove it",
+    },
+];
+
+/// Message and remedy for a key that is no more.
+pub(super) fn key(path: &str) -> Option<(&'static str, &'static str)> {
+    find(path, None)
+}
+
+/// Message and remedy for a word that a key may not have any more.
+pub(super) fn word(path: &str, word: &str) -> Option<(&'static str, &'static str)> {
+    find(path, Some(word))
+}
+
+fn find(path: &str, word: Option<&str>) -> Option<(&'static str, &'static str)> {
+    // `contact[3].normals` is `contact.normals`.
+    let path: String = path.split('[').map(|piece| piece.split_once(']').map_or(piece, |(_, rest)| rest)).collect();
+    OLD.iter().find(|old| old.key == path && old.word == word).map(|old| (old.message, old.remedy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_compared_without_numbers() {
+        assert!(key("contact[12].normals").is_some() && key("contact.normals").is_some());
+        assert!(key("contact[1]").is_none() && key("tie[0].normals").is_none() && key("").is_none());
+        assert!(word("contact[0].constraint", "one-sided").is_some());
+        assert!(word("contact[0].constraint", "standard").is_none() && key("contact[0].constraint").is_none());
+    }
+}
