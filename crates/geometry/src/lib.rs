@@ -12,11 +12,13 @@ mod aabb;
 mod closest;
 mod patch;
 mod polynomial;
+mod primitive_distance;
 mod project;
 mod tree;
 
 pub use aabb::Aabb;
 pub use closest::{ClosestPoint, PatchFeature};
 pub use patch::{Patch, SurfaceFrame};
+pub use primitive_distance::{ClosestPair, FreeDirections, PairFeature, PairKind, closest, combine};
 pub use project::Projection;
 pub use tree::BoundingVolumeTree;
