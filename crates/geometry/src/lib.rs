@@ -9,6 +9,7 @@
 //! * [`Aabb`], [`BoundingVolumeTree`]: boxes, overlap and nearest-first queries without allocation.
 
 mod aabb;
+mod advancement;
 mod closest;
 mod patch;
 mod polynomial;
@@ -17,6 +18,7 @@ mod project;
 mod tree;
 
 pub use aabb::Aabb;
+pub use advancement::safe_fraction;
 pub use closest::{ClosestPoint, PatchFeature};
 pub use patch::{Patch, SurfaceFrame};
 pub use primitive_distance::{ClosestPair, FreeDirections, PairFeature, PairKind, closest, combine};

@@ -5,3 +5,6 @@ mod exact;
 
 #[path = "primitives/distance.rs"]
 mod distance;
+
+#[path = "primitives/advancement.rs"]
+mod advancement;
