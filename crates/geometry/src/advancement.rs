@@ -81,8 +81,9 @@ impl Advance {
             if evaluation == 1 {
                 limit = keep * distance;
             }
-            // Also where something is not a number.
-            if !(distance - limit > self.round_off.max(CLOSE_ENOUGH * limit)) {
+            let is_far = distance - limit > self.round_off.max(CLOSE_ENOUGH * limit);
+            // Not far: also where something is not a number.
+            if !is_far {
                 return (t, evaluation);
             }
             let rest = 1.0 - t;
@@ -100,7 +101,7 @@ impl Advance {
             if advance >= rest {
                 return (1.0, evaluation);
             }
-            if !(t + advance > t) {
+            if t + advance == t {
                 return (t, evaluation);
             }
             t += advance;
@@ -114,7 +115,8 @@ impl Advance {
         for (i, j) in self.corners() {
             let room = normal.dot(&(x[i] - x[j])) - limit - self.round_off;
             let speed = normal.dot(&(self.increment[j] - self.increment[i]));
-            if !(room > 0.0) {
+            // `room` is not a number where there is no normal.
+            if room <= 0.0 || room.is_nan() {
                 return 0.0;
             }
             if speed > 0.0 {
@@ -155,7 +157,7 @@ impl Advance {
         while !holds(time) {
             time *= 0.5;
             halvings += 1;
-            if !(time > enough) || halvings == HALVINGS {
+            if time <= enough || halvings == HALVINGS {
                 return 0.0;
             }
         }

@@ -239,8 +239,8 @@ fn across(v: &Vector3<f64>, u: &Vector3<f64>) -> Vector3<f64> {
 fn plane_minimum(w: &Vector3<f64>, u: &Vector3<f64>, v: &Vector3<f64>) -> Option<(f64, f64, f64)> {
     let h = across(v, u);
     let (hh, vv) = (h.norm_squared(), v.norm_squared());
-    // Not a number if `u` is zero, and then not greater.
-    if !(hh > PARALLEL * vv) {
+    // Not a number if `u` is zero.
+    if hh <= PARALLEL * vv || hh.is_nan() {
         return None;
     }
     let t = w.dot(&h) / hh;

@@ -1,7 +1,7 @@
 //! Collision detection against exact arithmetic: no contact before the end of the safe part, and no distance below what is kept.
 //!
 //! Contacts happen where a polynomial of the time vanishes: the volume of the four points; if that is zero at all times, the areas that a vertex spans with an edge; if
-//! a pair is collinear at all times, differences of coordinates. All places where one may vanish are isolated on intervals of length `2^-60` by exact subdivision in the Bernstein
+//! a pair is collinear at all times, differences of coordinates. All places where one may vanish are isolated on intervals of length `2^-48` by exact subdivision in the Bernstein
 //! basis (tangential zeros included), and the exact distance there is compared with what is kept.
 
 use crate::exact::{self, Fraction, Point};
@@ -13,7 +13,7 @@ use stoss_geometry::{PairKind, closest, combine, safe_fraction};
 type Points = [Vector3<f64>; 4];
 
 /// Depth of subdivision: intervals of length `2^-DEPTH`.
-const DEPTH: usize = 60;
+const DEPTH: usize = 48;
 
 /// The distance kept, `1/8` of the start, and what round-off may take of it in the comparison: nothing.
 const KEEP: f64 = 0.125;
