@@ -1,4 +1,4 @@
-//! Patches of facets, closest-point projection, boxes and a bounding-volume tree.
+//! Patches of facets, closest-point projection, pairs of primitives, boxes and a bounding-volume tree.
 //!
 //! This crate is pure geometry in three dimensions and `f64`: it knows no mesh, no body and no contact. Lengths are in the
 //! caller's unit; convective coordinates are free of units and run over
@@ -6,17 +6,26 @@
 //!
 //! * [`Patch`]: a facet, bilinear or a triangle, with its tangents, metric and curvature; projection on the extended patch and the
 //!   closest point on the closed patch;
-//! * [`Aabb`], [`BoundingVolumeTree`]: boxes, overlap and nearest-first queries without allocation.
+//! * [`closest`]: distance of vertices, edges and triangles, with the weights of the closest points; [`safe_fraction`]: how far
+//!   a pair of them may move without contact;
+//! * [`Aabb`], [`BoundingVolumeTree`]: boxes, overlap and nearest-first queries without allocation; [`CandidateSearch`]: which
+//!   vertices, triangles and edges may come near each other in a step.
 
 mod aabb;
+mod advancement;
+mod candidates;
 mod closest;
 mod patch;
 mod polynomial;
+mod primitive_distance;
 mod project;
 mod tree;
 
 pub use aabb::Aabb;
+pub use advancement::safe_fraction;
+pub use candidates::{CandidatePair, CandidateSearch, edges_of};
 pub use closest::{ClosestPoint, PatchFeature};
 pub use patch::{Patch, SurfaceFrame};
+pub use primitive_distance::{ClosestPair, FreeDirections, PairFeature, PairKind, closest, combine};
 pub use project::Projection;
 pub use tree::BoundingVolumeTree;

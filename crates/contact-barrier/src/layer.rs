@@ -1,0 +1,150 @@
+//! The barrier: energy of an elastic layer on the surfaces as a function of the squared distance.
+
+/// An elastic layer of thickness `h` and modulus `kappa`, `docs/theory/barrier.md` (9):
+///
+/// `psi(D) = kappa h 3/5 (1 - y)^3 / y`, `y = sqrt(D)/h`, for `0 < y < 1`; zero from `y = 1` on.
+///
+/// An energy an area (`kappa` a pressure, `h` a length, `D` a squared length). It is convex in `D`, falls, has two continuous derivatives at `y = 1`, and is infinite at `D = 0`, in all of which functions are infinite or not a number.
+/// Its pressure is `-dpsi/dsqrt(D) = kappa 3/5 (1 - y)^2 (1 + 2 y) / y^2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    modulus: f64,
+    thickness: f64,
+}
+
+impl Layer {
+    /// A layer of a positive modulus (a pressure) and a positive thickness (a length).
+    pub const fn new(modulus: f64, thickness: f64) -> Self {
+        Self { modulus, thickness }
+    }
+
+    /// Distance from which on nothing acts.
+    pub const fn thickness(&self) -> f64 {
+        self.thickness
+    }
+
+    /// Whether a pair at a squared distance feels the layer.
+    pub fn is_inside(&self, distance_squared: f64) -> bool {
+        distance_squared < self.thickness * self.thickness
+    }
+
+    /// `psi`, `psi' <= 0` and `psi'' >= 0`, derivatives with respect to the squared distance.
+    pub fn evaluate(&self, distance_squared: f64) -> [f64; 3] {
+        if !self.is_inside(distance_squared) {
+            return [0.0; 3];
+        }
+        let (h, stiffness) = (self.thickness, 0.6 * self.modulus);
+        let y = distance_squared.sqrt() / h;
+        let a = 1.0 - y;
+        let energy = stiffness * h * a * a * a / y;
+        // d/dD = 1/(2 h^2 y) d/dy.
+        let first = -stiffness / (2.0 * h) * a * a * (1.0 + 2.0 * y) / (y * y * y);
+        let second = stiffness / (4.0 * h * h * h) * 3.0 * a * (1.0 + y) / (y * y * y * y * y);
+        [energy, first, second]
+    }
+
+    /// The divided difference `b = (psi(D_np1) - psi(D_n)) / (D_np1 - D_n) <= 0` and `db/dD_np1 >= 0`, `docs/theory/barrier.md` (10).
+    ///
+    /// `psi` is a rational function of `y`, so the difference divides out: with `a = 1 - y` at both ends
+    /// `b = -3/5 kappa/h (a_n^2 y_np1 + a_np1^2 y_n + a_n a_np1) / (y_n y_np1 (y_n + y_np1))`, a sum of terms of one sign. Nothing cancels, however small the step.
+    pub fn divided_difference(&self, distance_squared_n: f64, distance_squared_np1: f64) -> [f64; 2] {
+        let h_squared = self.thickness * self.thickness;
+        let change = distance_squared_np1 - distance_squared_n;
+        match (self.is_inside(distance_squared_n), self.is_inside(distance_squared_np1)) {
+            (false, false) => [0.0; 2],
+            (true, true) => self.inside(distance_squared_n, distance_squared_np1),
+            // One end is outside: the difference up to the edge of the layer, times the part of the way that is inside.
+            (true, false) => {
+                let [b, _] = self.inside(distance_squared_n, h_squared);
+                let part = (h_squared - distance_squared_n) / change;
+                [b * part, -b * part / change]
+            }
+            (false, true) => {
+                let [b, db] = self.inside(h_squared, distance_squared_np1);
+                let part = (distance_squared_np1 - h_squared) / change;
+                [b * part, db * part + b * ((distance_squared_n - h_squared) / change) / -change]
+            }
+        }
+    }
+
+    /// The divided difference of two ends that are inside or at the edge.
+    fn inside(&self, distance_squared_n: f64, distance_squared_np1: f64) -> [f64; 2] {
+        let h = self.thickness;
+        let (y_n, y) = (distance_squared_n.sqrt() / h, distance_squared_np1.sqrt() / h);
+        let (a_n, a) = (1.0 - y_n, 1.0 - y);
+        let scale = 0.6 * self.modulus / h;
+        let numerator = a_n * a_n * y + a * a * y_n + a_n * a;
+        let denominator = y_n * y * (y_n + y);
+        // -d(numerator)/dy and d(denominator)/dy, none of them negative.
+        let (falls, grows) = (y_n * (a_n + 2.0 * a), y_n * (y_n + 2.0 * y));
+        let slope = (falls + numerator * grows / denominator) / denominator;
+        [-scale * numerator / denominator, scale * slope / (2.0 * h * h * y)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const LAYER: Layer = Layer::new(3.0, 0.25);
+
+    fn squared_distance() -> impl Strategy<Value = f64> {
+        (0.01..1.5f64).prop_map(|y| (0.25 * y) * (0.25 * y))
+    }
+
+    proptest! {
+        #[test]
+        fn derivatives_are_those_of_the_energy(d in squared_distance()) {
+            let s = 1e-5 * d;
+            prop_assume!((d - 0.0625).abs() > 2.0 * s);
+            let ([_, first, second], [before, first_before, _], [after, first_after, _]) =
+                (LAYER.evaluate(d), LAYER.evaluate(d - s), LAYER.evaluate(d + s));
+            // Derivatives vanish at the edge like powers of 1 - y; the error of the differences falls more slowly.
+            let edge = 1.0 / (1.0 - d.sqrt() / 0.25).abs();
+            let round_off = 1e-15 * before * edge / s;
+            prop_assert!(((after - before) / (2.0 * s) - first).abs() <= 1e-8 * edge * edge * first.abs() + round_off);
+            let round_off = 1e-15 * first_before.abs() * edge / s;
+            prop_assert!(((first_after - first_before) / (2.0 * s) - second).abs() <= 1e-8 * edge * edge * second + round_off);
+            prop_assert!(first <= 0.0 && second >= 0.0);
+        }
+
+        #[test]
+        fn the_divided_difference_is_one(d_n in squared_distance(), d in squared_distance()) {
+            let [b, db] = LAYER.divided_difference(d_n, d);
+            let (v_n, v) = (LAYER.evaluate(d_n)[0], LAYER.evaluate(d)[0]);
+            prop_assert!((b * (d - d_n) - (v - v_n)).abs() <= 1e-14 * v_n.max(v));
+            prop_assert!(b <= 0.0 && db >= 0.0);
+            // Symmetric in the ends.
+            let [swapped, _] = LAYER.divided_difference(d, d_n);
+            prop_assert!((swapped - b).abs() <= 1e-14 * b.abs());
+            let s = 1e-5 * d;
+            prop_assume!((d - 0.0625).abs() > 2.0 * s && (d - d_n).abs() > 2.0 * s);
+            let (before, after) = (LAYER.divided_difference(d_n, d - s)[0], LAYER.divided_difference(d_n, d + s)[0]);
+            // The error of the differences has the third derivative, and the distances to the other end and to the edge in its scale.
+            let scale = (d / (d - d_n)).powi(2).max((d / (d - 0.0625)).powi(2)).max(1.0);
+            prop_assert!(((after - before) / (2.0 * s) - db).abs() <= 1e-9 * scale * db + 1e-14 * b.abs() / s);
+        }
+
+        #[test]
+        fn small_steps_have_no_noise(d in (0.01..0.99f64).prop_map(|y| (0.25 * y) * (0.25 * y)), exponent in -16.0..-6.0f64) {
+            let change = d * 10f64.powf(exponent);
+            let [_, first, second] = LAYER.evaluate(d);
+            let [b, db] = LAYER.divided_difference(d, d + change);
+            // b = psi' + psi''/2 change + ..., db = psi''/2 + ...; relative to 1 - y, by which psi' vanishes at the edge.
+            let edge = 1.0 / (1.0 - d.sqrt() / 0.25);
+            prop_assert!((b - first - 0.5 * second * change).abs() <= (1e-14 + change / d * change / d * 100.0 * edge * edge) * edge * edge * first.abs());
+            prop_assert!((db - 0.5 * second).abs() <= (1e-14 + 100.0 * change / d * edge) * edge * second);
+        }
+    }
+
+    #[test]
+    fn closed_values() {
+        // y = 1/2: psi = kappa h 3/5 / 4, pressure = kappa 3/5 2; dpsi/dD = -pressure / (2 sqrt D).
+        let [energy, first, _] = LAYER.evaluate(0.125 * 0.125);
+        assert!((energy - 3.0 * 0.25 * 0.15).abs() < 1e-15);
+        assert!((first + 3.0 * 1.2 / 0.25).abs() < 1e-13);
+        assert_eq!(LAYER.evaluate(0.0625), [0.0; 3]);
+        assert_eq!(LAYER.divided_difference(0.0625, 0.07), [0.0; 2]);
+    }
+}

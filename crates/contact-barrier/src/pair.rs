@@ -1,0 +1,280 @@
+//! The force of one pair: between two states with exactly the work of its energy, or at one state.
+
+use crate::parallel::Crossing;
+use crate::sensitivity::Sensitivity;
+use crate::{Layer, Parallel};
+use nalgebra::{Matrix3, Vector3};
+use stoss_geometry::{ClosestPair, PairKind, closest, combine};
+
+/// Derivative of a pair's gradient: row `3 i + k` is component `k` of point `i`, column `3 j + l` component `l` of point `j`.
+pub type Tangent = [[f64; 12]; 12];
+
+/// A pair as a term of the energy: `V = w m psi(D)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairTerm {
+    /// What the primitives are.
+    pub kind: PairKind,
+    /// Weight `w`, an area.
+    pub weight: f64,
+    /// The factor `m` of two edges; none for other kinds, and `m = 1`.
+    pub parallel: Option<Parallel>,
+}
+
+/// Energy and gradient of a pair, to be added to a residual; the force on point `i` is `-gradient[i]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairForce {
+    /// Gradient, or discrete gradient, by the positions of the four points.
+    pub gradient: [Vector3<f64>; 4],
+    /// Energy at the (end) state.
+    pub energy: f64,
+}
+
+/// Relative to the squared distances: the part of `e_n`, `e_np1` that decides between the two patterns where both are zero.
+const BALANCE: f64 = 1e-20;
+
+/// Below this part of the squared distances `e_n + e_np1` is round-off, and the patterns are the same to half of the digits: the balance has no derivative.
+const SAME_PATTERN: f64 = 1e-18;
+
+impl PairTerm {
+    /// Energy, gradient and, if asked for, second derivative (symmetric) of the pair at one state: statics and backward Euler.
+    ///
+    /// `x` are the points in the order of the kind. All is zero outside of the layer; inside, `D` must be positive.
+    pub fn at_state(&self, layer: &Layer, x: &[Vector3<f64>; 4], tangent: Option<&mut Tangent>) -> PairForce {
+        let pair = closest(self.kind, x);
+        let mut force = PairForce { gradient: [Vector3::zeros(); 4], energy: 0.0 };
+        if !layer.is_inside(pair.distance_squared) {
+            fill(tangent, |_, _| Matrix3::zeros());
+            return force;
+        }
+        let (c, r) = (pair.weights, combine(&pair.weights, x));
+        let [psi, slope, curvature] = layer.evaluate(pair.distance_squared);
+        let (m, state) = self.parallel.map_or((1.0, None), |p| p.at_state(&Crossing::new(x)));
+        let m_gradient = state.as_ref().map_or([Vector3::zeros(); 4], |s| s.gradient);
+        let d_gradient = c.map(|c| r * (2.0 * c));
+        force.energy = self.weight * m * psi;
+        for i in 0..4 {
+            force.gradient[i] = (d_gradient[i] * (m * slope) + m_gradient[i] * psi) * self.weight;
+        }
+        if tangent.is_some() {
+            let along = Sensitivity::new(&pair, x, &r);
+            fill(tangent, |i, j| {
+                let mut second = Matrix3::identity() * (2.0 * c[i] * c[j]);
+                for a in 0..along.count {
+                    second +=
+                        (along.tangents[a] * c[i] + r * along.directions[a][i]) * (along.moves[a][j] * 2.0).transpose();
+                }
+                let mut block = (d_gradient[i] * d_gradient[j].transpose() * curvature + second * slope) * m;
+                if let Some(state) = &state {
+                    block +=
+                        (d_gradient[i] * m_gradient[j].transpose() + m_gradient[i] * d_gradient[j].transpose()) * slope;
+                    block += state.hessian(i, j) * psi;
+                }
+                block * self.weight
+            });
+        }
+        force
+    }
+}
+
+/// A pair at the start of a step: what its forces need of there.
+#[derive(Clone, Copy, Debug)]
+pub struct PairStart {
+    term: PairTerm,
+    layer: Layer,
+    x: [Vector3<f64>; 4],
+    closest: ClosestPair,
+    r: Vector3<f64>,
+    psi: f64,
+    crossing: Option<Crossing>,
+    energy: f64,
+}
+
+impl PairStart {
+    /// The pair with its points at the start of the step; their distance must be positive.
+    pub fn new(term: PairTerm, layer: Layer, x: &[Vector3<f64>; 4]) -> Self {
+        let closest = closest(term.kind, x);
+        let r = combine(&closest.weights, x);
+        let [psi, ..] = layer.evaluate(closest.distance_squared);
+        let m = term.parallel.map_or(1.0, |p| p.factor(x));
+        let crossing = term.parallel.map(|_| Crossing::new(x));
+        Self { term, layer, x: *x, closest, r, psi, crossing, energy: term.weight * m * psi }
+    }
+
+    /// Energy at the start of the step.
+    pub fn energy(&self) -> f64 {
+        self.energy
+    }
+
+    /// Closest weights and squared distance at the start.
+    pub fn closest(&self) -> &ClosestPair {
+        &self.closest
+    }
+
+    /// Discrete gradient `g` between the start and `x`, energy at `x`, and, if asked for, `dg/dx` (not symmetric); `docs/theory/barrier.md` (6), (7).
+    ///
+    /// For any two states, across any change of the closest features: `sum g_i . (x_i - x_n,i)` is the change of the energy, `sum g_i = 0`, `sum x_m,i x g_i = 0` about the mean positions `x_m`, all to
+    /// round-off. Exchanging the states gives the same forces. A pair has to be taken as long as it is inside of the layer at *one* of the states.
+    pub fn force(&self, x: &[Vector3<f64>; 4], tangent: Option<&mut Tangent>) -> PairForce {
+        let Self { term, layer, .. } = self;
+        let end = closest(term.kind, x);
+        let (d_n, d) = (self.closest.distance_squared, end.distance_squared);
+        if !layer.is_inside(d_n) && !layer.is_inside(d) {
+            fill(tangent, |_, _| Matrix3::zeros());
+            return PairForce { gradient: [Vector3::zeros(); 4], energy: 0.0 };
+        }
+        let [psi, slope, _] = layer.evaluate(d);
+        let [b, db] = layer.divided_difference(d_n, d);
+        let patterns = Patterns::new(self, &end, x);
+        let (m_mean, m_np1, varies) = match (&term.parallel, &self.crossing) {
+            (Some(parallel), Some(crossing)) => {
+                let between = parallel.between(crossing, &Crossing::new(x));
+                (0.5 * (between.m_n + between.m_np1), between.m_np1, between.varies)
+            }
+            _ => (1.0, 1.0, None),
+        };
+        let psi_mean = 0.5 * (self.psi + psi);
+        let d_gradient: [Vector3<f64>; 4] = std::array::from_fn(|i| patterns.gradient(i));
+        let m_gradient = varies.as_ref().map_or([Vector3::zeros(); 4], |v| v.gradient());
+        let w = term.weight;
+        let gradient = std::array::from_fn(|i| (d_gradient[i] * (m_mean * b) + m_gradient[i] * psi_mean) * w);
+        if tangent.is_some() {
+            let along = Sensitivity::new(&end, x, &patterns.r);
+            let theta_gradient = patterns.theta_gradient(self, &along, d_n + d);
+            fill(tangent, |i, j| {
+                let by_d = patterns.r * (2.0 * patterns.c[j]);
+                let mut by_scalar = by_d * (m_mean * db);
+                let mut block = patterns.tangent(&along, &theta_gradient, i, j) * (m_mean * b);
+                if let Some(varies) = &varies {
+                    by_scalar += varies.m_np1_gradient[j] * (0.5 * b);
+                    block += m_gradient[i] * (by_d * (0.5 * slope)).transpose();
+                    block += varies.gradient_tangent(i, j) * psi_mean;
+                }
+                (block + d_gradient[i] * by_scalar.transpose()) * w
+            });
+        }
+        PairForce { gradient, energy: w * m_np1 * psi }
+    }
+
+    /// The balance `theta` between the patterns of the start (0) and of the end (1), for tests of its bounds.
+    #[cfg(test)]
+    fn theta(&self, x: &[Vector3<f64>; 4]) -> f64 {
+        Patterns::new(self, &closest(self.term.kind, x), x).theta
+    }
+}
+
+/// The two patterns of forces: of the closest weights of the start and of those of the end, both in the middle of the step.
+struct Patterns {
+    /// Weights of the start and of the end.
+    c_n: [f64; 4],
+    c: [f64; 4],
+    /// Their `sum c_i x_i` in the middle of the step.
+    middle_n: Vector3<f64>,
+    middle: Vector3<f64>,
+    /// `sum c_i x_i` at the end with the weights of the end.
+    r: Vector3<f64>,
+    /// `sum (c - c_n)_i x_i` at the start and at the end.
+    z_n: Vector3<f64>,
+    z: Vector3<f64>,
+    theta: f64,
+    /// `e_n + e_np1` with the balance.
+    sum: f64,
+    x_mid: [Vector3<f64>; 4],
+}
+
+impl Patterns {
+    fn new(start: &PairStart, end: &ClosestPair, x: &[Vector3<f64>; 4]) -> Self {
+        let (c_n, c) = (start.closest.weights, end.weights);
+        let shift = std::array::from_fn(|i| c[i] - c_n[i]);
+        let (z_n, z) = (combine(&shift, &start.x), combine(&shift, x));
+        let r = combine(&c, x);
+        // |r + z|^2 - |r|^2; the linear terms are not negative by the condition of the minimum.
+        let e_n = z_n.norm_squared() + (2.0 * z_n.dot(&start.r)).max(0.0);
+        let e = z.norm_squared() + (-2.0 * z.dot(&r)).max(0.0);
+        let balance = BALANCE * (start.closest.distance_squared + end.distance_squared) + f64::MIN_POSITIVE;
+        let sum = e_n + e + 2.0 * balance;
+        Self {
+            c_n,
+            c,
+            middle_n: (start.r + r - z) * 0.5,
+            middle: (r + start.r + z_n) * 0.5,
+            r,
+            z_n,
+            z,
+            theta: (e + balance) / sum,
+            sum,
+            x_mid: std::array::from_fn(|i| (start.x[i] + x[i]) * 0.5),
+        }
+    }
+
+    /// Discrete gradient of the squared distance at point `i`.
+    fn gradient(&self, i: usize) -> Vector3<f64> {
+        (self.middle_n * ((1.0 - self.theta) * self.c_n[i]) + self.middle * (self.theta * self.c[i])) * 2.0
+    }
+
+    /// `dtheta/dx_j`.
+    fn theta_gradient(&self, start: &PairStart, along: &Sensitivity, distances: f64) -> [Vector3<f64>; 4] {
+        if self.sum <= SAME_PATTERN * distances {
+            return [Vector3::zeros(); 4];
+        }
+        let at_start = start.r + self.z_n;
+        let slopes: [f64; 2] = std::array::from_fn(|a| 2.0 * at_start.dot(&combine(&along.directions[a], &start.x)));
+        std::array::from_fn(|j| {
+            let e = (self.z * self.c_n[j] + self.r * (self.c[j] - self.c_n[j])) * -2.0;
+            let e_n: Vector3<f64> = (0..along.count).map(|a| along.moves[a][j] * slopes[a]).sum();
+            (e * (1.0 - self.theta) - e_n * self.theta) / self.sum
+        })
+    }
+
+    /// Derivative of the discrete gradient at point `i` with respect to point `j` at the end.
+    fn tangent(&self, along: &Sensitivity, theta_gradient: &[Vector3<f64>; 4], i: usize, j: usize) -> Matrix3<f64> {
+        let Self { c_n, c, theta, .. } = self;
+        let mut block = Matrix3::identity() * ((1.0 - theta) * c_n[i] * c_n[j] + theta * c[i] * c[j]);
+        block += (self.middle * c[i] - self.middle_n * c_n[i]) * (theta_gradient[j] * 2.0).transpose();
+        for a in 0..along.count {
+            let along_mid = combine(&along.directions[a], &self.x_mid);
+            let change = self.middle * along.directions[a][i] + along_mid * c[i];
+            block += change * (along.moves[a][j] * (2.0 * theta)).transpose();
+        }
+        block
+    }
+}
+
+/// Fills a tangent, if there is one, by its blocks of two points.
+fn fill(tangent: Option<&mut Tangent>, block: impl Fn(usize, usize) -> Matrix3<f64>) {
+    if let Some(tangent) = tangent {
+        for i in 0..4 {
+            for j in 0..4 {
+                let block = block(i, j);
+                for k in 0..3 {
+                    for l in 0..3 {
+                        tangent[3 * i + k][3 * j + l] = block[(k, l)];
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn points() -> impl Strategy<Value = [Vector3<f64>; 4]> {
+        proptest::array::uniform4(proptest::array::uniform3(-1.0..1.0f64).prop_map(Vector3::from))
+    }
+
+    proptest! {
+        #[test]
+        fn the_balance_is_between_zero_and_one_and_turns_around_with_time(x_n in points(), noise in points(), exponent in -16.0..0.5f64) {
+            let x: [_; 4] = std::array::from_fn(|i| x_n[i] + noise[i] * 10f64.powf(exponent));
+            for kind in [PairKind::VertexTriangle, PairKind::EdgeEdge, PairKind::VertexEdge, PairKind::VertexVertex] {
+                let term = PairTerm { kind, weight: 1.0, parallel: None };
+                let at = |x| PairStart::new(term, Layer::new(1.0, 1.0), x);
+                let (forth, back) = (at(&x_n).theta(&x), at(&x).theta(&x_n));
+                prop_assert!((0.0..=1.0).contains(&forth));
+                prop_assert!((forth + back - 1.0).abs() < 1e-12, "{} {}", forth, back);
+            }
+        }
+    }
+}
