@@ -51,7 +51,11 @@ mod error;
 pub mod events;
 #[cfg(feature = "output")]
 pub mod output;
-#[cfg(any(feature = "output", all(feature = "scene", any(feature = "nts", feature = "mortar"))))]
+#[cfg(any(feature = "output", feature = "scene"))]
+#[cfg_attr(
+    not(any(feature = "output", feature = "nts", feature = "mortar")),
+    allow(dead_code, reason = "probes need a part of it only")
+)]
 mod points;
 #[cfg(any(feature = "output", all(feature = "scene", feature = "mesh-files")))]
 mod regular;
