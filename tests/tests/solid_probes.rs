@@ -201,7 +201,7 @@ fn mistakes_of_probes_are_told() {
         ("quantity = \"displacement\"\ncomponent = \"x\"\nset = \"block.top\"", "is for extrema"),
         (
             "quantity = \"displacement\"\nreduce = \"max\"\ncomponent = \"xx\"\nset = \"block.top\"",
-            "known are `x`, `y`, `z`",
+            "did you mean `x`? Known are `x`, `y`, `z`",
         ),
         ("quantity = \"displacement\"\nreduce = \"most\"\nset = \"block.top\"", "known are `max`, `min`"),
         (
