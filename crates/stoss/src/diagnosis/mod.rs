@@ -1,13 +1,13 @@
 //! Why a run stopped, or came out wrong: where, what, the likely cause, and what to try.
 //!
-//! The solver leaves facts ([`stoss_solver::FailedAttempt`]), the watch a verdict. Each function in [`FINDINGS`] looks at these, the scene and the model for
+//! The solver leaves facts ([`stoss_solver::FailedAttempt`]), the watch a verdict. Each function in `FINDINGS` looks at these, the scene and the model for
 //! the signs of one cause and gives a [`Finding`] or none; the most certain one comes first. What they know of the case is in [`Case`].
 //!
 //! # What it is not
 //! No cure: nothing is tried again, and nothing of a run depends on it.
 //!
 //! # How to add a cause
-//! A variant of [`Cause`] with its title, a function in the module of its sense, a line in [`FINDINGS`], a scene in `tests/failing`.
+//! A variant of [`Cause`] with its title, a function in the module of its sense, a line in `FINDINGS`, a scene in `tests/failing`.
 
 mod case;
 mod contact;
