@@ -9,9 +9,9 @@ pub struct Place {
     pub node: Option<u32>,
     /// Component of the position (0, 1, 2).
     pub component: Option<u8>,
-    /// Number of a body in [`Model::bodies`] and of an element in it.
+    /// Number of a body in [`crate::Model::bodies`] and of an element in it.
     pub element: Option<(usize, usize)>,
-    /// Number of a pair in [`Model::contacts`] and of a slot of it.
+    /// Number of a pair in [`crate::Model::contacts`] and of a slot of it.
     pub slot: Option<(usize, usize)>,
 }
 
