@@ -88,7 +88,13 @@ pub fn search<F: Copy + Into<FacetNodes>>(facets: &[F], q: &[f64], options: Sear
     MasterSearch::new(surface, q, options).expect("valid options")
 }
 
-/// Distance to a patch by dense sampling and a shrinking pattern search. A triangle has its last corner twice.
+/// Distance to a triangle, which is tested against exact arithmetic. A search over the parameters of a quadrilateral with a corner twice gets stuck near that
+/// corner.
+pub fn triangle_distance([a, b, c]: [Vector3<f64>; 3], x: &Vector3<f64>) -> f64 {
+    stoss_geometry::closest(stoss_geometry::PairKind::VertexTriangle, &[*x, a, b, c]).distance_squared.sqrt()
+}
+
+/// Distance to a quadrilateral by dense sampling and a shrinking pattern search.
 pub fn sampled_distance(corners: [Vector3<f64>; 4], x: &Vector3<f64>) -> f64 {
     let f = |s: f64, t: f64| {
         let p = (corners[0] * (1.0 - s) + corners[1] * s) * (1.0 - t) + (corners[3] * (1.0 - s) + corners[2] * s) * t;
