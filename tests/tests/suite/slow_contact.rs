@@ -1,8 +1,6 @@
 //! Contact that is slow, persistent or comes from the side: what fast impacts do not show.
 
-mod support;
-
-use support::{drift, simulation};
+use crate::support::{drift, simulation};
 
 const LAW: &str = r#"material = { law = "neo-hooke", young = 1000.0, poisson = 0.3 }
 density = 1.0"#;

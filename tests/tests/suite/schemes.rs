@@ -1,10 +1,8 @@
 //! Every scheme on finite elements: its claims in free flight, and contact with those that carry it.
 
-mod support;
-
+use crate::support::{drift, simulation};
 use stoss::integrators::SCHEMES;
 use stoss::solver::Simulation;
-use support::{drift, simulation};
 
 fn scene(scheme: &str, end: f64, step: f64, rest: &str) -> String {
     format!(

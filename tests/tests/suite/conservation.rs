@@ -1,13 +1,11 @@
 //! Conservation through impact and sliding, and the order of the energy-momentum scheme.
 
-mod support;
-
-use support::{drift, simulation, simulation_in};
+use crate::support::{drift, simulation, simulation_in};
 
 /// The two blocks, frictionless; the upper one is moved so that it is about to touch.
 fn two_blocks(scheme: &str, constraint: &str, end: f64) -> String {
     let contact = format!("method = \"nts\"\nconstraint = \"{constraint}\"");
-    support::two_blocks(scheme, 0.1, end, [0.0, 0.25, -0.0985], &contact)
+    crate::support::two_blocks(scheme, 0.1, end, [0.0, 0.25, -0.0985], &contact)
 }
 
 /// What a run did: balances of all states, and how many nodes closed in each step.

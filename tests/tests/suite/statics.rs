@@ -1,9 +1,7 @@
 //! Loads, supports and their work against closed forms.
 
-mod support;
-
+use crate::support::simulation;
 use stoss::solver::{DecisionKind, Simulation, SimulationError, StepError};
-use support::simulation;
 
 const LAMBDA: f64 = 600.0;
 const MU: f64 = 400.0;

@@ -1,11 +1,9 @@
 //! Mesh ties: patch tests, free flight, a cantilever against a matching mesh, treatments of a curved interface.
 
-mod support;
-
+use crate::support::{drift, simulation};
 use stoss::solver::Simulation;
 use stoss_reference_cases::cantilever::{Field, cantilever, error, field};
 use stoss_reference_cases::patch::tied_stack as stack;
-use support::{drift, simulation};
 
 const LAWS: [&str; 4] = [
     r#"{ law = "neo-hooke", young = 2250.0, poisson = 0.3 }"#,

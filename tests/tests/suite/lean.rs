@@ -1,8 +1,6 @@
 //! What a scene does not need is not built.
 
-mod support;
-
-use support::simulation;
+use crate::support::simulation;
 
 fn scene(kind: &str, integrator: &str, density: &str, contact: &str) -> String {
     format!(

@@ -1,9 +1,7 @@
 //! Friction of whole models: a block on an incline, a block that stops, two blocks that hit each other (formulation §13.2).
 
-mod support;
-
+use crate::support::{drift, simulation, two_blocks};
 use stoss::solver::{Balance, DecisionKind, Simulation};
-use support::{drift, simulation, two_blocks};
 
 /// Side of the block, its height, density, gravity.
 const HEIGHT: f64 = 0.5;

@@ -1,8 +1,6 @@
 //! What is told about the pairs of surfaces of a scene before it runs.
 
-mod support;
-
-use support::two_blocks;
+use crate::support::two_blocks;
 
 /// Both surfaces of a contact as the slave of the other: told where neither may be penetrated, and nothing where springs hold one of them.
 #[test]

@@ -1,10 +1,8 @@
 //! Mortar contact: patch tests, convergence of Newton's method, conservation.
 
-mod support;
-
+use crate::support::{drift, simulation};
 use stoss::solver::{Simulation, StepRecord};
 use stoss_reference_cases::patch::{ContactPatch, LAWS, unevenness as unevenness_of};
-use support::{drift, simulation};
 
 fn print_newton(record: &StepRecord) {
     let rows: Vec<String> = record

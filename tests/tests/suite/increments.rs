@@ -1,9 +1,7 @@
 //! Statics that chooses its increments, and its stabilisation.
 
-mod support;
-
+use crate::support::simulation;
 use stoss::solver::{Decision, DecisionKind, Simulation, SimulationError};
-use support::simulation;
 
 fn scene(time: &str, rest: &str) -> String {
     format!("[scene]\ntitle = \"statics\"\nkind = \"quasi-static\"\n[time]\n{time}\n{rest}")

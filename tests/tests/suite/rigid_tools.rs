@@ -1,7 +1,6 @@
 //! Contact between rigid bodies and solids: the surface of the rigid body is made of embedded nodes, of which no contact method knows.
 
-mod support;
-
+use crate::support::drift;
 use std::sync::Arc;
 use stoss::contact_mortar::{MortarContact, MortarOptions};
 use stoss::contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
@@ -15,7 +14,6 @@ use stoss::newton::NewtonOptions;
 use stoss::solver::{
     Balance, Body, ContactPair, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl, StepRecord,
 };
-use support::drift;
 
 /// A solid block and a rigid one that falls on it, turning; the rigid one's surface is that of a mesh.
 struct Impact {

@@ -1,8 +1,6 @@
 //! The linear solvers that a scene can choose, and what their analysis costs while contacts open and close.
 
-mod support;
-
-use support::simulation;
+use crate::support::simulation;
 
 /// A slightly tilted block falls on a plate; its lower nodes are near the plate from the start and hit it one after another.
 fn scene(linear: &str, divisions: u32) -> String {

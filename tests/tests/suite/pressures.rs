@@ -1,8 +1,6 @@
 //! The contact pressure is a force per current area, whichever the method.
 
-mod support;
-
-use support::simulation;
+use crate::support::simulation;
 
 /// A block on a stiff base, free to slide, compressed by three tenths of its height; it widens.
 fn scene(method: &str) -> String {

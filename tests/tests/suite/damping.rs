@@ -1,10 +1,8 @@
 //! Mass- and stiffness-proportional damping of bodies in whole runs.
 
-mod support;
-
+use crate::support::{drift, simulation};
 use stoss::integrators::SCHEMES;
 use stoss::solver::Simulation;
-use support::{drift, simulation};
 
 const ELEMENTS: usize = 8;
 const YOUNG: f64 = 1000.0;

@@ -1,9 +1,7 @@
 //! Coordinate augmentation in whole models: the three sizes of the system, the direct form, momenta (formulation §5, §13.2).
 
-mod support;
-
+use crate::support::{drift, simulation, two_blocks};
 use stoss::solver::{Simulation, StepRecord};
-use support::{drift, simulation, two_blocks};
 
 const FRICTION: &str = r#"friction = { law = "coulomb", mu = 0.5, penalty = 1e4 }"#;
 

@@ -1,9 +1,7 @@
 //! Centrifugal loads against closed forms.
 
-mod support;
-
+use crate::support::simulation;
 use stoss::solver::Simulation;
-use support::simulation;
 
 fn scene(kind: &str, time: &str, rest: &str) -> String {
     format!("[scene]\ntitle = \"turning\"\nkind = \"{kind}\"\n[time]\n{time}\n{rest}")

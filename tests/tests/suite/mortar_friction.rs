@@ -1,9 +1,7 @@
 //! Friction of mortar contact in whole models: a block that is dragged, a block that sticks, the impact of two blocks.
 
-mod support;
-
+use crate::support::{drift, simulation};
 use stoss::solver::{DecisionKind, Simulation, StepRecord};
-use support::{drift, simulation};
 
 const MU: f64 = 0.1;
 const PRESSURE: f64 = 2.0;

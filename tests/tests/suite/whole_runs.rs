@@ -1,9 +1,7 @@
 //! Whole small runs of random scenes: the energy-momentum scheme keeps both momenta and, but for what closing gaps and friction take, the energy.
 
-mod support;
-
+use crate::support::simulation;
 use proptest::prelude::*;
-use support::simulation;
 
 /// Two blocks that meet, not aligned, of different stiffness.
 #[derive(Clone, Debug)]

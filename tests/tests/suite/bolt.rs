@@ -4,7 +4,7 @@ use std::path::Path;
 use stoss::build::{Built, build};
 use stoss::run::{RunOptions, run_scene};
 
-const SCENE: &str = include_str!("../../scenes/bolt.toml");
+const SCENE: &str = include_str!("../../../scenes/bolt.toml");
 
 /// Force of a rod of length 1 of St Venant and Kirchhoff's material without lateral contraction, `E A` times `stretch (stretch^2 - 1) / 2`.
 fn rod(stiffness: f64, stretch: f64) -> f64 {

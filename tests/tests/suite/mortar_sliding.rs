@@ -1,9 +1,7 @@
 //! Mortar contact where the slave slides one, four and ten of its facets in one step: on a flat plate the size of the step must not matter.
 
-mod support;
-
+use crate::support::{drift, simulation};
 use stoss::solver::Simulation;
-use support::{drift, simulation};
 
 const GRAVITY: f64 = 20.0;
 const DENSITY: f64 = 2.0;

@@ -1,10 +1,8 @@
 //! Mortar contact of blocks that tip, with the sides in the surfaces: over the rim of a slab, and dropped onto their edge. Backward Euler takes energy; the closing
 //! of an edge that has sunk in between nodes may give some, but the block is not thrown out.
 
-mod support;
-
+use crate::support::simulation;
 use stoss::solver::DecisionKind;
-use support::simulation;
 
 /// Energies (kinetic, strain, of position) after every step.
 fn energies(scene: &str) -> Vec<f64> {

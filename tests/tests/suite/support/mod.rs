@@ -11,14 +11,12 @@ pub fn simulation_in(text: &str, folder: &Path) -> Simulation {
 }
 
 /// The simulation of a scene without mesh files.
-#[allow(dead_code, reason = "each test binary uses a part")]
 pub fn simulation(text: &str) -> Simulation {
     simulation_in(text, Path::new("."))
 }
 
 /// Scene of the two hexahedra of the thesis's Table 6.2 (formulation §13.2): the upper one falls on the lower one and slides on it. `moved` is
 /// added to the position of the upper one; `contact` are the keys of the contact but for its surfaces.
-#[allow(dead_code, reason = "each test binary uses a part")]
 pub fn two_blocks(scheme: &str, step: f64, end: f64, moved: [f64; 3], contact: &str) -> String {
     format!(
         r#"
@@ -56,7 +54,6 @@ master = "lower.top"
 }
 
 /// Largest distance of `values` from the first one, divided by the largest norm.
-#[allow(dead_code, reason = "each test binary uses a part")]
 pub fn drift(values: &[[f64; 3]]) -> f64 {
     let norm = |a: [f64; 3]| a[0].hypot(a[1]).hypot(a[2]);
     let scale = values.iter().map(|v| norm(*v)).fold(0.0, f64::max);

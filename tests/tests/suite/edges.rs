@@ -1,9 +1,7 @@
 //! Blocks that slide over concave and convex edges of a rigid master surface: what energy, penetration and friction do there.
 
-mod support;
-
+use crate::support::simulation_in;
 use stoss::solver::StepRecord;
-use support::simulation_in;
 
 /// A strip of hexahedra under the surface `z = profile(x)`, as an Abaqus input file with the surface `TOP`.
 fn strip(profile: impl Fn(f64) -> f64, from: f64, count: usize) -> String {

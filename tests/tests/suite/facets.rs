@@ -1,7 +1,6 @@
 //! Whole runs in which the contact surfaces of blocks are quadrilaterals, triangles, or both: the same nodes, other facets.
 
-mod support;
-
+use crate::support::drift;
 use std::sync::Arc;
 use stoss::contact::{Constraint, ContactRule, SearchOptions};
 use stoss::contact_mortar::tie::{MeshTie, TieOptions};
@@ -21,7 +20,6 @@ use stoss::solver::{
 };
 use stoss_reference_cases::patch::unevenness;
 use stoss_testkit::meshes::Mesh;
-use support::drift;
 
 const YOUNG: f64 = 1000.0;
 
