@@ -63,10 +63,11 @@ pub fn gif(path: &Path, options: &Options, pace: Pace) -> Outcome<Vec<u8>> {
     let last = motif.folder.frames.len() - 1;
     let numbers: Vec<usize> = (0..last).step_by(pace.every.max(1)).chain([last]).collect();
     let first = motif.grid(0)?;
-    let name = options.field.as_deref().map_or_else(|| picture::default_field(&first), Ok).map_err(refuse)?;
+    let name =
+        options.field.as_deref().map_or_else(|| picture::default_field(&motif.folder, &first), Ok).map_err(refuse)?;
     let shot = |number: usize| {
         let grid = motif.grid(number)?;
-        let found = picture::surface(&grid, name).map_err(refuse)?;
+        let found = picture::surface(&motif.folder, &grid, name).map_err(refuse)?;
         let (surface, label) = found.ok_or_else(|| refuse(picture::no_such_field(&grid, name)))?;
         Outcome::Ok((motif.shot(number, surface)?, label))
     };

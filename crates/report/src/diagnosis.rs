@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::folder::Folder;
 use crate::page::escaped;
 use crate::paint::{Camera, Line, Shot, Style, draw};
-use crate::picture::{CAMERA, coloured, rounded};
+use crate::picture::{CAMERA, coloured, rounded, time};
 use crate::plot::{Labels, Series, logarithmic};
 use crate::vtu::{Array, Grid};
 use crate::{Outcome, read};
@@ -103,6 +103,7 @@ pub fn write(folder: &Path) -> Outcome<Option<PathBuf>> {
 
 fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
     let Diagnosis { title, what, step, time, place, findings, attempts } = diagnosis;
+    let folder = Folder::open(folder).ok();
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"generator\" content=\"Stoss\">\n<title>{title}: diagnosis</title>\
          <style>{STYLE}</style></head><body>\n<h1>{title}: diagnosis</h1>\n<dl>\n",
@@ -115,9 +116,9 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
     if !what.is_empty() {
         let _ = writeln!(out, "<dt>What</dt><dd>{}</dd>", marked(what));
     }
-    let _ = writeln!(out, "<dt>Last good state</dt><dd>step {step} at t = {}</dd>\n</dl>", rounded(*time));
+    let _ = writeln!(out, "<dt>Last good state</dt><dd>step {step} at t = {}</dd>\n</dl>", at(folder.as_ref(), *time));
     let position = shown.position.or(place.position);
-    if let Some(pictures) = position.and_then(|x| pictures(folder, x, &shown.text)) {
+    if let Some(pictures) = folder.zip(position).and_then(|(folder, x)| pictures(&folder, x, &shown.text)) {
         out += &pictures;
     }
     for (k, finding) in findings.iter().enumerate() {
@@ -126,6 +127,11 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
     out += &of_attempts(attempts);
     out += "<p>All results: the other files of this folder, <a href=\"report.html\">report.html</a> if it was written.</p>\n</body></html>\n";
     out
+}
+
+/// A time, with its unit if the run has units.
+fn at(folder: Option<&Folder>, value: f64) -> String {
+    folder.map_or_else(|| rounded(value).to_string(), |folder| time(folder, value))
 }
 
 fn of_finding(number: usize, finding: &Finding) -> String {
@@ -207,22 +213,21 @@ fn marked(text: &str) -> String {
 }
 
 /// The place in the last frame, near and from afar; nothing if the frame cannot be drawn.
-fn pictures(folder: &Path, place: [f64; 3], text: &str) -> Option<String> {
-    let folder = Folder::open(folder).ok()?;
+fn pictures(folder: &Folder, place: [f64; 3], text: &str) -> Option<String> {
     let number = folder.frames.len().checked_sub(1)?;
     let grid = folder.grid(number).ok()?;
     let camera = camera(&grid, place);
-    let near = svg(&around(&grid, place), place, camera, "the place", WIDE)?;
-    let far = svg(&grid, place, camera, "all", SMALL)?;
-    let time = rounded(folder.frames[number].time);
+    let near = svg(folder, &around(&grid, place), place, camera, "the place", WIDE)?;
+    let far = svg(folder, &grid, place, camera, "all", SMALL)?;
+    let time = at(Some(folder), folder.frames[number].time);
     Some(format!(
         "<figure>{near}</figure><figure>{far}</figure>\n<p>The last frame, t = {time}. The circle is about the place ({}); the left picture shows the elements around it.</p>\n",
         marked(text)
     ))
 }
 
-fn svg(grid: &Grid, place: [f64; 3], camera: Camera, caption: &str, width: f64) -> Option<String> {
-    let (mut surface, label) = coloured(grid, None).ok()?;
+fn svg(folder: &Folder, grid: &Grid, place: [f64; 3], camera: Camera, caption: &str, width: f64) -> Option<String> {
+    let (mut surface, label) = coloured(folder, grid, None).ok()?;
     if surface.quads.is_empty() && surface.lines.is_empty() && surface.points.is_empty() {
         return None;
     }
@@ -243,7 +248,6 @@ fn svg(grid: &Grid, place: [f64; 3], camera: Camera, caption: &str, width: f64) 
     let least = surface.values().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
     let values = vec![if least.is_finite() { least } else { 0.0 }; CORNERS + 1];
     surface.lines.push(Line { points: (0..=CORNERS).map(corner).collect(), values });
-    let label = escaped(&label);
     let style = Style { title: "", label: &label, width, range: None };
     Some(draw(&[Shot { caption: caption.to_owned(), surface }], camera, &style))
 }

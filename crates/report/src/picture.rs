@@ -8,6 +8,7 @@ use crate::Outcome;
 use crate::folder::Folder;
 use crate::page::{Field, title};
 use crate::paint::{Camera, Finish, Layout, Shot, Style, Surface, draw_raster, draw_svg};
+use crate::units;
 use crate::vtu::{Array, Grid};
 
 /// Width of what is drawn in pixels.
@@ -109,7 +110,7 @@ impl<'a> Motif<'a> {
         if !surface.places().flatten().all(f64::is_finite) {
             return Err(format!("{}: positions that are not finite cannot be drawn", frame_of.path.display()).into());
         }
-        Ok(Shot { caption: format!("time {}, frame {frame}", rounded(frame_of.time)), surface })
+        Ok(Shot { caption: format!("time {}, frame {frame}", time(&self.folder, frame_of.time)), surface })
     }
 }
 
@@ -147,7 +148,7 @@ fn composed(path: &Path, options: &Options) -> Outcome<(Shot, Camera, String, St
     let motif = Motif::open(path, options)?;
     let number = number(&motif.folder, options.frame).map_err(|text| unfit(&motif.folder, text))?;
     let grid = motif.grid(number)?;
-    let coloured = coloured(&grid, options.field.as_deref());
+    let coloured = coloured(&motif.folder, &grid, options.field.as_deref());
     let (surface, label) = coloured.map_err(|text| unfit(&motif.folder, text))?;
     Ok((motif.shot(number, surface)?, motif.camera, motif.title(), label))
 }
@@ -223,10 +224,11 @@ fn known(grid: &Grid) -> String {
     known.join(", ")
 }
 
-/// The surface with the values of a field, and the field's name for people; nothing if there is no such field.
-pub(crate) fn surface(grid: &Grid, name: &str) -> Result<Option<(Surface, String)>, String> {
+/// The surface with the values of a field, and the field's name for people with its unit; nothing if there is no such field.
+pub(crate) fn surface(folder: &Folder, grid: &Grid, name: &str) -> Result<Option<(Surface, String)>, String> {
+    let label = |label: &str| units::with_unit(label, units::of_field(folder, name).as_deref());
     if name == DISPLACEMENT && grid.point_data.contains_key(name) {
-        return Ok(Some((Surface::new(grid, name)?, name.to_owned())));
+        return Ok(Some((Surface::new(grid, name)?, label(name))));
     }
     let fields = Field::of(grid);
     let Some(field) = fields.iter().find(|field| field.name() == name) else { return Ok(None) };
@@ -234,7 +236,7 @@ pub(crate) fn surface(grid: &Grid, name: &str) -> Result<Option<(Surface, String
     let values = field.values(grid, &points).into_iter().map(f64::from).collect();
     let mut grid = grid.clone();
     grid.point_data.insert(name.to_owned(), Array { components: 1, values });
-    Ok(Some((Surface::new(&grid, name)?, field.label.clone())))
+    Ok(Some((Surface::new(&grid, name)?, label(&field.label))))
 }
 
 pub(crate) fn has_values(surface: &Surface) -> bool {
@@ -242,9 +244,9 @@ pub(crate) fn has_values(surface: &Surface) -> bool {
 }
 
 /// The field that is drawn if none is asked for.
-pub(crate) fn default_field(grid: &Grid) -> Result<&'static str, String> {
+pub(crate) fn default_field(folder: &Folder, grid: &Grid) -> Result<&'static str, String> {
     for name in [VON_MISES, DISPLACEMENT] {
-        if surface(grid, name)?.is_some_and(|(surface, _)| has_values(&surface)) {
+        if surface(folder, grid, name)?.is_some_and(|(surface, _)| has_values(&surface)) {
             return Ok(name);
         }
     }
@@ -259,14 +261,20 @@ pub(crate) fn no_values(grid: &Grid, name: &str) -> String {
     format!("--field {name}: it has no values on what is drawn; choose other bodies, or one of {}", known(grid))
 }
 
-/// The surface with the values of a field that is there and has some, and the field's name for people.
-pub(crate) fn coloured(grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
-    let name = wanted.map_or_else(|| default_field(grid), Ok)?;
-    match surface(grid, name)? {
+/// The surface with the values of a field that is there and has some, and the field's name for people with its unit.
+pub(crate) fn coloured(folder: &Folder, grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
+    let name = wanted.map_or_else(|| default_field(folder, grid), Ok)?;
+    match surface(folder, grid, name)? {
         None => Err(no_such_field(grid, name)),
         Some((surface, _)) if !has_values(&surface) => Err(no_values(grid, name)),
         Some(found) => Ok(found),
     }
+}
+
+/// A time with six digits at most, and its unit if the run has units.
+pub(crate) fn time(folder: &Folder, value: f64) -> String {
+    let number = rounded(value);
+    units::of_time(folder).map_or_else(|| number.to_string(), |unit| format!("{number} {unit}"))
 }
 
 /// A number with six digits at most.

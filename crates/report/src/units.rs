@@ -6,10 +6,10 @@ use crate::folder::Folder;
 
 /// The unit of a column of a table, which is named by its file without `.csv`; nothing for pure numbers, and in runs without units.
 pub fn of_column(folder: &Folder, table: &str, column: &str) -> Option<String> {
-    let units = folder.run.as_ref()?.get("units")?;
     if column == "time" {
-        return label(units, "time");
+        return of_time(folder);
     }
+    let units = folder.run.as_ref()?.get("units")?;
     match table {
         "probes" => text(units.get("probes")?.get(column)?),
         "balance" => label(units, balance(column)?),
@@ -17,6 +17,11 @@ pub fn of_column(folder: &Folder, table: &str, column: &str) -> Option<String> {
         "joints" => label(units, joint(column)?),
         _ => None,
     }
+}
+
+/// The unit of times; nothing in runs without units.
+pub fn of_time(folder: &Folder) -> Option<String> {
+    label(folder.run.as_ref()?.get("units")?, "time")
 }
 
 /// The unit of a field of the frames, by the name of its array or of what is taken of it (`largest_principal_cauchy_stress`); nothing for pure numbers,

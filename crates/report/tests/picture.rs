@@ -85,6 +85,24 @@ fn only_the_chosen_bodies_are_drawn() {
     assert!(counts(&[]).0 > 3 && counts(&[]).1);
 }
 
+/// The system of units of the run is that of the colour bar and of the time; runs without one have plain numbers.
+#[test]
+fn the_units_of_the_run_are_written() {
+    let folder = folder();
+    let run = r#"{"bodies":["cube","plate","rope"],"units":{"labels":{"time":"ms","length":"mm","stress":"GPa"}}}"#;
+    std::fs::write(folder.path().join("run.json"), run).unwrap();
+    let svg =
+        |field: &str| picture(folder.path(), &Options { field: Some(field.to_owned()), ..Options::default() }).unwrap();
+    for (field, label) in [
+        ("displacement", ">displacement [mm]<"),
+        ("largest_principal_cauchy_stress", ">largest principal cauchy stress [GPa]<"),
+        ("pressure_of_cauchy_stress", ">pressure of cauchy stress [GPa]<"),
+    ] {
+        let svg = svg(field);
+        assert!(svg.contains(label) && svg.contains(">time 0.2 ms, frame 2<"), "{label}: {svg}");
+    }
+}
+
 #[test]
 fn the_range_is_kept() {
     let folder = folder();
