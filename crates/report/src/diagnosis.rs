@@ -114,9 +114,10 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
     let shown = first.map_or(place, |first| &first.place);
     let _ = writeln!(out, "<dt>Where</dt><dd>{}</dd>", marked(&shown.text));
     if !what.is_empty() {
-        let _ = writeln!(out, "<dt>What</dt><dd>{}</dd>", marked(what));
+        let _ = writeln!(out, "<dt>What happened</dt><dd>{}</dd>", marked(what));
     }
-    let _ = writeln!(out, "<dt>Last good state</dt><dd>step {step} at t = {}</dd>\n</dl>", at(folder.as_ref(), *time));
+    let _ =
+        writeln!(out, "<dt>Last converged step</dt><dd>step {step}, t = {}</dd>\n</dl>", at(folder.as_ref(), *time));
     let position = shown.position.or(place.position);
     if let Some(pictures) = folder.zip(position).and_then(|(folder, x)| pictures(&folder, x, &shown.text)) {
         out += &pictures;
@@ -125,7 +126,7 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
         out += &of_finding(k, finding);
     }
     out += &of_attempts(attempts);
-    out += "<p>All results: the other files of this folder, <a href=\"report.html\">report.html</a> if it was written.</p>\n</body></html>\n";
+    out += "<p>All results are in this folder. <a href=\"report.html\">report.html</a> shows the whole run, if it was written.</p>\n</body></html>\n";
     out
 }
 
@@ -142,10 +143,10 @@ fn of_finding(number: usize, finding: &Finding) -> String {
         "medium" => "likely",
         _ => "possible",
     };
-    let heading = if number == 0 { "Likely cause" } else { "Or" };
+    let heading = if number == 0 { "Cause" } else { "Another possible cause" };
     let _ = writeln!(
         out,
-        "<h2>{heading}: {} <span class=\"sure\">{sure}</span></h2>\n<p>{}.</p>",
+        "<h2>{heading}: {} <span class=\"sure\">({sure})</span></h2>\n<p>{}.</p>",
         escaped(&cause.replace('-', " ")),
         marked(sentence)
     );
@@ -188,7 +189,8 @@ fn of_attempts(attempts: &[Attempt]) -> String {
         let labels = Labels { title: "Residuals", x: "iteration", y: "relative residual" };
         out += &logarithmic(labels, &series, 1e-16);
     }
-    out += "<table>\n<tr><th>step size</th><th>how it failed</th><th>contact points that changed</th></tr>\n";
+    out +=
+        "<table>\n<tr><th>step size</th><th>why it failed</th><th>contact points that changed their status</th></tr>\n";
     for attempt in attempts {
         let changing: Vec<String> =
             attempt.changing.iter().take(3).map(|(slot, n)| format!("{slot}: {n} times")).collect();
@@ -217,11 +219,11 @@ fn pictures(folder: &Folder, place: [f64; 3], text: &str) -> Option<String> {
     let number = folder.frames.len().checked_sub(1)?;
     let grid = folder.grid(number).ok()?;
     let camera = camera(&grid, place);
-    let near = svg(folder, &around(&grid, place), place, camera, "the place", WIDE)?;
-    let far = svg(folder, &grid, place, camera, "all", SMALL)?;
+    let near = svg(folder, &around(&grid, place), place, camera, "detail", WIDE)?;
+    let far = svg(folder, &grid, place, camera, "whole model", SMALL)?;
     let time = at(Some(folder), folder.frames[number].time);
     Some(format!(
-        "<figure>{near}</figure><figure>{far}</figure>\n<p>The last frame, t = {time}. The circle is about the place ({}); the left picture shows the elements around it.</p>\n",
+        "<figure>{near}</figure><figure>{far}</figure>\n<p>The last frame, t = {time}. The circle shows where it happened: {}. Left: the elements nearby; right: the whole model.</p>\n",
         marked(text)
     ))
 }

@@ -72,8 +72,8 @@ impl Judge {
     fn remark(&self, a: usize, b: usize) -> String {
         match self.contacts.contains(&[a, b]) || self.contacts.contains(&[b, a]) {
             true => String::new(),
-            false if a == b => "; no contact of the body with itself is named".to_owned(),
-            false => format!("; no contact is named between `{}` and `{}`", self.names[a], self.names[b]),
+            false if a == b => "; no contact of the body with itself is defined".to_owned(),
+            false => format!("; no contact is defined between `{}` and `{}`", self.names[a], self.names[b]),
         }
     }
 

@@ -73,17 +73,17 @@ pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
             },
             place,
             sentence: format!(
-                "friction locks the wedge: `{}` is driven into `{}` at {angle:.1} degrees to their surface, and with mu = {mu} above tan {angle:.1} = {tangent:.3} it holds the more, the harder it is driven: the elements take the motion",
+                "friction locks the wedge: `{}` is driven into `{}` at {angle:.1} degrees to their surface, and mu = {mu} is above tan {angle:.1} = {tangent:.3}. It cannot slide, however hard it is driven: only the elements deform",
                 bodies[0], bodies[1]
             ),
             evidence: vec![
-                format!("mu = {mu} is {:.1} times the coefficient that just locks, {tangent:.3}", mu / tangent),
-                format!("{} points of `{label}` are closed", closed.len()),
+                format!("mu = {mu} is {:.1} times the coefficient from which on the wedge locks, {tangent:.3}", mu / tangent),
+                format!("{} contact points of `{label}` are closed", closed.len()),
             ],
             remedies: vec![
                 Remedy::set(format!("contact[{c}].friction.{key}"), toml::number(below), &format!("below {tangent:.3} it slides")),
                 Remedy::words(format!("or make the wedge blunter than {:.0} degrees", mu.atan().to_degrees())),
-                Remedy::words("or drive it by a force, and less far"),
+                Remedy::words("or prescribe a force instead of a motion, or a smaller motion"),
             ],
         });
     }
@@ -143,7 +143,7 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
         .slots
         .iter()
         .take(3)
-        .map(|of| format!("{} changed {} times", case.slot_name(of.pair, of.slot), of.changes))
+        .map(|of| format!("{} changed its status {} times", case.slot_name(of.pair, of.slot), of.changes))
         .collect();
     evidence.push(failure.reason.clone());
     let mut remedies = Vec::new();
@@ -160,12 +160,12 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
         remedies.push(Remedy { text, changes: vec![change("slave", master), change("master", slave)] });
     }
     let step = toml::number(toml::down(0.5 * case.scene.time.step));
-    remedies.push(Remedy::set(case.step_key(), step, "half of what it is"));
+    remedies.push(Remedy::set(case.step_key(), step, "half the present value"));
     vec![Finding {
         cause: Cause::ContactCycles,
         confidence: if cycling { Confidence::Medium } else { Confidence::Low },
         sentence: format!(
-            "points of contact `{name}` want to open when they are closed and to close when they are open"
+            "points of contact `{name}` open and close, or stick and slide, from iteration to iteration: no consistent contact state was found"
         ),
         place,
         evidence,

@@ -59,7 +59,7 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
         let node = mesh.elements[worst as usize][corner];
         let at = case.node(body.nodes.start + node);
         let mut evidence = vec![format!(
-            "the scaled Jacobian of element {worst} is {jacobian:.1e} at node {node} in the mesh itself (1: a box, 0: flat); that of the whole mesh is {:.1e} at least",
+            "the scaled Jacobian of element {worst} is {jacobian:.1e} at node {node} in the undeformed mesh (1: a box, 0: flat); the smallest of the mesh is {:.1e}",
             quality.min_scaled_jacobian
         )];
         evidence.extend(case.failure().filter(|_| is_here).map(|failure| failure.reason.clone()));
@@ -67,20 +67,22 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
             matches!(case.scene.bodies.get(b).map(|b| &b.mesh), Some(MeshSource::Generator(Generator::Hexahedron(_))));
         let from = match generated {
             true => format!(
-                "`body[{b}].mesh.corners`: move the corner next to that node, the angle there is nearly 180 degrees or 0"
+                "`body[{b}].mesh.corners`: move the corner next to that node; the angle there is nearly 0 or 180 degrees"
             ),
-            false => "in the mesher: move it, or mesh the region anew; `stoss mesh info FILE` shows the worst element"
-                .to_owned(),
+            false => {
+                "in the mesher: move the node or remesh the region; `stoss mesh info FILE` shows the worst element"
+                    .to_owned()
+            }
         };
         list.push(Finding {
             cause: Cause::Sliver,
             confidence,
             place: Where { text: format!("element {worst} at {}", at.text), element: Some(worst as usize), ..at },
-            sentence: format!("element {worst} of `{name}` is a sliver: the least deformation turns its corner at node {node} inside out"),
+            sentence: format!("element {worst} of `{name}` is a sliver: a small deformation is enough to turn its corner at node {node} inside out"),
             evidence,
             remedies: vec![
-                Remedy::words(format!("mend the mesh at node {node} of `{name}`, {from}")),
-                Remedy::set("solver.inside_out", "\"warn\"", "goes on with a warning as long as integration points allow, and the stress there means nothing"),
+                Remedy::words(format!("repair the mesh at node {node} of `{name}`, {from}")),
+                Remedy::set("solver.inside_out", "\"warn\"", "the run continues with a warning while the Jacobian is positive at the integration points; do not trust the stresses there"),
             ],
         });
     }
@@ -98,9 +100,11 @@ pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
         let name = body.solid.name();
         let key = format!("body[{b}].material.poisson");
         let remedy = match case.scene.locate(&key) {
-            Some(_) => {
-                Remedy::set(key, "0.49", "volume changes by about a fiftieth of a shear, and elements do not lock yet")
-            }
+            Some(_) => Remedy::set(
+                key,
+                "0.49",
+                "the bulk modulus is then fifty times the shear modulus, and elements do not lock yet",
+            ),
             None => Remedy::words(format!(
                 "give `body[{b}].material` a smaller bulk modulus: fifty times the shear modulus is enough"
             )),
@@ -111,7 +115,7 @@ pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
             confidence: if is_here { Confidence::Medium } else { Confidence::Low },
             place: Where { text: format!("`{name}`"), body: Some(name.to_owned()), ..Where::default() },
             sentence: format!(
-                "`{name}` is nearly incompressible (Poisson's ratio {nu}): linear hexahedra lock, they are far too stiff and their pressure alternates"
+                "`{name}` is nearly incompressible (Poisson's ratio {nu}): linear hexahedra lock: they are far too stiff, and the pressure oscillates from element to element"
             ),
             evidence: vec![format!("the bulk modulus is {:.0} times the shear modulus", 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)))],
             remedies: vec![remedy],

@@ -269,20 +269,18 @@ fn unknown(case: &Case<'_>) -> Finding {
     let mut remedies = Vec::new();
     if case.failure().is_some() {
         let step = case.step_key();
-        remedies.push(Remedy::set(step, toml::number(toml::down(0.5 * time.step)), "half of what it is"));
+        remedies.push(Remedy::set(step, toml::number(toml::down(0.5 * time.step)), "half the present value"));
         if time.max_cuts < crate::scene::Time::DEFAULT_MAX_CUTS {
             let cuts = crate::scene::Time::DEFAULT_MAX_CUTS.to_string();
             remedies.push(Remedy::set("time.max_cuts", cuts, "the default"));
         }
     }
-    remedies.push(Remedy::words(
-        "look at the frames before the end at this place, in `report.html` or with `stoss picture`",
-    ));
+    remedies.push(Remedy::words("look at the last frames near this place, in `report.html` or with `stoss picture`"));
     Finding {
         cause: Cause::Unknown,
         confidence: Confidence::Low,
         place: case.place(),
-        sentence: "none of the causes that are looked for shows its signs".to_owned(),
+        sentence: "none of the known causes fits".to_owned(),
         evidence: vec![case.what()],
         remedies,
     }

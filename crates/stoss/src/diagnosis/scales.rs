@@ -77,8 +77,11 @@ fn by_digits(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Fin
     let offer = |&&(name, _, kilogram, _): &&(&str, f64, f64, f64)| {
         let value = toml::short(density / digits * kilogram);
         let factor = density / value;
-        let by =
-            if factor >= 1.0 { format!("{factor:.0e} times less") } else { format!("{:.0e} times more", 1.0 / factor) };
+        let by = if factor >= 1.0 {
+            format!("{factor:.0e} times smaller")
+        } else {
+            format!("{:.0e} times larger", 1.0 / factor)
+        };
         Remedy::set(
             format!("body[{b}].density"),
             toml::number(value),
@@ -94,24 +97,24 @@ fn by_digits(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Fin
     let short = end < SHORT_RUN * transit;
     let confidence = if is_odd || gravity.is_some() || short { Confidence::High } else { Confidence::Medium };
     let mut evidence = vec![format!(
-        "modulus {young:e} and density {density:e} have the digits of {}, but waves would run at {speed:.3e} a unit of time: in no usual system of units is it {:.0} m/s",
+        "modulus {young:e} and density {density:e} have the digits of {}, but they give a wave speed of {speed:.3e}: in no common system of units is that {:.0} m/s",
         known.name,
         si.sqrt()
     )];
     evidence.push(format!(
-        "a wave takes {transit:.2e} through `{}`, the run ends at {end:e}{}",
+        "a wave takes {transit:.2e} to cross `{}`, and the run ends at {end:e}{}",
         body.name,
-        if short { ": before anything can move" } else { "" }
+        if short { ", before anything can move" } else { "" }
     ));
     if let Some(g) = gravity.filter(|_| fitting.is_empty()) {
-        evidence.push(format!("with this modulus gravity of {g} belongs to no usual system of units either"));
+        evidence.push(format!("nor does gravity of {g} go with this modulus in any common system of units"));
     }
     Some(Finding {
         cause: Cause::Density,
         confidence,
         place: of_body(case, b, &format!("`{}`, `body[{b}].density`", body.name)),
         sentence: format!(
-            "the density {density:e} of `{}` does not fit its modulus {young:e}: a unit is mixed up",
+            "the density {density:e} of `{}` does not match its modulus {young:e}: the units are probably mixed",
             body.name
         ),
         evidence,
@@ -199,7 +202,7 @@ pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
     let mut remedies = vec![Remedy::set(
         key.clone(),
         toml::number(toml::down(present * GOOD / nominal)),
-        "a tenth of an element a step",
+        "a tenth of an element length per step",
     )];
     if time.max_cuts < Time::DEFAULT_MAX_CUTS {
         let cuts = Time::DEFAULT_MAX_CUTS.to_string();
@@ -207,15 +210,15 @@ pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
     }
     let mut evidence = vec![
         format!(
-            "{text} by {per_step:.3e} in a step of {:e}, {nominal:.2} edges of its elements ({edge:.3e})",
+            "{text} by {per_step:.3e} in a step of {:e}, which is {nominal:.2} element lengths (of {edge:.3e})",
             first.dt
         ),
-        format!("the smallest step that was tried, {:e}, is still {smallest:.2} edges", failure.dt),
+        format!("the smallest step that was tried, {:e}, still is {smallest:.2} element lengths", failure.dt),
     ];
     if let Some((young, density, _)) = moduli_of(case, body) {
         let transit = edge / (young / density).sqrt();
         evidence.push(format!(
-            "a wave takes {transit:.2e} through an element; a step is {:.1} times that",
+            "a wave takes {transit:.2e} to cross an element; the step is {:.1} times as long",
             first.dt / transit
         ));
     }
@@ -224,7 +227,7 @@ pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
         cause: Cause::StepTooLarge,
         confidence: if smallest >= STILL_LARGE { Confidence::High } else { Confidence::Medium },
         place,
-        sentence: format!("`{key} = {present}` is too large: in one step {text} by {nominal:.2} edges of its elements"),
+        sentence: format!("`{key} = {present}` is too large: in one step {text} by {nominal:.2} element lengths"),
         evidence,
         remedies,
     }]

@@ -246,7 +246,7 @@ fn finding(
     let at = moving.iter().map(|&(m, _)| m).find(|&m| is_here(m)).unwrap_or(first);
     let words: Vec<String> = moving.iter().map(|(m, motions)| format!("`{}` is {motions}", members[*m].name)).collect();
     let contact =
-        if touches { "; contact can hold it only where it touches, and friction only where it sticks" } else { "" };
+        if touches { "; contact supports it only where it is closed, and friction only while it sticks" } else { "" };
     let slides = moving.iter().any(|(_, motions)| !motions.translations.is_empty());
     let place = if is_here(at) {
         place
@@ -259,12 +259,12 @@ fn finding(
         }
     };
     let mut evidence = vec![format!(
-        "prescribed components{} leave {} of the six rigid motions, and statics have no inertia",
-        if group.len() > 1 { ", joints and ties together" } else { "" },
+        "the prescribed components{} leave {} of the six rigid-body motions free, and a static analysis has no inertia",
+        if group.len() > 1 { ", the joints and the ties" } else { "" },
         motions.translations.len() + motions.rotations.len()
     )];
     if singular {
-        evidence.push("the matrix is singular".to_owned());
+        evidence.push("the stiffness matrix is singular".to_owned());
     }
     Some(Finding {
         cause: if slides { Cause::NoSupport } else { Cause::FreeRotation },
@@ -299,7 +299,7 @@ fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) 
             };
             let more: Vec<(u32, usize)> = case.nodes(set).iter().flat_map(|&n| (0..3).map(move |i| (n, i))).collect();
             if item.components.len() < 3 && holds(&more) {
-                let why = format!("`{set}` is then held in all directions");
+                let why = format!("`{set}` is then fixed in all directions");
                 list.push(Remedy::set(format!("prescribe[{p}].components"), toml::strings(&names), &why));
             }
         }
@@ -319,8 +319,8 @@ fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) 
         list.extend(other_set(case, name, &holds, &moved));
     }
     list.push(Remedy::words(match case.scene.stages.is_empty() {
-        true => "or set `scene.kind = \"dynamic\"` with densities and an integrator, where inertia holds what is free",
-        false => "or let a dynamic stage do it, where inertia holds what is free",
+        true => "or set `scene.kind = \"dynamic\"` with densities and an integrator: free bodies are then held by their inertia",
+        false => "or use a dynamic stage: free bodies are then held by their inertia",
     }));
     list
 }
@@ -356,7 +356,7 @@ fn other_set(
             let components = toml::strings(&components.iter().map(|&i| names[i]).collect::<Vec<_>>());
             let toml = format!("[[prescribe]]\nset = \"{set}\"\ncomponents = {components}\nfixed = true\n");
             let text =
-                format!("hold another place: `[[prescribe]] set = \"{set}\", components = {components}, fixed = true`");
+                format!("fix another set: `[[prescribe]] set = \"{set}\", components = {components}, fixed = true`");
             return Some(Remedy { text, changes: vec![Change::Add { toml }] });
         }
     }

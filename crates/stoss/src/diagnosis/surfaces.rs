@@ -58,13 +58,13 @@ pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
         let pair = contact.map(|(_, item)| item.label());
         let mut evidence = vec![seen.sentence.clone()];
         if contact.is_some() && case.failure().is_some() {
-            evidence.push("contact cannot push so far apart in one step".to_owned());
+            evidence.push("contact cannot separate them in one step".to_owned());
         }
         list.push(Finding {
             cause: Cause::OverlapAtStart,
             confidence: if case.failure().is_some() { Confidence::High } else { confidence(seen) },
             place: between(case, seen, &names, pair),
-            sentence: format!("`{}` and `{}` lie in each other before the first step", names[0], names[1]),
+            sentence: format!("`{}` and `{}` overlap before the first step", names[0], names[1]),
             evidence,
             remedies: apart(case, &names),
         });
@@ -75,7 +75,7 @@ pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
 
 /// Moving one of two bodies out of the other, by their bounding boxes along the axis where that is shortest.
 fn apart(case: &Case<'_>, names: &[String; 2]) -> Vec<Remedy> {
-    let last = Remedy::words("move or shrink one of the bodies so that they touch at most");
+    let last = Remedy::words("move or shrink one of the bodies so that they do not overlap");
     let bodies = names.each_ref().map(|name| case.scene.body_index(name));
     let [Some(mesh_a), Some(mesh_b)] = names.each_ref().map(|name| case.mesh(name)) else { return vec![last] };
     let ((low_a, high_a), (low_b, high_b)) = (mesh_a.bounding_box(), mesh_b.bounding_box());
@@ -180,8 +180,10 @@ pub(super) fn facing_away(case: &Case<'_>) -> Vec<Finding> {
             Some((seen, names)) => between(case, seen, names, Some(label.clone())),
             None => Where { text: format!("contact `{label}`"), pair: Some(label.clone()), ..Where::default() },
         };
-        let mut evidence =
-            vec![format!("no facet of `{}` looks at one of `{}`, at the start and now", surfaces[0], surfaces[1])];
+        let mut evidence = vec![format!(
+            "no facet of `{}` faces a facet of `{}`, neither at the start nor now",
+            surfaces[0], surfaces[1]
+        )];
         evidence.extend(crossed.as_ref().map(|(seen, _)| seen.sentence.clone()));
         if case.simulation.active()[c].iter().all(|active| !active) {
             evidence.push(format!("no point of `{label}` is in contact"));
@@ -201,11 +203,11 @@ pub(super) fn facing_away(case: &Case<'_>) -> Vec<Finding> {
                 })
                 .collect();
             remedies.push(Remedy {
-                text: format!("name the sides that look at each other: set {}", keys.join(" and ")),
+                text: format!("name the surfaces that face each other: set {}", keys.join(" and ")),
                 changes,
             });
         }
-        remedies.push(Remedy::words("if they are to touch after the bodies have turned, nothing is wrong with them"));
+        remedies.push(Remedy::words("if the bodies are to turn first and touch then, leave the contact as it is"));
         list.push(Finding {
             cause: Cause::SurfacesFaceAway,
             confidence: match &crossed {
@@ -213,9 +215,7 @@ pub(super) fn facing_away(case: &Case<'_>) -> Vec<Finding> {
                 None => Confidence::Medium,
             },
             place,
-            sentence: format!(
-                "contact `{label}` names sides that are turned away from each other: they can never touch"
-            ),
+            sentence: format!("the surfaces of contact `{label}` face away from each other: they cannot touch"),
             evidence,
             remedies,
         });
@@ -235,15 +235,15 @@ pub(super) fn missing_contact(case: &Case<'_>) -> Vec<Finding> {
         let mut remedies = Vec::new();
         if let Some([a, b]) = facing_sets(case, &names, seen.position) {
             let toml = format!("[[contact]]\nmethod = \"nts\"\nbetween = [\"{a}\", \"{b}\"]\n");
-            let text = format!("name it: `[[contact]] method = \"nts\", between = [\"{a}\", \"{b}\"]`");
+            let text = format!("add it: `[[contact]] method = \"nts\", between = [\"{a}\", \"{b}\"]`");
             remedies.push(Remedy { text, changes: vec![Change::Add { toml }] });
         }
-        remedies.push(Remedy::words("or tie them with `[[tie]]` if they are to be one"));
+        remedies.push(Remedy::words("or bond them with `[[tie]]` if they are one piece"));
         list.push(Finding {
             cause: Cause::MissingContact,
             confidence: confidence(seen),
             place: between(case, seen, &names, None),
-            sentence: format!("`{}` and `{}` collide, and no contact is named between them", names[0], names[1]),
+            sentence: format!("`{}` and `{}` collide, and no contact is defined between them", names[0], names[1]),
             evidence: vec![seen.sentence.clone()],
             remedies,
         });

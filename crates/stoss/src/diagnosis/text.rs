@@ -11,18 +11,18 @@ impl Cause {
     /// In few words.
     pub fn title(self) -> &'static str {
         match self {
-            Self::NoSupport => "nothing holds the body",
-            Self::FreeRotation => "a rotation is free",
+            Self::NoSupport => "the body is not supported",
+            Self::FreeRotation => "a rigid rotation is free",
             Self::OverlapAtStart => "bodies overlap at the start",
-            Self::SurfacesFaceAway => "surfaces of a contact face away",
+            Self::SurfacesFaceAway => "contact surfaces face away from each other",
             Self::MissingContact => "a contact is missing",
-            Self::Density => "the density does not fit",
-            Self::Sliver => "a sliver in the mesh",
+            Self::Density => "the density does not match the modulus",
+            Self::Sliver => "a sliver element",
             Self::FrictionLocks => "friction locks",
             Self::StepTooLarge => "the step is too large",
-            Self::Incompressible => "nearly incompressible",
-            Self::ContactCycles => "contact points come and go",
-            Self::Unknown => "not known",
+            Self::Incompressible => "nearly incompressible material",
+            Self::ContactCycles => "contact points open and close without end",
+            Self::Unknown => "unknown",
         }
     }
 }
