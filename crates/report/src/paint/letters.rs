@@ -107,9 +107,6 @@ const GLYPHS: [&str; 94] = [
     "05 16 34 45",
 ];
 
-/// What is drawn for a character that is not among them.
-const UNKNOWN: &str = "02 08 48 42 02";
-
 /// Further characters, of units and the like.
 const MORE: [(char, &str); 5] = [
     ('\u{b0}', "16 07 18 27 16"),
@@ -119,9 +116,114 @@ const MORE: [(char, &str); 5] = [
     ('\u{b3}', "09 29 17 26 15 05"),
 ];
 
-fn glyph(letter: char) -> &'static str {
+/// The strokes of a character, if it has some.
+fn glyph(letter: char) -> Option<&'static str> {
     let known = (letter as usize).checked_sub('!' as usize).and_then(|number| GLYPHS.get(number)).copied();
-    known.or_else(|| MORE.iter().find(|(more, _)| *more == letter).map(|(_, glyph)| *glyph)).unwrap_or(UNKNOWN)
+    known.or_else(|| MORE.iter().find(|(more, _)| *more == letter).map(|(_, glyph)| *glyph))
+}
+
+/// A character that has no strokes in others that have: letters without their accents, signs and raised digits as they are typed. A question mark for what is not known.
+fn transliterated(letter: char) -> &'static str {
+    match letter {
+        'ä' => "ae",
+        'ö' | 'œ' => "oe",
+        'ü' => "ue",
+        'Ä' => "Ae",
+        'Ö' | 'Œ' => "Oe",
+        'Ü' => "Ue",
+        'ß' => "ss",
+        'ẞ' => "SS",
+        'æ' => "ae",
+        'Æ' => "Ae",
+        'à' | 'á' | 'â' | 'ã' | 'å' | 'ā' | 'ă' | 'ą' => "a",
+        'À' | 'Á' | 'Â' | 'Ã' | 'Å' | 'Ā' | 'Ă' | 'Ą' => "A",
+        'ç' | 'ć' | 'č' => "c",
+        'Ç' | 'Ć' | 'Č' => "C",
+        'ď' | 'đ' => "d",
+        'Ď' | 'Đ' => "D",
+        'è' | 'é' | 'ê' | 'ë' | 'ē' | 'ė' | 'ę' | 'ě' => "e",
+        'È' | 'É' | 'Ê' | 'Ë' | 'Ē' | 'Ė' | 'Ę' | 'Ě' => "E",
+        'ğ' => "g",
+        'Ğ' => "G",
+        'ì' | 'í' | 'î' | 'ï' | 'ī' | 'ı' => "i",
+        'Ì' | 'Í' | 'Î' | 'Ï' | 'Ī' | 'İ' => "I",
+        'ł' => "l",
+        'Ł' => "L",
+        'ñ' | 'ń' | 'ň' => "n",
+        'Ñ' | 'Ń' | 'Ň' => "N",
+        'ò' | 'ó' | 'ô' | 'õ' | 'ø' | 'ō' | 'ő' => "o",
+        'Ò' | 'Ó' | 'Ô' | 'Õ' | 'Ø' | 'Ō' | 'Ő' => "O",
+        'ř' => "r",
+        'Ř' => "R",
+        'ś' | 'š' | 'ş' => "s",
+        'Ś' | 'Š' | 'Ş' => "S",
+        'ť' => "t",
+        'Ť' => "T",
+        'ù' | 'ú' | 'û' | 'ū' | 'ů' | 'ű' => "u",
+        'Ù' | 'Ú' | 'Û' | 'Ū' | 'Ů' | 'Ű' => "U",
+        'ý' | 'ÿ' => "y",
+        'Ý' | 'Ÿ' => "Y",
+        'ź' | 'ż' | 'ž' => "z",
+        'Ź' | 'Ż' | 'Ž' => "Z",
+        // The small letter mu, which is not the sign of micro.
+        'μ' => "\u{b5}",
+        'α' => "alpha",
+        'β' => "beta",
+        'γ' => "gamma",
+        'δ' => "delta",
+        'Δ' => "Delta",
+        'ε' => "epsilon",
+        'θ' => "theta",
+        'λ' => "lambda",
+        'ν' => "nu",
+        'π' => "pi",
+        'ρ' => "rho",
+        'σ' => "sigma",
+        'τ' => "tau",
+        'φ' => "phi",
+        'ω' => "omega",
+        'Ω' => "Ohm",
+        '×' => "x",
+        '⋅' | '∙' | '•' => "\u{b7}",
+        '÷' => "/",
+        '±' => "+-",
+        '−' | '–' | '—' | '‐' | '‑' => "-",
+        '→' => "->",
+        '←' => "<-",
+        '≤' => "<=",
+        '≥' => ">=",
+        '≈' => "~",
+        '∞' => "inf",
+        '…' => "...",
+        '‘' | '’' | '′' => "'",
+        '“' | '”' | '„' | '″' | '«' | '»' => "\"",
+        // A letter with its accent behind it: the letter was drawn.
+        '\u{300}'..='\u{36f}' => "",
+        _ => "?",
+    }
+}
+
+/// A raised digit or sign as it is on the line.
+fn lowered(letter: char) -> Option<char> {
+    const RAISED: [char; 12] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹', '⁺', '⁻'];
+    RAISED.iter().zip("0123456789+-".chars()).find(|(raised, _)| **raised == letter).map(|(_, lowered)| lowered)
+}
+
+/// A text in characters that have strokes, and blanks.
+fn writable(text: &str) -> String {
+    let mut out = String::new();
+    let mut is_raised = false;
+    for letter in text.chars() {
+        let lowered = lowered(letter);
+        match lowered {
+            Some(digit) if is_raised => out.push(digit),
+            Some(digit) if glyph(letter).is_none() => out.extend(['^', digit]),
+            _ if letter.is_whitespace() || glyph(letter).is_some() => out.push(letter),
+            _ => out += transliterated(letter),
+        }
+        is_raised = lowered.is_some();
+    }
+    out
 }
 
 /// Strokes of a glyph, of which every point is two digits.
@@ -140,12 +242,11 @@ fn widest(glyph: &'static str) -> f64 {
 pub fn written(text: &str, size: f64) -> (Vec<Vec<[f64; 2]>>, f64) {
     let unit = UNIT * size;
     let (mut out, mut x) = (Vec::new(), 0.0);
-    for letter in text.chars() {
-        if letter.is_whitespace() {
+    for letter in writable(text).chars() {
+        let Some(glyph) = glyph(letter) else {
             x += BLANK + GAP;
             continue;
-        }
-        let glyph = glyph(letter);
+        };
         let place = |[column, row]: [f64; 2]| [(x + column) * unit, (BASE - row) * unit];
         out.extend(strokes(glyph).map(|stroke| stroke.into_iter().map(place).collect()));
         x += widest(glyph) + GAP;
@@ -167,14 +268,39 @@ mod tests {
     #[test]
     fn every_character_has_its_own_strokes_on_the_grid() {
         for letter in '!'..='~' {
-            for point in strokes(glyph(letter)).flatten() {
+            for point in strokes(glyph(letter).unwrap()).flatten() {
                 assert!(point[0] <= 6.0 && point[1] <= 9.0, "{letter}");
             }
         }
-        let different: BTreeSet<&str> = ('!'..='~').map(glyph).collect();
+        let different: BTreeSet<&str> = ('!'..='~').filter_map(glyph).collect();
         // Zero and the letter O are the same, and no others.
         assert_eq!((different.len(), glyph('0')), (93, glyph('O')));
-        assert_eq!(glyph('\u{416}'), UNKNOWN);
+    }
+
+    /// Pictures of pixels have no font: what has no strokes is written in characters that have, and never left out.
+    #[test]
+    fn other_characters_are_written_in_those_that_have_strokes() {
+        for (text, wanted) in [
+            ("Prüfkörper Ä ß", "Pruefkoerper Ae ss"),
+            ("éàçñ Škoda", "eacn Skoda"),
+            ("10⁷ N", "10^7 N"),
+            ("10⁻⁵", "10^-5"),
+            ("10⁻³ m²", "10^-3 m²"),
+            ("5 kg⋅m", "5 kg·m"),
+            ("2 × 3 ≤ σ ± 1", "2 x 3 <= sigma +- 1"),
+            ("μm", "µm"),
+            ("e\u{301}", "e"),
+            ("Ж物\u{1f600}", "???"),
+        ] {
+            assert_eq!((writable(text).as_str(), written(text, 10.0)), (wanted, written(wanted, 10.0)), "{text}");
+        }
+        // Those of units have strokes of their own.
+        let own: BTreeSet<&str> = "²³·°µ".chars().map(|letter| glyph(letter).unwrap()).collect();
+        assert_eq!(own.len(), 5);
+        // All that characters are written in has strokes.
+        for letter in ('\u{a1}'..='\u{2fff}').filter(|letter| glyph(*letter).is_none()) {
+            assert!(transliterated(letter).chars().all(|letter| glyph(letter).is_some()), "{letter}");
+        }
     }
 
     #[test]
