@@ -99,7 +99,7 @@ pub struct Time {
 }
 
 /// Increments that a static run or stage chooses between `smallest` and `step`: it begins with `initial`, doubles it after `after` easy increments in a row, and halves it after
-/// a failure. All are `step` over a power of two.
+/// an increment of more than `hard` iterations and after a failure. All are `step` over a power of two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -115,6 +115,9 @@ pub struct Automatic {
     /// So many easy increments in a row double the next one (at least 1).
     #[serde(default = "Automatic::default_after")]
     pub after: u32,
+    /// An increment that took more iterations than this halves the next one, but not below the first one. At least `easy`; by default 10, or `easy` if that is larger.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hard: Option<u32>,
 }
 
 impl Automatic {
@@ -122,6 +125,8 @@ impl Automatic {
     pub const DEFAULT_EASY: u32 = 6;
     /// One easy increment may be chance.
     pub const DEFAULT_AFTER: u32 = 2;
+    /// Abaqus has the same limit.
+    pub const DEFAULT_HARD: u32 = 10;
 
     fn default_easy() -> u32 {
         Self::DEFAULT_EASY
@@ -129,6 +134,11 @@ impl Automatic {
 
     fn default_after() -> u32 {
         Self::DEFAULT_AFTER
+    }
+
+    /// Iterations of an increment that do not yet halve the next one.
+    pub fn hard(&self) -> u32 {
+        self.hard.unwrap_or(Self::DEFAULT_HARD.max(self.easy))
     }
 
     /// Halvings of `step` that give the first and the smallest increment.

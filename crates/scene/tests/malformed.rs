@@ -99,6 +99,7 @@ const CASES: &[Case] = &[
         "automatic",
         "time.automatic.after",
     ),
+    quasi("step = 0.1\n", "step = 0.1\nautomatic = { initial = 0.01, hard = 5 }\n", "automatic", "time.automatic.hard"),
     quasi(
         "step = 0.1\n",
         "step = 0.1\nautomatic = { initial = 0.01, largest = 1 }\n",

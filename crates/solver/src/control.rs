@@ -17,7 +17,8 @@ pub struct StepControl {
     pub automatic: Option<Automatic>,
 }
 
-/// Step sizes that a run chooses: it begins with a small one, doubles it after steps that were easy, and halves it after a failure.
+/// Step sizes that a run chooses: it begins with a small one, doubles it after steps that were easy, and halves it after a
+/// step that was hard and after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Automatic {
     /// Halvings of the largest step that the first one has.
@@ -28,6 +29,19 @@ pub struct Automatic {
     pub easy: u32,
     /// After so many easy steps in a row the step is doubled.
     pub after: u32,
+    /// After a step that took more Newton iterations than this the next one is halved, but not below the first one: only failures do that.
+    pub hard: u32,
+}
+
+/// What happens to the step size after a step that succeeded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepChange {
+    /// It stays.
+    None,
+    /// It is doubled.
+    Doubled,
+    /// It is halved.
+    Halved,
 }
 
 /// Where the run is on the grid of nominal steps.
@@ -44,6 +58,8 @@ pub struct Clock {
     grow_after: u32,
     /// Largest number of iterations of a step that counts as a success for growing.
     easy: Option<u32>,
+    /// Largest number of iterations of a step after which the next one is not halved, and how often the first step is halved.
+    hard: Option<(u32, u32)>,
     /// Ticks done.
     tick: u64,
     /// Present number of halvings.
@@ -69,6 +85,7 @@ impl Clock {
             max_cuts,
             grow_after: automatic.map_or(control.grow_after, |automatic| automatic.after).max(1),
             easy: automatic.map(|automatic| automatic.easy),
+            hard: automatic.map(|automatic| (automatic.hard, automatic.first.min(max_cuts))),
             tick: 0,
             level: automatic.map_or(0, |automatic| automatic.first).min(max_cuts),
             successes: 0,
@@ -148,17 +165,22 @@ impl Clock {
         self.end - self.start
     }
 
-    /// The step succeeded, after so many Newton iterations; returns true if the step size was doubled.
-    pub fn accept(&mut self, iterations: u32) -> bool {
+    /// The step succeeded, after so many Newton iterations; returns how the next one is chosen.
+    pub fn accept(&mut self, iterations: u32) -> StepChange {
         self.tick += self.stride();
+        if self.hard.is_some_and(|(hard, first)| iterations > hard && self.level < first) {
+            self.level += 1;
+            self.successes = 0;
+            return StepChange::Halved;
+        }
         self.successes = if self.easy.is_some_and(|easy| iterations > easy) { 0 } else { self.successes + 1 };
         let larger = self.stride() * 2;
         if self.level > 0 && self.successes >= self.grow_after && self.tick.is_multiple_of(larger) {
             self.level -= 1;
             self.successes = 0;
-            return true;
+            return StepChange::Doubled;
         }
-        false
+        StepChange::None
     }
 
     /// The step failed; returns false if it cannot be halved any more.
@@ -205,15 +227,15 @@ mod tests {
 
     #[test]
     fn automatic_steps_begin_small_grow_when_it_is_easy_and_halve_after_failures() {
-        let automatic = Automatic { first: 3, last: 5, easy: 6, after: 2 };
+        let automatic = Automatic { first: 3, last: 5, easy: 6, after: 2, hard: 10 };
         let mut clock = Clock::new(StepControl { automatic: Some(automatic), ..control(0.4, 2.0) });
         assert_eq!(clock.dt(), 0.05);
-        assert!(!clock.accept(6) && clock.accept(6));
+        assert_eq!([6, 6].map(|n| clock.accept(n)), [StepChange::None, StepChange::Doubled]);
         assert!((clock.dt() - 0.1).abs() < 1e-15);
         // A hard step begins the count anew.
-        assert!(!clock.accept(6) && !clock.accept(7) && !clock.accept(1));
+        assert_eq!([6, 7, 1].map(|n| clock.accept(n)), [StepChange::None; 3]);
         // And a larger step begins at a multiple of itself: 40 ticks are none of 16.
-        assert!(!clock.accept(1) && clock.accept(1));
+        assert_eq!([1, 1].map(|n| clock.accept(n)), [StepChange::None, StepChange::Doubled]);
         assert!((clock.dt() - 0.2).abs() < 1e-15);
         assert!(clock.cut() && clock.cut() && clock.cut() && clock.cut() && !clock.cut());
         assert!((clock.dt() - 0.4 / 32.0).abs() < 1e-15);
@@ -224,6 +246,26 @@ mod tests {
             steps += 1;
         }
         assert!(clock.time() == 2.0 && steps < 20, "{steps}");
+    }
+
+    /// As in Abaqus, an increment of more than `hard` iterations makes the next one smaller although it converged.
+    #[test]
+    fn a_hard_step_halves_the_next_one_but_not_below_the_first() {
+        let automatic = Automatic { first: 2, last: 5, easy: 6, after: 1, hard: 10 };
+        let mut clock = Clock::new(StepControl { automatic: Some(automatic), ..control(0.4, 20.0) });
+        let mut step = |iterations| (clock.accept(iterations), (clock.dt() / 0.1).round() as u32);
+        assert_eq!([1, 1].map(&mut step), [(StepChange::None, 1), (StepChange::Doubled, 2)]);
+        assert_eq!(step(1), (StepChange::Doubled, 4));
+        assert_eq!([10, 11].map(&mut step), [(StepChange::None, 4), (StepChange::Halved, 2)]);
+        assert_eq!(
+            [11, 11, 99].map(&mut step),
+            [(StepChange::Halved, 1), (StepChange::None, 1), (StepChange::None, 1)]
+        );
+        // A step that failures have made smaller than the first one is not halved further.
+        assert!(clock.cut());
+        assert_eq!((clock.accept(99), (clock.dt() / 0.05).round()), (StepChange::None, 1.0));
+        // Steps that are not chosen stay what they are.
+        assert_eq!(Clock::new(control(0.1, 1.0)).accept(1000), StepChange::None);
     }
 
     proptest! {

@@ -39,7 +39,7 @@ mod table;
 mod timing;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use control::{Automatic, Clock, StepControl};
+pub use control::{Automatic, Clock, StepChange, StepControl};
 pub use embedding::Embedding;
 pub use error::{SimulationError, StepError, Unknown};
 pub use failure::{FailedAttempt, FailureKind, SlotChanges};

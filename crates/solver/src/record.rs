@@ -41,6 +41,8 @@ pub enum DecisionKind {
     Cut,
     /// The step was doubled again.
     Grow,
+    /// The step succeeded after many iterations, and the next one was halved.
+    Shrink,
     /// The predictor was dropped and the step was started in another way.
     Restart,
     /// The step was accepted, but something about its result is not right.

@@ -118,8 +118,17 @@ pub(super) fn automatic(node: &Node<'_>, step: Option<f64>) -> Option<Automatic>
     });
     let easy = table.default("easy", Automatic::DEFAULT_EASY, Node::count);
     let after = table.default("after", Automatic::DEFAULT_AFTER, Node::count);
+    let hard = table.optional("hard", |n| {
+        let hard = n.count()?;
+        match easy {
+            Some(easy) if hard < easy => {
+                n.fail(format!("must not be less than `easy` = {easy}"), "choose a larger one")
+            }
+            _ => Some(hard),
+        }
+    });
     table.finish();
-    Some(Automatic { initial: initial?, smallest: smallest?, easy: easy?, after: after? })
+    Some(Automatic { initial: initial?, smallest: smallest?, easy: easy?, after: after?, hard: hard? })
 }
 
 pub(super) fn stabilise(node: &Node<'_>) -> Option<Stabilise> {

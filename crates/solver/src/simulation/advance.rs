@@ -7,8 +7,8 @@ use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
-    Automatic, Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepError,
-    StepRecord,
+    Automatic, Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepChange,
+    StepError, StepRecord,
 };
 use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage};
@@ -497,14 +497,21 @@ impl Simulation {
         if let Some(work) = work_of_contact {
             self.warn_contact_gain(work, &before);
         }
-        if self.clock.accept(solves) {
-            let reason = match self.control.automatic {
-                None => format!("{} steps succeeded in a row", self.control.grow_after),
-                Some(Automatic { easy, after, .. }) => {
-                    format!("{after} steps in a row took at most {easy} iterations each")
-                }
-            };
-            self.decisions.push(decision(self.step, time, dt, DecisionKind::Grow, reason));
+        let change = match (self.clock.accept(solves), self.control.automatic) {
+            (StepChange::None, _) => None,
+            (StepChange::Doubled, None) => {
+                Some((DecisionKind::Grow, format!("{} steps succeeded in a row", self.control.grow_after)))
+            }
+            (StepChange::Doubled, Some(Automatic { easy, after, .. })) => {
+                Some((DecisionKind::Grow, format!("{after} steps in a row took at most {easy} iterations each")))
+            }
+            (StepChange::Halved, automatic) => {
+                let hard = automatic.map_or(0, |automatic| automatic.hard);
+                Some((DecisionKind::Shrink, format!("the step took {solves} iterations, more than {hard}")))
+            }
+        };
+        if let Some((kind, reason)) = change {
+            self.decisions.push(decision(self.step, time, dt, kind, reason));
         }
         self.warn_stabilisation();
         StepRecord {

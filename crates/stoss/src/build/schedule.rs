@@ -19,7 +19,7 @@ pub(super) enum Named {
 /// The solver's form of increments that are chosen.
 fn automatic(choice: &scene::Automatic, step: f64) -> Automatic {
     let [first, last] = choice.halvings(step);
-    Automatic { first, last, easy: choice.easy, after: choice.after }
+    Automatic { first, last, easy: choice.easy, after: choice.after, hard: choice.hard() }
 }
 
 /// The solver's form of a stabilisation; one of the keys is there.

@@ -134,7 +134,7 @@ function changes(balance) {
 
 /** Cuts, growths, stages and warnings, with their reasons. */
 function decisions(run) {
-  const colours = { Cut: '#c8553d', Grow: '#4f9a5b', Stage: '#2f6db3' };
+  const colours = { Cut: '#c8553d', Grow: '#4f9a5b', Shrink: '#e08a3c', Stage: '#2f6db3' };
   return (run.summary?.decisions ?? []).map(({ time, kind, reason, dt }) => ({
     x: time,
     colour: colours[kind] ?? '#b8860b',
