@@ -55,6 +55,10 @@ impl GeneralContact {
         rules: Interactions,
         options: GeneralOptions,
     ) -> Result<Self, ContactError> {
+        if !(options.thickness > 0.0 && options.thickness.is_finite()) {
+            let (option, range) = ("thickness", "a positive length");
+            return Err(ContactError::Option { option, value: options.thickness, range });
+        }
         if skin.facets().is_empty() {
             return Err(ContactError::EmptySurface { side: "general" });
         }
@@ -168,7 +172,7 @@ impl Potential for GeneralContact {
     }
 
     fn length_scale(&self) -> f64 {
-        self.skin.shortest_edge()
+        self.options.thickness
     }
 
     fn is_symmetric(&self, rule: ContactRule) -> bool {
@@ -187,12 +191,7 @@ impl Potential for GeneralContact {
 
     fn begin_step(&mut self, q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
         if !matches!(self.rule, ContactRule::EnergyMomentum | ContactRule::EndPoint) {
-            return Err(ContactError::Unsupported {
-                contact: self.name.clone(),
-                reason: "forces of the middle or of the start of a step do not keep surfaces apart: use the schemes \
-                         `energy-momentum` or `backward-euler`, or statics"
-                    .into(),
-            });
+            return Err(ContactError::Rule { method: "general", rule: format!("{:?}", self.rule) });
         }
         let Self { skin, rules, proximity, x_n, x, velocity, step_size, .. } = self;
         Self::place(skin, q_n, x_n);

@@ -61,7 +61,13 @@ impl Proximity {
     }
 
     /// Regions around straight motions from `x` by `increment`, and their candidates. `new` drops what was before.
-    pub fn begin(&mut self, skin: &Skin, rules: &Interactions, x: &[Vector3<f64>], increment: impl Fn(u32) -> Vector3<f64>) {
+    pub fn begin(
+        &mut self,
+        skin: &Skin,
+        rules: &Interactions,
+        x: &[Vector3<f64>],
+        increment: impl Fn(u32) -> Vector3<f64>,
+    ) {
         self.regions.clear();
         self.margin = 0.0;
         let mut motions = 0.0;

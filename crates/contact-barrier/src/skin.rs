@@ -9,7 +9,8 @@ use stoss_reference_element::FacetNodes;
 const GUARD: f64 = 0.01;
 
 /// Barycentric coordinates of the three points of integration of a triangle.
-const GAUSS: [[f64; 3]; 3] = [[2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
+const GAUSS: [[f64; 3]; 3] =
+    [[2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
 
 /// A facet of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,11 +49,7 @@ impl Skin {
     /// The skin of facets with nodes at `reference` (`3 * nodes`, lengths). `place(node)` gives the nodes and weights (of sum one) that a vertex is made of where it does not lie in its node.
     ///
     /// The order of facets decides the order of sums, nothing else.
-    pub fn new(
-        facets: Vec<SkinFacet>,
-        reference: &[f64],
-        place: &dyn Fn(u32) -> Option<Vec<(u32, f64)>>,
-    ) -> Self {
+    pub fn new(facets: Vec<SkinFacet>, reference: &[f64], place: &dyn Fn(u32) -> Option<Vec<(u32, f64)>>) -> Self {
         let at = |node: u32| Vector3::from_column_slice(&reference[3 * node as usize..3 * node as usize + 3]);
         let mut nodes: Vec<u32> = facets.iter().flat_map(|f| f.nodes.iter().copied()).collect();
         nodes.sort_unstable();
@@ -130,7 +127,8 @@ impl Skin {
                 self.edge_facet[e] = facet.min(self.edge_facet[e]);
             }
         }
-        self.edge_square = self.edges.iter().map(|e| (positions[e[1] as usize] - positions[e[0] as usize]).norm_squared()).collect();
+        self.edge_square =
+            self.edges.iter().map(|e| (positions[e[1] as usize] - positions[e[0] as usize]).norm_squared()).collect();
         for t in 0..self.triangles.len() {
             let corners = self.triangles[t];
             let [xa, xb, xc] = corners.map(|v| positions[v as usize]);

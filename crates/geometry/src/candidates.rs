@@ -56,7 +56,11 @@ impl CandidateSearch {
         for (v, &p) in vertices.iter().enumerate() {
             triangle_tree.query(&box_of(p), |t| {
                 let [a, b, c] = triangles[t];
-                let pair = CandidatePair { kind: PairKind::VertexTriangle, points: [p, a, b, c], primitives: [v as u32, t as u32] };
+                let pair = CandidatePair {
+                    kind: PairKind::VertexTriangle,
+                    points: [p, a, b, c],
+                    primitives: [v as u32, t as u32],
+                };
                 if ![a, b, c].contains(&p) && admits(&pair) {
                     found.push(pair);
                 }
