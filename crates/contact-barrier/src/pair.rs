@@ -1,5 +1,6 @@
 //! The force of one pair: between two states with exactly the work of its energy, or at one state.
 
+use crate::layer::LayerStep;
 use crate::parallel::Crossing;
 use crate::sensitivity::Sensitivity;
 use crate::{Layer, Parallel};
@@ -27,6 +28,12 @@ pub struct PairForce {
     pub gradient: [Vector3<f64>; 4],
     /// Energy at the (end) state.
     pub energy: f64,
+    /// Energy that the damping of the layer takes in the step, `>= 0`; 0 at one state.
+    pub dissipated: f64,
+}
+
+impl PairForce {
+    const NONE: Self = Self { gradient: [Vector3::new(0.0, 0.0, 0.0); 4], energy: 0.0, dissipated: 0.0 };
 }
 
 /// Relative to the squared distances: the part of `e_n`, `e_np1` that decides between the two patterns where both are zero.
@@ -38,10 +45,10 @@ const SAME_PATTERN: f64 = 1e-18;
 impl PairTerm {
     /// Energy, gradient and, if asked for, second derivative (symmetric) of the pair at one state: statics and backward Euler.
     ///
-    /// `x` are the points in the order of the kind. All is zero outside of the layer; inside, `D` must be positive.
+    /// `x` are the points in the order of the kind. There is no damping. All is zero outside of the layer; inside, `D` must be positive.
     pub fn at_state(&self, layer: &Layer, x: &[Vector3<f64>; 4], tangent: Option<&mut Tangent>) -> PairForce {
         let pair = closest(self.kind, x);
-        let mut force = PairForce { gradient: [Vector3::zeros(); 4], energy: 0.0 };
+        let mut force = PairForce::NONE;
         if !layer.is_inside(pair.distance_squared) {
             fill(tangent, |_, _| Matrix3::zeros());
             return force;
@@ -112,18 +119,18 @@ impl PairStart {
 
     /// Discrete gradient `g` between the start and `x`, energy at `x`, and, if asked for, `dg/dx` (not symmetric); `docs/theory/barrier.md` (6), (7).
     ///
-    /// For any two states, across any change of the closest features: `sum g_i . (x_i - x_n,i)` is the change of the energy, `sum g_i = 0`, `sum x_m,i x g_i = 0` about the mean positions `x_m`, all to
-    /// round-off. Exchanging the states gives the same forces. A pair has to be taken as long as it is inside of the layer at *one* of the states.
+    /// For any two states, across any change of the closest features: `sum g_i . (x_i - x_n,i)` is the change of the energy and what the damping of the layer takes, `sum g_i = 0`, `sum x_m,i x g_i = 0` about
+    /// the mean positions `x_m`, all to round-off. Without damping, exchanging the states gives the same forces. A pair has to be taken as long as it is inside of the layer at *one* of the states.
     pub fn force(&self, x: &[Vector3<f64>; 4], tangent: Option<&mut Tangent>) -> PairForce {
         let Self { term, layer, .. } = self;
         let end = closest(term.kind, x);
         let (d_n, d) = (self.closest.distance_squared, end.distance_squared);
         if !layer.is_inside(d_n) && !layer.is_inside(d) {
             fill(tangent, |_, _| Matrix3::zeros());
-            return PairForce { gradient: [Vector3::zeros(); 4], energy: 0.0 };
+            return PairForce::NONE;
         }
         let [psi, slope, _] = layer.evaluate(d);
-        let [b, db] = layer.divided_difference(d_n, d);
+        let LayerStep { b, slope: db, dissipated } = layer.step(d_n, d);
         let patterns = Patterns::new(self, &end, x);
         let (m_mean, m_np1, varies) = match (&term.parallel, &self.crossing) {
             (Some(parallel), Some(crossing)) => {
@@ -152,7 +159,7 @@ impl PairStart {
                 (block + d_gradient[i] * by_scalar.transpose()) * w
             });
         }
-        PairForce { gradient, energy: w * m_np1 * psi }
+        PairForce { gradient, energy: w * m_np1 * psi, dissipated: w * m_mean * dissipated }
     }
 
     /// The balance `theta` between the patterns of the start (0) and of the end (1), for tests of its bounds.
