@@ -5,7 +5,8 @@
 //!
 //! * [`Layer`]: the barrier `psi`, its derivatives and its divided difference;
 //! * [`Parallel`]: the factor `m` that fades pairs of nearly parallel edges out;
-//! * [`PairStart`], [`PairForce`]: the force of a pair between two states, or at one, with tangent.
+//! * [`PairStart`], [`PairForce`]: the force of a pair between two states, or at one, with tangent;
+//! * [`Friction`], [`FrictionForce`]: friction of a pair in a step.
 //!
 //! It is not a contact method: which pairs there are, their weights, and the collision detection that keeps iterates from passing through each other are the caller's
 //! (`stoss-geometry` finds candidates and safe fractions).
@@ -16,7 +17,9 @@ mod layer;
 mod pair;
 mod parallel;
 mod sensitivity;
+mod slip;
 
 pub use layer::Layer;
-pub use pair::{PairForce, PairStart, PairTerm, Tangent};
+pub use pair::{PairForce, PairStart, PairTerm, StepForce, Tangent};
 pub use parallel::Parallel;
+pub use slip::{Friction, FrictionForce};

@@ -5,6 +5,8 @@ use nalgebra::{Rotation3, Vector3};
 use stoss_contact_barrier::{Layer, PairStart, PairTerm, Parallel, Tangent};
 use stoss_geometry::{PairFeature, PairKind, closest};
 
+mod slip;
+
 type Points = [Vector3<f64>; 4];
 
 const KINDS: [PairKind; 4] =
