@@ -71,69 +71,74 @@ pub(crate) struct Variation<'a> {
 impl Pressed {
     /// The friction, and its tangent *added* to one that is there.
     pub fn friction(&self, law: &Friction, tangent: Option<(&Variation, &mut Tangent)>) -> FrictionForce {
-        let (c, dx) = (&self.weights, &self.dx);
+        let c = &self.weights;
         let normal_force = self.normal.norm();
-        let Some(spin) = Spin::new(self.kind, &self.x, dx) else { return FrictionForce::NONE };
+        let Some(spin) = Spin::new(self.kind, &self.x, &self.dx) else { return FrictionForce::NONE };
         if normal_force == 0.0 || law.coefficient == 0.0 {
             return FrictionForce::NONE;
         }
+        let Spin { fade, signs, .. } = spin;
         let n = self.normal / normal_force;
-        let r = combine(c, &self.x);
-        let moved = combine(c, dx);
+        let (r, moved) = (combine(c, &self.x), combine(c, &self.dx));
         let omega = spin.total * spin.scale;
-        let relative = moved * spin.fade - omega.cross(&r);
+        let relative = moved * fade - omega.cross(&r);
         let along_normal = n.dot(&relative);
         let slip = relative - n * along_normal;
         let length = slip.norm();
-        let sticks = length < law.slip_scale;
-        let per_slip =
-            if sticks { (2.0 - length / law.slip_scale) / law.slip_scale } else { 1.0 / length } * law.coefficient;
+        // Coefficient of the slip over the normal force, and its derivative by the length of the slip, over that length (of no influence where this is zero).
+        let (per_slip, change) = if length < law.slip_scale {
+            let scale = law.slip_scale;
+            let change = if length > 0.0 { -1.0 / (scale * scale * length) } else { 0.0 };
+            ((2.0 - length / scale) / scale * law.coefficient, change * law.coefficient)
+        } else {
+            (law.coefficient / length, -law.coefficient / (length * length * length))
+        };
         let t = slip * (per_slip * normal_force);
         let k = r.cross(&t);
-        let on_edges = spin.couple(&k);
-        let mut gradient = c.map(|c| t * (spin.fade * c));
-        for (e, &[tail, head]) in spin.edges.iter().enumerate() {
-            gradient[tail] += on_edges[e] * spin.scale;
-            gradient[head] -= on_edges[e] * spin.scale;
-        }
-        if let Some((variation, tangent)) = tangent {
-            let Variation { along, share, normal } = variation;
-            let per_slip_slope = if sticks {
-                // Of the slip's length, over that length; its product with the slip is zero at zero.
-                if length > 0.0 { -law.coefficient / (law.slip_scale * law.slip_scale * length) } else { 0.0 }
-            } else {
-                -per_slip / (length * length)
-            };
+        let couple = spin.couple(&k).map(|f| f * spin.scale);
+        let gradient = std::array::from_fn(|i| t * (fade * c[i]) - couple[0] * signs[0][i] - couple[1] * signs[1][i]);
+        if let Some((Variation { along, share, normal }, tangent)) = tangent {
+            let by_slip = (Matrix3::identity() * per_slip + slip * slip.transpose() * change) * normal_force;
+            let across = Matrix3::identity() - n * n.transpose();
+            let by_relative = by_slip * across;
+            let turn = (Matrix3::identity() * along_normal + n * relative.transpose()) * across;
+            let by_normal = slip * n.transpose() * per_slip - by_slip * turn / normal_force;
+            let by_edge = spin.by_edges(&k, *share);
+            let couple_by_k = spin.couple_by_moment();
+            let (r_cross, omega_cross, t_cross) = (r.cross_matrix(), omega.cross_matrix(), t.cross_matrix());
+            let relative_by_edge: [Matrix3<f64>; 2] =
+                std::array::from_fn(|e| moved * by_edge[e].fade.transpose() + r_cross * by_edge[e].omega);
+            let at_positions: [Vector3<f64>; 2] =
+                std::array::from_fn(|a| combine(&along.directions[a], &self.x) * *share);
+            let at_motion: [Vector3<f64>; 2] =
+                std::array::from_fn(|a| combine(&along.directions[a], &self.dx) * *share);
             for j in 0..4 {
-                for l in 0..3 {
-                    let axis = Vector3::ith(l, 1.0);
-                    let dc: [f64; 4] = std::array::from_fn(|i| {
-                        (0..along.count).map(|a| along.directions[a][i] * along.moves[a][j][l] * share).sum()
-                    });
-                    let dr = combine(&dc, &self.x) + axis * (share * c[j]);
-                    let d_moved = combine(&dc, dx) + axis * c[j];
-                    let change = spin.change(j, l, *share);
-                    let d_omega = change.total * spin.scale + spin.total * change.scale;
-                    let d_relative = d_moved * spin.fade + moved * change.fade - d_omega.cross(&r) - omega.cross(&dr);
-                    let d_normal: Vector3<f64> = normal[j].column(l).into();
-                    let d_normal_force = n.dot(&d_normal);
-                    let dn = (d_normal - n * d_normal_force) / normal_force;
-                    let d_slip = d_relative - n * (n.dot(&d_relative) + dn.dot(&relative)) - dn * along_normal;
-                    let d_per_slip = per_slip_slope * slip.dot(&d_slip);
-                    let dt = d_slip * (per_slip * normal_force)
-                        + slip * (d_per_slip * normal_force + per_slip * d_normal_force);
-                    let dk = dr.cross(&t) + r.cross(&dt);
-                    let d_on_edges = spin.couple_change(&change, &k, &dk);
-                    let mut column: [Vector3<f64>; 4] =
-                        std::array::from_fn(|i| t * (change.fade * c[i] + spin.fade * dc[i]) + dt * (spin.fade * c[i]));
-                    for (e, &[tail, head]) in spin.edges.iter().enumerate() {
-                        let d = d_on_edges[e] * spin.scale + on_edges[e] * change.scale;
-                        column[tail] += d;
-                        column[head] -= d;
+                let mut dr = Matrix3::identity() * (share * c[j]);
+                let mut d_moved = Matrix3::identity() * c[j];
+                for a in 0..along.count {
+                    dr += at_positions[a] * along.moves[a][j].transpose();
+                    d_moved += at_motion[a] * along.moves[a][j].transpose();
+                }
+                let mut d_relative = d_moved * fade - omega_cross * dr;
+                let mut d_fade = Vector3::zeros();
+                for e in 0..2 {
+                    d_relative += relative_by_edge[e] * signs[e][j];
+                    d_fade += by_edge[e].fade * signs[e][j];
+                }
+                let dt = by_relative * d_relative + by_normal * normal[j];
+                let dk = r_cross * dt - t_cross * dr;
+                let d_force = dt * fade + t * d_fade.transpose();
+                let d_couple: [Matrix3<f64>; 2] = std::array::from_fn(|f| {
+                    couple_by_k[f] * dk + by_edge[0].couple[f] * signs[0][j] + by_edge[1].couple[f] * signs[1][j]
+                });
+                for i in 0..4 {
+                    let mut block = d_force * c[i] - d_couple[0] * signs[0][i] - d_couple[1] * signs[1][i];
+                    for a in 0..along.count {
+                        block += t * (along.moves[a][j] * (fade * share * along.directions[a][i])).transpose();
                     }
-                    for i in 0..4 {
-                        for m in 0..3 {
-                            tangent[3 * i + m][3 * j + l] += column[i][m];
+                    for m in 0..3 {
+                        for l in 0..3 {
+                            tangent[3 * i + m][3 * j + l] += block[(m, l)];
                         }
                     }
                 }
@@ -144,138 +149,141 @@ impl Pressed {
             dissipated: t.dot(&slip),
             slip: length,
             normal_force,
-            tangential_force: spin.fade * per_slip * normal_force * length,
+            tangential_force: fade * per_slip * normal_force * length,
         }
     }
 }
 
-/// Spin of the primitives' own edges in a step, and, the other way round, forces on these edges with a given moment; `docs/theory/barrier.md` (15), (16).
+/// Spin of the primitives' own edges in a step, and, the other way round, forces on these edges with a given moment; `docs/theory/barrier.md` (15) to (20).
 struct Spin {
-    /// Tails and heads.
-    edges: &'static [[usize; 2]],
-    /// Edges `v_e` and their change in the step.
-    v: [Vector3<f64>; 3],
-    dv: [Vector3<f64>; 3],
-    /// `v_0 x v_1`: across both edges, or across the triangle.
+    /// Signs of the points in the two edges `a`, `b`: those of a pair of edges, or two of the triangle (the third one is `-a - b`).
+    signs: [[f64; 4]; 2],
+    edges: [Vector3<f64>; 2],
+    /// Their change in the step.
+    moved: [Vector3<f64>; 2],
+    /// What the edges count: `A = own a + other b`, `B = own b + other a`.
+    own: f64,
+    other: f64,
+    arms: [Vector3<f64>; 2],
+    /// `a x b`.
     p: Vector3<f64>,
-    /// `w_e`, in the plane of the edges.
-    w: [Vector3<f64>; 3],
-    /// `sum |v_e|^2`.
+    /// Sum of the squared edges, `a . A + b . B`.
     lengths: f64,
-    /// `sum v_e x dv_e`.
-    moment: Vector3<f64>,
-    /// `chi |p|^2` of the spin: `spin.scale` times this is `chi omega`.
+    /// `omega = scale total` is the spin times `fade`, where `scale = fade / |p|^2`.
     total: Vector3<f64>,
-    /// `chi`, `chi / |p|^2`, and the `|p|^2` below which they fade.
-    fade: f64,
     scale: f64,
+    fade: f64,
+    /// `|p|^2` below which they fade.
     threshold: f64,
 }
 
-/// Derivatives of a [`Spin`] by one coordinate.
-struct SpinChange {
-    v: [Vector3<f64>; 3],
-    p: Vector3<f64>,
-    w: [Vector3<f64>; 3],
-    lengths: f64,
-    total: Vector3<f64>,
-    fade: f64,
-    scale: f64,
-}
-
-/// In the plane: the forces `p (w_e . k)` on edges have the moment `|p|^2 k` for any `k` in that plane.
-fn levers(count: usize, v: &[Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
-    if count == 2 {
-        [-v[1], v[0], Vector3::zeros()]
-    } else {
-        [(v[2] - v[1]) / 3.0, (v[0] - v[2]) / 3.0, (v[1] - v[0]) / 3.0]
-    }
+/// Derivatives by one edge, which takes its motion along.
+struct ByEdge {
+    omega: Matrix3<f64>,
+    fade: Vector3<f64>,
+    /// Of the forces on both edges, at a fixed moment.
+    couple: [Matrix3<f64>; 2],
 }
 
 impl Spin {
     /// `None` for primitives that have no spin, and for those of no size.
     fn new(kind: PairKind, x: &[Vector3<f64>; 4], dx: &[Vector3<f64>; 4]) -> Option<Self> {
-        let edges: &[[usize; 2]] = match kind {
-            PairKind::VertexTriangle => &[[1, 2], [2, 3], [3, 1]],
-            PairKind::EdgeEdge => &[[0, 1], [2, 3]],
+        let (signs, own, other) = match kind {
+            PairKind::VertexTriangle => ([[0.0, -1.0, 1.0, 0.0], [0.0, 0.0, -1.0, 1.0]], 2.0, 1.0),
+            PairKind::EdgeEdge => ([[-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 1.0]], 1.0, 0.0),
             PairKind::VertexEdge | PairKind::VertexVertex => return None,
         };
-        let (mut v, mut dv) = ([Vector3::zeros(); 3], [Vector3::zeros(); 3]);
-        for (e, &[tail, head]) in edges.iter().enumerate() {
-            (v[e], dv[e]) = (x[head] - x[tail], dx[head] - dx[tail]);
-        }
-        let lengths: f64 = v.iter().map(|v| v.norm_squared()).sum();
-        let threshold = if edges.len() == 2 {
-            FADE_EDGES * v[0].norm_squared() * v[1].norm_squared()
-        } else {
-            FADE_TRIANGLE * lengths * lengths
+        let edges = signs.map(|s| combine(&s, x));
+        let moved = signs.map(|s| combine(&s, dx));
+        let [a, b] = edges;
+        let arms = [a * own + b * other, b * own + a * other];
+        let lengths = a.dot(&arms[0]) + b.dot(&arms[1]);
+        let threshold = match kind {
+            PairKind::EdgeEdge => FADE_EDGES * a.norm_squared() * b.norm_squared(),
+            _ => FADE_TRIANGLE * lengths * lengths,
         };
         if threshold == 0.0 {
             return None;
         }
-        let p = v[0].cross(&v[1]);
-        let w = levers(edges.len(), &v);
+        let p = a.cross(&b);
         let squared = p.norm_squared();
         let z = squared / threshold;
-        let scale = if z < 1.0 { (2.0 - z) / threshold } else { 1.0 / squared };
-        let fade = if z < 1.0 { z * (2.0 - z) } else { 1.0 };
-        let moment: Vector3<f64> = (0..3).map(|e| v[e].cross(&dv[e])).sum();
-        let in_plane: Vector3<f64> = (0..3).map(|e| w[e] * p.dot(&dv[e])).sum();
-        let total = in_plane + p * (p.dot(&moment) / lengths);
-        Some(Self { edges, v, dv, p, w, lengths, moment, total, fade, scale, threshold })
+        let (fade, scale) = if z < 1.0 { (z * (2.0 - z), (2.0 - z) / threshold) } else { (1.0, 1.0 / squared) };
+        let moment = arms[0].cross(&moved[0]) + arms[1].cross(&moved[1]);
+        let total = a * p.dot(&moved[1]) - b * p.dot(&moved[0]) + p * (p.dot(&moment) / lengths);
+        Some(Self { signs, edges, moved, own, other, arms, p, lengths, total, scale, fade, threshold })
     }
 
-    /// Forces on the heads of the edges, minus which on their tails, whose moment is `-|p|^2 k`, so that `k` is balanced.
-    fn couple(&self, k: &Vector3<f64>) -> [Vector3<f64>; 3] {
-        let turning = self.p.dot(k) / self.lengths;
-        std::array::from_fn(|e| self.p * self.w[e].dot(k) + self.p.cross(&self.v[e]) * turning)
+    /// Forces on the two edges, to be times `scale`, with the moment `|p|^2 k`.
+    fn couple(&self, k: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let Self { edges: [a, b], p, .. } = self;
+        let turning = p.dot(k) / self.lengths;
+        [p.cross(&self.arms[0]) * turning - p * b.dot(k), p.cross(&self.arms[1]) * turning + p * a.dot(k)]
     }
 
-    /// The derivatives by component `l` of point `j` at the end, of which the positions move by `share`.
-    fn change(&self, j: usize, l: usize, share: f64) -> SpinChange {
-        let Self { v, dv, p, w, lengths, moment, .. } = self;
-        let mut motion = [Vector3::zeros(); 3];
-        for (e, &[tail, head]) in self.edges.iter().enumerate() {
-            motion[e][l] = f64::from(u8::from(head == j)) - f64::from(u8::from(tail == j));
-        }
-        let change = motion.map(|m| m * share);
-        let d_p = change[0].cross(&v[1]) + v[0].cross(&change[1]);
-        let d_w = levers(self.edges.len(), &change);
-        let d_lengths = 2.0 * (0..3).map(|e| v[e].dot(&change[e])).sum::<f64>();
-        let d_squared = 2.0 * p.dot(&d_p);
-        let d_moment: Vector3<f64> = (0..3).map(|e| change[e].cross(&dv[e]) + v[e].cross(&motion[e])).sum();
-        let turning = p.dot(moment) / lengths;
-        let d_turning = (d_p.dot(moment) + p.dot(&d_moment) - turning * d_lengths) / lengths;
-        let in_plane: Vector3<f64> =
-            (0..3).map(|e| d_w[e] * p.dot(&dv[e]) + w[e] * (d_p.dot(&dv[e]) + p.dot(&motion[e]))).sum();
-        let squared = p.norm_squared();
-        let (fade, scale) = if squared < self.threshold {
-            let d_threshold = if self.edges.len() == 2 {
-                2.0 * FADE_EDGES
-                    * (v[0].dot(&change[0]) * v[1].norm_squared() + v[1].dot(&change[1]) * v[0].norm_squared())
-            } else {
-                2.0 * FADE_TRIANGLE * lengths * d_lengths
-            };
-            let z = squared / self.threshold;
-            let dz = (d_squared - z * d_threshold) / self.threshold;
-            (2.0 * (1.0 - z) * dz, (-dz - (2.0 - z) * d_threshold / self.threshold) / self.threshold)
-        } else {
-            (0.0, -d_squared / (squared * squared))
-        };
-        let total = in_plane + d_p * turning + p * d_turning;
-        SpinChange { v: change, p: d_p, w: d_w, lengths: d_lengths, total, fade, scale }
+    /// Derivative of these forces, times `scale`, with respect to the moment.
+    fn couple_by_moment(&self) -> [Matrix3<f64>; 2] {
+        let Self { edges: [a, b], p, .. } = self;
+        let turning = p.transpose() / self.lengths;
+        [
+            (p.cross(&self.arms[0]) * turning - p * b.transpose()) * self.scale,
+            (p.cross(&self.arms[1]) * turning + p * a.transpose()) * self.scale,
+        ]
     }
 
-    /// The derivative of [`Spin::couple`] with `dk` that of `k`.
-    fn couple_change(&self, change: &SpinChange, k: &Vector3<f64>, dk: &Vector3<f64>) -> [Vector3<f64>; 3] {
-        let Self { v, p, w, lengths, .. } = self;
-        let turning = p.dot(k) / lengths;
-        let d_turning = (change.p.dot(k) + p.dot(dk) - turning * change.lengths) / lengths;
+    /// Derivatives with respect to the edges at the end of the step, of which the positions move by `share` and the motion as a whole.
+    fn by_edges(&self, k: &Vector3<f64>, share: f64) -> [ByEdge; 2] {
+        let Self { edges: [a, b], moved: [da, db], arms, p, lengths, .. } = self;
+        let (squared, couple) = (p.norm_squared(), self.couple(k));
+        let moment = arms[0].cross(da) + arms[1].cross(db);
+        let (turning, turning_k) = (p.dot(&moment) / lengths, p.dot(k) / lengths);
+        let p_cross = p.cross_matrix();
         std::array::from_fn(|e| {
-            change.p * w[e].dot(k)
-                + p * (change.w[e].dot(k) + w[e].dot(dk))
-                + (change.p.cross(&v[e]) + p.cross(&change.v[e])) * turning
-                + p.cross(&v[e]) * d_turning
+            // Of p, transposed: p changes by share (change x b), or by share (a x change).
+            let by_p = if e == 0 { b.cross_matrix() } else { -a.cross_matrix() } * share;
+            let p_by = -by_p;
+            let (in_a, in_b) = if e == 0 { (self.own, self.other) } else { (self.other, self.own) };
+            let moment_by = arms[e].cross_matrix() - (da * in_a + db * in_b).cross_matrix() * share;
+            let by_lengths = arms[e] * (2.0 * share);
+            let by_turning = (by_p * moment + moment_by.tr_mul(p) - by_lengths * turning) / *lengths;
+            let by_turning_k = (by_p * k - by_lengths * turning_k) / *lengths;
+            let (mut along_a, mut along_b) = (by_p * da, by_p * db);
+            let mut total = p_by * turning + p * by_turning.transpose();
+            // Forces without scale on the edges a and b.
+            let mut forces = [p_by * -b.dot(k), p_by * a.dot(k)];
+            if e == 0 {
+                along_a += p;
+                total += Matrix3::identity() * (share * p.dot(db));
+                forces[1] += p * (k * share).transpose();
+            } else {
+                along_b += p;
+                total -= Matrix3::identity() * (share * p.dot(da));
+                forces[0] -= p * (k * share).transpose();
+            }
+            total += a * along_b.transpose() - b * along_a.transpose();
+            for (f, part) in [in_a, in_b].into_iter().enumerate() {
+                forces[f] += (p_cross * (share * part) - arms[f].cross_matrix() * p_by) * turning_k;
+                forces[f] += p.cross(&arms[f]) * by_turning_k.transpose();
+            }
+            let by_squared = by_p * p * 2.0;
+            let (fade, scale) = if squared < self.threshold {
+                // Two edges (that have no part in each other): threshold ~ |a|^2 |b|^2; triangle: ~ lengths^2.
+                let by_threshold = if self.other == 0.0 {
+                    self.edges[e] * (2.0 * share / self.edges[e].norm_squared())
+                } else {
+                    by_lengths * (2.0 / lengths)
+                };
+                let z = squared / self.threshold;
+                let dz = by_squared / self.threshold - by_threshold * z;
+                (dz * (2.0 * (1.0 - z)), -(dz + by_threshold * (2.0 - z)) / self.threshold)
+            } else {
+                (Vector3::zeros(), by_squared * (-1.0 / (squared * squared)))
+            };
+            ByEdge {
+                omega: total * self.scale + self.total * scale.transpose(),
+                fade,
+                couple: std::array::from_fn(|f| forces[f] * self.scale + couple[f] * scale.transpose()),
+            }
         })
     }
 }
