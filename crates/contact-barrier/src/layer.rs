@@ -104,7 +104,7 @@ impl Layer {
         LayerStep { b: b + viscous, slope: slope + self.damping * curvature, dissipated: viscous * change }
     }
 
-    /// `psi'(D_np1) - psi'(D_n)`, of the sign of `D_np1 - D_n` or zero.
+    /// `psi'(D_np1) - psi'(D_n)`, of the sign of `D_np1 - D_n` or zero, `docs/theory/barrier.md` (14).
     ///
     /// With `a = 1 - y` at both ends it is `D_np1 - D_n` times `3/10 kappa/h^3 [y^2 a_n (1 + y_n) + y y_n (a_n + y_n a) + y_n^2 a (1 + y)] / (y_n^3 y^3 (y_n + y))`: nothing cancels.
     fn slope_change(&self, distance_squared_n: f64, distance_squared_np1: f64) -> f64 {

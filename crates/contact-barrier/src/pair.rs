@@ -172,7 +172,7 @@ impl PairStart {
         self.step(x, None, tangent).barrier
     }
 
-    /// [`PairStart::force`] and friction between the start and `x`, and, if asked for, the derivative of the sum of their gradients; `docs/theory/barrier.md` (15) to (18).
+    /// [`PairStart::force`] and friction between the start and `x`, and, if asked for, the derivative of the sum of their gradients; `docs/theory/barrier.md` (15) to (20).
     ///
     /// Friction has no resultant and no moment about the mean positions, it takes `sum g_i . (x_i - x_n,i) >= 0`, and a finite rigid motion of the whole pair has no slip, with a gap as well.
     /// Pairs of a vertex and an edge, and of two vertices, have no friction: their points cannot carry the moment of it. That of nearly parallel edges, and of triangles nearly without area, fades out.

@@ -14,18 +14,18 @@ pub struct Friction {
     pub slip_scale: f64,
 }
 
-/// Friction of a pair in a step; `docs/theory/barrier.md` (17), (18).
+/// Friction of a pair in a step; `docs/theory/barrier.md` (15) to (18).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionForce {
     /// To be added to a residual; the force on point `i` is `-gradient[i]`.
     pub gradient: [Vector3<f64>; 4],
     /// Energy that friction takes in the step, `sum gradient_i . dx_i >= 0`.
     pub dissipated: f64,
-    /// Length of the slip in the step.
+    /// Length of the slip in the step, as the law sees it: that of a pair that is nearly degenerate fades out.
     pub slip: f64,
     /// Length of the normal force that the law sees: without the part from the gradient of the factor of nearly parallel edges.
     pub normal_force: f64,
-    /// Length of the tangential force, at most the coefficient times the normal force.
+    /// Length of the tangential force on the first primitive, at most the coefficient times the normal force.
     pub tangential_force: f64,
 }
 
@@ -40,7 +40,7 @@ impl FrictionForce {
     };
 }
 
-/// Squared sine of two edges below which their friction fades.
+/// Squared sine of two edges below which their friction fades, `docs/theory/barrier.md` (20).
 const FADE_EDGES: f64 = 1e-2;
 
 /// Squared double area of a triangle, over the square of the sum of its squared edges, below which its friction fades: heights below a fiftieth of the edges.
@@ -73,10 +73,10 @@ impl Pressed {
     pub fn friction(&self, law: &Friction, tangent: Option<(&Variation, &mut Tangent)>) -> FrictionForce {
         let c = &self.weights;
         let normal_force = self.normal.norm();
-        let Some(spin) = Spin::new(self.kind, &self.x, &self.dx) else { return FrictionForce::NONE };
         if normal_force == 0.0 || law.coefficient == 0.0 {
             return FrictionForce::NONE;
         }
+        let Some(spin) = Spin::new(self.kind, &self.x, &self.dx) else { return FrictionForce::NONE };
         let Spin { fade, signs, .. } = spin;
         let n = self.normal / normal_force;
         let (r, moved) = (combine(c, &self.x), combine(c, &self.dx));
@@ -154,7 +154,7 @@ impl Pressed {
     }
 }
 
-/// Spin of the primitives' own edges in a step, and, the other way round, forces on these edges with a given moment; `docs/theory/barrier.md` (15) to (20).
+/// Spin of the primitives' own edges in a step, and, the other way round, forces on these edges with a given moment; `docs/theory/barrier.md` (16) to (20).
 struct Spin {
     /// Signs of the points in the two edges `a`, `b`: those of a pair of edges, or two of the triangle (the third one is `-a - b`).
     signs: [[f64; 4]; 2],
@@ -285,5 +285,38 @@ impl Spin {
                 couple: std::array::from_fn(|f| forces[f] * self.scale + couple[f] * scale.transpose()),
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn points() -> impl Strategy<Value = [Vector3<f64>; 4]> {
+        proptest::array::uniform4(proptest::array::uniform3(-1.0..1.0f64).prop_map(Vector3::from))
+    }
+
+    proptest! {
+        #[test]
+        fn the_closed_form_is_the_spin_of_least_squares(x in points(), dx in points(), k in points()) {
+            for (kind, edges) in [(PairKind::VertexTriangle, &[[1, 2], [2, 3], [3, 1]][..]), (PairKind::EdgeEdge, &[[0, 1], [2, 3]])] {
+                let (mut y, mut moment) = (Matrix3::zeros(), Vector3::zeros());
+                for &[tail, head] in edges {
+                    let (v, dv) = (x[head] - x[tail], dx[head] - dx[tail]);
+                    y += Matrix3::identity() * v.norm_squared() - v * v.transpose();
+                    moment += v.cross(&dv);
+                }
+                let spin = Spin::new(kind, &x, &dx).unwrap();
+                prop_assume!(y.determinant() > 1e-3 * y.norm().powi(3));
+                let omega = y.try_inverse().unwrap() * moment * spin.fade;
+                prop_assert!((spin.total * spin.scale - omega).norm() <= 1e-10 * (omega.norm() + moment.norm()));
+                // The forces on the edges have the moment that they are to have, whatever the fade.
+                let forces = spin.couple(&k[0]).map(|f| f * spin.scale);
+                let force_at = |i: usize| forces[0] * spin.signs[0][i] + forces[1] * spin.signs[1][i];
+                let moment: Vector3<f64> = (0..4).map(|i| x[i].cross(&force_at(i))).sum();
+                prop_assert!((moment - k[0] * spin.fade).norm() <= 1e-12 * k[0].norm());
+            }
+        }
     }
 }
