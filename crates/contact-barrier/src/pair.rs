@@ -207,17 +207,18 @@ impl PairStart {
         let varied = tangent.is_some().then(|| {
             let along = Sensitivity::new(&end, x, &patterns.r);
             let theta_gradient = patterns.theta_gradient(self, &along, d_n + d);
+            let by_d = patterns.c.map(|c| patterns.r * (2.0 * c));
             let by_scalar: [Vector3<f64>; 4] = std::array::from_fn(|j| {
-                let by_d = patterns.r * (2.0 * patterns.c[j] * (m_mean * db));
-                varies.as_ref().map_or(by_d, |v| by_d + v.m_np1_gradient[j] * (0.5 * b))
+                let by_b = by_d[j] * (m_mean * db);
+                varies.as_ref().map_or(by_b, |v| by_b + v.m_np1_gradient[j] * (0.5 * b))
             });
-            (along, theta_gradient, by_scalar)
+            (along, theta_gradient, by_d, by_scalar)
         });
-        if let Some((along, theta_gradient, by_scalar)) = &varied {
+        if let Some((along, theta_gradient, by_d, by_scalar)) = &varied {
             fill(tangent.as_deref_mut(), |i, j| {
                 let mut block = patterns.tangent(along, theta_gradient, i, j) * (m_mean * b);
                 if let Some(varies) = &varies {
-                    block += m_gradient[i] * (patterns.r * (patterns.c[j] * slope)).transpose();
+                    block += m_gradient[i] * (by_d[j] * (0.5 * slope)).transpose();
                     block += varies.gradient_tangent(i, j) * psi_mean;
                 }
                 (block + d_gradient[i] * by_scalar[j].transpose()) * w
@@ -233,7 +234,7 @@ impl PairStart {
             x: patterns.x_mid,
             dx: std::array::from_fn(|i| x[i] - self.x[i]),
         };
-        let variation = varied.as_ref().map(|(along, theta_gradient, by_scalar)| Variation {
+        let variation = varied.as_ref().map(|(along, theta_gradient, _, by_scalar)| Variation {
             along,
             share: 0.5,
             normal: std::array::from_fn(|j| {
