@@ -73,10 +73,11 @@ impl Pressed {
     pub fn friction(&self, law: &Friction, tangent: Option<(&Variation, &mut Tangent)>) -> FrictionForce {
         let c = &self.weights;
         let normal_force = self.normal.norm();
+        let none = FrictionForce { normal_force, ..FrictionForce::NONE };
         if normal_force == 0.0 || law.coefficient == 0.0 {
-            return FrictionForce::NONE;
+            return none;
         }
-        let Some(spin) = Spin::new(self.kind, &self.x, &self.dx) else { return FrictionForce::NONE };
+        let Some(spin) = Spin::new(self.kind, &self.x, &self.dx) else { return none };
         let Spin { fade, signs, .. } = spin;
         let n = self.normal / normal_force;
         let (r, moved) = (combine(c, &self.x), combine(c, &self.dx));

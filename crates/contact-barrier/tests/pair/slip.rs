@@ -91,15 +91,16 @@ fn friction_takes_energy_and_keeps_both_momenta() {
         assert_eq!(force.barrier, start.force(&x, None));
         let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
         check(kind, &force, &x_n, &x, &middle);
-        if kind == PairKind::VertexTriangle {
-            // The normal force is the force on the vertex, damped as it is; friction is across it.
-            let (normal, friction) = (force.barrier.gradient[0], force.friction.gradient[0]);
-            assert!((normal.norm() - force.friction.normal_force).abs() <= 1e-14 * normal.norm());
-            // What is left of the motion along the normal, where the slip is small against it.
-            let motion = (0..4).map(|i| (x[i] - x_n[i]).norm()).fold(0.0, f64::max);
-            let left = LAW.coefficient * normal.norm() * motion / force.friction.slip.max(LAW.slip_scale);
-            assert!(normal.dot(&friction).abs() <= 1e-14 * normal.norm() * (friction.norm() + left));
-        }
+        // The normal force is the force on the first primitive, damped as it is (the gradient of the factor of parallel edges has no resultant there); friction is across it.
+        let first = kind.first_count();
+        let [normal, friction]: [Vector3<f64>; 2] =
+            [&force.barrier.gradient, &force.friction.gradient].map(|g| g[..first].iter().sum());
+        let size = largest(&force.barrier.gradient).max(normal.norm());
+        assert!((normal.norm() - force.friction.normal_force).abs() <= 1e-13 * size, "{kind:?}");
+        // What is left of the motion along the normal, where the slip is small against it.
+        let motion = (0..4).map(|i| (x[i] - x_n[i]).norm()).fold(0.0, f64::max);
+        let left = LAW.coefficient * normal.norm() * motion / force.friction.slip.max(LAW.slip_scale);
+        assert!(normal.dot(&friction).abs() <= 1e-13 * size * (largest(&force.friction.gradient) + left), "{kind:?}");
         check(kind, &term(kind).at_end(&LAYER, &x_n, &x, Some(&LAW), None), &x_n, &x, &x);
         acting += usize::from(force.friction.dissipated > 0.0);
         full += usize::from(force.friction.slip > LAW.slip_scale);
