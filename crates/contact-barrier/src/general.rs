@@ -1,7 +1,7 @@
 //! General contact: the sum over all pairs of a skin.
 
 use crate::proximity::{Candidate, Proximity};
-use crate::{Interactions, Layer, PairForce, PairStart, Skin, Tangent};
+use crate::{Friction, Interactions, Layer, PairStart, Skin, StepForce, Tangent};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration};
 use stoss_geometry::{Aabb, closest};
@@ -9,11 +9,18 @@ use stoss_geometry::{Aabb, closest};
 /// No start of a pair is known.
 const NONE: u32 = u32::MAX;
 
+/// Slip in a static step from which on all of the friction acts, in thicknesses.
+const STATIC_SLIP: f64 = 0.01;
+
 /// Settings of [`GeneralContact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneralOptions {
     /// Thickness of the layer, a length: at this distance forces begin.
     pub thickness: f64,
+    /// Time of the viscous layer, not negative.
+    pub damping: f64,
+    /// Speed of slip below which friction falls to zero, positive. Without inertia, where nothing has a speed, slip of a hundredth of the thickness in a step takes its place.
+    pub slip_velocity: f64,
 }
 
 /// Contact of everything with everything: each point of integration of a skin against each triangle, each vertex against each triangle and each edge against each other with a small weight.
@@ -29,6 +36,7 @@ pub struct GeneralContact {
     proximity: Proximity,
     rule: ContactRule,
     step_size: f64,
+    has_rates: bool,
     velocity: Vec<f64>,
     /// Positions of the points at the start of the step and at the iterate.
     x_n: Vec<Vector3<f64>>,
@@ -70,6 +78,7 @@ impl GeneralContact {
             options,
             rule: ContactRule::EndPoint,
             step_size: 0.0,
+            has_rates: false,
             velocity: Vec::new(),
             x_n: Vec::new(),
             x: Vec::new(),
@@ -90,7 +99,23 @@ impl GeneralContact {
     fn layer(&self, candidate: &Candidate) -> Layer {
         let [a, b] = candidate.classes;
         let modulus = self.rules.between(a, b).map_or(0.0, |interaction| interaction.modulus);
-        Layer::new(modulus, self.options.thickness)
+        let layer = Layer::new(modulus, self.options.thickness);
+        if self.has_rates && self.options.damping > 0.0 {
+            layer.damped(self.options.damping / self.step_size)
+        } else {
+            layer
+        }
+    }
+
+    fn friction(&self, candidate: &Candidate) -> Option<Friction> {
+        let [a, b] = candidate.classes;
+        let coefficient = self.rules.between(a, b).map_or(0.0, |interaction| interaction.friction);
+        let slip_scale = if self.has_rates {
+            self.options.slip_velocity * self.step_size
+        } else {
+            STATIC_SLIP * self.options.thickness
+        };
+        (coefficient > 0.0).then_some(Friction { coefficient, slip_scale })
     }
 
     /// After the candidates changed: which are in the layer at the start.
@@ -133,12 +158,14 @@ impl GeneralContact {
     }
 
     /// Force of an active candidate at the iterate.
-    fn force(&self, k: u32, tangent: Option<&mut Tangent>) -> PairForce {
+    fn force(&self, k: u32, tangent: Option<&mut Tangent>) -> StepForce {
         let candidate = &self.proximity.candidates[k as usize];
-        let x = candidate.of(&self.x);
+        let (x, friction) = (candidate.of(&self.x), self.friction(candidate));
         match self.starts.get(self.start_of[k as usize] as usize) {
-            Some(start) if self.rule == ContactRule::EnergyMomentum => start.force(&x, tangent),
-            _ => candidate.term.at_state(&self.layer(candidate), &x, tangent),
+            Some(start) => start.step(&x, friction.as_ref(), tangent),
+            None => {
+                candidate.term.at_end(&self.layer(candidate), &candidate.of(&self.x_n), &x, friction.as_ref(), tangent)
+            }
         }
     }
 
@@ -176,12 +203,16 @@ impl Potential for GeneralContact {
     }
 
     fn is_symmetric(&self, rule: ContactRule) -> bool {
-        rule == ContactRule::EndPoint
+        rule == ContactRule::EndPoint && !self.rules.has_friction()
     }
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.rule = rule;
         self.step_size = step_size;
+    }
+
+    fn set_has_rates(&mut self, has_rates: bool) {
+        self.has_rates = has_rates;
     }
 
     fn set_velocity(&mut self, v_n: &[f64]) {
@@ -285,7 +316,8 @@ impl Potential for GeneralContact {
                 for i in 0..4 {
                     for &(row, w) in &terms[ends[i]..ends[i + 1]] {
                         for c in 0..3 {
-                            local.residual[row + c] += w * force.gradient[i][c];
+                            local.residual[row + c] +=
+                                w * (force.barrier.gradient[i][c] + force.friction.gradient[i][c]);
                         }
                         if !want_tangent {
                             continue;
@@ -317,7 +349,13 @@ impl Potential for GeneralContact {
     }
 
     fn work(&self, _q_np1: &[f64]) -> Result<ContactWork, ContactError> {
-        let stored = self.active.iter().map(|&k| self.force(k, None).energy).sum();
-        Ok(ContactWork { stored, ..ContactWork::default() })
+        let mut work = ContactWork::default();
+        for &k in &self.active {
+            let StepForce { barrier, friction } = self.force(k, None);
+            work.stored += barrier.energy;
+            work.dissipated += barrier.dissipated + friction.dissipated;
+            work.friction_work += friction.dissipated;
+        }
+        Ok(work)
     }
 }

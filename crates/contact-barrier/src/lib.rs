@@ -6,6 +6,7 @@
 //! * [`Layer`]: the barrier `psi`, its derivatives and its divided difference;
 //! * [`Parallel`]: the factor `m` that fades pairs of nearly parallel edges out;
 //! * [`PairStart`], [`PairForce`]: the force of a pair between two states, or at one, with tangent;
+//! * [`Friction`], [`FrictionForce`]: friction of a pair in a step;
 //! * [`Skin`]: vertices, edges, triangles and points of integration of all bodies, with their weights;
 //! * [`Interactions`]: who acts on whom, how stiff, with which friction;
 //! * [`GeneralContact`]: the sum, as a potential of the solver, with the collision detection that keeps iterates from passing through each other.
@@ -20,10 +21,12 @@ mod parallel;
 mod proximity;
 mod sensitivity;
 mod skin;
+mod slip;
 
 pub use general::{GeneralContact, GeneralOptions};
 pub use interactions::{Interaction, Interactions};
 pub use layer::Layer;
-pub use pair::{PairForce, PairStart, PairTerm, Tangent};
+pub use pair::{PairForce, PairStart, PairTerm, StepForce, Tangent};
 pub use parallel::Parallel;
 pub use skin::{Skin, SkinFacet};
+pub use slip::{Friction, FrictionForce};

@@ -32,6 +32,8 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
     /// Rule and size of the step that begins.
     fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
+    /// Whether the step has inertia, thus velocities.
+    fn set_has_rates(&mut self, _has_rates: bool) {}
     /// Velocities at `q_n` (`3 * nodes`), for those that look ahead.
     fn set_velocity(&mut self, _v_n: &[f64]) {}
     /// Follows the iterate; comes before every `assemble` with its `q_np1`. Returns whether the stencils changed.
@@ -112,6 +114,10 @@ impl Constraint for WithoutSlots {
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
         self.0.set_rule(rule, step_size);
+    }
+
+    fn set_has_rates(&mut self, has_rates: bool) {
+        self.0.set_has_rates(has_rates);
     }
 
     fn set_velocity(&mut self, v_n: &[f64]) {

@@ -17,6 +17,14 @@ pub(super) const NAME: &str = "general";
 /// Thickness of the layer in parts of the shortest edge, where the scene leaves it open.
 const THICKNESS: f64 = 0.04;
 
+/// Speed of slip below which friction falls, in parts of the speed of waves.
+const SLIP: f64 = 1e-3;
+
+/// Speed of waves in a bar of a body's material.
+fn wave_speed(body: &crate::solver::Body) -> Option<f64> {
+    Some((body.solid.law().small_strain_moduli().young_modulus() / body.density?).sqrt())
+}
+
 /// Adds general contact to the model if the scene has it.
 pub(super) fn general(scene: &Scene, placed: &[Placed], ties: &Ties, model: &mut Model, problems: &mut Problems<'_>) {
     let Some(table) = &scene.general_contact else { return };
@@ -38,7 +46,10 @@ pub(super) fn general(scene: &Scene, placed: &[Placed], ties: &Ties, model: &mut
     let Some(rules) = interactions(placed, table, model, &classes, &apart, problems) else { return };
     let skin = Skin::new(facets, &model.reference, &|_| None);
     let thickness = table.thickness.unwrap_or_else(|| THICKNESS * shortest_edge(&skin, &model.reference));
-    match GeneralContact::new(NAME, skin, rules, GeneralOptions { thickness }) {
+    let slowest = model.bodies.iter().filter_map(wave_speed).fold(f64::INFINITY, f64::min);
+    let slip_velocity = table.slip_velocity.unwrap_or(SLIP * if slowest.is_finite() { slowest } else { 1.0 });
+    let options = GeneralOptions { thickness, damping: table.damping, slip_velocity };
+    match GeneralContact::new(NAME, skin, rules, options) {
         Ok(contact) => model.contacts.push(ContactPair {
             name: NAME.to_owned(),
             method: Coupling::potential(contact),
