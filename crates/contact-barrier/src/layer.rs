@@ -6,16 +6,37 @@
 ///
 /// An energy an area (`kappa` a pressure, `h` a length, `D` a squared length). It is convex in `D`, falls, has two continuous derivatives at `y = 1`, and is infinite at `D = 0`, in all of which functions are infinite or not a number.
 /// Its pressure is `-dpsi/dsqrt(D) = kappa 3/5 (1 - y)^2 (1 + 2 y) / y^2`.
+///
+/// It may be viscous ([`Layer::damped`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
     modulus: f64,
     thickness: f64,
+    damping: f64,
+}
+
+/// What the layer does in a step, an area; `docs/theory/barrier.md` (10), (12).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LayerStep {
+    /// The divided difference with the damping, `b_d <= 0`.
+    pub b: f64,
+    /// `db_d/dD_np1 >= 0`.
+    pub slope: f64,
+    /// Energy an area that the damping takes, `>= 0`.
+    pub dissipated: f64,
 }
 
 impl Layer {
     /// A layer of a positive modulus (a pressure) and a positive thickness (a length).
     pub const fn new(modulus: f64, thickness: f64) -> Self {
-        Self { modulus, thickness }
+        Self { modulus, thickness, damping: 0.0 }
+    }
+
+    /// The same layer with a viscosity: a relaxation time of the layer over the size of the step, not negative, no unit. 0 is no damping.
+    ///
+    /// It acts in steps ([`crate::PairStart`]), not at one state. It never pulls, and what it takes is in [`crate::PairForce::dissipated`]; `docs/theory/barrier.md` (12), (13).
+    pub const fn damped(self, time_over_step: f64) -> Self {
+        Self { damping: time_over_step, ..self }
     }
 
     /// Distance from which on nothing acts.
@@ -65,6 +86,35 @@ impl Layer {
                 [b * part, db * part + b * ((distance_squared_n - h_squared) / change) / -change]
             }
         }
+    }
+
+    /// The divided difference with the damping, and what the damping takes.
+    pub(crate) fn step(&self, distance_squared_n: f64, distance_squared_np1: f64) -> LayerStep {
+        let [b, slope] = self.divided_difference(distance_squared_n, distance_squared_np1);
+        if self.damping == 0.0 {
+            return LayerStep { b, slope, dissipated: 0.0 };
+        }
+        let change = distance_squared_np1 - distance_squared_n;
+        let viscous = self.damping * self.slope_change(distance_squared_n, distance_squared_np1);
+        if b + viscous >= 0.0 {
+            // It would pull. The layer gives all of its energy up.
+            return LayerStep { b: 0.0, slope: 0.0, dissipated: -b * change };
+        }
+        let [_, _, curvature] = self.evaluate(distance_squared_np1);
+        LayerStep { b: b + viscous, slope: slope + self.damping * curvature, dissipated: viscous * change }
+    }
+
+    /// `psi'(D_np1) - psi'(D_n)`, of the sign of `D_np1 - D_n` or zero, `docs/theory/barrier.md` (14).
+    ///
+    /// With `a = 1 - y` at both ends it is `D_np1 - D_n` times `3/10 kappa/h^3 [y^2 a_n (1 + y_n) + y y_n (a_n + y_n a) + y_n^2 a (1 + y)] / (y_n^3 y^3 (y_n + y))`: nothing cancels.
+    fn slope_change(&self, distance_squared_n: f64, distance_squared_np1: f64) -> f64 {
+        let h = self.thickness;
+        let [d_n, d] = [distance_squared_n, distance_squared_np1].map(|d| d.min(h * h));
+        let (y_n, y) = (d_n.sqrt() / h, d.sqrt() / h);
+        let (a_n, a) = (1.0 - y_n, 1.0 - y);
+        let sum = y * y * a_n * (1.0 + y_n) + y * y_n * (a_n + y_n * a) + y_n * y_n * a * (1.0 + y);
+        let product = y_n * y;
+        0.3 * self.modulus / (h * h * h) * sum / (product * product * product * (y_n + y)) * (d - d_n)
     }
 
     /// The divided difference of two ends that are inside or at the edge.
@@ -135,6 +185,31 @@ mod tests {
             let edge = 1.0 / (1.0 - d.sqrt() / 0.25);
             prop_assert!((b - first - 0.5 * second * change).abs() <= (1e-14 + change / d * change / d * 100.0 * edge * edge) * edge * edge * first.abs());
             prop_assert!((db - 0.5 * second).abs() <= (1e-14 + 100.0 * change / d * edge) * edge * second);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_damping_takes_energy_and_never_pulls(d_n in squared_distance(), d in squared_distance(), exponent in -3.0..3.0f64) {
+            let damping = 10f64.powf(exponent);
+            let layer = LAYER.damped(damping);
+            let (undamped, step) = (LAYER.step(d_n, d), layer.step(d_n, d));
+            prop_assert_eq!([undamped.b, undamped.slope, undamped.dissipated], [LAYER.divided_difference(d_n, d)[0], LAYER.divided_difference(d_n, d)[1], 0.0]);
+            prop_assert!(step.b <= 0.0 && step.slope >= 0.0 && step.dissipated >= 0.0);
+            let ([v_n, first_n, _], [v, first, _]) = (layer.evaluate(d_n), layer.evaluate(d));
+            let viscous = damping * (first - first_n);
+            prop_assert!((step.b - (undamped.b + viscous).min(0.0)).abs() <= 1e-13 * (undamped.b.abs() + damping * (first.abs() + first_n.abs())));
+            let work = step.b * (d - d_n);
+            prop_assert!((work - (v - v_n) - step.dissipated).abs() <= 1e-14 * (v.max(v_n) + work.abs()));
+            // Approaching it is stiffer, separating softer.
+            prop_assert!((step.b - undamped.b) * (d - d_n) >= 0.0);
+            let s = 1e-5 * d;
+            prop_assume!((d - 0.0625).abs() > 2.0 * s && (d - d_n).abs() > 2.0 * s);
+            let (before, after) = (layer.step(d_n, d - s).b, layer.step(d_n, d + s).b);
+            prop_assume!((before < 0.0) == (after < 0.0));
+            let scale = (d / (d - d_n)).powi(2).max((d / (d - 0.0625)).powi(2)).max(1.0);
+            let round_off = 1e-14 * (undamped.b.abs() + damping * (first.abs() + first_n.abs()));
+            prop_assert!(((after - before) / (2.0 * s) - step.slope).abs() <= 1e-8 * scale * step.slope + round_off / s);
         }
     }
 

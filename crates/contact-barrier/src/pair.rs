@@ -1,8 +1,10 @@
 //! The force of one pair: between two states with exactly the work of its energy, or at one state.
 
+use crate::layer::LayerStep;
 use crate::parallel::Crossing;
 use crate::sensitivity::Sensitivity;
-use crate::{Layer, Parallel};
+use crate::slip::{Pressed, Variation};
+use crate::{Friction, FrictionForce, Layer, Parallel};
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{ClosestPair, PairKind, closest, combine};
 
@@ -27,6 +29,25 @@ pub struct PairForce {
     pub gradient: [Vector3<f64>; 4],
     /// Energy at the (end) state.
     pub energy: f64,
+    /// Energy that the damping of the layer takes in the step, `>= 0`; 0 at one state.
+    pub dissipated: f64,
+}
+
+impl PairForce {
+    const NONE: Self = Self { gradient: [Vector3::new(0.0, 0.0, 0.0); 4], energy: 0.0, dissipated: 0.0 };
+}
+
+/// Both forces of a pair in a step; the sum of the two gradients is to be added to a residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepForce {
+    /// Of the layer.
+    pub barrier: PairForce,
+    /// Friction.
+    pub friction: FrictionForce,
+}
+
+impl StepForce {
+    const NONE: Self = Self { barrier: PairForce::NONE, friction: FrictionForce::NONE };
 }
 
 /// Relative to the squared distances: the part of `e_n`, `e_np1` that decides between the two patterns where both are zero.
@@ -38,10 +59,25 @@ const SAME_PATTERN: f64 = 1e-18;
 impl PairTerm {
     /// Energy, gradient and, if asked for, second derivative (symmetric) of the pair at one state: statics and backward Euler.
     ///
-    /// `x` are the points in the order of the kind. All is zero outside of the layer; inside, `D` must be positive.
+    /// `x` are the points in the order of the kind. There is no damping. All is zero outside of the layer; inside, `D` must be positive.
     pub fn at_state(&self, layer: &Layer, x: &[Vector3<f64>; 4], tangent: Option<&mut Tangent>) -> PairForce {
+        self.at_end(layer, x, x, None, tangent).barrier
+    }
+
+    /// [`PairTerm::at_state`] at the end `x` of a step from `x_n`, and friction that acts at the end; the tangent is that of the sum, not symmetric with friction.
+    ///
+    /// Friction has the normal force at the end, and the slip of the step seen from there: no resultant, no moment about `x`, and what it takes is not negative. A finite rotation of the whole pair is free of slip
+    /// up to the square of its angle; in [`PairStart::step`] it is exactly.
+    pub fn at_end(
+        &self,
+        layer: &Layer,
+        x_n: &[Vector3<f64>; 4],
+        x: &[Vector3<f64>; 4],
+        friction: Option<&Friction>,
+        mut tangent: Option<&mut Tangent>,
+    ) -> StepForce {
         let pair = closest(self.kind, x);
-        let mut force = PairForce { gradient: [Vector3::zeros(); 4], energy: 0.0 };
+        let mut force = StepForce::NONE;
         if !layer.is_inside(pair.distance_squared) {
             fill(tangent, |_, _| Matrix3::zeros());
             return force;
@@ -51,13 +87,13 @@ impl PairTerm {
         let (m, state) = self.parallel.map_or((1.0, None), |p| p.at_state(&Crossing::new(x)));
         let m_gradient = state.as_ref().map_or([Vector3::zeros(); 4], |s| s.gradient);
         let d_gradient = c.map(|c| r * (2.0 * c));
-        force.energy = self.weight * m * psi;
+        force.barrier.energy = self.weight * m * psi;
         for i in 0..4 {
-            force.gradient[i] = (d_gradient[i] * (m * slope) + m_gradient[i] * psi) * self.weight;
+            force.barrier.gradient[i] = (d_gradient[i] * (m * slope) + m_gradient[i] * psi) * self.weight;
         }
-        if tangent.is_some() {
-            let along = Sensitivity::new(&pair, x, &r);
-            fill(tangent, |i, j| {
+        let along = tangent.is_some().then(|| Sensitivity::new(&pair, x, &r));
+        if let Some(along) = &along {
+            fill(tangent.as_deref_mut(), |i, j| {
                 let mut second = Matrix3::identity() * (2.0 * c[i] * c[j]);
                 for a in 0..along.count {
                     second +=
@@ -71,6 +107,24 @@ impl PairTerm {
                 }
                 block * self.weight
             });
+        }
+        if let Some(law) = friction {
+            let normal = r * (-2.0 * self.weight * m * slope);
+            let dx = std::array::from_fn(|i| x[i] - x_n[i]);
+            let pressed = Pressed { kind: self.kind, normal, weights: c, x: *x, dx };
+            let variation = along.as_ref().map(|along| Variation {
+                along,
+                share: 1.0,
+                normal: std::array::from_fn(|j| {
+                    let by_scalar = d_gradient[j] * (m * curvature) + m_gradient[j] * slope;
+                    let mut by_r = Matrix3::identity() * c[j];
+                    for a in 0..along.count {
+                        by_r += along.tangents[a] * along.moves[a][j].transpose();
+                    }
+                    (r * by_scalar.transpose() + by_r * (m * slope)) * (-2.0 * self.weight)
+                }),
+            });
+            force.friction = pressed.friction(law, variation.as_ref().zip(tangent));
         }
         force
     }
@@ -112,18 +166,31 @@ impl PairStart {
 
     /// Discrete gradient `g` between the start and `x`, energy at `x`, and, if asked for, `dg/dx` (not symmetric); `docs/theory/barrier.md` (6), (7).
     ///
-    /// For any two states, across any change of the closest features: `sum g_i . (x_i - x_n,i)` is the change of the energy, `sum g_i = 0`, `sum x_m,i x g_i = 0` about the mean positions `x_m`, all to
-    /// round-off. Exchanging the states gives the same forces. A pair has to be taken as long as it is inside of the layer at *one* of the states.
+    /// For any two states, across any change of the closest features: `sum g_i . (x_i - x_n,i)` is the change of the energy and what the damping of the layer takes, `sum g_i = 0`, `sum x_m,i x g_i = 0` about
+    /// the mean positions `x_m`, all to round-off. Without damping, exchanging the states gives the same forces. A pair has to be taken as long as it is inside of the layer at *one* of the states.
     pub fn force(&self, x: &[Vector3<f64>; 4], tangent: Option<&mut Tangent>) -> PairForce {
+        self.step(x, None, tangent).barrier
+    }
+
+    /// [`PairStart::force`] and friction between the start and `x`, and, if asked for, the derivative of the sum of their gradients; `docs/theory/barrier.md` (15) to (20).
+    ///
+    /// Friction has no resultant and no moment about the mean positions, it takes `sum g_i . (x_i - x_n,i) >= 0`, and a finite rigid motion of the whole pair has no slip, with a gap as well.
+    /// Pairs of a vertex and an edge, and of two vertices, have no friction: their points cannot carry the moment of it. That of nearly parallel edges, and of triangles nearly without area, fades out.
+    pub fn step(
+        &self,
+        x: &[Vector3<f64>; 4],
+        friction: Option<&Friction>,
+        mut tangent: Option<&mut Tangent>,
+    ) -> StepForce {
         let Self { term, layer, .. } = self;
         let end = closest(term.kind, x);
         let (d_n, d) = (self.closest.distance_squared, end.distance_squared);
         if !layer.is_inside(d_n) && !layer.is_inside(d) {
             fill(tangent, |_, _| Matrix3::zeros());
-            return PairForce { gradient: [Vector3::zeros(); 4], energy: 0.0 };
+            return StepForce::NONE;
         }
         let [psi, slope, _] = layer.evaluate(d);
-        let [b, db] = layer.divided_difference(d_n, d);
+        let LayerStep { b, slope: db, dissipated } = layer.step(d_n, d);
         let patterns = Patterns::new(self, &end, x);
         let (m_mean, m_np1, varies) = match (&term.parallel, &self.crossing) {
             (Some(parallel), Some(crossing)) => {
@@ -137,22 +204,45 @@ impl PairStart {
         let m_gradient = varies.as_ref().map_or([Vector3::zeros(); 4], |v| v.gradient());
         let w = term.weight;
         let gradient = std::array::from_fn(|i| (d_gradient[i] * (m_mean * b) + m_gradient[i] * psi_mean) * w);
-        if tangent.is_some() {
+        let varied = tangent.is_some().then(|| {
             let along = Sensitivity::new(&end, x, &patterns.r);
             let theta_gradient = patterns.theta_gradient(self, &along, d_n + d);
-            fill(tangent, |i, j| {
-                let by_d = patterns.r * (2.0 * patterns.c[j]);
-                let mut by_scalar = by_d * (m_mean * db);
-                let mut block = patterns.tangent(&along, &theta_gradient, i, j) * (m_mean * b);
+            let by_d = patterns.c.map(|c| patterns.r * (2.0 * c));
+            let by_scalar: [Vector3<f64>; 4] = std::array::from_fn(|j| {
+                let by_b = by_d[j] * (m_mean * db);
+                varies.as_ref().map_or(by_b, |v| by_b + v.m_np1_gradient[j] * (0.5 * b))
+            });
+            (along, theta_gradient, by_d, by_scalar)
+        });
+        if let Some((along, theta_gradient, by_d, by_scalar)) = &varied {
+            fill(tangent.as_deref_mut(), |i, j| {
+                let mut block = patterns.tangent(along, theta_gradient, i, j) * (m_mean * b);
                 if let Some(varies) = &varies {
-                    by_scalar += varies.m_np1_gradient[j] * (0.5 * b);
-                    block += m_gradient[i] * (by_d * (0.5 * slope)).transpose();
+                    block += m_gradient[i] * (by_d[j] * (0.5 * slope)).transpose();
                     block += varies.gradient_tangent(i, j) * psi_mean;
                 }
-                (block + d_gradient[i] * by_scalar.transpose()) * w
+                (block + d_gradient[i] * by_scalar[j].transpose()) * w
             });
         }
-        PairForce { gradient, energy: w * m_np1 * psi }
+        let barrier = PairForce { gradient, energy: w * m_np1 * psi, dissipated: w * m_mean * dissipated };
+        let Some(law) = friction else { return StepForce { barrier, friction: FrictionForce::NONE } };
+        let mean_r = patterns.mean_r();
+        let pressed = Pressed {
+            kind: term.kind,
+            normal: mean_r * (-2.0 * w * m_mean * b),
+            weights: std::array::from_fn(|i| 0.5 * (patterns.c_n[i] + patterns.c[i])),
+            x: patterns.x_mid,
+            dx: std::array::from_fn(|i| x[i] - self.x[i]),
+        };
+        let variation = varied.as_ref().map(|(along, theta_gradient, _, by_scalar)| Variation {
+            along,
+            share: 0.5,
+            normal: std::array::from_fn(|j| {
+                let by_r = patterns.mean_r_tangent(along, theta_gradient, j);
+                (mean_r * by_scalar[j].transpose() + by_r * (m_mean * b)) * (-2.0 * w)
+            }),
+        });
+        StepForce { barrier, friction: pressed.friction(law, variation.as_ref().zip(tangent)) }
     }
 
     /// The balance `theta` between the patterns of the start (0) and of the end (1), for tests of its bounds.
@@ -209,6 +299,23 @@ impl Patterns {
     /// Discrete gradient of the squared distance at point `i`.
     fn gradient(&self, i: usize) -> Vector3<f64> {
         (self.middle_n * ((1.0 - self.theta) * self.c_n[i]) + self.middle * (self.theta * self.c[i])) * 2.0
+    }
+
+    /// `(1 - theta) r(c_n; q_m) + theta r(c; q_m)`.
+    fn mean_r(&self) -> Vector3<f64> {
+        self.middle_n * (1.0 - self.theta) + self.middle * self.theta
+    }
+
+    /// Its derivative with respect to point `j` at the end.
+    fn mean_r_tangent(&self, along: &Sensitivity, theta_gradient: &[Vector3<f64>; 4], j: usize) -> Matrix3<f64> {
+        let Self { c_n, c, theta, .. } = self;
+        let mut block = Matrix3::identity() * (0.5 * ((1.0 - theta) * c_n[j] + theta * c[j]));
+        block += (self.middle - self.middle_n) * theta_gradient[j].transpose();
+        for a in 0..along.count {
+            let along_mid = combine(&along.directions[a], &self.x_mid);
+            block += along_mid * (along.moves[a][j] * *theta).transpose();
+        }
+        block
     }
 
     /// `dtheta/dx_j`.

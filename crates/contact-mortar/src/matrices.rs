@@ -28,7 +28,8 @@ fn merge(row: &mut Vec<(u32, f64)>) {
 }
 
 impl MortarMatrices {
-    /// Integrates over all segments at positions `q`, those of the segmentation.
+    /// Integrates over all segments at positions `q`, those of the segmentation. There are no [`Factors`]: contact has others where facets are far from
+    /// opposed or deep.
     pub fn assemble(
         slave: &ContactSurface,
         master: &ContactSurface,

@@ -5,10 +5,11 @@ mod sheets;
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use sheets::{
-    Mesh, NODES, SLAVE, assemble, base, meshes, method, moved, options, pressures, resultants, tangent_errors, warp,
+    Mesh, NODES, SLAVE, assemble, base, factors, meshes, method, moved, options, pressures, resultants, tangent_errors,
+    warp,
 };
 use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, StepConfiguration};
-use stoss_contact_mortar::{Factors, Force, Integrals, MortarContact, MortarOptions};
+use stoss_contact_mortar::{Force, Integrals, MortarContact, MortarOptions};
 
 const RULES: [ContactRule; 5] = [
     ContactRule::StartPoint,
@@ -17,14 +18,6 @@ const RULES: [ContactRule; 5] = [
     ContactRule::Midpoint,
     ContactRule::EnergyMomentum,
 ];
-
-fn factors(kind: usize) -> Factors {
-    match kind {
-        0 => Factors::NONE,
-        1 => Factors { facing: true, deepest: f64::INFINITY, nearness: 0.0 },
-        _ => Factors { facing: true, deepest: 0.4, nearness: 12.0 },
-    }
-}
 
 fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
     let mut q = moved(d);

@@ -1,11 +1,13 @@
 //! Contact by potentials: forces with an energy and no multiplier.
 
-use crate::{Constraint, ContactError, ContactRule, LocalContribution, Report, SlotReport, StepConfiguration};
+use crate::{
+    Constraint, ContactError, ContactRule, ContactWork, LocalContribution, Report, SlotReport, StepConfiguration,
+};
 
 /// Forces that have an energy `V(q)` and no multiplier: penalties, barriers.
 ///
 /// # Protocol
-/// `begin_step(q_n)` once for every attempted step (it may be repeated), then any number of `assemble`; `commit` once when the step was accepted.
+/// `set_rule`, `set_velocity` and then `begin_step(q_n)` once for every attempted step (it may be repeated), then any number of `renew` and `assemble`, `longest_step` in between; `work`, then `commit` once when the step was accepted.
 ///
 /// The balance of energy stays exact under [`ContactRule::EnergyMomentum`] if the force of a step does the work `V(q_n) - V(q_np1)`; both momenta stay if it has
 /// neither resultant nor moment about `(q_n + q_np1)/2`.
@@ -28,7 +30,27 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     }
     /// Search at `q_n` (`3 * nodes`); `reach` is the largest distance that two surfaces are expected to approach each other in the step.
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
-    /// Nodes of every contribution, in the order of `assemble`; constant in a step.
+    /// Rule and size of the step that begins.
+    fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
+    /// Whether the step has inertia, thus velocities.
+    fn set_has_rates(&mut self, _has_rates: bool) {}
+    /// Velocities at `q_n` (`3 * nodes`), for those that look ahead.
+    fn set_velocity(&mut self, _v_n: &[f64]) {}
+    /// Follows the iterate; comes before every `assemble` with its `q_np1`. Returns whether the stencils changed.
+    fn renew(&mut self, _q_np1: &[f64]) -> Result<bool, ContactError> {
+        Ok(false)
+    }
+    /// Whether surfaces must never pass through each other on the way from one iterate to the next: then `longest_step` limits every motion of the iteration.
+    fn keeps_apart(&self) -> bool {
+        false
+    }
+    /// Part of the motion from `q` by `increment` (`3 * nodes` each), at most 1, on which surfaces stay apart.
+    fn longest_step(&mut self, _q: &[f64], _increment: &[f64]) -> f64 {
+        1.0
+    }
+    /// Nodes of contributions that may well come in the step; called after `begin_step`. A hint, as that of a contact method.
+    fn candidates(&self, _visit: &mut dyn FnMut(&[u32])) {}
+    /// Nodes of every contribution, in the order of `assemble`; constant until `renew` says otherwise.
     fn stencils(&self, visit: &mut dyn FnMut(&[u32]));
     /// Residual (minus the force) and, if asked, tangent of every contribution; none has slots.
     fn assemble(
@@ -39,6 +61,10 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     ) -> Result<(), ContactError>;
     /// Energy at `q`.
     fn energy(&self, q: &[f64]) -> Result<f64, ContactError>;
+    /// Energy stored at the end of a step, and dissipated in it.
+    fn work(&self, q_np1: &[f64]) -> Result<ContactWork, ContactError> {
+        Ok(ContactWork { stored: self.energy(q_np1)?, ..ContactWork::default() })
+    }
     /// The step to `q_np1` was accepted.
     fn commit(&mut self, _q_np1: &[f64]) {}
 }
@@ -84,6 +110,29 @@ impl Constraint for WithoutSlots {
 
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
         self.0.begin_step(q_n, reach)
+    }
+
+    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
+        self.0.set_rule(rule, step_size);
+    }
+
+    fn set_has_rates(&mut self, has_rates: bool) {
+        self.0.set_has_rates(has_rates);
+    }
+
+    fn set_velocity(&mut self, v_n: &[f64]) {
+        self.0.set_velocity(v_n);
+    }
+
+    fn renew(
+        &mut self,
+        q_np1: &[f64],
+        _multipliers: &[f64],
+        _auxiliaries: &[f64],
+        _active: &[bool],
+        _want_tangent: bool,
+    ) -> Result<bool, ContactError> {
+        self.0.renew(q_np1)
     }
 
     fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {

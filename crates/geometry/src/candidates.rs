@@ -7,13 +7,15 @@
 
 use crate::{Aabb, BoundingVolumeTree, PairKind};
 
-/// A pair of primitives by the numbers of its points; ordered by kind, then points.
+/// A pair of primitives; ordered by kind, then points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CandidatePair {
     /// [`PairKind::VertexTriangle`] or [`PairKind::EdgeEdge`].
     pub kind: PairKind,
     /// Points in the order of the kind. Of two edges the one with the smaller numbers comes first.
     pub points: [u32; 4],
+    /// Places of the two primitives in the lists of the search: vertex and triangle, or edge and edge.
+    pub primitives: [u32; 2],
 }
 
 /// Vertices against triangles, edges against edges.
@@ -51,10 +53,14 @@ impl CandidateSearch {
         let Self { vertices, edges, triangles, edge_tree, triangle_tree } = self;
         fit(triangle_tree, triangles, &box_of);
         fit(edge_tree, edges, &box_of);
-        for &p in vertices.iter() {
+        for (v, &p) in vertices.iter().enumerate() {
             triangle_tree.query(&box_of(p), |t| {
                 let [a, b, c] = triangles[t];
-                let pair = CandidatePair { kind: PairKind::VertexTriangle, points: [p, a, b, c] };
+                let pair = CandidatePair {
+                    kind: PairKind::VertexTriangle,
+                    points: [p, a, b, c],
+                    primitives: [v as u32, t as u32],
+                };
                 if ![a, b, c].contains(&p) && admits(&pair) {
                     found.push(pair);
                 }
@@ -67,8 +73,9 @@ impl CandidateSearch {
                 if l <= k || e.iter().any(|p| f.contains(p)) {
                     return;
                 }
-                let [[a, b], [c, d]] = if e < f { [e, f] } else { [f, e] };
-                let pair = CandidatePair { kind: PairKind::EdgeEdge, points: [a, b, c, d] };
+                let ([[a, b], [c, d]], [k, l]) = if e < f { ([e, f], [k, l]) } else { ([f, e], [l, k]) };
+                let (points, primitives) = ([a, b, c, d], [k as u32, l as u32]);
+                let pair = CandidatePair { kind: PairKind::EdgeEdge, points, primitives };
                 if admits(&pair) {
                     found.push(pair);
                 }

@@ -12,7 +12,7 @@ pub struct ResidualNorms {
 
 /// A system of equations at an iterate that the problem itself stores.
 ///
-/// Calls come in this order: `assemble`, then for each iteration `solve`, `update(1.0)`, `assemble`; where a line search or
+/// Calls come in this order: `assemble`, then for each iteration `solve`, `longest_step`, `update` by that much, `assemble`; where a line search or
 /// the polishing rejects that step, `update(s)` with smaller `s` (0 included), `residual_norm`, and `assemble` again.
 pub trait NewtonProblem {
     /// What can go wrong in the problem.
@@ -30,6 +30,15 @@ pub trait NewtonProblem {
     /// # Errors
     /// The problem's own, for instance a singular tangent. They end the iteration.
     fn solve(&mut self) -> Result<f64, Self::Error>;
+
+    /// Part of the increment that was solved for last, in (0, 1], beyond which the iterate must not go in this iteration: where surfaces would pass through each other, for instance.
+    /// 1 by default.
+    ///
+    /// # Errors
+    /// The problem's own.
+    fn longest_step(&mut self) -> Result<f64, Self::Error> {
+        Ok(1.0)
+    }
 
     /// Sets the iterate to `base + factor * du`, where `base` is the iterate at which `solve` was called. A second call replaces
     /// the first. After an error it must be possible to call it again with a smaller factor; `factor = 0` must restore

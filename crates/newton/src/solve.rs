@@ -110,7 +110,7 @@ impl Course<'_> {
                 return Ok(StopReason::NotFinite);
             }
             let previous = norms;
-            let first = if self.cycles() { SHORT_STEP } else { 1.0 };
+            let first = problem.longest_step()?.min(if self.cycles() { SHORT_STEP } else { 1.0 });
             let length = match self.step(problem, previous, first)? {
                 Step::Taken { norms: new, length } => {
                     norms = new;
@@ -169,7 +169,7 @@ impl Course<'_> {
             let Ok(increment) = problem.solve() else {
                 return Ok(StopReason::Converged);
             };
-            let trial = match problem.update(1.0) {
+            let trial = match problem.longest_step().and_then(|longest| problem.update(longest)) {
                 Ok(()) => assemble(problem),
                 Err(error) => Err(error),
             };

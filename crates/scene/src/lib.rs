@@ -20,6 +20,7 @@ mod event;
 mod expression;
 mod friction;
 mod general;
+mod general_contact;
 mod gravity;
 mod joint;
 mod material;
@@ -59,6 +60,7 @@ pub use friction::{
 pub use general::{
     Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time,
 };
+pub use general_contact::{GeneralContact, GeneralPair};
 pub use gravity::Gravity;
 pub use joint::{
     ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension,
@@ -142,6 +144,9 @@ pub struct Scene {
     /// `[[contact]]`.
     #[serde(default, rename = "contact", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<Contact>,
+    /// `[general_contact]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub general_contact: Option<GeneralContact>,
     /// `[[tie]]`.
     #[serde(default, rename = "tie", skip_serializing_if = "Vec::is_empty")]
     pub ties: Vec<Tie>,

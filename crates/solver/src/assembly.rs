@@ -107,7 +107,7 @@ pub(crate) struct System {
     /// Auxiliaries of the iterate and their increments (of condensed ones only).
     pub base_auxiliaries: Vec<Vec<f64>>,
     pub auxiliary_increment: Vec<Vec<f64>>,
-    /// Increment of all components, for pairs with condensed auxiliaries; else empty.
+    /// Increment of all components, for pairs with condensed auxiliaries and those that limit motions; else empty.
     pub full_increment: Vec<f64>,
     /// Whether masses were made, if only of what cannot move at present.
     has_mass: bool,
@@ -237,6 +237,13 @@ impl Iterate {
         self.q[component] = q_n[component] + increment;
     }
 
+    /// Puts everything to where it was at the beginning of the step.
+    pub fn go_back(&mut self, q_n: &[f64], embedding: &crate::Embedding) {
+        self.q.copy_from_slice(q_n);
+        self.increment.fill(0.0);
+        self.followed = [embedding.followed(&self.q), embedding.followed(&self.increment)];
+    }
+
     /// Lets the embedded nodes follow the others.
     pub fn follow(&mut self, embedding: &crate::Embedding) {
         let [of_q, of_increment] = &mut self.followed;
@@ -286,7 +293,8 @@ pub(crate) fn no_auxiliaries(model: &Model) -> Vec<Vec<f64>> {
     model.contacts.iter().map(|c| vec![0.0; c.method.slot_count() * c.method.auxiliaries().len()]).collect()
 }
 
-fn has_condensed(model: &Model) -> bool {
+/// Whether a pair has auxiliaries without equations.
+pub(crate) fn has_condensed(model: &Model) -> bool {
     model.contacts.iter().any(|c| c.method.auxiliaries().contains(&Auxiliary::Condensed))
 }
 
@@ -442,7 +450,7 @@ impl System {
             base_pressures: slot_equation.iter().map(|s| vec![0.0; s.len()]).collect(),
             base_auxiliaries: no_auxiliaries(model),
             auxiliary_increment: no_auxiliaries(model),
-            full_increment: vec![0.0; if has_condensed(model) { components } else { 0 }],
+            full_increment: vec![0.0; if has_condensed(model) || model.keeps_apart() { components } else { 0 }],
             numbering,
             masses,
             solid_pattern,
@@ -540,9 +548,7 @@ impl System {
         let mut all = Contributions::default();
         all.append(&present);
         for (c, pair) in model.contacts.iter().enumerate() {
-            if let Some(method) = pair.method.as_contact() {
-                method.candidates(&active[c], &mut |nodes, slots| all.push(model, c, nodes, slots));
-            }
+            pair.method.candidates(&active[c], &mut |nodes, slots| all.push(model, c, nodes, slots));
         }
         if all != self.contributions || self.solid_to_global.is_empty() {
             self.set_pattern(all)?;

@@ -46,6 +46,14 @@ pub enum StepError {
         /// What may be the reason.
         hint: String,
     },
+    /// Prescribed motion cannot reach its end without surfaces passing through each other.
+    #[error(
+        "surfaces are in the way of prescribed motion: it has not reached its end in {attempts} linear responses of the bodies; smaller steps help where the bodies can give way"
+    )]
+    Blocked {
+        /// Linear responses tried.
+        attempts: u32,
+    },
     /// Sets of constraints came back.
     #[error(
         "the active set cycles: {count} node(s) of contact {pair} (first: {first}) want to open when closed and to close when open, after {changes} changes of the set and {repairs} changes of facets"

@@ -172,6 +172,28 @@ impl Coupling {
         matches!(self, Self::Off(_))
     }
 
+    /// Contributions that may come in the step, see [`ContactMethod::candidates`].
+    pub(crate) fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        match self {
+            Self::Contact(method) => method.candidates(active, visit),
+            Self::Potential(of) => of.0.candidates(&mut |nodes| visit(nodes, &[])),
+            Self::Bilateral(_) | Self::Off(_) => {}
+        }
+    }
+
+    /// Whether it limits motions, see [`Potential::keeps_apart`].
+    pub(crate) fn keeps_apart(&self) -> bool {
+        matches!(self, Self::Potential(of) if of.0.keeps_apart())
+    }
+
+    /// Part of a motion of all nodes that it admits.
+    pub(crate) fn longest_step(&mut self, q: &[f64], increment: &[f64]) -> f64 {
+        match self {
+            Self::Potential(of) => of.0.longest_step(q, increment),
+            _ => 1.0,
+        }
+    }
+
     /// Energy at the start of a run, at `q`: of a potential, of springs in joints.
     pub(crate) fn energy_at_start(&self, q: &[f64]) -> Result<f64, ContactError> {
         match self {
@@ -186,7 +208,7 @@ impl Coupling {
         match self {
             Self::Contact(method) => method.work(q_np1, pressures, active),
             Self::Bilateral(constraint) => constraint.work(q_np1, pressures, active),
-            Self::Potential(of) => Ok(ContactWork { stored: of.0.energy(q_np1)?, ..ContactWork::default() }),
+            Self::Potential(of) => of.0.work(q_np1),
             Self::Off(_) => Ok(ContactWork::default()),
         }
     }
@@ -346,6 +368,16 @@ pub struct Model {
 }
 
 impl Model {
+    /// Part of the motion of all nodes from `q` by `increment` on which surfaces stay apart that must; 1 without such.
+    pub(crate) fn longest_step(&mut self, q: &[f64], increment: &[f64]) -> f64 {
+        self.contacts.iter_mut().map(|pair| pair.method.longest_step(q, increment)).fold(1.0, f64::min)
+    }
+
+    /// Whether surfaces must stay apart on the way from one iterate to the next.
+    pub(crate) fn keeps_apart(&self) -> bool {
+        self.contacts.iter().any(|pair| pair.method.keeps_apart())
+    }
+
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.reference.len() / 3

@@ -1,6 +1,6 @@
 //! One step as a problem for Newton's method.
 
-use crate::assembly::{Iterate, System, with_nodes};
+use crate::assembly::{Iterate, System, has_condensed, with_nodes};
 use crate::diagnosis::linear_error;
 use crate::system::{FeSystem, contact_rule};
 use crate::{Load, Model, Phase, PhaseTime, StepError, Timings};
@@ -38,6 +38,9 @@ pub(crate) struct StepProblem<'a> {
 /// Size of the motion, in multiples of an edge length, whose difference of forces replaces the product of prescribed motions and
 /// stiffness in [`StepProblem::predict`]: truncation and round-off are both about 1e-10 of the result.
 const DIFFERENCE: f64 = 1.0e-5;
+
+/// Linear responses to what is left of prescribed motions, where surfaces stop each of them, before the step is given up.
+const MAX_PREDICTIONS: u32 = 20;
 
 impl StepProblem<'_> {
     /// Fills residual, and matrix values if asked; returns norms of forces. (The constraints' violation is `system.gap_measure`.)
@@ -131,14 +134,19 @@ impl StepProblem<'_> {
     /// iterate: `K_ff du_f = -R_f - K_fp du_p`. Putting prescribed motions on the boundary alone would squash the elements there.
     ///
     /// `K_fp du_p` is a central difference of the residual along `du_p`, because the matrix has no columns of prescribed components.
-    pub fn predict(&mut self, prescribed: &[(usize, f64)]) -> Result<(), StepError> {
+    ///
+    /// Where surfaces must stay apart, all go a part of the way at most, which is returned: 1 if nothing is in the way.
+    pub fn predict(&mut self, prescribed: &[(usize, f64)]) -> Result<f64, StepError> {
         let q_n = &self.step.state_n.q;
         let from: Vec<f64> = prescribed.iter().map(|&(component, _)| self.iterate.q[component]).collect();
         let largest = prescribed.iter().zip(&from).map(|((_, to), from)| (to - from).abs()).fold(0.0, f64::max);
         let bodies = self.model.bodies.iter().map(|b| b.solid.characteristic_length());
-        let length = bodies.chain(self.model.parts.iter().map(|p| p.length_scale())).fold(f64::INFINITY, f64::min);
+        let layers = self.model.contacts.iter().filter(|pair| pair.method.keeps_apart());
+        let length = (bodies.chain(self.model.parts.iter().map(|p| p.length_scale())))
+            .chain(layers.map(|pair| pair.method.length_scale()))
+            .fold(f64::INFINITY, f64::min);
         if largest == 0.0 || !length.is_finite() {
-            return Ok(());
+            return Ok(1.0);
         }
         let fraction = DIFFERENCE * length / largest;
         let mut rhs_at = |fraction: f64| -> Result<Vec<f64>, StepError> {
@@ -159,27 +167,69 @@ impl StepProblem<'_> {
             *rhs += (ahead - behind) / (2.0 * fraction);
         }
         self.solve()?;
-        self.update(1.0)?;
-        for &(component, to) in prescribed {
-            self.iterate.place(component, to, q_n);
+        let mut part = 1.0;
+        if self.model.keeps_apart() {
+            for (&(component, to), from) in prescribed.iter().zip(&from) {
+                self.system.full_increment[component] = to - from;
+            }
+            part = self.longest_step()?;
+            for &(component, _) in prescribed {
+                self.system.full_increment[component] = 0.0;
+            }
+        }
+        self.update(part)?;
+        for (&(component, to), from) in prescribed.iter().zip(&from) {
+            self.iterate.place(component, if part == 1.0 { to } else { from + part * (to - from) }, q_n);
         }
         self.iterate.follow(&self.model.embedding);
-        Ok(())
+        Ok(part)
+    }
+
+    /// Brings the iterate, which is at the start of the step, as far towards a start of the iterations as surfaces stay apart, and the prescribed components all of their way.
+    pub fn go_apart(&mut self, start: &Iterate, prescribed: &[(usize, f64)]) -> Result<(), StepError> {
+        let q_n = &self.step.state_n.q;
+        let increment: Vec<f64> = start.q.iter().zip(&self.iterate.q).map(|(to, from)| to - from).collect();
+        let part = self.model.longest_step(&self.iterate.q, &increment);
+        if part == 1.0 {
+            self.iterate.clone_from(start);
+            return Ok(());
+        }
+        for component in self.system.own.iter().flat_map(std::ops::Range::clone) {
+            self.iterate.displace(component, part * start.increment[component], q_n);
+        }
+        self.iterate.follow(&self.model.embedding);
+        self.predict_all(prescribed)
+    }
+
+    /// [`Self::predict`] until the prescribed components are where they have to be.
+    pub fn predict_all(&mut self, prescribed: &[(usize, f64)]) -> Result<(), StepError> {
+        for _ in 0..MAX_PREDICTIONS {
+            if self.predict(prescribed)? == 1.0 {
+                return Ok(());
+            }
+        }
+        Err(StepError::Blocked { attempts: MAX_PREDICTIONS })
     }
 }
 
 impl StepProblem<'_> {
-    /// Increments of condensed auxiliaries after a linear solution.
-    fn recover(&mut self) -> Result<(), StepError> {
-        let Self { model, system, step, iterate, .. } = self;
-        let System { full_increment, increment, numbering, auxiliary_increment, .. } = &mut **system;
-        if full_increment.is_empty() {
-            return Ok(());
-        }
+    /// Increments of all components after a linear solution, of embedded nodes too.
+    fn full_increment(&mut self) {
+        let System { full_increment, increment, numbering, .. } = &mut *self.system;
         for (&component, du) in numbering.free.iter().zip(increment.iter()) {
             full_increment[component as usize] = *du;
         }
-        model.embedding.follow(full_increment);
+        self.model.embedding.follow(full_increment);
+    }
+
+    /// Increments of condensed auxiliaries after a linear solution.
+    fn recover(&mut self) -> Result<(), StepError> {
+        if !has_condensed(self.model) {
+            return Ok(());
+        }
+        self.full_increment();
+        let Self { model, system, step, iterate, .. } = self;
+        let System { full_increment, auxiliary_increment, .. } = &mut **system;
         let configuration = contact_step(step, &iterate.q);
         self.timings.measure(Phase::Contact, || {
             for (c, pair) in model.contacts.iter().enumerate() {
@@ -280,6 +330,15 @@ impl NewtonProblem for StepProblem<'_> {
         self.recover()?;
         let s = &*self.system;
         Ok(vector::norm2(&s.increment[..s.numbering.free.len()]))
+    }
+
+    fn longest_step(&mut self) -> Result<f64, StepError> {
+        if !self.model.keeps_apart() {
+            return Ok(1.0);
+        }
+        self.full_increment();
+        let Self { model, system, iterate, timings, .. } = self;
+        Ok(timings.measure(Phase::Search, || model.longest_step(&iterate.q, &system.full_increment)))
     }
 
     fn update(&mut self, factor: f64) -> Result<(), StepError> {

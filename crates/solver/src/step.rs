@@ -34,8 +34,10 @@ pub(crate) struct Attempt {
 pub(crate) struct StepInput<'a> {
     pub step: Step<'a>,
     pub start: Iterate,
-    /// Prescribed components with their new positions, if `start` has the old ones and the others are to follow ([`StepProblem::predict`]).
-    pub predict: Vec<(usize, f64)>,
+    /// Prescribed components with their new positions.
+    pub prescribed: Vec<(usize, f64)>,
+    /// Whether `start` has the old ones and the others are to follow ([`StepProblem::predict`]).
+    pub predict: bool,
     pub newton: NewtonOptions,
 }
 
@@ -184,10 +186,20 @@ pub(crate) fn attempt(
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
         timings.measure(Phase::Contact, || start_auxiliaries(model, &input.step, &mut iterate))?;
     }
-    if !input.predict.is_empty() {
-        let (iterate, assembled, solves) = (&mut iterate, None, &mut trace.solves);
-        StepProblem { model, system, step: input.step, iterate, timings, solves, solved_shifted: false, assembled }
-            .predict(&input.predict)?;
+    if input.predict || model.keeps_apart() {
+        let (assembled, solves) = (None, &mut trace.solves);
+        let start = (!input.predict).then(|| iterate.clone());
+        if start.is_some() {
+            iterate.go_back(&input.step.state_n.q, &model.embedding);
+        }
+        let step = input.step;
+        let iterate = &mut iterate;
+        let mut problem =
+            StepProblem { model, system, step, iterate, timings, solves, solved_shifted: false, assembled };
+        match start {
+            Some(start) => problem.go_apart(&start, &input.prescribed)?,
+            None => problem.predict_all(&input.prescribed)?,
+        }
         start_auxiliaries(model, &input.step, iterate)?;
     }
     // After a set came back, only accurate solutions are judged.

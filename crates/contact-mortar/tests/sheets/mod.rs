@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_contact::{Constraint, ContactRule, LocalContribution, StepConfiguration};
 use stoss_contact_mortar::segmentation::Provenance;
-use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
+use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
 pub use stoss_testkit::meshes::{Mesh, meshes};
 
 pub const SLAVE: usize = 9;
@@ -48,6 +48,15 @@ pub fn options(dual: bool) -> MortarOptions {
     MortarOptions {
         space: if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard },
         ..MortarOptions::default()
+    }
+}
+
+/// No factors, those of smooth surfaces, those of surfaces with sharp edges.
+pub fn factors(kind: usize) -> Factors {
+    match kind {
+        0 => Factors::NONE,
+        1 => Factors { facing: true, deepest: f64::INFINITY, nearness: 0.0 },
+        _ => Factors { facing: true, deepest: 0.4, nearness: 12.0 },
     }
 }
 

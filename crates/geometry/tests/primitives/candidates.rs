@@ -42,14 +42,16 @@ fn search(soup: &Soup) -> CandidateSearch {
 fn all_pairs(soup: &Soup) -> Vec<CandidatePair> {
     let edges = edges_of(&soup.triangles);
     let mut pairs = Vec::new();
-    for p in points(soup) {
-        for t in soup.triangles.iter().filter(|t| !t.contains(&p)) {
-            pairs.push(CandidatePair { kind: PairKind::VertexTriangle, points: [p, t[0], t[1], t[2]] });
+    for (v, p) in points(soup).into_iter().enumerate() {
+        for (k, t) in soup.triangles.iter().enumerate().filter(|(_, t)| !t.contains(&p)) {
+            let (points, primitives) = ([p, t[0], t[1], t[2]], [v as u32, k as u32]);
+            pairs.push(CandidatePair { kind: PairKind::VertexTriangle, points, primitives });
         }
     }
     for (k, e) in edges.iter().enumerate() {
-        for f in edges[k + 1..].iter().filter(|f| !f.contains(&e[0]) && !f.contains(&e[1])) {
-            pairs.push(CandidatePair { kind: PairKind::EdgeEdge, points: [e[0], e[1], f[0], f[1]] });
+        for (l, f) in edges.iter().enumerate().skip(k + 1).filter(|(_, f)| !f.contains(&e[0]) && !f.contains(&e[1])) {
+            let (points, primitives) = ([e[0], e[1], f[0], f[1]], [k as u32, l as u32]);
+            pairs.push(CandidatePair { kind: PairKind::EdgeEdge, points, primitives });
         }
     }
     pairs.sort_unstable();
@@ -73,7 +75,7 @@ proptest! {
         let moving = |p: u32| Aabb::swept(&soup.start[p as usize], &soup.end[p as usize], 0.5 * distance);
         let still = |p: u32| Aabb::swept(&soup.end[p as usize], &soup.end[p as usize], 0.5 * distance);
         let mut search = search(&soup);
-        let mut found = vec![CandidatePair { kind: PairKind::VertexVertex, points: [0; 4] }];
+        let mut found = vec![CandidatePair { kind: PairKind::VertexVertex, points: [0; 4], primitives: [0; 2] }];
         search.find(moving, |_| true, &mut found);
         prop_assert_eq!(&found, &brute_force(&soup, moving));
         let swept = found.clone();

@@ -5,7 +5,8 @@ use super::sets::Sets;
 use super::table::Table;
 use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
 use super::{
-    beam, body, conditions, event, general, joint, parameters, prescribe, results, rigid, string, support, sweep, tie,
+    beam, body, conditions, event, general, general_contact, joint, parameters, prescribe, results, rigid, string,
+    support, sweep, tie,
 };
 use crate::source::Source;
 use crate::{Beam, Body, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene};
@@ -156,6 +157,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         unique.check(table.as_ref(), "name", stage.as_ref().map(|stage| stage.name.as_str()));
     }
 
+    let general_contact = root.optional("general_contact", |n| general_contact::general_contact(n, &world));
     let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
     let watch = root.default("watch", crate::Watch::default(), results::watch);
     let expect = root.optional("expect", |n| results::expect(n, &world));
@@ -178,6 +180,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         sets: all(regions)?,
         named_sets: named_sets?,
         contacts: all(contacts)?,
+        general_contact: general_contact?,
         ties: all(ties)?,
         joints: all(joints)?,
         springs: all(springs)?,

@@ -10,6 +10,7 @@ mod document;
 mod event;
 mod friction;
 mod general;
+mod general_contact;
 mod joint;
 mod material;
 mod mesh;

@@ -203,17 +203,22 @@ impl Simulation {
             }
         }
         let end = self.clock.next_time();
-        let prescribed = (0..self.prescribed.len()).map(|k| self.prescribed_position(k, end));
-        let mut predict = Vec::new();
-        if from == Start::Linear {
-            predict.extend(prescribed);
-        } else {
-            for (component, position) in prescribed {
+        let prescribed: Vec<(usize, f64)> =
+            (0..self.prescribed.len()).map(|k| self.prescribed_position(k, end)).collect();
+        let predict = from == Start::Linear;
+        if !predict {
+            for &(component, position) in &prescribed {
                 start.place(component, position, q_n);
             }
         }
         start.follow(&self.model.embedding);
-        let input = StepInput { step: Step { state_n: &self.state, dt, rule }, start, predict, newton: self.newton };
+        let input = StepInput {
+            step: Step { state_n: &self.state, dt, rule },
+            start,
+            prescribed,
+            predict,
+            newton: self.newton,
+        };
         let mut attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, trace)?;
         let solves = trace.solves;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for

@@ -3,8 +3,9 @@
 use super::condition::{prescribed, resolve};
 use super::friction::gains_energy_in_impacts;
 use super::missing::not_built_in;
-use super::pair::{PairInput, area_vector, young};
+use super::pair::{PairInput, area_vector};
 use super::tie::Ties;
+use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
 use crate::scene::{ContactMethod, Enforcement, Scene, split_set};
 use crate::solver::Model;

@@ -9,6 +9,8 @@ mod drawing;
 mod extreme;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod friction;
+#[cfg(feature = "general")]
+mod general;
 mod law;
 mod mesh_files;
 mod missing;
@@ -148,11 +150,13 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         let fixed = model.prescriptions.len();
         let rigid = |item: &crate::scene::Prescribe| multibody::prescribe_rigid(item, &parts);
         condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
-        let ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
+        let mut ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         condition::loads(scene, &placed, &mut model, &mut problems);
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
-        model.contacts.extend(ties.pairs);
+        model.contacts.append(&mut ties.pairs);
+        #[cfg(feature = "general")]
+        general::general(scene, &placed, &ties, &mut model, &mut problems);
         multibody::constraints(scene, &placed, &mut parts, &mut model, &mut problems, &mut warnings);
         if problems.list.is_empty() {
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
@@ -332,3 +336,10 @@ pub const DEFAULT_TOLERANCE: f64 = 1.0e-9;
 const FAR_BELOW: f64 = 1.0e-3;
 /// Residual of a dynamic step, in multiples of the scale, from which the line search lets any other grow tenfold.
 const SMALL_RESIDUAL: f64 = 0.1;
+
+/// Young's modulus of a deformable body at small strains; infinite for a rigid one.
+#[cfg(any(feature = "nts", feature = "mortar", feature = "general"))]
+fn young(model: &Model, body: usize) -> f64 {
+    let modulus = |body: &crate::solver::Body| body.solid.law().small_strain_moduli().young_modulus();
+    model.bodies.get(body).map_or(f64::INFINITY, modulus)
+}

@@ -1,5 +1,6 @@
 //! One contact of a scene, its surfaces found: what all methods look at and tell.
 
+use super::young;
 use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
 use crate::points::Points;
 use crate::scene::{Constraint, ContactMethod, Enforcement, Scene};
@@ -150,12 +151,6 @@ impl PairInput<'_> {
     pub fn is_rigid(&self) -> bool {
         self.line.is_empty() && self.bodies.iter().all(|&b| self.placed[b].mesh().is_none())
     }
-}
-
-/// Young's modulus of a deformable body at small strains; infinite for a rigid one.
-pub(super) fn young(model: &Model, body: usize) -> f64 {
-    let modulus = |body: &crate::solver::Body| body.solid.law().small_strain_moduli().young_modulus();
-    model.bodies.get(body).map_or(f64::INFINITY, modulus)
 }
 
 /// Twice the area vector of a facet.

@@ -4,7 +4,15 @@ use crate::scene::{FrameFormat, Problem, Scene};
 
 /// The first table or key that needs a feature which is not built in.
 pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
-    multibody(scene).or_else(|| vtkhdf(scene))
+    multibody(scene).or_else(|| vtkhdf(scene)).or_else(|| general(scene))
+}
+
+/// General contact needs the feature `general`.
+fn general(scene: &Scene) -> Option<Problem> {
+    (scene.general_contact.is_some() && !cfg!(feature = "general")).then(|| {
+        let message = "this build of Stoss has no general contact";
+        Problem::at(scene, "general_contact", "", message, "build it with the cargo feature `general`")
+    })
 }
 
 /// Frames in a format that needs the feature `vtkhdf`, where files of results are built in at all.

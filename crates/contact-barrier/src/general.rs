@@ -1,0 +1,361 @@
+//! General contact: the sum over all pairs of a skin.
+
+use crate::proximity::{Candidate, Proximity};
+use crate::{Friction, Interactions, Layer, PairStart, Skin, StepForce, Tangent};
+use nalgebra::Vector3;
+use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration};
+use stoss_geometry::{Aabb, closest};
+
+/// No start of a pair is known.
+const NONE: u32 = u32::MAX;
+
+/// Slip in a static step from which on all of the friction acts, in thicknesses.
+const STATIC_SLIP: f64 = 0.01;
+
+/// Settings of [`GeneralContact`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeneralOptions {
+    /// Thickness of the layer, a length: at this distance forces begin.
+    pub thickness: f64,
+    /// Time of the viscous layer, not negative.
+    pub damping: f64,
+    /// Speed of slip below which friction falls to zero, positive. Without inertia, where nothing has a speed, slip of a hundredth of the thickness in a step takes its place.
+    pub slip_velocity: f64,
+}
+
+/// Contact of everything with everything: each point of integration of a skin against each triangle, each vertex against each triangle and each edge against each other with a small weight.
+///
+/// Under [`ContactRule::EnergyMomentum`] the force of a step does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, `docs/theory/barrier.md`; under [`ContactRule::EndPoint`] it
+/// is the gradient at the end. Nothing passes through anything as long as each iterate is reached from the last by a motion that [`Potential::longest_step`] admits. It has no history.
+#[derive(Debug)]
+pub struct GeneralContact {
+    name: String,
+    skin: Skin,
+    rules: Interactions,
+    options: GeneralOptions,
+    proximity: Proximity,
+    rule: ContactRule,
+    step_size: f64,
+    has_rates: bool,
+    velocity: Vec<f64>,
+    /// Positions of the points at the start of the step and at the iterate.
+    x_n: Vec<Vector3<f64>>,
+    x: Vec<Vector3<f64>>,
+    increment: Vec<Vector3<f64>>,
+    /// For each candidate: whether it is in the layer at the start, and its place in `starts`.
+    inside_n: Vec<bool>,
+    start_of: Vec<u32>,
+    starts: Vec<PairStart>,
+    /// Candidates that act at the iterate.
+    active: Vec<u32>,
+    /// Pairs of facets that had an active pair in the step: they grow only, so that stencils seldom change.
+    groups: Vec<[u32; 2]>,
+}
+
+impl GeneralContact {
+    /// Contact of a skin by rules for its classes.
+    ///
+    /// # Errors
+    /// [`ContactError::EmptySurface`] if there is no facet, [`ContactError::Option`] if the thickness is not positive.
+    pub fn new(
+        name: impl Into<String>,
+        skin: Skin,
+        rules: Interactions,
+        options: GeneralOptions,
+    ) -> Result<Self, ContactError> {
+        if !(options.thickness > 0.0 && options.thickness.is_finite()) {
+            let (option, range) = ("thickness", "a positive length");
+            return Err(ContactError::Option { option, value: options.thickness, range });
+        }
+        if skin.facets().is_empty() {
+            return Err(ContactError::EmptySurface { side: "general" });
+        }
+        Ok(Self {
+            name: name.into(),
+            proximity: Proximity::new(&skin, options.thickness),
+            skin,
+            rules,
+            options,
+            rule: ContactRule::EndPoint,
+            step_size: 0.0,
+            has_rates: false,
+            velocity: Vec::new(),
+            x_n: Vec::new(),
+            x: Vec::new(),
+            increment: Vec::new(),
+            inside_n: Vec::new(),
+            start_of: Vec::new(),
+            starts: Vec::new(),
+            active: Vec::new(),
+            groups: Vec::new(),
+        })
+    }
+
+    /// The skin.
+    pub fn skin(&self) -> &Skin {
+        &self.skin
+    }
+
+    fn layer(&self, candidate: &Candidate) -> Layer {
+        let [a, b] = candidate.classes;
+        let modulus = self.rules.between(a, b).map_or(0.0, |interaction| interaction.modulus);
+        let layer = Layer::new(modulus, self.options.thickness);
+        if self.has_rates && self.options.damping > 0.0 {
+            layer.damped(self.options.damping / self.step_size)
+        } else {
+            layer
+        }
+    }
+
+    fn friction(&self, candidate: &Candidate) -> Option<Friction> {
+        let [a, b] = candidate.classes;
+        let coefficient = self.rules.between(a, b).map_or(0.0, |interaction| interaction.friction);
+        let slip_scale = if self.has_rates {
+            self.options.slip_velocity * self.step_size
+        } else {
+            STATIC_SLIP * self.options.thickness
+        };
+        (coefficient > 0.0).then_some(Friction { coefficient, slip_scale })
+    }
+
+    /// After the candidates changed: which are in the layer at the start.
+    fn renew_starts(&mut self) {
+        let Self { proximity, x_n, inside_n, start_of, starts, options, .. } = self;
+        inside_n.clear();
+        inside_n.extend(proximity.candidates.iter().map(|c| is_inside(c, x_n, options.thickness)));
+        start_of.clear();
+        start_of.resize(proximity.candidates.len(), NONE);
+        starts.clear();
+    }
+
+    /// Finds what acts at `x`; returns whether there are new pairs of facets.
+    fn activate(&mut self) -> bool {
+        let mut active = std::mem::take(&mut self.active);
+        active.clear();
+        let known = self.groups.len();
+        for k in 0..self.proximity.candidates.len() {
+            let candidate = self.proximity.candidates[k];
+            if !self.inside_n[k] && !is_inside(&candidate, &self.x, self.options.thickness) {
+                continue;
+            }
+            if self.start_of[k] == NONE && self.rule == ContactRule::EnergyMomentum {
+                self.start_of[k] = self.starts.len() as u32;
+                let start = PairStart::new(candidate.term, self.layer(&candidate), &candidate.of(&self.x_n));
+                self.starts.push(start);
+            }
+            active.push(k as u32);
+            // Candidates come by facets.
+            if self.groups.len() == known || self.groups.last() != Some(&candidate.facets) {
+                if self.groups[..known].binary_search(&candidate.facets).is_err() {
+                    self.groups.push(candidate.facets);
+                }
+            }
+        }
+        self.active = active;
+        let changed = self.groups.len() > known;
+        self.groups.sort_unstable();
+        changed
+    }
+
+    /// Force of an active candidate at the iterate.
+    fn force(&self, k: u32, tangent: Option<&mut Tangent>) -> StepForce {
+        let candidate = &self.proximity.candidates[k as usize];
+        let (x, friction) = (candidate.of(&self.x), self.friction(candidate));
+        match self.starts.get(self.start_of[k as usize] as usize) {
+            Some(start) => start.step(&x, friction.as_ref(), tangent),
+            None => {
+                candidate.term.at_end(&self.layer(candidate), &candidate.of(&self.x_n), &x, friction.as_ref(), tangent)
+            }
+        }
+    }
+
+    /// Nodes of two facets, ascending.
+    fn nodes_of(&self, [f, g]: [u32; 2], nodes: &mut Vec<u32>) {
+        nodes.clear();
+        nodes.extend_from_slice(self.skin.nodes_of(f));
+        nodes.extend_from_slice(self.skin.nodes_of(g));
+        nodes.sort_unstable();
+        nodes.dedup();
+    }
+
+    fn place(skin: &Skin, q: &[f64], x: &mut Vec<Vector3<f64>>) {
+        x.clear();
+        x.extend((0..skin.point_count() as u32).map(|p| skin.at(p, q)));
+    }
+}
+
+/// Whether a pair is in the layer. Most are not, which their boxes tell.
+fn is_inside(candidate: &Candidate, x: &[Vector3<f64>], thickness: f64) -> bool {
+    let x = candidate.of(x);
+    let first = candidate.term.kind.first_count();
+    let around = |points: &[Vector3<f64>]| Aabb::from_points(points);
+    around(&x[..first]).inflated(thickness).overlaps(&around(&x[first..]))
+        && closest(candidate.term.kind, &x).distance_squared < thickness * thickness
+}
+
+impl Potential for GeneralContact {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.options.thickness
+    }
+
+    fn is_symmetric(&self, rule: ContactRule) -> bool {
+        rule == ContactRule::EndPoint && !self.rules.has_friction()
+    }
+
+    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
+        self.rule = rule;
+        self.step_size = step_size;
+    }
+
+    fn set_has_rates(&mut self, has_rates: bool) {
+        self.has_rates = has_rates;
+    }
+
+    fn set_velocity(&mut self, v_n: &[f64]) {
+        self.velocity.clear();
+        self.velocity.extend_from_slice(v_n);
+    }
+
+    fn begin_step(&mut self, q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
+        if !matches!(self.rule, ContactRule::EnergyMomentum | ContactRule::EndPoint) {
+            return Err(ContactError::Rule { method: "general", rule: format!("{:?}", self.rule) });
+        }
+        let Self { skin, rules, proximity, x_n, x, velocity, step_size, .. } = self;
+        Self::place(skin, q_n, x_n);
+        x.clone_from(x_n);
+        let motion = |p: u32| if velocity.is_empty() { Vector3::zeros() } else { skin.at(p, velocity) * *step_size };
+        proximity.begin(skin, rules, x_n, motion);
+        self.renew_starts();
+        self.groups.clear();
+        self.activate();
+        Ok(())
+    }
+
+    fn renew(&mut self, q_np1: &[f64]) -> Result<bool, ContactError> {
+        let Self { skin, rules, proximity, x, .. } = self;
+        Self::place(skin, q_np1, x);
+        if x.iter().any(|x| !x.iter().all(|c| c.is_finite())) {
+            return Err(ContactError::NotFinite { node: 0 });
+        }
+        if proximity.hold(skin, rules, x.iter().copied()) {
+            self.renew_starts();
+        }
+        Ok(self.activate())
+    }
+
+    fn longest_step(&mut self, q: &[f64], increment: &[f64]) -> f64 {
+        let Self { skin, rules, proximity, x, increment: d, .. } = self;
+        Self::place(skin, q, x);
+        Self::place(skin, increment, d);
+        let mut changed = proximity.hold(skin, rules, x.iter().copied());
+        changed |= proximity.hold(skin, rules, x.iter().zip(d.iter()).map(|(x, d)| x + d));
+        let fraction = proximity.safe_fraction(x, d);
+        if changed {
+            self.renew_starts();
+        }
+        fraction
+    }
+
+    fn keeps_apart(&self) -> bool {
+        true
+    }
+
+    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
+        let mut nodes = Vec::new();
+        for &facets in &self.groups {
+            self.nodes_of(facets, &mut nodes);
+            visit(&nodes);
+        }
+    }
+
+    fn candidates(&self, visit: &mut dyn FnMut(&[u32])) {
+        let mut nodes = Vec::new();
+        let mut last = None;
+        for candidate in &self.proximity.candidates {
+            if last != Some(candidate.facets) {
+                last = Some(candidate.facets);
+                self.nodes_of(candidate.facets, &mut nodes);
+                visit(&nodes);
+            }
+        }
+    }
+
+    fn assemble(
+        &self,
+        _step: StepConfiguration<'_>,
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let mut local = LocalContribution::default();
+        let mut tangent: Tangent = [[0.0; 12]; 12];
+        let mut terms: Vec<(usize, f64)> = Vec::new();
+        let mut next = 0;
+        for &facets in &self.groups {
+            self.nodes_of(facets, &mut local.nodes);
+            local.reset(want_tangent);
+            let n = local.dim();
+            while let Some(&k) = self.active.get(next) {
+                let candidate = &self.proximity.candidates[k as usize];
+                if candidate.facets != facets {
+                    break;
+                }
+                next += 1;
+                let force = self.force(k, want_tangent.then_some(&mut tangent));
+                // Places of the nodes of the four points in the contribution.
+                terms.clear();
+                let mut ends = [0; 5];
+                for (i, &point) in candidate.points.iter().enumerate() {
+                    let place = |node: u32| local.nodes.binary_search(&node).unwrap_or_default();
+                    terms.extend(self.skin.terms(point).iter().map(|&(node, w)| (3 * place(node), w)));
+                    ends[i + 1] = terms.len();
+                }
+                for i in 0..4 {
+                    for &(row, w) in &terms[ends[i]..ends[i + 1]] {
+                        for c in 0..3 {
+                            local.residual[row + c] +=
+                                w * (force.barrier.gradient[i][c] + force.friction.gradient[i][c]);
+                        }
+                        if !want_tangent {
+                            continue;
+                        }
+                        for j in 0..4 {
+                            for &(column, v) in &terms[ends[j]..ends[j + 1]] {
+                                for c in 0..3 {
+                                    let entries = &mut local.tangent[(row + c) * n + column..][..3];
+                                    let block = &tangent[3 * i + c][3 * j..3 * j + 3];
+                                    entries.iter_mut().zip(block).for_each(|(t, b)| *t += w * v * b);
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+            visit(&local);
+        }
+        Ok(())
+    }
+
+    fn energy(&self, q: &[f64]) -> Result<f64, ContactError> {
+        let mut x = Vec::new();
+        Self::place(&self.skin, q, &mut x);
+        let mut proximity = Proximity::new(&self.skin, self.options.thickness);
+        proximity.begin(&self.skin, &self.rules, &x, |_| Vector3::zeros());
+        let energy = |c: &Candidate| c.term.at_state(&self.layer(c), &c.of(&x), None).energy;
+        Ok(proximity.candidates.iter().map(energy).sum())
+    }
+
+    fn work(&self, _q_np1: &[f64]) -> Result<ContactWork, ContactError> {
+        let mut work = ContactWork::default();
+        for &k in &self.active {
+            let StepForce { barrier, friction } = self.force(k, None);
+            work.stored += barrier.energy;
+            work.dissipated += barrier.dissipated + friction.dissipated;
+            work.friction_work += friction.dissipated;
+        }
+        Ok(work)
+    }
+}

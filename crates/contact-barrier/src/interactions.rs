@@ -1,0 +1,63 @@
+//! Which facets act on each other, and how.
+
+/// How the facets of two classes act on each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interaction {
+    /// Modulus of the layer, a pressure: Young's modulus of the softer side, for instance.
+    pub modulus: f64,
+    /// Coefficient of friction.
+    pub friction: f64,
+}
+
+/// A table of all pairs of classes. A class is a body, or a part of a body's surface that is treated differently; facets of the same class may act on each other, too.
+#[derive(Clone, Debug, Default)]
+pub struct Interactions {
+    bodies: Vec<u32>,
+    rigid: Vec<bool>,
+    table: Vec<Option<Interaction>>,
+}
+
+impl Interactions {
+    /// No interactions between classes that belong to these bodies, each given with whether it is rigid.
+    pub fn none(classes: &[(u32, bool)]) -> Self {
+        let (bodies, rigid): (Vec<u32>, Vec<bool>) = classes.iter().copied().unzip();
+        Self { table: vec![None; bodies.len() * bodies.len()], bodies, rigid }
+    }
+
+    /// Number of classes.
+    pub fn class_count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Lets two classes act on each other; `None`: not.
+    pub fn set(&mut self, a: u32, b: u32, interaction: Option<Interaction>) {
+        let n = self.bodies.len();
+        self.table[a as usize * n + b as usize] = interaction;
+        self.table[b as usize * n + a as usize] = interaction;
+    }
+
+    /// What acts between two classes.
+    pub fn between(&self, a: u32, b: u32) -> Option<&Interaction> {
+        self.table[a as usize * self.bodies.len() + b as usize].as_ref()
+    }
+
+    /// Body of a class.
+    pub fn body(&self, class: u32) -> u32 {
+        self.bodies[class as usize]
+    }
+
+    /// Share of the surface of `point`'s class that is summed against facets of the other: one half, because the other is summed too; one against rigid bodies, whose
+    /// points are not summed: their facets may be much larger than what they touch.
+    pub fn share(&self, point: u32, facet: u32) -> f64 {
+        match (self.rigid[point as usize], self.rigid[facet as usize]) {
+            (false, true) => 1.0,
+            (true, false) => 0.0,
+            _ => 0.5,
+        }
+    }
+
+    /// Whether anything has friction.
+    pub fn has_friction(&self) -> bool {
+        self.table.iter().flatten().any(|interaction| interaction.friction > 0.0)
+    }
+}

@@ -1,0 +1,253 @@
+//! The surfaces of all bodies as one set of vertices, edges, triangles and points of integration.
+
+use crate::Parallel;
+use nalgebra::Vector3;
+use stoss_geometry::edges_of;
+use stoss_reference_element::FacetNodes;
+
+/// Weight of the vertices and edges against that of the surface, which keeps out what points of integration do not see: corners, and edges that cross.
+const GUARD: f64 = 0.01;
+
+/// Barycentric coordinates of the three points of integration of a triangle.
+const GAUSS: [[f64; 3]; 3] =
+    [[2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
+
+/// A facet of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkinFacet {
+    /// Global nodes, outward.
+    pub nodes: FacetNodes,
+    /// Class of the facet, which [`Interactions`](crate::Interactions) asks for.
+    pub class: u32,
+}
+
+/// What general contact sees of the bodies: points that are linear in the nodes, and the primitives that they span.
+///
+/// A quadrilateral is four triangles about the mean of its corners. Vertices come first, points of integration behind them: three in each triangle, with a third of its reference area each.
+#[derive(Clone, Debug, Default)]
+pub struct Skin {
+    starts: Vec<u32>,
+    terms: Vec<(u32, f64)>,
+    vertex_count: usize,
+    /// Facet by which a point is found: that of a point of integration, one of those around a vertex.
+    point_facet: Vec<u32>,
+    /// Reference area that belongs to a point.
+    point_area: Vec<f64>,
+    facets: Vec<SkinFacet>,
+    /// Nodes on which the points of each facet depend, ascending; `facet_starts` has where each begins.
+    facet_starts: Vec<u32>,
+    facet_nodes: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    triangle_facet: Vec<u32>,
+    edges: Vec<[u32; 2]>,
+    edge_facet: Vec<u32>,
+    edge_area: Vec<f64>,
+    edge_square: Vec<f64>,
+}
+
+impl Skin {
+    /// The skin of facets with nodes at `reference` (`3 * nodes`, lengths). `place(node)` gives the nodes and weights (of sum one) that a vertex is made of where it does not lie in its node.
+    ///
+    /// The order of facets decides the order of sums, nothing else.
+    pub fn new(facets: Vec<SkinFacet>, reference: &[f64], place: &dyn Fn(u32) -> Option<Vec<(u32, f64)>>) -> Self {
+        let at = |node: u32| Vector3::from_column_slice(&reference[3 * node as usize..3 * node as usize + 3]);
+        let mut nodes: Vec<u32> = facets.iter().flat_map(|f| f.nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let vertex_of = |node: u32| nodes.binary_search(&node).unwrap_or_default() as u32;
+        let mut skin = Self { starts: vec![0], ..Self::default() };
+        // Positions of the true surface, for areas and lengths.
+        let mut positions: Vec<Vector3<f64>> = Vec::with_capacity(nodes.len() + facets.len());
+        for &node in &nodes {
+            skin.push(&place(node).unwrap_or_else(|| vec![(node, 1.0)]));
+            positions.push(at(node));
+        }
+        for (f, facet) in facets.iter().enumerate() {
+            let corners: Vec<u32> = facet.nodes.iter().map(|&node| vertex_of(node)).collect();
+            if let [a, b, c] = corners[..] {
+                skin.triangles.push([a, b, c]);
+                skin.triangle_facet.push(f as u32);
+                continue;
+            }
+            let share = 1.0 / corners.len() as f64;
+            let centre = skin.push(&skin.mean(corners.iter().map(|&corner| (corner, share))));
+            positions.push(corners.iter().map(|&corner| positions[corner as usize] * share).sum());
+            for k in 0..corners.len() {
+                skin.triangles.push([corners[k], corners[(k + 1) % corners.len()], centre]);
+                skin.triangle_facet.push(f as u32);
+            }
+        }
+        skin.vertex_count = positions.len();
+        skin.edges = edges_of(&skin.triangles);
+        skin.facets = facets;
+        skin.measure(&positions);
+        skin.collect_nodes();
+        skin
+    }
+
+    fn push(&mut self, terms: &[(u32, f64)]) -> u32 {
+        self.terms.extend_from_slice(terms);
+        self.starts.push(self.terms.len() as u32);
+        self.starts.len() as u32 - 2
+    }
+
+    /// Terms of a weighted mean of points, by node.
+    fn mean(&self, of: impl Iterator<Item = (u32, f64)>) -> Vec<(u32, f64)> {
+        let mut terms: Vec<(u32, f64)> =
+            of.flat_map(|(point, share)| self.terms(point).iter().map(move |&(node, w)| (node, w * share))).collect();
+        terms.sort_by_key(|term| term.0);
+        terms.dedup_by(|later, first| {
+            let same = later.0 == first.0;
+            if same {
+                first.1 += later.1;
+            }
+            same
+        });
+        terms
+    }
+
+    /// Areas and lengths, points of integration.
+    fn measure(&mut self, positions: &[Vector3<f64>]) {
+        self.point_area = vec![0.0; self.vertex_count];
+        self.point_facet = vec![u32::MAX; self.vertex_count];
+        self.edge_area = vec![0.0; self.edges.len()];
+        self.edge_facet = vec![u32::MAX; self.edges.len()];
+        for (t, &[a, b, c]) in self.triangles.clone().iter().enumerate() {
+            let [xa, xb, xc] = [a, b, c].map(|v| positions[v as usize]);
+            let third = (xb - xa).cross(&(xc - xa)).norm() / 6.0;
+            let facet = self.triangle_facet[t];
+            for v in [a, b, c] {
+                self.point_area[v as usize] += third;
+                let home = &mut self.point_facet[v as usize];
+                *home = facet.min(*home);
+            }
+            for [p, q] in [[a, b], [b, c], [c, a]] {
+                let Ok(e) = self.edges.binary_search(&[p.min(q), p.max(q)]) else { continue };
+                self.edge_area[e] += third;
+                self.edge_facet[e] = facet.min(self.edge_facet[e]);
+            }
+        }
+        self.edge_square =
+            self.edges.iter().map(|e| (positions[e[1] as usize] - positions[e[0] as usize]).norm_squared()).collect();
+        for t in 0..self.triangles.len() {
+            let corners = self.triangles[t];
+            let [xa, xb, xc] = corners.map(|v| positions[v as usize]);
+            let third = (xb - xa).cross(&(xc - xa)).norm() / 6.0;
+            for shares in GAUSS {
+                let terms = self.mean(corners.into_iter().zip(shares));
+                self.push(&terms);
+                self.point_area.push(third);
+                self.point_facet.push(self.triangle_facet[t]);
+            }
+        }
+    }
+
+    fn collect_nodes(&mut self) {
+        let mut of_facet: Vec<Vec<u32>> = vec![Vec::new(); self.facets.len()];
+        for (triangle, &facet) in self.triangles.iter().zip(&self.triangle_facet) {
+            for &v in triangle {
+                of_facet[facet as usize].extend(self.terms(v).iter().map(|term| term.0));
+            }
+        }
+        self.facet_starts.push(0);
+        for mut nodes in of_facet {
+            nodes.sort_unstable();
+            nodes.dedup();
+            self.facet_nodes.extend(nodes);
+            self.facet_starts.push(self.facet_nodes.len() as u32);
+        }
+    }
+
+    /// Number of vertices, the centres of quadrilaterals among them; they come first among the points.
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    /// Number of points: vertices and points of integration.
+    pub fn point_count(&self) -> usize {
+        self.point_facet.len()
+    }
+
+    /// Nodes and weights of a point.
+    pub fn terms(&self, point: u32) -> &[(u32, f64)] {
+        &self.terms[self.starts[point as usize] as usize..self.starts[point as usize + 1] as usize]
+    }
+
+    /// A point of a vector of all nodes: its position if `q` are positions.
+    pub fn at(&self, point: u32, q: &[f64]) -> Vector3<f64> {
+        let mut sum = Vector3::zeros();
+        for &(node, weight) in self.terms(point) {
+            let k = 3 * node as usize;
+            sum += Vector3::new(q[k], q[k + 1], q[k + 2]) * weight;
+        }
+        sum
+    }
+
+    /// The facets.
+    pub fn facets(&self) -> &[SkinFacet] {
+        &self.facets
+    }
+
+    /// Nodes on which the points of a facet depend, ascending.
+    pub fn nodes_of(&self, facet: u32) -> &[u32] {
+        &self.facet_nodes[self.facet_starts[facet as usize] as usize..self.facet_starts[facet as usize + 1] as usize]
+    }
+
+    /// The triangles, as points.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// All edges of the triangles, as points.
+    pub fn edges(&self) -> &[[u32; 2]] {
+        &self.edges
+    }
+
+    /// The facet that a point belongs to; of a vertex the first one around it.
+    pub fn facet_of_point(&self, point: u32) -> u32 {
+        self.point_facet[point as usize]
+    }
+
+    /// The facet that a triangle belongs to.
+    pub fn facet_of_triangle(&self, triangle: u32) -> u32 {
+        self.triangle_facet[triangle as usize]
+    }
+
+    /// The facet that an edge belongs to; the first one of those at it.
+    pub fn facet_of_edge(&self, edge: u32) -> u32 {
+        self.edge_facet[edge as usize]
+    }
+
+    /// Whether a point of integration lies in a triangle that has a corner in common with another one: such pairs are no contact, as those of a vertex with a triangle around it.
+    pub fn is_beside(&self, point: u32, triangle: u32) -> bool {
+        let corners = &self.triangles[triangle as usize];
+        let own = match (point as usize).checked_sub(self.vertex_count) {
+            Some(k) => &self.triangles[k / GAUSS.len()][..],
+            None => std::slice::from_ref(&point),
+        };
+        own.iter().any(|v| corners.contains(v))
+    }
+
+    /// Weight of a point against a triangle, an area, for a share of the surface: one half where both sides are summed.
+    pub fn point_weight(&self, point: u32, share: f64) -> f64 {
+        let guard = if (point as usize) < self.vertex_count { 0.5 * GUARD } else { share };
+        guard * self.point_area[point as usize]
+    }
+
+    /// Weight of two edges, an area, and the factor that fades them out where they are parallel.
+    pub fn edge_weight(&self, [e, f]: [u32; 2]) -> (f64, Parallel) {
+        let [e, f] = [e as usize, f as usize];
+        let weight = 0.25 * GUARD * (self.edge_area[e] + self.edge_area[f]);
+        (weight, Parallel::of_edges(self.edge_square[e], self.edge_square[f]))
+    }
+
+    /// Shortest edge between nodes and centres in the reference, a length.
+    pub fn shortest_edge(&self) -> f64 {
+        self.edge_square.iter().fold(f64::INFINITY, |m, &square| m.min(square)).sqrt()
+    }
+
+    /// Area of the surface that belongs to each vertex that is a node, with the node's number.
+    pub fn vertex_area(&self, vertex: u32) -> f64 {
+        self.point_area[vertex as usize]
+    }
+}

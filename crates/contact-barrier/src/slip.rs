@@ -1,0 +1,323 @@
+//! Friction of a pair: the slip of a step without its spin, and forces that keep both momenta.
+
+use crate::Tangent;
+use crate::sensitivity::Sensitivity;
+use nalgebra::{Matrix3, Vector3};
+use stoss_geometry::{PairKind, combine};
+
+/// Coulomb's law, smooth around zero slip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Coefficient of friction, not negative.
+    pub coefficient: f64,
+    /// Slip in a step, a positive length, from which on all of the friction acts: a small velocity times the size of the step.
+    pub slip_scale: f64,
+}
+
+/// Friction of a pair in a step; `docs/theory/barrier.md` (15) to (18).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionForce {
+    /// To be added to a residual; the force on point `i` is `-gradient[i]`.
+    pub gradient: [Vector3<f64>; 4],
+    /// Energy that friction takes in the step, `sum gradient_i . dx_i >= 0`.
+    pub dissipated: f64,
+    /// Length of the slip in the step, as the law sees it: that of a pair that is nearly degenerate fades out.
+    pub slip: f64,
+    /// Length of the normal force that the law sees: without the part from the gradient of the factor of nearly parallel edges.
+    pub normal_force: f64,
+    /// Length of the tangential force on the first primitive, at most the coefficient times the normal force.
+    pub tangential_force: f64,
+}
+
+impl FrictionForce {
+    /// No friction.
+    pub(crate) const NONE: Self = Self {
+        gradient: [Vector3::new(0.0, 0.0, 0.0); 4],
+        dissipated: 0.0,
+        slip: 0.0,
+        normal_force: 0.0,
+        tangential_force: 0.0,
+    };
+}
+
+/// Squared sine of two edges below which their friction fades, `docs/theory/barrier.md` (20).
+const FADE_EDGES: f64 = 1e-2;
+
+/// Squared double area of a triangle, over the square of the sum of its squared edges, below which its friction fades: heights below a fiftieth of the edges.
+const FADE_TRIANGLE: f64 = 1e-4;
+
+/// A pair that is pressed together, with what friction needs of it.
+pub(crate) struct Pressed {
+    pub kind: PairKind,
+    /// Normal force on the first primitive.
+    pub normal: Vector3<f64>,
+    /// Weights of the points between which it acts.
+    pub weights: [f64; 4],
+    /// Positions at which forces have no moment.
+    pub x: [Vector3<f64>; 4],
+    /// Motion in the step.
+    pub dx: [Vector3<f64>; 4],
+}
+
+/// How all of this changes with the positions at the end.
+pub(crate) struct Variation<'a> {
+    pub along: &'a Sensitivity,
+    /// Derivative of the weights by those of the end, and of the positions by those of the end.
+    pub share: f64,
+    /// `dN/dx_j`.
+    pub normal: [Matrix3<f64>; 4],
+}
+
+impl Pressed {
+    /// The friction, and its tangent *added* to one that is there.
+    pub fn friction(&self, law: &Friction, tangent: Option<(&Variation, &mut Tangent)>) -> FrictionForce {
+        let c = &self.weights;
+        let normal_force = self.normal.norm();
+        let none = FrictionForce { normal_force, ..FrictionForce::NONE };
+        if normal_force == 0.0 || law.coefficient == 0.0 {
+            return none;
+        }
+        let Some(spin) = Spin::new(self.kind, &self.x, &self.dx) else { return none };
+        let Spin { fade, signs, .. } = spin;
+        let n = self.normal / normal_force;
+        let (r, moved) = (combine(c, &self.x), combine(c, &self.dx));
+        let omega = spin.total * spin.scale;
+        let relative = moved * fade - omega.cross(&r);
+        let along_normal = n.dot(&relative);
+        let slip = relative - n * along_normal;
+        let length = slip.norm();
+        // Coefficient of the slip over the normal force, and its derivative by the length of the slip, over that length (of no influence where this is zero).
+        let (per_slip, change) = if length < law.slip_scale {
+            let scale = law.slip_scale;
+            let change = if length > 0.0 { -1.0 / (scale * scale * length) } else { 0.0 };
+            ((2.0 - length / scale) / scale * law.coefficient, change * law.coefficient)
+        } else {
+            (law.coefficient / length, -law.coefficient / (length * length * length))
+        };
+        let t = slip * (per_slip * normal_force);
+        let k = r.cross(&t);
+        let couple = spin.couple(&k).map(|f| f * spin.scale);
+        let gradient = std::array::from_fn(|i| t * (fade * c[i]) - couple[0] * signs[0][i] - couple[1] * signs[1][i]);
+        if let Some((Variation { along, share, normal }, tangent)) = tangent {
+            let by_slip = (Matrix3::identity() * per_slip + slip * slip.transpose() * change) * normal_force;
+            let across = Matrix3::identity() - n * n.transpose();
+            let by_relative = by_slip * across;
+            let turn = (Matrix3::identity() * along_normal + n * relative.transpose()) * across;
+            let by_normal = slip * n.transpose() * per_slip - by_slip * turn / normal_force;
+            let by_edge = spin.by_edges(&k, *share);
+            let couple_by_k = spin.couple_by_moment();
+            let (r_cross, omega_cross, t_cross) = (r.cross_matrix(), omega.cross_matrix(), t.cross_matrix());
+            let relative_by_edge: [Matrix3<f64>; 2] =
+                std::array::from_fn(|e| moved * by_edge[e].fade.transpose() + r_cross * by_edge[e].omega);
+            let at_positions: [Vector3<f64>; 2] =
+                std::array::from_fn(|a| combine(&along.directions[a], &self.x) * *share);
+            let at_motion: [Vector3<f64>; 2] =
+                std::array::from_fn(|a| combine(&along.directions[a], &self.dx) * *share);
+            for j in 0..4 {
+                let mut dr = Matrix3::identity() * (share * c[j]);
+                let mut d_moved = Matrix3::identity() * c[j];
+                for a in 0..along.count {
+                    dr += at_positions[a] * along.moves[a][j].transpose();
+                    d_moved += at_motion[a] * along.moves[a][j].transpose();
+                }
+                let mut d_relative = d_moved * fade - omega_cross * dr;
+                let mut d_fade = Vector3::zeros();
+                for e in 0..2 {
+                    d_relative += relative_by_edge[e] * signs[e][j];
+                    d_fade += by_edge[e].fade * signs[e][j];
+                }
+                let dt = by_relative * d_relative + by_normal * normal[j];
+                let dk = r_cross * dt - t_cross * dr;
+                let d_force = dt * fade + t * d_fade.transpose();
+                let d_couple: [Matrix3<f64>; 2] = std::array::from_fn(|f| {
+                    couple_by_k[f] * dk + by_edge[0].couple[f] * signs[0][j] + by_edge[1].couple[f] * signs[1][j]
+                });
+                for i in 0..4 {
+                    let mut block = d_force * c[i] - d_couple[0] * signs[0][i] - d_couple[1] * signs[1][i];
+                    for a in 0..along.count {
+                        block += t * (along.moves[a][j] * (fade * share * along.directions[a][i])).transpose();
+                    }
+                    for m in 0..3 {
+                        for l in 0..3 {
+                            tangent[3 * i + m][3 * j + l] += block[(m, l)];
+                        }
+                    }
+                }
+            }
+        }
+        FrictionForce {
+            gradient,
+            dissipated: t.dot(&slip),
+            slip: length,
+            normal_force,
+            tangential_force: fade * per_slip * normal_force * length,
+        }
+    }
+}
+
+/// Spin of the primitives' own edges in a step, and, the other way round, forces on these edges with a given moment; `docs/theory/barrier.md` (16) to (20).
+struct Spin {
+    /// Signs of the points in the two edges `a`, `b`: those of a pair of edges, or two of the triangle (the third one is `-a - b`).
+    signs: [[f64; 4]; 2],
+    edges: [Vector3<f64>; 2],
+    /// Their change in the step.
+    moved: [Vector3<f64>; 2],
+    /// What the edges count: `A = own a + other b`, `B = own b + other a`.
+    own: f64,
+    other: f64,
+    arms: [Vector3<f64>; 2],
+    /// `a x b`.
+    p: Vector3<f64>,
+    /// Sum of the squared edges, `a . A + b . B`.
+    lengths: f64,
+    /// `omega = scale total` is the spin times `fade`, where `scale = fade / |p|^2`.
+    total: Vector3<f64>,
+    scale: f64,
+    fade: f64,
+    /// `|p|^2` below which they fade.
+    threshold: f64,
+}
+
+/// Derivatives by one edge, which takes its motion along.
+struct ByEdge {
+    omega: Matrix3<f64>,
+    fade: Vector3<f64>,
+    /// Of the forces on both edges, at a fixed moment.
+    couple: [Matrix3<f64>; 2],
+}
+
+impl Spin {
+    /// `None` for primitives that have no spin, and for those of no size.
+    fn new(kind: PairKind, x: &[Vector3<f64>; 4], dx: &[Vector3<f64>; 4]) -> Option<Self> {
+        let (signs, own, other) = match kind {
+            PairKind::VertexTriangle => ([[0.0, -1.0, 1.0, 0.0], [0.0, 0.0, -1.0, 1.0]], 2.0, 1.0),
+            PairKind::EdgeEdge => ([[-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 1.0]], 1.0, 0.0),
+            PairKind::VertexEdge | PairKind::VertexVertex => return None,
+        };
+        let edges = signs.map(|s| combine(&s, x));
+        let moved = signs.map(|s| combine(&s, dx));
+        let [a, b] = edges;
+        let arms = [a * own + b * other, b * own + a * other];
+        let lengths = a.dot(&arms[0]) + b.dot(&arms[1]);
+        let threshold = match kind {
+            PairKind::EdgeEdge => FADE_EDGES * a.norm_squared() * b.norm_squared(),
+            _ => FADE_TRIANGLE * lengths * lengths,
+        };
+        if threshold == 0.0 {
+            return None;
+        }
+        let p = a.cross(&b);
+        let squared = p.norm_squared();
+        let z = squared / threshold;
+        let (fade, scale) = if z < 1.0 { (z * (2.0 - z), (2.0 - z) / threshold) } else { (1.0, 1.0 / squared) };
+        let moment = arms[0].cross(&moved[0]) + arms[1].cross(&moved[1]);
+        let total = a * p.dot(&moved[1]) - b * p.dot(&moved[0]) + p * (p.dot(&moment) / lengths);
+        Some(Self { signs, edges, moved, own, other, arms, p, lengths, total, scale, fade, threshold })
+    }
+
+    /// Forces on the two edges, to be times `scale`, with the moment `|p|^2 k`.
+    fn couple(&self, k: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let Self { edges: [a, b], p, .. } = self;
+        let turning = p.dot(k) / self.lengths;
+        [p.cross(&self.arms[0]) * turning - p * b.dot(k), p.cross(&self.arms[1]) * turning + p * a.dot(k)]
+    }
+
+    /// Derivative of these forces, times `scale`, with respect to the moment.
+    fn couple_by_moment(&self) -> [Matrix3<f64>; 2] {
+        let Self { edges: [a, b], p, .. } = self;
+        let turning = p.transpose() / self.lengths;
+        [
+            (p.cross(&self.arms[0]) * turning - p * b.transpose()) * self.scale,
+            (p.cross(&self.arms[1]) * turning + p * a.transpose()) * self.scale,
+        ]
+    }
+
+    /// Derivatives with respect to the edges at the end of the step, of which the positions move by `share` and the motion as a whole.
+    fn by_edges(&self, k: &Vector3<f64>, share: f64) -> [ByEdge; 2] {
+        let Self { edges: [a, b], moved: [da, db], arms, p, lengths, .. } = self;
+        let (squared, couple) = (p.norm_squared(), self.couple(k));
+        let moment = arms[0].cross(da) + arms[1].cross(db);
+        let (turning, turning_k) = (p.dot(&moment) / lengths, p.dot(k) / lengths);
+        let p_cross = p.cross_matrix();
+        std::array::from_fn(|e| {
+            // Of p, transposed: p changes by share (change x b), or by share (a x change).
+            let by_p = if e == 0 { b.cross_matrix() } else { -a.cross_matrix() } * share;
+            let p_by = -by_p;
+            let (in_a, in_b) = if e == 0 { (self.own, self.other) } else { (self.other, self.own) };
+            let moment_by = arms[e].cross_matrix() - (da * in_a + db * in_b).cross_matrix() * share;
+            let by_lengths = arms[e] * (2.0 * share);
+            let by_turning = (by_p * moment + moment_by.tr_mul(p) - by_lengths * turning) / *lengths;
+            let by_turning_k = (by_p * k - by_lengths * turning_k) / *lengths;
+            let (mut along_a, mut along_b) = (by_p * da, by_p * db);
+            let mut total = p_by * turning + p * by_turning.transpose();
+            // Forces without scale on the edges a and b.
+            let mut forces = [p_by * -b.dot(k), p_by * a.dot(k)];
+            if e == 0 {
+                along_a += p;
+                total += Matrix3::identity() * (share * p.dot(db));
+                forces[1] += p * (k * share).transpose();
+            } else {
+                along_b += p;
+                total -= Matrix3::identity() * (share * p.dot(da));
+                forces[0] -= p * (k * share).transpose();
+            }
+            total += a * along_b.transpose() - b * along_a.transpose();
+            for (f, part) in [in_a, in_b].into_iter().enumerate() {
+                forces[f] += (p_cross * (share * part) - arms[f].cross_matrix() * p_by) * turning_k;
+                forces[f] += p.cross(&arms[f]) * by_turning_k.transpose();
+            }
+            let by_squared = by_p * p * 2.0;
+            let (fade, scale) = if squared < self.threshold {
+                // Two edges (that have no part in each other): threshold ~ |a|^2 |b|^2; triangle: ~ lengths^2.
+                let by_threshold = if self.other == 0.0 {
+                    self.edges[e] * (2.0 * share / self.edges[e].norm_squared())
+                } else {
+                    by_lengths * (2.0 / lengths)
+                };
+                let z = squared / self.threshold;
+                let dz = by_squared / self.threshold - by_threshold * z;
+                (dz * (2.0 * (1.0 - z)), -(dz + by_threshold * (2.0 - z)) / self.threshold)
+            } else {
+                (Vector3::zeros(), by_squared * (-1.0 / (squared * squared)))
+            };
+            ByEdge {
+                omega: total * self.scale + self.total * scale.transpose(),
+                fade,
+                couple: std::array::from_fn(|f| forces[f] * self.scale + couple[f] * scale.transpose()),
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn points() -> impl Strategy<Value = [Vector3<f64>; 4]> {
+        proptest::array::uniform4(proptest::array::uniform3(-1.0..1.0f64).prop_map(Vector3::from))
+    }
+
+    proptest! {
+        #[test]
+        fn the_closed_form_is_the_spin_of_least_squares(x in points(), dx in points(), k in points()) {
+            for (kind, edges) in [(PairKind::VertexTriangle, &[[1, 2], [2, 3], [3, 1]][..]), (PairKind::EdgeEdge, &[[0, 1], [2, 3]])] {
+                let (mut y, mut moment) = (Matrix3::zeros(), Vector3::zeros());
+                for &[tail, head] in edges {
+                    let (v, dv) = (x[head] - x[tail], dx[head] - dx[tail]);
+                    y += Matrix3::identity() * v.norm_squared() - v * v.transpose();
+                    moment += v.cross(&dv);
+                }
+                let spin = Spin::new(kind, &x, &dx).unwrap();
+                prop_assume!(y.determinant() > 1e-3 * y.norm().powi(3));
+                let omega = y.try_inverse().unwrap() * moment * spin.fade;
+                prop_assert!((spin.total * spin.scale - omega).norm() <= 1e-10 * (omega.norm() + moment.norm()));
+                // The forces on the edges have the moment that they are to have, whatever the fade.
+                let forces = spin.couple(&k[0]).map(|f| f * spin.scale);
+                let force_at = |i: usize| forces[0] * spin.signs[0][i] + forces[1] * spin.signs[1][i];
+                let moment: Vector3<f64> = (0..4).map(|i| x[i].cross(&force_at(i))).sum();
+                prop_assert!((moment - k[0] * spin.fade).norm() <= 1e-12 * k[0].norm());
+            }
+        }
+    }
+}

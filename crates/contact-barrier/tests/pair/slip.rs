@@ -1,0 +1,259 @@
+//! Friction: both momenta, work and loss, rigid motions, Coulomb's bound, and tangents against central differences.
+
+use super::*;
+use stoss_contact_barrier::{Friction, StepForce};
+
+const LAW: Friction = Friction { coefficient: 0.4, slip_scale: 0.05 };
+const TOUCHING: [PairKind; 2] = [PairKind::VertexTriangle, PairKind::EdgeEdge];
+
+/// A pair of the size 1 with a distance of one to a thousandth of the layer at the start, and its motion. One in four is nearly or exactly degenerate: parallel edges, a triangle close to a line.
+fn pressed(random: &mut Rng, kind: PairKind) -> (Points, Points) {
+    loop {
+        let mut x: Points = std::array::from_fn(|_| vector(random));
+        if random.usize(..4) == 0 {
+            let off = vector(random) * [0.0, 1e-12, 1e-8, 1e-4, 1e-2][random.usize(..5)];
+            x[3] = match kind {
+                PairKind::EdgeEdge => x[2] + (x[1] - x[0]) * (2.0 * random.f64() - 1.0) + off,
+                _ => x[1] + (x[2] - x[1]) * (4.0 * random.f64() - 2.0) + off,
+            };
+        }
+        let pair = closest(kind, &x);
+        let r = stoss_geometry::combine(&pair.weights, &x);
+        let distance = LAYER.thickness() * 10f64.powf(-3.0 * random.f64());
+        if r.norm() < 1e-3 {
+            continue;
+        }
+        // Along the shortest way the closest points stay.
+        let shift = r * (distance / r.norm() - 1.0);
+        (0..kind.first_count()).for_each(|i| x[i] += shift);
+        let motion = 10f64.powf(-3.0 * random.f64());
+        let end = x.map(|x| x + vector(random) * motion);
+        if closest(kind, &end).distance_squared > 1e-8 {
+            return (x, end);
+        }
+    }
+}
+
+fn start(kind: PairKind, damping: f64, x_n: &Points) -> PairStart {
+    PairStart::new(term(kind), LAYER.damped(damping), x_n)
+}
+
+/// What holds for any friction in any step, with the positions that the moment is about.
+fn check(kind: PairKind, force: &StepForce, x_n: &Points, x: &Points, about: &Points) {
+    let friction = &force.friction;
+    let g = &friction.gradient;
+    let scale = largest(g);
+    assert!(scale.is_finite());
+    let resultant: Vector3<f64> = g.iter().sum();
+    assert!(resultant.norm() <= 1e-15 * scale, "{kind:?} {:e} {scale:e}", resultant.norm());
+    let center = about.iter().sum::<Vector3<f64>>() / 4.0;
+    let moment: Vector3<f64> = (0..4).map(|i| (about[i] - center).cross(&g[i])).sum();
+    let size = (0..4).map(|i| (about[i] - center).norm()).fold(0.0, f64::max);
+    // The moment to be carried is of this length; near a degenerate pair it loses the digits of the sine at which friction fades.
+    let carried = 4.0 * friction.tangential_force.max(LAW.coefficient * friction.normal_force) * size;
+    let lost = if sine(kind, about) > 0.1 { 1e-14 } else { 1e-12 };
+    assert!(moment.norm() <= 1e-14 * scale * size + lost * carried, "{kind:?} {:e} {scale} {about:?}", moment.norm());
+    let (mut work, mut terms) = (0.0, 0.0);
+    for i in 0..4 {
+        work += g[i].dot(&(x[i] - x_n[i]));
+        terms += g[i].norm() * (x[i] - x_n[i]).norm();
+    }
+    assert!(
+        (work - friction.dissipated).abs() <= 1e-13 * terms,
+        "{kind:?} {work:e} {:e} {terms:e}",
+        friction.dissipated
+    );
+    assert!(friction.dissipated >= 0.0);
+    assert!(friction.tangential_force <= LAW.coefficient * friction.normal_force * (1.0 + 1e-14));
+    let on_first: Vector3<f64> = g[..kind.first_count()].iter().sum();
+    assert!((on_first.norm() - friction.tangential_force).abs() <= 1e-13 * scale);
+}
+
+/// How far from degenerate the primitives of a pair are.
+fn sine(kind: PairKind, x: &Points) -> f64 {
+    let (u, v) = match kind {
+        PairKind::EdgeEdge => (x[1] - x[0], x[3] - x[2]),
+        _ => (x[2] - x[1], x[3] - x[1]),
+    };
+    u.cross(&v).norm() / (u.norm() * v.norm())
+}
+
+#[test]
+fn friction_takes_energy_and_keeps_both_momenta() {
+    let mut random = Rng::with_seed(11);
+    let (mut acting, mut full, mut features) = (0, 0, std::collections::HashSet::new());
+    for k in 0..40_000 {
+        let kind = TOUCHING[k % 2];
+        let (x_n, x) = pressed(&mut random, kind);
+        let damping = if random.bool() { 0.0 } else { 0.1 };
+        let start = start(kind, damping, &x_n);
+        let force = start.step(&x, Some(&LAW), None);
+        assert_eq!(force.barrier, start.force(&x, None));
+        let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
+        check(kind, &force, &x_n, &x, &middle);
+        // The normal force is the force on the first primitive, damped as it is (the gradient of the factor of parallel edges has no resultant there); friction is across it.
+        let first = kind.first_count();
+        let [normal, friction]: [Vector3<f64>; 2] =
+            [&force.barrier.gradient, &force.friction.gradient].map(|g| g[..first].iter().sum());
+        let size = largest(&force.barrier.gradient).max(normal.norm());
+        assert!((normal.norm() - force.friction.normal_force).abs() <= 1e-13 * size, "{kind:?}");
+        // What is left of the motion along the normal, where the slip is small against it.
+        let motion = (0..4).map(|i| (x[i] - x_n[i]).norm()).fold(0.0, f64::max);
+        let left = LAW.coefficient * normal.norm() * motion / force.friction.slip.max(LAW.slip_scale);
+        assert!(normal.dot(&friction).abs() <= 1e-13 * size * (largest(&force.friction.gradient) + left), "{kind:?}");
+        check(kind, &term(kind).at_end(&LAYER, &x_n, &x, Some(&LAW), None), &x_n, &x, &x);
+        acting += usize::from(force.friction.dissipated > 0.0);
+        full += usize::from(force.friction.slip > LAW.slip_scale);
+        features.insert(format!("{:?} {:?}", kind, closest(kind, &x).feature()));
+    }
+    assert!(acting > 30_000 && full > 10_000, "{acting} {full}");
+    assert_eq!(features.len(), 7 + 9, "{features:?}");
+}
+
+#[test]
+fn a_rigid_motion_has_no_slip() {
+    let mut random = Rng::with_seed(12);
+    for k in 0..10_000 {
+        let kind = TOUCHING[k % 2];
+        let (x_n, _) = pressed(&mut random, kind);
+        let (turn, shift) = (Rotation3::new(vector(&mut random) * 1.5), vector(&mut random));
+        let x = x_n.map(|x| turn * x + shift);
+        let law = Friction { slip_scale: 1e-3, ..LAW };
+        let friction = start(kind, 0.0, &x_n).step(&x, Some(&law), None).friction;
+        let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
+        let bound = if sine(kind, &middle) > 0.1 { 1e-13 } else { 1e-10 };
+        assert!(friction.slip <= bound, "{kind:?} {:e} {x_n:?}", friction.slip);
+        assert!(friction.dissipated <= 1e-20 * friction.normal_force, "{:e}", friction.dissipated);
+        // At the end of a step: of second order in the angle.
+        let small = Rotation3::new(vector(&mut random) * 1e-6);
+        let x = x_n.map(|x| small * x + shift);
+        let friction = term(kind).at_end(&LAYER, &x_n, &x, Some(&law), None).friction;
+        assert!(friction.slip <= 1e-9, "{kind:?} {:e}", friction.slip);
+    }
+}
+
+#[test]
+fn a_vertex_that_slides_on_a_triangle() {
+    // 0.1 along x at the height 0.5, over the inside: the normal force is that of the layer, the slip is the motion.
+    let x_n = [[0.2, 0.3, 0.5], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
+    let mut x = x_n;
+    x[0].x += 0.1;
+    let normal_force = WEIGHT * 2.0 * 1.2;
+    for force in [
+        start(PairKind::VertexTriangle, 0.0, &x_n).step(&x, Some(&LAW), None),
+        term(PairKind::VertexTriangle).at_end(&LAYER, &x_n, &x, Some(&LAW), None),
+    ] {
+        let friction = force.friction;
+        assert!((friction.normal_force - normal_force).abs() < 1e-14);
+        assert!((friction.slip - 0.1).abs() < 1e-15);
+        assert!((friction.tangential_force - 0.4 * normal_force).abs() < 1e-14);
+        assert!((friction.dissipated - 0.04 * normal_force).abs() < 1e-15);
+        assert!((friction.gradient[0] - Vector3::x() * (0.4 * normal_force)).norm() < 1e-14);
+    }
+    // Half of the scale: three quarters of the friction.
+    x[0].x = 0.2 + 0.5 * LAW.slip_scale;
+    let friction = start(PairKind::VertexTriangle, 0.0, &x_n).step(&x, Some(&LAW), None).friction;
+    assert!((friction.tangential_force - 0.75 * 0.4 * normal_force).abs() < 1e-13);
+}
+
+#[test]
+fn where_there_is_no_friction() {
+    let none = |friction: stoss_contact_barrier::FrictionForce| {
+        friction.gradient == [Vector3::zeros(); 4] && friction.dissipated == 0.0 && friction.tangential_force == 0.0
+    };
+    let mut random = Rng::with_seed(13);
+    for k in 0..400 {
+        let kind = KINDS[k % 4];
+        let (x_n, x) = states(&mut random, kind);
+        let pair = start(kind, 0.0, &x_n);
+        // No coefficient; too few points.
+        let law = if k % 4 < 2 { Friction { coefficient: 0.0, ..LAW } } else { LAW };
+        let (mut with, mut without) = ([[f64::NAN; 12]; 12], [[f64::NAN; 12]; 12]);
+        let force = pair.step(&x, Some(&law), Some(&mut with));
+        assert!(none(force.friction) && force.barrier == pair.force(&x, Some(&mut without)) && with == without);
+        // All points of a triangle, or of an edge, in one place.
+        let kind = TOUCHING[k % 2];
+        let collapsed = |x: &Points| match kind {
+            PairKind::EdgeEdge => [x[0], x[1], x[3], x[3]],
+            _ => [x[0], x[3], x[3], x[3]],
+        };
+        let (x_n, x) = (collapsed(&x_n), collapsed(&x));
+        let mut tangent = [[f64::NAN; 12]; 12];
+        if closest(kind, &x_n).distance_squared > 1e-4 && closest(kind, &x).distance_squared > 1e-4 {
+            assert!(none(start(kind, 0.0, &x_n).step(&x, Some(&LAW), Some(&mut tangent)).friction));
+        }
+    }
+    // A damped layer that has let go in the step.
+    let x_n = [Vector3::z() * 0.5, Vector3::zeros(), Vector3::x(), Vector3::y()];
+    let x = [Vector3::new(0.1, 0.1, 0.9), Vector3::zeros(), Vector3::x(), Vector3::y()];
+    let mut tangent = [[f64::NAN; 12]; 12];
+    let force = start(PairKind::VertexTriangle, 30.0, &x_n).step(&x, Some(&LAW), Some(&mut tangent));
+    assert!(none(force.friction) && force.barrier.dissipated > 0.0 && tangent == [[0.0; 12]; 12]);
+}
+
+#[test]
+fn tangents_with_friction_are_derivatives() {
+    let mut random = Rng::with_seed(14);
+    let s = 1e-6;
+    let (mut checked, mut full, mut faded, mut worst) = (std::collections::HashMap::new(), 0, 0, 0.0f64);
+    for k in 0..40_000 {
+        let kind = TOUCHING[k % 2];
+        let (x_n, x) = pressed(&mut random, kind);
+        let [from, end] = [&x_n, &x].map(|x| closest(kind, x));
+        let motion = (0..4).map(|i| (x[i] - x_n[i]).norm()).fold(0.0, f64::max);
+        let shift = (0..4).map(|i| (end.weights[i] - from.weights[i]).abs()).fold(0.0, f64::max);
+        if end.distance_squared.min(from.distance_squared) < 0.01
+            || !is_smooth(kind, &x, s)
+            || near_degenerate(kind, &x)
+            || shift > 0.0 && shift < 1e-7
+        {
+            continue;
+        }
+        let pair = start(kind, if random.bool() { 0.0 } else { 0.1 }, &x_n);
+        // Friction alone: a difference of the tangents.
+        let friction_tangent = |step: &dyn Fn(Option<&Friction>, &mut Tangent)| {
+            let (mut with, mut without) = ([[f64::NAN; 12]; 12], [[f64::NAN; 12]; 12]);
+            step(Some(&LAW), &mut with);
+            step(None, &mut without);
+            let size = without.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+            for i in 0..12 {
+                (0..12).for_each(|j| with[i][j] -= without[i][j]);
+            }
+            (with, size)
+        };
+        let here = pair.step(&x, Some(&LAW), None);
+        // The slip and the normal force are large against the step of the differences, and nothing lets go.
+        let lets_go = |x: &Points| largest(&pair.force(x, None).gradient) == 0.0;
+        if here.friction.normal_force < 1e-3
+            || here.friction.slip < 100.0 * s
+            || (0..12).any(|j| lets_go(&moved(&x, j, s)) || lets_go(&moved(&x, j, -s)))
+        {
+            continue;
+        }
+        let (tangent, size) = friction_tangent(&|law, t| _ = pair.step(&x, law, Some(t)));
+        let (difference, scale) =
+            error(&tangent, &central(&x, s, |x| pair.step(x, Some(&LAW), None).friction.gradient));
+        assert!(
+            difference <= 1e-5 * scale + 1e-12 * size + 1e-7,
+            "{kind:?} {motion} {difference:e} {scale:e} {size:e} {x_n:?} {x:?}"
+        );
+        worst = worst.max(difference / scale);
+        if LAYER.is_inside(end.distance_squared) {
+            let at_end = |x: &Points| term(kind).at_end(&LAYER, &x_n, x, Some(&LAW), None).friction.gradient;
+            let (tangent, size) = friction_tangent(&|law, t| _ = term(kind).at_end(&LAYER, &x_n, &x, law, Some(t)));
+            let (difference, scale) = error(&tangent, &central(&x, s, at_end));
+            assert!(
+                difference <= 1e-5 * scale + 1e-12 * size + 1e-7,
+                "end {kind:?} {motion} {difference:e} {scale:e} {size:e} {x_n:?} {x:?}"
+            );
+            worst = worst.max(difference / scale);
+        }
+        *checked.entry(format!("{:?} {:?}", kind, end.feature())).or_insert(0) += 1;
+        full += usize::from(here.friction.slip > LAW.slip_scale);
+        let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
+        faded += usize::from(sine(kind, &middle) < if kind == PairKind::EdgeEdge { 0.1 } else { 0.02 });
+    }
+    println!("worst {worst:e}, {checked:?}, full {full}, faded {faded}");
+    assert!(checked.len() == 16 && checked.values().all(|&n| n > 10), "{checked:?}");
+    assert!(full > 1000 && faded > 20, "{full} {faded}");
+}

@@ -1,0 +1,51 @@
+//! Reads `[general_contact]`.
+
+use super::node::{Node, is_name};
+use super::world::{World, part_name, surface_reference};
+use crate::{GeneralContact, GeneralPair};
+
+pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<GeneralContact> {
+    let table = node.table()?;
+    let plain = GeneralContact::default();
+    let thickness = table.optional("thickness", |n| {
+        if n.is_string() && n.string_value() == Some("auto") { Some(None) } else { n.positive().map(Some) }
+    });
+    let stiffness = table.default("stiffness", plain.stiffness, Node::positive);
+    let friction = table.default("friction", plain.friction, Node::not_negative);
+    let slip_velocity = table.optional("slip_velocity", Node::positive);
+    let damping = table.default("damping", plain.damping, Node::not_negative);
+    let with_itself = table.default("self", plain.with_itself, Node::boolean);
+    let surfaces = |n: &Node<'_>| n.list(|n| surface(n, world));
+    let include = table.default("include", Vec::new(), surfaces);
+    let exclude = table.default("exclude", Vec::new(), surfaces);
+    let pairs = table.default("pairs", Vec::new(), |n| n.list(|n| pair(n, world)));
+    table.finish();
+    Some(GeneralContact {
+        thickness: thickness?.flatten(),
+        stiffness: stiffness?,
+        friction: friction?,
+        slip_velocity: slip_velocity?,
+        damping: damping?,
+        with_itself: with_itself?,
+        include: include?,
+        exclude: exclude?,
+        pairs: pairs?,
+    })
+}
+
+fn pair(node: &Node<'_>, world: &World<'_>) -> Option<GeneralPair> {
+    let table = node.table()?;
+    let between = table.required("between", "between = [\"block\", \"plate\"]", |n| n.array(|n| part_name(n, world)));
+    let friction = table.optional("friction", Node::not_negative);
+    let modulus = table.optional("modulus", Node::positive);
+    table.finish();
+    Some(GeneralPair { between: between?, friction: friction?, modulus: modulus? })
+}
+
+/// A part, or facets of one.
+fn surface(node: &Node<'_>, world: &World<'_>) -> Option<String> {
+    match node.string_value() {
+        Some(text) if is_name(text) => part_name(node, world),
+        _ => surface_reference(node, world),
+    }
+}
