@@ -355,6 +355,7 @@ impl Potential for GeneralContact {
             work.stored += barrier.energy;
             work.dissipated += barrier.dissipated + friction.dissipated;
             work.friction_work += friction.dissipated;
+            work.damped += barrier.dissipated;
         }
         Ok(work)
     }

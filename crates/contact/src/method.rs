@@ -213,6 +213,8 @@ pub struct ContactWork {
     /// Work of the slip against the friction in the step, what friction takes out of the bodies. It is measured with force and slip: what it differs from
     /// the change of `friction_stored` and `dissipated` is what the iteration left.
     pub friction_work: f64,
+    /// The part of `dissipated` that viscous normal forces took.
+    pub damped: f64,
     /// What closing gaps cost in the step by the constraints themselves, `sum p (Phi(q_n) - Phi(q_np1))` over the closed slots: what the normal forces take from
     /// the bodies if they do the work of the gaps. `None` if the method does not tell.
     pub closing: Option<f64>,
@@ -222,7 +224,15 @@ pub struct ContactWork {
 
 impl Default for ContactWork {
     fn default() -> Self {
-        Self { stored: 0.0, dissipated: 0.0, friction_stored: 0.0, friction_work: 0.0, closing: Some(0.0), driven: 0.0 }
+        Self {
+            stored: 0.0,
+            dissipated: 0.0,
+            friction_stored: 0.0,
+            friction_work: 0.0,
+            damped: 0.0,
+            closing: Some(0.0),
+            driven: 0.0,
+        }
     }
 }
 
@@ -232,6 +242,7 @@ impl std::ops::AddAssign for ContactWork {
         self.dissipated += other.dissipated;
         self.friction_stored += other.friction_stored;
         self.friction_work += other.friction_work;
+        self.damped += other.damped;
         self.driven += other.driven;
         self.closing = self.closing.zip(other.closing).map(|(a, b)| a + b);
     }

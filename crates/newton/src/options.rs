@@ -20,6 +20,14 @@ pub enum LineSearch {
         /// At most so many reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
         max_reductions: u32,
     },
+    /// A step is accepted if the residual does not grow. Else it is shortened until that is so, and if nothing helps, the length with the smallest residual is taken.
+    /// For forces that grow without bound as surfaces come near.
+    Best {
+        /// Factor between two trials, in (0, 1).
+        reduction: f64,
+        /// At most so many reductions.
+        max_reductions: u32,
+    },
 }
 
 impl LineSearch {

@@ -220,20 +220,27 @@ impl Course<'_> {
             Ok(()) => assemble(problem),
             Err(error) => Err(error),
         };
-        let LineSearch::Backtracking { max_growth, small, reduction, max_reductions } = self.options.line_search else {
-            let norms = full?;
-            return Ok(if norms.is_finite() { Step::Taken { norms, length: first } } else { Step::NotFinite });
+        let (max_growth, small, reduction, max_reductions, take_best) = match self.options.line_search {
+            LineSearch::Backtracking { max_growth, small, reduction, max_reductions } => {
+                (max_growth, small, reduction, max_reductions, false)
+            }
+            LineSearch::Best { reduction, max_reductions } => (1.0, 0.0, reduction, max_reductions, true),
+            LineSearch::Off => {
+                let norms = full?;
+                return Ok(if norms.is_finite() { Step::Taken { norms, length: first } } else { Step::NotFinite });
+            }
         };
         let limit = max_growth * previous.measure.max(small * previous.scale);
         // Then any step is as good as any other: all bring forces that were not there.
         let unbounded = self.begins_in_balance(previous);
         let mut last_error = None;
+        let mut best = (f64::INFINITY, first);
         match full {
             // Also below the tolerance: a residual at round-off may grow by any factor.
             Ok(norms) if norms.is_finite() && (norms.measure <= limit || self.within_tolerance(norms) || unbounded) => {
                 return Ok(Step::Taken { norms, length: first });
             }
-            Ok(_) => {}
+            Ok(norms) => best.0 = if norms.is_finite() { norms.measure } else { f64::INFINITY },
             Err(error) if problem.is_recoverable(&error) => last_error = Some(error),
             Err(error) => return Err(error),
         }
@@ -249,10 +256,20 @@ impl Course<'_> {
                     let norms = assemble(problem)?;
                     return Ok(if norms.is_finite() { Step::Taken { norms, length } } else { Step::NotFinite });
                 }
-                Ok(_) => last_error = None,
+                Ok(residual) => {
+                    last_error = None;
+                    if residual < best.0 {
+                        best = (residual, length);
+                    }
+                }
                 Err(error) if problem.is_recoverable(&error) => last_error = Some(error),
                 Err(error) => return Err(error),
             }
+        }
+        if take_best && best.0.is_finite() {
+            problem.update(best.1)?;
+            let norms = assemble(problem)?;
+            return Ok(Step::Taken { norms, length: best.1 });
         }
         last_error.map_or(Ok(Step::NotAcceptable), Err)
     }

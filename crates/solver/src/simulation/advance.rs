@@ -483,7 +483,7 @@ impl Simulation {
         let normal_work = work_of_contact.map_or(0.0, |work| {
             let stored = stored_by_normal(contact_work.stored, contact_work.friction_stored)
                 - stored_by_normal(before.contact, before.friction_stored);
-            work + contact_work.friction_work + stored - contact_work.driven
+            work + contact_work.friction_work + contact_work.damped + stored - contact_work.driven
         });
         self.balance = Balance {
             contact: contact_work.stored,
