@@ -9,11 +9,13 @@
 //! * [`Friction`], [`FrictionForce`]: friction of a pair in a step;
 //! * [`Skin`]: vertices, edges, triangles and points of integration of all bodies, with their weights;
 //! * [`Interactions`]: who acts on whom, how stiff, with which friction;
+//! * [`first_look`]: surfaces that cross before the first step, and the smallest distances;
 //! * [`GeneralContact`]: the sum, as a potential of the solver, with the collision detection that keeps iterates from passing through each other.
 //!
 //! Signs: a `gradient` is that of an energy, to be added to a residual; the force on the nodes is minus it.
 
 mod general;
+mod inset;
 mod interactions;
 mod layer;
 mod pair;
@@ -22,11 +24,14 @@ mod proximity;
 mod sensitivity;
 mod skin;
 mod slip;
+mod start;
 
 pub use general::{GeneralContact, GeneralOptions};
+pub use inset::mitre;
 pub use interactions::{Interaction, Interactions};
 pub use layer::Layer;
 pub use pair::{PairForce, PairStart, PairTerm, StepForce, Tangent};
 pub use parallel::Parallel;
 pub use skin::{Skin, SkinFacet};
 pub use slip::{Friction, FrictionForce};
+pub use start::{FirstLook, Nearest, first_look};

@@ -7,7 +7,9 @@ use super::{Placed, Problems};
 use crate::scene::{GeneralContact as Table, Scene};
 use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::{BTreeMap, BTreeSet};
-use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet};
+use stoss_contact_barrier::{
+    GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, first_look, mitre,
+};
 use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
 
@@ -16,6 +18,15 @@ pub(super) const NAME: &str = "general";
 
 /// Thickness of the layer in parts of the shortest edge, where the scene leaves it open.
 const THICKNESS: f64 = 0.04;
+
+/// Thinnest layer that is made, in parts of the shortest edge.
+const THINNEST: f64 = 1e-4;
+
+/// Distance in thicknesses below which bodies touch.
+const TOUCH: f64 = 0.1;
+
+/// Of distances of inset surfaces, relative.
+const ROUND_OFF: f64 = 1e-6;
 
 /// Speed of slip below which friction falls, in parts of the speed of waves.
 const SLIP: f64 = 1e-3;
@@ -44,8 +55,7 @@ pub(super) fn general(scene: &Scene, placed: &[Placed], ties: &Ties, model: &mut
         return;
     }
     let Some(rules) = interactions(placed, table, model, &classes, &apart, problems) else { return };
-    let skin = Skin::new(facets, &model.reference, &|_| None);
-    let thickness = table.thickness.unwrap_or_else(|| THICKNESS * shortest_edge(&skin, &model.reference));
+    let Some((skin, thickness)) = skin(table, placed, model, &rules, facets, problems) else { return };
     let slowest = model.bodies.iter().filter_map(wave_speed).fold(f64::INFINITY, f64::min);
     let slip_velocity = table.slip_velocity.unwrap_or(SLIP * if slowest.is_finite() { slowest } else { 1.0 });
     let options = GeneralOptions { thickness, damping: table.damping, slip_velocity };
@@ -60,6 +70,159 @@ pub(super) fn general(scene: &Scene, placed: &[Placed], ties: &Ties, model: &mut
             problems.add("general_contact".into(), "", error.to_string(), "see docs/guide.md, [general_contact]")
         }
     }
+}
+
+/// The skin, inset where bodies are nearer than the layer is thick, and that thickness.
+fn skin(
+    table: &Table,
+    placed: &[Placed],
+    model: &Model,
+    rules: &Interactions,
+    facets: Vec<SkinFacet>,
+    problems: &mut Problems<'_>,
+) -> Option<(Skin, f64)> {
+    let key = || "general_contact".to_owned();
+    let name = |body: u32| &placed[body as usize].name;
+    let skin = Skin::new(facets.clone(), &model.reference, &|_| None);
+    let edge = shortest_edge(&skin, &model.reference);
+    let default = THICKNESS * edge;
+    let look = first_look(&skin, rules, &model.reference, table.thickness.unwrap_or(default).max(2.0 * default));
+    if let Some(&([f, g], place)) = look.crossings.first() {
+        let [a, b] = [f, g].map(|facet| rules.body(skin.facets()[facet as usize].class));
+        let (what, remedy) = if a == b {
+            (format!("the surface of `{}` goes through itself", name(a)), "mend the mesh, or set `self = false`")
+        } else {
+            let what = format!("`{}` and `{}` lie in each other", name(a), name(b));
+            (what, "move one of them, or leave one of them out by `exclude`")
+        };
+        let message =
+            format!("{what} at the start, near {}; {} pairs of facets cross", point(place), look.crossings.len());
+        problems.add(key(), "", message, remedy);
+        return None;
+    }
+    let itself = look.nearest.iter().filter(|([a, b], _)| a == b);
+    let itself = itself.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+    let mut thickness = table.thickness.unwrap_or(default);
+    if let Some(([body, _], nearest)) = itself {
+        if table.thickness.is_none() {
+            thickness = thickness.min(0.5 * nearest.distance);
+        }
+        if nearest.distance <= thickness || thickness < THINNEST * edge {
+            let message = format!(
+                "two parts of the surface of `{}` that are no neighbours are only {:.3e} apart near {}: there the layer would act all the time",
+                name(*body),
+                nearest.distance,
+                point(nearest.place)
+            );
+            problems.add(key(), "", message, "make `thickness` smaller, mend the mesh there, or set `self = false`");
+            return None;
+        }
+    }
+    // Bodies that are near each other but do not touch get a thinner layer, which costs nothing but smaller steps at contact; those that touch are inset.
+    let between: Vec<_> = look.nearest.iter().filter(|([a, b], _)| a != b).collect();
+    if table.thickness.is_none() {
+        let apart = between.iter().map(|(_, nearest)| nearest.distance).filter(|&d| d >= TOUCH * thickness);
+        thickness = apart.fold(thickness, f64::min);
+    }
+    let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
+    for ([a, b], nearest) in between.iter().filter(|(_, nearest)| nearest.distance < thickness) {
+        let rigid = [*a, *b].map(|body| placed[body as usize].mesh().is_none());
+        if rigid == [true; 2] {
+            let message = format!(
+                "the rigid bodies `{}` and `{}` touch at the start, near {}: surfaces below those of rigid bodies are not available",
+                name(*a),
+                name(*b),
+                point(nearest.place)
+            );
+            problems.add(key(), "", message, format!("leave a gap of {thickness:.3e} between them"));
+            return None;
+        }
+        for (k, body) in [a, b].into_iter().enumerate().filter(|(k, _)| !rigid[*k]) {
+            // Of a rigid body and a deformable one the latter goes all of the way.
+            let part = if rigid[1 - k] { 1.0 } else { 0.5 };
+            let depth = depth.entry(*body).or_insert(0.0);
+            *depth = depth.max(part * thickness);
+        }
+    }
+    if depth.is_empty() {
+        return Some((skin, thickness));
+    }
+    let mut places = BTreeMap::new();
+    for (&body, &depth) in &depth {
+        let part = &placed[body as usize];
+        if let Err((node, reason)) = inset(&skin, rules, model, body, depth, &mut places) {
+            let at = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
+            let message = format!(
+                "`{}` touches another body at the start, and its surface cannot be put {depth:.3e} inside near {}: {reason}",
+                part.name,
+                point(at)
+            );
+            problems.add(
+                key(),
+                "",
+                message,
+                format!("leave a gap of {thickness:.3e}, make `thickness` smaller, or leave the body out by `exclude`"),
+            );
+            return None;
+        }
+    }
+    let skin = Skin::new(facets, &model.reference, &|node| places.get(&node).cloned());
+    let look = first_look(&skin, rules, &model.reference, thickness);
+    let near = look.nearest.iter().find(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness);
+    if let Some(([a, b], nearest)) = near {
+        let message = format!(
+            "surfaces of `{}` and `{}` that were put inside because bodies touch at the start are {:.3e} apart near {}, less than the thickness {thickness:.3e}",
+            name(*a),
+            name(*b),
+            nearest.distance,
+            point(nearest.place)
+        );
+        problems.add(key(), "", message, "make `thickness` smaller, or leave a gap between the bodies");
+        return None;
+    }
+    Some((skin, thickness))
+}
+
+/// Nodes and weights of the vertices of a body, at a depth below its surface; a node and the reason where there are none.
+fn inset(
+    skin: &Skin,
+    rules: &Interactions,
+    model: &Model,
+    body: u32,
+    depth: f64,
+    places: &mut BTreeMap<u32, Vec<(u32, f64)>>,
+) -> Result<(), (u32, String)> {
+    let x = |v: u32| skin.at(v, &model.reference);
+    let mut normals: BTreeMap<u32, Vec<_>> = BTreeMap::new();
+    for (t, triangle) in skin.triangles().iter().enumerate() {
+        let facet = &skin.facets()[skin.facet_of_triangle(t as u32) as usize];
+        if rules.body(facet.class) != body {
+            continue;
+        }
+        let [a, b, c] = triangle.map(x);
+        let normal = (b - a).cross(&(c - a)).normalize();
+        for &v in triangle {
+            if let [(node, _)] = skin.terms(v) {
+                normals.entry(*node).or_default().push(normal);
+            }
+        }
+    }
+    let solid = &model.bodies[body as usize].solid;
+    for (node, normals) in normals {
+        let m = mitre(&normals).ok_or_else(|| (node, "facets there face each other".to_owned()))?;
+        let k = 3 * node as usize;
+        let at = std::array::from_fn(|i| model.reference[k + i] - depth * m[i]);
+        let outside = || (node, "the body is too thin there".to_owned());
+        let point = solid.material_point(&model.reference, at).ok_or_else(outside)?;
+        let shape = stoss_reference_element::hex8::shape(point.natural);
+        let corners = &solid.connectivity()[point.element];
+        places.insert(node, corners.iter().copied().zip(shape).collect());
+    }
+    Ok(())
+}
+
+fn point(x: [f64; 3]) -> String {
+    format!("({:.4}, {:.4}, {:.4})", x[0], x[1], x[2])
 }
 
 fn shortest_edge(skin: &Skin, reference: &[f64]) -> f64 {

@@ -1,0 +1,118 @@
+//! What a skin looks like before the first step: surfaces that cross, and the smallest distances.
+
+use crate::proximity::{Candidate, Proximity};
+use crate::{Interactions, Skin};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use stoss_geometry::{Aabb, BoundingVolumeTree, closest};
+
+/// Six volumes below this part of the product of the edges involved are none: surfaces that touch do not cross.
+const FLAT: f64 = 1e-12;
+
+/// The smallest distance of two bodies, or of two parts of a body that are no neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// Distance, a length.
+    pub distance: f64,
+    /// The two facets.
+    pub facets: [u32; 2],
+    /// The middle between the closest points.
+    pub place: [f64; 3],
+}
+
+/// A first look at a skin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FirstLook {
+    /// Facets that go through each other, each pair once, with a point near the place: first those of an edge.
+    pub crossings: Vec<([u32; 2], [f64; 3])>,
+    /// Smallest distances below the reach by pair of bodies, the smaller number first. Of a body with itself only what is no neighbour counts.
+    pub nearest: BTreeMap<[u32; 2], Nearest>,
+}
+
+/// Looks for crossings, and for distances below `reach`, at the positions `q`.
+pub fn first_look(skin: &Skin, rules: &Interactions, q: &[f64], reach: f64) -> FirstLook {
+    let x: Vec<Vector3<f64>> = (0..skin.point_count() as u32).map(|p| skin.at(p, q)).collect();
+    let mut look = FirstLook { crossings: crossings(skin, rules, &x), ..FirstLook::default() };
+    let mut proximity = Proximity::new(skin, reach);
+    proximity.begin(skin, rules, &x, |_| Vector3::zeros());
+    let body = |class: u32| rules.body(class);
+    for candidate in proximity.candidates.iter().filter(|candidate| !candidate.is_inner) {
+        let Candidate { classes: [a, b], facets, term, .. } = candidate;
+        let points = candidate.of(&x);
+        let pair = closest(term.kind, &points);
+        let distance = pair.distance_squared.sqrt();
+        if distance >= reach {
+            continue;
+        }
+        let (a, b) = (body(*a), body(*b));
+        let known = look.nearest.get(&[a.min(b), a.max(b)]).map_or(f64::INFINITY, |nearest| nearest.distance);
+        if distance < known {
+            let place: Vector3<f64> = points.iter().zip(pair.weights).map(|(x, c)| x * (0.5 * c.abs())).sum();
+            let nearest = Nearest { distance, facets: *facets, place: place.into() };
+            look.nearest.insert([a.min(b), a.max(b)], nearest);
+        }
+    }
+    look
+}
+
+/// Edges that go through triangles.
+fn crossings(skin: &Skin, rules: &Interactions, x: &[Vector3<f64>]) -> Vec<([u32; 2], [f64; 3])> {
+    let around =
+        |points: &[u32]| points.iter().fold(Aabb::empty(), |b, &p| b.union(&Aabb::from_points([&x[p as usize]])));
+    let boxes: Vec<Aabb> = skin.triangles().iter().map(|triangle| around(triangle)).collect();
+    let tree = BoundingVolumeTree::build(&boxes);
+    let class = |facet: u32| skin.facets()[facet as usize].class;
+    let mut found = BTreeMap::new();
+    for (e, edge) in skin.edges().iter().enumerate() {
+        let first = skin.facet_of_edge(e as u32);
+        tree.query(&around(edge), |t| {
+            let (triangle, second) = (skin.triangles()[t], skin.facet_of_triangle(t as u32));
+            if edge.iter().any(|p| triangle.contains(p)) || rules.between(class(first), class(second)).is_none() {
+                return;
+            }
+            let [p, q] = edge.map(|v| x[v as usize]);
+            if let Some(place) = crossing([p, q], triangle.map(|v| x[v as usize])) {
+                found.entry([first, second]).or_insert(place.into());
+            }
+        });
+    }
+    found.into_iter().collect()
+}
+
+/// Where an edge goes through the inside of a triangle; `None` if it does not, or only touches it.
+fn crossing([p, q]: [Vector3<f64>; 2], [a, b, c]: [Vector3<f64>; 3]) -> Option<Vector3<f64>> {
+    let volume = |o: Vector3<f64>, r: Vector3<f64>, s: Vector3<f64>, t: Vector3<f64>| {
+        let [r, s, t] = [r - o, s - o, t - o];
+        let volume = r.cross(&s).dot(&t);
+        if volume.abs() <= FLAT * r.norm() * s.norm() * t.norm() { 0.0 } else { volume }
+    };
+    let (before, after) = (volume(a, b, c, p), volume(a, b, c, q));
+    if before * after >= 0.0 {
+        return None;
+    }
+    let sides = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
+    let inside = sides.iter().all(|v| *v > 0.0) || sides.iter().all(|v| *v < 0.0);
+    inside.then(|| p + (q - p) * (before / (before - after)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_cross_touch_or_miss() {
+        let triangle = [Vector3::zeros(), Vector3::x(), Vector3::y()];
+        let at = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
+        let through = crossing([at(0.2, 0.3, -1.0), at(0.2, 0.3, 3.0)], triangle).unwrap();
+        assert!((through - at(0.2, 0.3, 0.0)).norm() < 1e-15);
+        for edge in [
+            [at(0.2, 0.3, 0.0), at(0.2, 0.3, 3.0)],
+            [at(0.7, 0.7, -1.0), at(0.7, 0.7, 1.0)],
+            [at(0.2, 0.3, 1e-14), at(0.2, 0.3, -1.0)],
+            [at(-1.0, 0.2, 0.0), at(1.0, 0.2, 0.0)],
+            [at(0.5, 0.0, -1.0), at(0.5, 0.0, 1.0)],
+        ] {
+            assert_eq!(crossing(edge, triangle), None, "{edge:?}");
+        }
+    }
+}
