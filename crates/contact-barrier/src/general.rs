@@ -3,7 +3,10 @@
 use crate::proximity::{Candidate, Proximity};
 use crate::{Friction, Interactions, Layer, PairStart, Skin, StepForce, Tangent};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration};
+use std::collections::BTreeMap;
+use stoss_contact::{
+    BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration,
+};
 use stoss_geometry::{Aabb, closest};
 
 /// No start of a pair is known.
@@ -358,5 +361,48 @@ impl Potential for GeneralContact {
             work.damped += barrier.dissipated;
         }
         Ok(work)
+    }
+
+    fn body_pairs(&self) -> Vec<BodyPair> {
+        let mut list: BTreeMap<[u32; 2], BodyPair> = BTreeMap::new();
+        for &k in &self.active {
+            let candidate = &self.proximity.candidates[k as usize];
+            let StepForce { barrier, friction } = self.force(k, None);
+            let [a, b] = candidate.classes.map(|class| self.rules.body(class));
+            let bodies = [a.min(b), a.max(b)];
+            let pair = list.entry(bodies).or_insert(BodyPair {
+                bodies,
+                active: 0,
+                distance: f64::INFINITY,
+                pressure: 0.0,
+                area: 0.0,
+                force: [0.0; 3],
+                moment: [0.0; 3],
+                friction_work: 0.0,
+            });
+            let x = candidate.of(&self.x);
+            let distance = closest(candidate.term.kind, &x).distance_squared.sqrt();
+            pair.distance = pair.distance.min(distance);
+            pair.friction_work += friction.dissipated;
+            if distance < self.options.thickness {
+                pair.active += 1;
+                if candidate.is_inner {
+                    pair.area += candidate.term.weight;
+                    pair.pressure = pair.pressure.max(barrier.gradient[0].norm() / candidate.term.weight);
+                }
+            }
+            // Forces on the points of the first body; of a body on itself they cancel.
+            let first = candidate.term.kind.first_count();
+            let points = if a <= b { 0..first } else { first..4 };
+            for i in points.filter(|_| a != b) {
+                let force = -(barrier.gradient[i] + friction.gradient[i]);
+                let moment = x[i].cross(&force);
+                for c in 0..3 {
+                    pair.force[c] += force[c];
+                    pair.moment[c] += moment[c];
+                }
+            }
+        }
+        list.into_values().collect()
     }
 }

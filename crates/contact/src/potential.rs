@@ -4,6 +4,27 @@ use crate::{
     Constraint, ContactError, ContactRule, ContactWork, LocalContribution, Report, SlotReport, StepConfiguration,
 };
 
+/// What two bodies do to each other at the end of a step, of potentials that act between many bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyPair {
+    /// Numbers of the bodies, the smaller one first; the same twice for a body in contact with itself.
+    pub bodies: [u32; 2],
+    /// Pairs of primitives that act.
+    pub active: usize,
+    /// Smallest distance, a length.
+    pub distance: f64,
+    /// Largest pressure, per reference area.
+    pub pressure: f64,
+    /// Reference area in contact.
+    pub area: f64,
+    /// Force on the first body.
+    pub force: [f64; 3],
+    /// Moment of the same forces about the origin, at the positions at the end of the step.
+    pub moment: [f64; 3],
+    /// Work of friction in the step.
+    pub friction_work: f64,
+}
+
 /// Forces that have an energy `V(q)` and no multiplier: penalties, barriers.
 ///
 /// # Protocol
@@ -64,6 +85,10 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     /// Energy stored at the end of a step, and dissipated in it.
     fn work(&self, q_np1: &[f64]) -> Result<ContactWork, ContactError> {
         Ok(ContactWork { stored: self.energy(q_np1)?, ..ContactWork::default() })
+    }
+    /// What bodies do to each other at the end of the step, those that do; nothing from potentials that do not act between bodies.
+    fn body_pairs(&self) -> Vec<BodyPair> {
+        Vec::new()
     }
     /// The step to `q_np1` was accepted.
     fn commit(&mut self, _q_np1: &[f64]) {}

@@ -4,7 +4,7 @@ use crate::switches::Acting;
 use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, Table};
 use std::ops::Range;
 use stoss_contact::{
-    Auxiliary, Bilateral, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
+    Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
     LocalContribution, Potential, Report, SlotReport, StepConfiguration, WithoutSlots,
 };
 use stoss_fe_solid::{MassKind, SolidBody};
@@ -138,6 +138,11 @@ impl Coupling {
         if let Self::Contact(method) = self { Some(&mut **method) } else { None }
     }
 
+    /// What bodies do to each other by a potential at the end of a step.
+    pub(crate) fn body_pairs(&self) -> Vec<BodyPair> {
+        if let Self::Potential(of) = self { of.0.body_pairs() } else { Vec::new() }
+    }
+
     /// What it carries from step to step; nothing for a potential.
     pub(crate) fn history(&self) -> Option<&dyn History> {
         match self {
@@ -163,6 +168,15 @@ impl Coupling {
         match self {
             Self::Bilateral(_) => true,
             Self::Off(silent) => silent.0.is_bilateral(),
+            _ => false,
+        }
+    }
+
+    /// True for forces with an energy, also while they are switched off.
+    pub fn is_potential(&self) -> bool {
+        match self {
+            Self::Potential(_) => true,
+            Self::Off(silent) => silent.0.is_potential(),
             _ => false,
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::Balance;
 use serde::{Deserialize, Serialize};
-use stoss_contact::Coverage;
+use stoss_contact::{BodyPair, Coverage};
 
 /// One row of the Newton history.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,6 +75,8 @@ pub struct ContactSummary {
     /// Each pair by itself, in the order of [`crate::Model::contacts`]: its own constraints only, also where nodes belong to several pairs. Zero for what
     /// is no contact (ties, joints), and while a pair is off.
     pub pairs: Vec<PairSummary>,
+    /// What bodies do to each other by general contact, those that do.
+    pub bodies: Vec<BodyPair>,
 }
 
 /// One contact pair at the end of a step.

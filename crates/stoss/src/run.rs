@@ -117,7 +117,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         ..Description::new(built.simulation.model(), &built.drawing)
     };
     let watched = watched_bodies(&built);
-    let Built { mut simulation, schedule, joints, probes, warnings, contacts, mesh_files, drawing, .. } = built;
+    let Built { mut simulation, schedule, joints, probes, warnings, contacts, mesh_files, drawing, parts, .. } = built;
     let end = options.until.unwrap_or(scene.time.end);
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
         return Err(RunError::Option(format!(
@@ -144,6 +144,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
             [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
         }),
         contact_bodies: contact_bodies(&scene, &drawing),
+        parts,
         promises: (1..=schedule.len() as u32)
             .map(|number| {
                 schedule.stage(number).and_then(|stage| promises(&scene, &simulation, stage.scheme.as_deref()))

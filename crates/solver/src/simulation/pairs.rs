@@ -47,6 +47,14 @@ impl Simulation {
                 summary.pairs.push(of_pair);
                 continue;
             }
+            let bodies = self.timings.measure(Phase::Contact, || pair.method.body_pairs());
+            for body in &bodies {
+                of_pair.active += body.active;
+                of_pair.min_gap = of_pair.min_gap.min(body.distance);
+                of_pair.max_pressure = of_pair.max_pressure.max(body.pressure);
+                of_pair.area += body.area;
+            }
+            summary.bodies.extend(bodies);
             let reports = self.timings.measure(Phase::Search, || pair.method.report(q))?;
             for (slot, report) in reports.iter().enumerate() {
                 is_slave[report.node as usize] = true;

@@ -3,8 +3,8 @@
 use super::condition::resolve;
 use super::tie::Ties;
 use super::young;
-use super::{Placed, Problems};
-use crate::scene::{GeneralContact as Table, Scene};
+use super::{ContactPlan, FrictionPlan, Placed, Problems};
+use crate::scene::{GeneralContact as Table, Parameter, Scene};
 use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
@@ -37,12 +37,18 @@ fn wave_speed(body: &crate::solver::Body) -> Option<f64> {
 }
 
 /// Adds general contact to the model if the scene has it.
-pub(super) fn general(scene: &Scene, placed: &[Placed], ties: &Ties, model: &mut Model, problems: &mut Problems<'_>) {
-    let Some(table) = &scene.general_contact else { return };
+pub(super) fn general(
+    scene: &Scene,
+    placed: &[Placed],
+    ties: &Ties,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+) -> Option<ContactPlan> {
+    let table = scene.general_contact.as_ref()?;
     let before = problems.list.len();
     let skins = facets(scene, placed, table, ties, problems);
     if problems.list.len() > before {
-        return;
+        return None;
     }
     let Classes { facets, classes, apart } = skins;
     if facets.is_empty() {
@@ -52,24 +58,43 @@ pub(super) fn general(scene: &Scene, placed: &[Placed], ties: &Ties, model: &mut
             "there is no surface that takes part",
             "include a body, or remove the table",
         );
-        return;
+        return None;
     }
-    let Some(rules) = interactions(placed, table, model, &classes, &apart, problems) else { return };
-    let Some((skin, thickness)) = skin(table, placed, model, &rules, facets, problems) else { return };
+    let rules = interactions(placed, table, model, &classes, &apart, problems)?;
+    let (skin, thickness) = skin(table, placed, model, &rules, facets, problems)?;
+    let has_friction = rules.has_friction();
+    let points = skin.point_count() as u64;
     let slowest = model.bodies.iter().filter_map(wave_speed).fold(f64::INFINITY, f64::min);
     let slip_velocity = table.slip_velocity.unwrap_or(SLIP * if slowest.is_finite() { slowest } else { 1.0 });
     let options = GeneralOptions { thickness, damping: table.damping, slip_velocity };
     match GeneralContact::new(NAME, skin, rules, options) {
-        Ok(contact) => model.contacts.push(ContactPair {
-            name: NAME.to_owned(),
-            method: Coupling::potential(contact),
-            complementarity: 0.0,
-            restores: false,
-        }),
+        Ok(contact) => {
+            let method = Coupling::potential(contact);
+            model.contacts.push(ContactPair { name: NAME.to_owned(), method, complementarity: 0.0, restores: false });
+        }
         Err(error) => {
-            problems.add("general_contact".into(), "", error.to_string(), "see docs/guide.md, [general_contact]")
+            problems.add("general_contact".into(), "", error.to_string(), "see docs/guide.md, [general_contact]");
+            return None;
         }
     }
+    Some(ContactPlan {
+        name: NAME.to_owned(),
+        slave: None,
+        method: NAME.to_owned(),
+        constraint: "barrier".to_owned(),
+        enforcement: format!("layer of thickness {thickness:.4e}"),
+        slots: points,
+        unknowns_per_slot: 0,
+        friction: has_friction.then(|| FrictionPlan {
+            law: "coulomb".to_owned(),
+            parameters: [("mu".to_owned(), Parameter::Number(table.friction))].into(),
+            stiffness: None,
+            default_stiffness: false,
+            stick: None,
+            stepping: "step".to_owned(),
+            slip: None,
+        }),
+    })
 }
 
 /// The skin, inset where bodies are nearer than the layer is thick, and that thickness.

@@ -74,6 +74,8 @@ pub struct Built {
     pub warnings: Vec<String>,
     /// Contents of the mesh files, each once, for the hash of the run.
     pub mesh_files: Vec<Vec<u8>>,
+    /// Names of all parts, as general contact counts bodies.
+    pub parts: Vec<String>,
     /// One line a body: name, elements, law, implied moduli, quality.
     pub bodies: Vec<String>,
     /// Stages and events.
@@ -156,7 +158,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
         #[cfg(feature = "general")]
-        general::general(scene, &placed, &ties, &mut model, &mut problems);
+        plans.extend(general::general(scene, &placed, &ties, &mut model, &mut problems));
         multibody::constraints(scene, &placed, &mut parts, &mut model, &mut problems, &mut warnings);
         if problems.list.is_empty() {
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
@@ -190,6 +192,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             probes,
             warnings,
             mesh_files: mesh_files.bytes,
+            parts: placed.iter().map(|part| part.name.clone()).collect(),
             bodies,
             drawing: parts.drawing,
             joints: joints(scene, &parts.joints),

@@ -52,8 +52,12 @@ pub struct FrictionPlan {
 impl fmt::Display for ContactPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, slave, method, constraint, enforcement, slots, unknowns_per_slot, friction } = self;
-        write!(f, "{name}: {method}, {constraint} constraint by {enforcement}, {slots} slave points with ")?;
-        write!(f, "{unknowns_per_slot} {} each", if *unknowns_per_slot == 1 { "unknown" } else { "unknowns" })?;
+        if *unknowns_per_slot == 0 {
+            write!(f, "{name}: {constraint}, {enforcement}, {slots} points without unknowns")?;
+        } else {
+            write!(f, "{name}: {method}, {constraint} constraint by {enforcement}, {slots} slave points with ")?;
+            write!(f, "{unknowns_per_slot} {} each", if *unknowns_per_slot == 1 { "unknown" } else { "unknowns" })?;
+        }
         match friction {
             Some(friction) => write!(f, "; friction {friction}")?,
             None => write!(f, "; no friction")?,

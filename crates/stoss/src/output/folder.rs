@@ -35,6 +35,14 @@ const PAIR: [&str; 10] =
 /// Column of a pair with friction, after these.
 const PAIR_FRICTION: &str = "friction_work";
 
+/// Columns of general contact in the same table: it has no slave.
+const GENERAL: [&str; 4] = ["active", "min_gap", "max_pressure", "area"];
+
+/// Table of general contact: a row for every pair of bodies that act on each other; force and moment about the origin on the first one.
+const BODIES: &str = "general.csv";
+const BODY_PAIR: &str = "step,time,first,second,active,min_distance,max_pressure,area,\
+force_x,force_y,force_z,moment_x,moment_y,moment_z,friction_work";
+
 /// Table of the joints: forces and moments on the second side, angle in degrees or displacement, what acts along that.
 const JOINTS: &str = "joints.csv";
 /// Columns of each joint.
@@ -70,6 +78,8 @@ struct PairPlace {
     /// Its number among the contacts of the model.
     place: usize,
     has_friction: bool,
+    /// Whether it is general contact.
+    is_general: bool,
 }
 
 /// An open folder of results.
@@ -84,6 +94,7 @@ pub struct ResultFolder {
     contact: Option<CsvTable>,
     pairs: Vec<PairPlace>,
     joints: Option<CsvTable>,
+    bodies: Option<CsvTable>,
     watch: RunWatch,
     watched: CsvTable,
     started: Instant,
@@ -124,6 +135,8 @@ pub struct FolderSettings {
     pub changed_by: [Option<String>; 3],
     /// Contacts, for the summary.
     pub contacts: Vec<ContactPlan>,
+    /// Names of all parts.
+    pub parts: Vec<String>,
     /// Pairs of bodies between which a contact is named.
     pub contact_bodies: Vec<Option<[usize; 2]>>,
     /// What must not change, stage by stage.
@@ -250,7 +263,11 @@ impl ResultFolder {
         let with_friction = |name: &str| settings.contacts.iter().any(|c| c.name == name && c.friction.is_some());
         let pairs: Vec<PairPlace> = (0..contacts.len())
             .filter(|&place| !contacts[place].method.is_bilateral())
-            .map(|place| PairPlace { place, has_friction: with_friction(&contacts[place].name) })
+            .map(|place| PairPlace {
+                place,
+                has_friction: with_friction(&contacts[place].name),
+                is_general: contacts[place].method.is_potential(),
+            })
             .collect();
         let has_contact = simulation.model().has_contact_pairs();
         let has_friction = settings.has_friction();
@@ -270,12 +287,17 @@ impl ResultFolder {
                 let heads = pairs.iter().flat_map(|pair| {
                     let of_friction = pair.has_friction.then_some(PAIR_FRICTION);
                     let name = &contacts[pair.place].name;
-                    PAIR.into_iter().chain(of_friction).map(move |column| format!("{name}.{column}"))
+                    let columns = if pair.is_general { &GENERAL[..] } else { &PAIR };
+                    columns.iter().copied().chain(of_friction).map(move |column| format!("{name}.{column}"))
                 });
                 let heads: Vec<String> = std::iter::once(CONTACT.to_owned()).chain(heads).collect();
                 Some(open("contact.csv", &heads.join(","))?)
             } else {
                 None
+            },
+            bodies: match pairs.iter().any(|pair| pair.is_general) {
+                true => Some(open(BODIES, BODY_PAIR)?),
+                false => None,
             },
             pairs,
             joints: if settings.joints.is_empty() {
@@ -375,17 +397,31 @@ impl ResultFolder {
                 table.integer(count as u64);
             }
             table.numbers(&[c.min_gap, c.max_pressure]).numbers(&c.force_on_slave).number(c.coverage.defect);
-            for &PairPlace { place, has_friction } in &self.pairs {
+            for &PairPlace { place, has_friction, is_general } in &self.pairs {
                 let pair = &c.pairs[place];
                 let work = &mut self.memo.friction_work[place];
                 *work += pair.friction_work;
                 table.integer(pair.active as u64).numbers(&[pair.min_gap, pair.max_pressure]);
-                table.numbers(&pair.force).numbers(&pair.moment).number(pair.area);
+                if !is_general {
+                    table.numbers(&pair.force).numbers(&pair.moment);
+                }
+                table.number(pair.area);
                 if has_friction {
                     table.number(*work);
                 }
             }
             table.end_row()?;
+        }
+        if let (Some(table), Some(c)) = (&mut self.bodies, &record.contact) {
+            for pair in &c.bodies {
+                table.integer(record.step).number(record.time);
+                for body in pair.bodies {
+                    table.text(&self.settings.parts[body as usize]);
+                }
+                table.integer(pair.active as u64).numbers(&[pair.distance, pair.pressure, pair.area]);
+                table.numbers(&pair.force).numbers(&pair.moment).number(pair.friction_work);
+                table.end_row()?;
+            }
         }
         if let Some(table) = &mut self.joints {
             table.integer(record.step).number(record.time);
@@ -438,6 +474,9 @@ impl ResultFolder {
         lengths.insert(watch::TABLE.into(), self.watched.flush()?);
         if let Some(table) = &mut self.joints {
             lengths.insert(JOINTS.into(), table.flush()?);
+        }
+        if let Some(table) = &mut self.bodies {
+            lengths.insert(BODIES.into(), table.flush()?);
         }
         if let Some(table) = &mut self.contact {
             lengths.insert("contact.csv".into(), table.flush()?);

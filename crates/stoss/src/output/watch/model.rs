@@ -8,19 +8,17 @@ use stoss_reference_element::{FacetKind, FacetNodes};
 use stoss_solver::Model;
 use stoss_watch::{TiedPair, WatchBody, WatchFacet, WatchModel, WatchShape};
 
-/// The pairs of bodies between which the scene names a contact, in the order of the contacts.
+/// The pairs of bodies between which the scene names a contact, in the order of the contacts; then all pairs if there is general contact.
 pub(crate) fn contact_bodies(scene: &Scene, drawing: &Drawing) -> Vec<Option<[usize; 2]>> {
     let surface = |body: &str| drawing.surfaces.iter().position(|surface| surface.name == body);
     let rigid = |body: &str| surface(body).map(|k| scene.bodies.len() + k);
     let body = |set: &str| split_set(set).and_then(|(body, _)| scene.body_index(body).or_else(|| rigid(body)));
-    scene
-        .contacts
-        .iter()
-        .map(|contact| {
-            let [a, b] = contact.surfaces();
-            Some([body(a)?, body(b)?])
-        })
-        .collect()
+    let named = scene.contacts.iter().map(|contact| {
+        let [a, b] = contact.surfaces();
+        Some([body(a)?, body(b)?])
+    });
+    let count = if scene.general_contact.is_some() { scene.bodies.len() + drawing.surfaces.len() } else { 0 };
+    named.chain((0..count).flat_map(|a| (a..count).map(move |b| Some([a, b])))).collect()
 }
 
 /// Bodies, elements, surfaces and ties; contacts are none of its business. The drawing counts points.

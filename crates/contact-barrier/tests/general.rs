@@ -1,0 +1,312 @@
+//! The sum over a skin: work, momenta, tangents, uniform pressure, motions that are stopped.
+
+use fastrand::Rng;
+use nalgebra::Vector3;
+use stoss_contact::{ContactRule, LocalContribution, Potential, StepConfiguration};
+use stoss_contact_barrier::{
+    GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, first_look, mitre,
+};
+use stoss_geometry::{PairKind, closest};
+use stoss_reference_element::FacetNodes;
+
+const MODULUS: f64 = 3.0;
+
+/// Facets of a block with so many cells a side, outward, and positions of its nodes; numbers of nodes begin at `first`.
+fn block(first: u32, min: [f64; 3], max: [f64; 3], n: u32, class: u32) -> (Vec<SkinFacet>, Vec<f64>) {
+    let node = |i: [u32; 3]| first + i[0] + (n + 1) * (i[1] + (n + 1) * i[2]);
+    let mut positions = Vec::new();
+    for k in 0..=n {
+        for j in 0..=n {
+            for i in 0..=n {
+                let at = [i, j, k];
+                positions.extend((0..3).map(|d| min[d] + (max[d] - min[d]) * f64::from(at[d]) / f64::from(n)));
+            }
+        }
+    }
+    let mut facets = Vec::new();
+    for axis in 0..3 {
+        for side in [0, n] {
+            for a in 0..n {
+                for b in 0..n {
+                    let at = |da: u32, db: u32| {
+                        let mut i = [0; 3];
+                        (i[axis], i[(axis + 1) % 3], i[(axis + 2) % 3]) = (side, a + da, b + db);
+                        node(i)
+                    };
+                    let mut corners = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+                    if side == 0 {
+                        corners.reverse();
+                    }
+                    facets.push(SkinFacet { nodes: FacetNodes::from(corners), class });
+                }
+            }
+        }
+    }
+    (facets, positions)
+}
+
+struct Scene {
+    contact: GeneralContact,
+    reference: Vec<f64>,
+}
+
+fn rules(friction: f64) -> Interactions {
+    let mut rules = Interactions::none(&[(0, false), (1, false)]);
+    for (a, b) in [(0, 0), (0, 1), (1, 1)] {
+        rules.set(a, b, Some(Interaction { modulus: MODULUS, friction }));
+    }
+    rules
+}
+
+/// Two blocks above each other with a gap, `shift` sideways.
+fn two(n: [u32; 2], gap: f64, shift: [f64; 2], thickness: f64, damping: f64, friction: f64) -> Scene {
+    let (mut facets, mut reference) = block(0, [-0.5, -0.5, -1.0], [0.5, 0.5, 0.0], n[0], 0);
+    let first = reference.len() as u32 / 3;
+    let [x, y] = shift;
+    let (more, positions) = block(first, [x - 0.5, y - 0.5, gap], [x + 0.5, y + 0.5, 1.0 + gap], n[1], 1);
+    facets.extend(more);
+    reference.extend(positions);
+    let skin = Skin::new(facets, &reference, &|_| None);
+    let options = GeneralOptions { thickness, damping, slip_velocity: 0.05 };
+    Scene { contact: GeneralContact::new("general", skin, rules(friction), options).unwrap(), reference }
+}
+
+/// Residual and tangent of a step, dense.
+fn assemble(contact: &mut GeneralContact, rule: ContactRule, q_n: &[f64], q: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    contact.renew(q).unwrap();
+    let n = q.len();
+    let (mut residual, mut tangent) = (vec![0.0; n], vec![vec![0.0; n]; n]);
+    let mut stencils = Vec::new();
+    contact.stencils(&mut |nodes| stencils.push(nodes.to_vec()));
+    let mut next = 0;
+    let step = StepConfiguration { q_n, q_np1: q, rule };
+    contact
+        .assemble(step, true, &mut |local: &LocalContribution| {
+            assert_eq!(local.nodes, stencils[next]);
+            next += 1;
+            let global: Vec<usize> =
+                local.nodes.iter().flat_map(|&node| (0..3).map(move |c| 3 * node as usize + c)).collect();
+            for (r, &row) in global.iter().enumerate() {
+                residual[row] += local.residual[r];
+                for (c, &column) in global.iter().enumerate() {
+                    tangent[row][column] += local.tangent[r * global.len() + c];
+                }
+            }
+        })
+        .unwrap();
+    assert_eq!(next, stencils.len());
+    (residual, tangent)
+}
+
+fn begin(contact: &mut GeneralContact, rule: ContactRule, q_n: &[f64], q: &[f64]) {
+    let step_size = 0.5;
+    contact.set_rule(rule, step_size);
+    contact.set_has_rates(true);
+    let velocity: Vec<f64> = q.iter().zip(q_n).map(|(q, q_n)| (q - q_n) / step_size).collect();
+    contact.set_velocity(&velocity);
+    contact.begin_step(q_n, 0.0).unwrap();
+}
+
+fn noise(random: &mut Rng, q: &[f64], size: f64) -> Vec<f64> {
+    q.iter().map(|x| x + size * (2.0 * random.f64() - 1.0)).collect()
+}
+
+fn vector(v: &[f64], node: usize) -> Vector3<f64> {
+    Vector3::from_column_slice(&v[3 * node..3 * node + 3])
+}
+
+#[test]
+fn work_is_the_change_of_energy_less_what_is_lost_and_momenta_stay() {
+    let mut random = Rng::with_seed(3);
+    for case in 0..60 {
+        let (damping, friction) = ([0.0, 0.3][case % 2], [0.0, 0.4][case / 2 % 2]);
+        let shift = [random.f64() * 0.9, random.f64() * 0.4];
+        let mut scene = two([2, 3], 0.04, shift, 0.08, damping, friction);
+        let size = [1e-3, 1e-2, 1.5e-2][case % 3];
+        let (q_n, q) = (noise(&mut random, &scene.reference, size), noise(&mut random, &scene.reference, size));
+        let contact = &mut scene.contact;
+        let before = contact.energy(&q_n).unwrap();
+        begin(contact, ContactRule::EnergyMomentum, &q_n, &q);
+        let (residual, _) = assemble(contact, ContactRule::EnergyMomentum, &q_n, &q);
+        let work = contact.work(&q).unwrap();
+        assert!((work.stored - contact.energy(&q).unwrap()).abs() <= 1e-13 * work.stored);
+        assert!(before > 0.0 && work.stored > 0.0 && work.dissipated >= 0.0);
+        assert_eq!(work.friction_work > 0.0, friction > 0.0);
+        let done: f64 = residual.iter().zip(&q).zip(&q_n).map(|((g, q), q_n)| g * (q - q_n)).sum();
+        let scale: f64 = residual.iter().zip(&q).zip(&q_n).map(|((g, q), q_n)| (g * (q - q_n)).abs()).sum();
+        let balance = done - (work.stored - before) - work.dissipated;
+        assert!(balance.abs() <= 1e-12 * (scale + before + work.stored), "{case}: {balance:e}");
+        let (mut force, mut moment, mut terms) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        for node in 0..q.len() / 3 {
+            let (g, middle) = (vector(&residual, node), (vector(&q, node) + vector(&q_n, node)) * 0.5);
+            force += g;
+            moment += middle.cross(&g);
+            terms += g.norm();
+        }
+        assert!(force.norm() <= 1e-13 * terms && moment.norm() <= 1e-12 * terms, "{case}: {force} {moment}");
+    }
+}
+
+#[test]
+fn tangents_are_derivatives() {
+    let mut random = Rng::with_seed(4);
+    for (rule, friction) in [
+        (ContactRule::EnergyMomentum, 0.0),
+        (ContactRule::EnergyMomentum, 0.3),
+        (ContactRule::EndPoint, 0.0),
+        (ContactRule::EndPoint, 0.3),
+    ] {
+        let mut scene = two([1, 1], 0.05, [0.13, 0.21], 0.1, 0.1, friction);
+        let (q_n, q) = (noise(&mut random, &scene.reference, 0.01), noise(&mut random, &scene.reference, 0.01));
+        let contact = &mut scene.contact;
+        begin(contact, rule, &q_n, &q);
+        let (_, tangent) = assemble(contact, rule, &q_n, &q);
+        let scale = tangent.iter().flatten().fold(0.0_f64, |m, t| m.max(t.abs()));
+        assert!(scale > 0.0);
+        let (mut worst, step) = (0.0_f64, 1e-7);
+        for column in 0..q.len() {
+            let mut moved = |s: f64| {
+                let mut x = q.clone();
+                x[column] += s;
+                assemble(contact, rule, &q_n, &x).0
+            };
+            let (ahead, behind) = (moved(step), moved(-step));
+            for row in 0..q.len() {
+                let difference = (ahead[row] - behind[row]) / (2.0 * step);
+                worst = worst.max((difference - tangent[row][column]).abs() / scale);
+            }
+        }
+        assert!(worst < 2e-5, "{rule:?} friction {friction}: {worst:e}");
+    }
+}
+
+/// Matching meshes at half of the thickness: points of integration alone give the forces of a uniform pressure; with the guards they are larger by what
+/// these add, the most at the corners.
+#[test]
+fn a_layer_between_matching_meshes_has_a_uniform_pressure() {
+    for n in [2, 3] {
+        let thickness = 0.02;
+        let mut scene = two([n, n], 0.5 * thickness, [0.0; 2], thickness, 0.0, 0.0);
+        let q = scene.reference.clone();
+        begin(&mut scene.contact, ContactRule::EndPoint, &q, &q);
+        let (residual, _) = assemble(&mut scene.contact, ContactRule::EndPoint, &q, &q);
+        // y = 1/2: 3/5 kappa (1 - y)^2 (1 + 2 y) / y^2.
+        let pressure = MODULUS * 0.6 * 0.25 * 2.0 / 0.25;
+        let skin = scene.contact.skin();
+        let mut ratios = (f64::INFINITY, 0.0_f64);
+        let top: Vec<usize> = (0..q.len() / 3).filter(|&node| q[3 * node + 2].abs() < 1e-12).collect();
+        let lower = top.iter().filter(|&&node| node < (n as usize + 1).pow(3));
+        let spacing = 1.0 / f64::from(n);
+        for &node in lower {
+            let half = |x: f64| if (x.abs() - 0.5).abs() < 1e-9 { 0.5 } else { 1.0 };
+            let area = spacing * spacing * half(q[3 * node]) * half(q[3 * node + 1]);
+            let ratio = residual[3 * node + 2] / (pressure * area);
+            ratios = (ratios.0.min(ratio), ratios.1.max(ratio));
+        }
+        assert!(skin.vertex_count() < skin.point_count());
+        assert!(ratios.0 > 1.0 && ratios.1 < 1.55, "{n}: {ratios:?}");
+    }
+}
+
+#[test]
+fn motions_are_stopped_before_surfaces_meet() {
+    let mut random = Rng::with_seed(5);
+    let mut stopped = 0;
+    for case in 0..24 {
+        let mut scene = two([2, 2], 0.05, [random.f64() * 1.2, random.f64()], 0.02, 0.0, 0.0);
+        let mut q = noise(&mut random, &scene.reference, 0.005);
+        begin(&mut scene.contact, ContactRule::EnergyMomentum, &q.clone(), &q);
+        for _ in 0..5 {
+            let size = [0.02, 0.1, 0.3][case % 3];
+            let direction: Vec<f64> = q.iter().map(|_| size * (2.0 * random.f64() - 1.0)).collect();
+            let part = scene.contact.longest_step(&q, &direction);
+            assert!(part > 0.0 && part <= 1.0);
+            stopped += usize::from(part < 1.0);
+            q.iter_mut().zip(&direction).for_each(|(q, d)| *q += part * d);
+            let look = first_look(scene.contact.skin(), &rules(0.0), &q, 0.05);
+            assert!(look.crossings.is_empty(), "{case}: {:?}", look.crossings.first());
+            assert!(look.nearest.values().all(|nearest| nearest.distance > 0.0));
+        }
+    }
+    assert!(stopped > 40, "{stopped}");
+}
+
+/// A pair at any place is found although candidates come from regions of points: against all pairs, while points leave their regions.
+#[test]
+fn the_energy_is_that_of_all_pairs() {
+    let mut random = Rng::with_seed(6);
+    for _ in 0..20 {
+        let thickness = 0.06;
+        let mut scene = two([2, 3], 0.05, [random.f64(), random.f64()], thickness, 0.0, 0.0);
+        let q_n = noise(&mut random, &scene.reference, 0.01);
+        begin(&mut scene.contact, ContactRule::EndPoint, &q_n, &q_n);
+        let far = random.f64() * 0.4;
+        let q: Vec<f64> = (0..q_n.len()).map(|k| q_n[k] + if k % 3 == 0 && k > 81 { far } else { 0.0 }).collect();
+        assemble(&mut scene.contact, ContactRule::EndPoint, &q_n, &q);
+        let found = scene.contact.work(&q).unwrap().stored;
+        let skin = scene.contact.skin();
+        let x: Vec<Vector3<f64>> = (0..skin.point_count() as u32).map(|p| skin.at(p, &q)).collect();
+        let layer = stoss_contact_barrier::Layer::new(MODULUS, thickness);
+        let mut sum = 0.0;
+        for p in 0..skin.point_count() as u32 {
+            for (t, triangle) in skin.triangles().iter().enumerate() {
+                if !skin.is_beside(p, t as u32) {
+                    let points = [p, triangle[0], triangle[1], triangle[2]].map(|p| x[p as usize]);
+                    let d = closest(PairKind::VertexTriangle, &points).distance_squared;
+                    sum += skin.point_weight(p, 0.5) * layer.evaluate(d)[0];
+                }
+            }
+        }
+        for (k, e) in skin.edges().iter().enumerate() {
+            for (l, f) in skin.edges().iter().enumerate().skip(k + 1).filter(|(_, f)| e.iter().all(|p| !f.contains(p)))
+            {
+                let points = [e[0], e[1], f[0], f[1]].map(|p| x[p as usize]);
+                let (weight, parallel) = skin.edge_weight([k as u32, l as u32]);
+                let d = closest(PairKind::EdgeEdge, &points).distance_squared;
+                sum += weight * parallel.factor(&points) * layer.evaluate(d)[0];
+            }
+        }
+        assert!((sum - found).abs() <= 1e-12 * sum, "{sum} {found}");
+    }
+}
+
+/// Blocks that touch: with vertices a half of the thickness inside there is neither force nor energy at the start.
+#[test]
+fn inset_surfaces_that_touch_have_no_force() {
+    let thickness = 0.02;
+    let scene = two([2, 3], 0.0, [0.3, 0.1], thickness, 0.0, 0.0);
+    let corners = [[-0.5, -0.5, -1.0, 0.5, 0.5, 0.0], [-0.2, -0.4, 0.0, 0.8, 0.6, 1.0]];
+    let reference = &scene.reference;
+    let body = |node: u32| usize::from(node >= 27);
+    // Places inside are affine in four nodes of a block: those at a corner and at the ends of its edges.
+    let place = |node: u32| {
+        let x = vector(reference, node as usize);
+        let c = corners[body(node)];
+        let mut normals = Vec::new();
+        for d in 0..3 {
+            for (side, sign) in [(c[d], -1.0), (c[d + 3], 1.0)] {
+                if (x[d] - side).abs() < 1e-12 {
+                    let mut n = Vector3::zeros();
+                    n[d] = sign;
+                    normals.push(n);
+                }
+            }
+        }
+        if normals.is_empty() {
+            return None;
+        }
+        let at = x - mitre(&normals).unwrap() * (0.5 * thickness);
+        let (first, n) = if body(node) == 0 { (0, 2) } else { (27, 3) };
+        let ends = [n, (n + 1) * n, (n + 1) * (n + 1) * n];
+        let part: [f64; 3] = std::array::from_fn(|d| (at[d] - c[d]) / (c[d + 3] - c[d]));
+        let mut terms = vec![(first, 1.0 - part.iter().sum::<f64>())];
+        terms.extend((0..3).map(|d| (first + ends[d], part[d])));
+        Some(terms)
+    };
+    let skin = Skin::new(scene.contact.skin().facets().to_vec(), reference, &place);
+    let look = first_look(&skin, &rules(0.0), reference, 2.0 * thickness);
+    assert!((look.nearest[&[0, 1]].distance - thickness).abs() < 1e-12, "{:?}", look.nearest);
+    let options = GeneralOptions { thickness: thickness * (1.0 - 1e-12), damping: 0.0, slip_velocity: 1.0 };
+    let contact = GeneralContact::new("general", skin, rules(0.0), options).unwrap();
+    assert_eq!(contact.energy(reference).unwrap(), 0.0);
+}
