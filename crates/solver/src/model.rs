@@ -407,14 +407,14 @@ impl Model {
         }
     }
 
-    /// True if constraints can open and close (mesh ties alone are no contact), also while they are switched off.
+    /// True if there is contact by constraints that open and close or by potentials (mesh ties alone are none), also while it is switched off.
     pub fn has_contact_pairs(&self) -> bool {
         self.contacts.iter().any(|pair| !pair.method.is_bilateral())
     }
 
-    /// The same, of those that are not switched off.
+    /// Whether constraints that open and close act at present. Potentials have none.
     pub fn has_unilateral_contact(&self) -> bool {
-        self.contacts.iter().any(|pair| !pair.method.is_bilateral() && !pair.method.is_off())
+        self.contacts.iter().any(|pair| pair.method.as_contact().is_some())
     }
 
     /// Components that are prescribed: (component index `3*node + i`, prescription, column), each once. Several prescriptions of a

@@ -51,6 +51,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         probes: Vec::new(),
         probes_complete: true,
         has_contact: !contact_tables.is_empty(),
+        has_general_contact: root.has("general_contact"),
         has_tie: !tie_tables.is_empty(),
         own_friction: &own_laws.friction,
         sets,

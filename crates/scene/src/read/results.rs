@@ -16,7 +16,10 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
         if quantity.is_dynamic() && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("needs inertia", "choose another quantity, or set [scene] kind = \"dynamic\"");
         }
-        if matches!(quantity, Quantity::ContactForce | Quantity::ContactMoment) && !world.has_contact && !world.has_tie
+        if matches!(quantity, Quantity::ContactForce | Quantity::ContactMoment)
+            && !world.has_contact
+            && !world.has_general_contact
+            && !world.has_tie
         {
             return n.fail("needs contact, and the scene has none", "add a [[contact]] or choose another quantity");
         }
@@ -293,7 +296,9 @@ fn fields(node: &Node<'_>, world: &World<'_>) -> Option<Vec<Field>> {
             return n.fail("does not exist in a quasi-static scene", "remove it");
         }
         if matches!(field, Field::ContactPressure | Field::Gap) && !world.has_contact {
-            return n.fail("needs contact, and the scene has none", "remove it or add a [[contact]]");
+            let remedy =
+                "remove it or add a [[contact]]; general contact has no such field, its pressures are in general.csv";
+            return n.fail("needs contact by pairs, and the scene has none", remedy);
         }
         if field == Field::Reaction && !world.has_support {
             return n.fail("needs prescribed motion, and the scene has none", "remove it or add a [[prescribe]]");

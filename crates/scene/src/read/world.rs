@@ -134,6 +134,7 @@ pub(super) struct World<'a> {
     pub(super) probes: Vec<KnownProbe>,
     pub(super) probes_complete: bool,
     pub(super) has_contact: bool,
+    pub(super) has_general_contact: bool,
     pub(super) has_tie: bool,
     pub(super) has_support: bool,
     pub(super) sets: Sets<'a>,

@@ -59,7 +59,7 @@ use placed::Placed;
 use schedule::Named;
 use std::collections::BTreeMap;
 use std::path::Path;
-use stoss_integrators::{SCHEMES, Scheme};
+use stoss_integrators::{GradientRule, SCHEMES, Scheme};
 use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver, SolverOptions};
 use stoss_newton::{LineSearch, NewtonOptions};
 
@@ -267,6 +267,19 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                     format!("choose one of {}, or remove them", constrained.join(", ")),
                 );
             }
+            if scene.general_contact.is_some() && !carries_general_contact(&*scheme) {
+                let able: Vec<&str> = SCHEMES
+                    .iter()
+                    .filter(|entry| entry.with([]).is_ok_and(|scheme| carries_general_contact(&*scheme)))
+                    .map(|entry| entry.name)
+                    .collect();
+                problems.add(
+                    "time.integrator.scheme".into(),
+                    &integrator.scheme,
+                    "has no general contact: forces of the middle or of the start of a step do not keep surfaces apart",
+                    format!("choose one of {}, or name pairs with [[contact]]", able.join(", ")),
+                );
+            }
             Some(scheme)
         }
         Err(error) => {
@@ -274,6 +287,13 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
             None
         }
     }
+}
+
+/// Whether contact forces of a scheme belong to the end of a step or do the work of its energy, and nothing else is added to them.
+fn carries_general_contact(scheme: &dyn Scheme) -> bool {
+    let rule = scheme.rule(1.0);
+    let at_the_end_or_exact = matches!(rule.constraint.rule, GradientRule::EndPoint | GradientRule::DiscreteGradient);
+    at_the_end_or_exact && rule.constraint.weight == 1.0 && rule.history.is_none()
 }
 
 fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
