@@ -101,6 +101,8 @@ impl MortarContact {
                 committed: point.committed,
                 slid: point.slid,
                 support: point.support,
+                // The report is that of the last step until another one is accepted: this attempt may fail.
+                last: point.last,
                 ..PointHistory::default()
             };
         }

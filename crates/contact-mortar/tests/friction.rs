@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use sheets::{Mesh, NODES, SLAVE, assemble, factors, meshes, method, moved, options, pressures, resultants, warp};
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{Constraint, ContactError, ContactRule, History, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, ContactRule, History, Report, StepConfiguration};
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{
     Force, Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure, TriangleRule,
@@ -322,6 +322,21 @@ proptest! {
             method.commit(&q, p, &set(p));
             stored = energy.stored;
         }
+    }
+
+    /// An attempt that fails leaves the report of the last step as it was.
+    #[test]
+    fn the_report_is_that_of_the_last_accepted_step(meshes in meshes(), d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
+        let rule = RULES[rule];
+        let mut method = with(meshes, coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
+        let (q_0, q_1, q_2) = (moved(&d), moved(&e), moved(&f));
+        go(&mut method, rule, &q_0, &q_1, &p);
+        let friction = |m: &MortarContact| -> Vec<_> { m.report(&q_1).unwrap().iter().map(|slot| slot.friction).collect() };
+        let accepted = friction(&method);
+        prop_assert_eq!(accepted.iter().filter(|slot| slot.is_some()).count(), set(&p).iter().filter(|active| **active).count());
+        begin(&mut method, rule, &q_1);
+        method.renew(&q_2, &[], &[], &set(&p), false).unwrap();
+        prop_assert_eq!(friction(&method), accepted);
     }
 
     #[test]

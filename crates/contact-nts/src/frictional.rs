@@ -196,13 +196,15 @@ impl NodeToSurface {
         surface.rounds = 0;
         let point = &mut surface.points[slot];
         let (Some(facet), Some(pairing)) = (committed, pairing) else {
-            *point = PointHistory::default();
+            // The report is that of the last step until another one is accepted: this attempt may fail.
+            *point = PointHistory { last: point.last, ..PointHistory::default() };
             return;
         };
         *point = PointHistory {
             committed: point.committed,
             slid: point.slid,
             start: point.committed,
+            last: point.last,
             ..PointHistory::default()
         };
         self.place_foot(slot);

@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History};
+use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, Report};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_reference_element::FacetKind;
@@ -447,6 +447,30 @@ fn a_node_that_comes_back_begins_anew() {
     m.repair(&q, &ACTIVE).unwrap();
     let (residual, _) = assembled(&m, &above, &q, PRESSURE, ContactRule::EndPoint, false);
     assert!((residual[3 * SLAVE] - m.slot_weight(0) * PENALTY * 0.01).abs() < 1e-13);
+}
+
+/// An attempt that fails leaves the report of the last step as it was; the next step that is accepted has its own.
+#[test]
+fn the_report_is_that_of_the_last_accepted_step() {
+    let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
+    m.set_rule(ContactRule::EndPoint, STEP);
+    let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
+    let on = flat([0.42, 0.3]);
+    m.begin_step(&above, 1.0).unwrap();
+    m.repair(&on, &ACTIVE).unwrap();
+    m.commit(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+    let accepted = m.report(&on).unwrap()[0].friction;
+    assert!(accepted.is_some());
+    // Attempts with a facet before and without one.
+    for reach in [1.0, 0.5] {
+        m.begin_step(&on, reach).unwrap();
+        m.repair(&flat([0.9, 0.3]), &ACTIVE).unwrap();
+        assert_eq!(m.report(&on).unwrap()[0].friction, accepted);
+    }
+    m.begin_step(&on, 1.0).unwrap();
+    m.repair(&above, &OPEN).unwrap();
+    m.commit(&above, &[0.0; 4], &OPEN);
+    assert_eq!(m.report(&above).unwrap()[0].friction, None);
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! `[[event]]` and `[[stage]]`: what changes in the course of a run.
 
-use crate::names::named;
-use crate::{Automatic, Integrator, ProbeComponent, Stabilise};
+use crate::{Automatic, Integrator, Kind, ProbeComponent, Stabilise};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -48,22 +47,12 @@ pub struct EventCondition {
     pub below: Option<f64>,
 }
 
-named! {
-    /// What kind of analysis a stage is.
-    StageKind {
-        /// A sequence of equilibria. Probes of velocities show the motion of the last step over its time there.
-        Static = "static",
-        /// With inertia.
-        Dynamic = "dynamic",
-    }
-}
-
 /// `[[stage]]`: a part of the run. Without any the run is one stage of the kind of the scene.
 ///
 /// ```toml
 /// [[stage]]
 /// name = "hang"
-/// kind = "static"
+/// kind = "quasi-static"
 /// until = 1.0
 /// step = 0.1
 ///
@@ -82,17 +71,17 @@ named! {
 pub struct Stage {
     /// Unique name, for reports.
     pub name: String,
-    /// Static or dynamic.
-    pub kind: StageKind,
+    /// Quasi-static or dynamic. Probes of velocities show the motion of the last step over its time in a quasi-static stage.
+    pub kind: Kind,
     /// Time at which the stage ends, later than that of the stage before.
     pub until: f64,
     /// Nominal step size; `[time] step` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
-    /// Of a static stage: it chooses its increments, of which `step` is the largest.
+    /// Of a quasi-static stage: it chooses its increments, of which `step` is the largest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub automatic: Option<Automatic>,
-    /// Of a static stage: viscous stabilisation that vanishes.
+    /// Of a quasi-static stage: viscous stabilisation that vanishes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stabilise: Option<Stabilise>,
     /// Time-stepping scheme of a dynamic stage; `[time] integrator` if left out.

@@ -13,7 +13,7 @@ use stoss_integrators::SCHEMES;
 use stoss_integrators::SchemeError;
 
 named! {
-    /// What kind of analysis it is.
+    /// What kind of analysis a scene or a stage is.
     Kind {
         /// With inertia: needs `[time] integrator` and the density of every body.
         Dynamic = "dynamic",
@@ -69,7 +69,7 @@ pub struct Header {
 
 /// Version of the scene format that this program reads. It grows when a scene that was right means something else or is wrong: renamed and removed keys; not when
 /// keys are added.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// `[time]`: interval, step size, scheme and step control. Runs start at time zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -52,7 +52,7 @@ pub use conditions::{
     PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use coupling::Coupling;
-pub use event::{Event, EventCondition, Stage, StageKind};
+pub use event::{Event, EventCondition, Stage};
 pub use friction::{
     CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
     Sticking,

@@ -131,7 +131,7 @@ const CASES: &[Case] = &[
     dynamic("\"Hollow ball on plate\"", "7", "title", "scene.title"),
     dynamic("[scene]\n", "[scene]\nauthor = \"x\"\n", "author", "scene.author"),
     dynamic("[output]", "[outputs]", "[outputs]", "outputs"),
-    dynamic("[scene]\n", "[scene]\nformat = 2\n", "format", "scene.format"),
+    dynamic("[scene]\n", "[scene]\nformat = 3\n", "format", "scene.format"),
     dynamic("[scene]\n", "[scene]\nformat = 0\n", "format", "scene.format"),
     dynamic("[scene]\n", "[scene]\nformat = \"new\"\n", "format", "scene.format"),
     dynamic("[scene]\n", "[scene]\nunits = \"mm-kg-min\"\n", "units", "scene.units"),
@@ -621,6 +621,14 @@ fn old_keys_and_words_are_told_from_unknown_ones() {
         let errors = parse(&DYNAMIC.replacen("constraint = \"modified\"", to, 1), "x.toml").unwrap_err();
         assert!(errors.problems().iter().any(|problem| problem.message.contains(message)), "{errors}");
     }
+    let stages = include_str!("data/multibody.toml").replacen("kind = \"quasi-static\"", "kind = \"static\"", 1);
+    let errors = parse(&stages, "x.toml").unwrap_err();
+    let [problem] = errors.problems() else { panic!("{errors}") };
+    assert_eq!(
+        (problem.key.as_str(), problem.remedy.as_str()),
+        ("stage[0].kind", "write \"quasi-static\""),
+        "{errors}"
+    );
     let newer = parse(&DYNAMIC.replacen("[scene]\n", "[scene]\nformat = 7\n", 1), "x.toml").unwrap_err();
     assert!(newer.problems()[0].message.contains("newer than this program"), "{newer}");
 }

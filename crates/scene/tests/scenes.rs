@@ -5,7 +5,7 @@ mod support;
 use std::path::PathBuf;
 use stoss_scene::{
     BoxShape, Component, Coupling, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter,
-    PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, StageKind, json_schema, parse, parse_with,
+    PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, json_schema, parse, parse_with,
 };
 use support::schema;
 
@@ -188,7 +188,7 @@ fn parts_and_joints_arrive_where_they_belong() {
         (3, vec![vec![0.0; 4]])
     );
     assert_eq!(scene.events[1].when.as_ref().unwrap().component, Some(ProbeComponent::Z));
-    assert_eq!((scene.stages[0].kind, scene.stages[0].off.len()), (StageKind::Static, 3));
+    assert_eq!((scene.stages[0].kind, scene.stages[0].off.len()), (Kind::QuasiStatic, 3));
 }
 
 #[test]

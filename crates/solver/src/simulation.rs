@@ -5,6 +5,7 @@ mod pairs;
 mod restart;
 mod stage;
 mod start;
+mod warnings;
 
 pub use stage::Stage;
 

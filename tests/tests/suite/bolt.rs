@@ -81,7 +81,7 @@ fn a_bolt_clamps_a_member() {
 #[test]
 fn the_work_of_the_force_is_in_the_ledger() {
     let dynamic = SCENE
-        .replace("kind = \"static\"\nuntil = 4.0", "kind = \"dynamic\"\nuntil = 4.0\nstep = 0.01")
+        .replace("kind = \"quasi-static\"\nuntil = 4.0", "kind = \"dynamic\"\nuntil = 4.0\nstep = 0.01")
         .replace("end = 4.5\nstep = 0.25", "end = 0.21\nstep = 0.01")
         .replace("until = 4.5", "until = 0.21")
         .replace("[1.0, 4.0]] }, lock = 1.0", "[0.05, 4.0]] }, lock = 0.1")

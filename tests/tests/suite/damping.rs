@@ -236,7 +236,7 @@ traction = { table = [[0.0, 0.0, 0.0, 0.0], [1.0, 5.0, 0.0, 50.0]] }
 name = "pull"
 [[stage]]
 name = "load"
-kind = "static"
+kind = "quasi-static"
 until = 1.0
 [[stage]]
 name = "free"

@@ -49,11 +49,11 @@ slave = "block.bottom"
 master = "right.top"
 [[stage]]
 name = "pressed"
-kind = "static"
+kind = "quasi-static"
 until = 2.0
 [[stage]]
 name = "lifted"
-kind = "static"
+kind = "quasi-static"
 until = 3.0
 off = ["on-left"]
 [[probe]]

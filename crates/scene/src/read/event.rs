@@ -5,7 +5,7 @@ use super::node::{Node, known};
 use super::results::{component_fits, probe_of};
 use super::table::Table;
 use super::world::{Action, GRAVITY, World};
-use crate::{Event, EventCondition, Gravity, Kind, Stage, StageKind, Time};
+use crate::{Event, EventCondition, Gravity, Kind, Stage, Time};
 
 pub(super) fn gravity(node: &Node<'_>) -> Option<Gravity> {
     let table = node.table_like("{ acceleration = [0, 0, -9.81] }")?;
@@ -98,7 +98,7 @@ pub(super) fn stages(
         before = until;
         stages.push(stage);
     }
-    let all_static = stages.iter().all(|stage| stage.as_ref().is_some_and(|stage| stage.kind == StageKind::Static));
+    let all_static = stages.iter().all(|stage| stage.as_ref().is_some_and(|stage| stage.kind == Kind::QuasiStatic));
     if world.kind == Some(Kind::Dynamic)
         && all_static
         && let Some(Some(table)) = tables.first()
@@ -119,9 +119,9 @@ fn stage(
     has_gravity: bool,
 ) -> (Option<Stage>, Option<f64>) {
     let name = table.required("name", "name = \"settle\"", Node::name);
-    let kind = table.required("kind", "kind = \"static\"", |n| {
-        let kind = n.choice(StageKind::NAMES, StageKind::from_name)?;
-        if kind == StageKind::Dynamic && world.kind == Some(Kind::QuasiStatic) {
+    let kind = table.required("kind", "kind = \"quasi-static\"", |n| {
+        let kind = n.choice(Kind::NAMES, Kind::from_name)?;
+        if kind == Kind::Dynamic && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("a quasi-static scene has no inertia", "set [scene] kind = \"dynamic\"");
         }
         Some(kind)
@@ -166,13 +166,13 @@ fn stage(
         _ => Some(()),
     };
     let integrator = table.optional("integrator", |n| {
-        if kind == Some(StageKind::Static) {
+        if kind == Some(Kind::QuasiStatic) {
             return n.fail("a static stage has no integrator", "remove it");
         }
         integrator(n)
     });
     let statics = |n: &Node<'_>| match kind {
-        Some(StageKind::Dynamic) => n.fail("is for static stages", "remove it"),
+        Some(Kind::Dynamic) => n.fail("is for quasi-static stages", "remove it"),
         _ => Some(()),
     };
     let largest = step.and_then(|step| step.or(time.map(|time| time.step)));

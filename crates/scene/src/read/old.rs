@@ -12,7 +12,7 @@ struct Old {
     remedy: &'static str,
 }
 
-const OLD: [Old; 3] = [
+const OLD: [Old; 4] = [
     Old {
         key: "contact.normals",
         word: None,
@@ -30,6 +30,12 @@ const OLD: [Old; 3] = [
         word: Some("one-sided"),
         message: "is no constraint any more: mortar contact keeps the true gap, which needs none",
         remedy: "remove it",
+    },
+    Old {
+        key: "stage.kind",
+        word: Some("static"),
+        message: "is no kind any more: stages have the words of `[scene] kind`",
+        remedy: "write \"quasi-static\"",
     },
 ];
 
@@ -52,6 +58,13 @@ fn find(path: &str, word: Option<&str>) -> Option<(&'static str, &'static str)> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_old_kind_of_a_stage_names_the_new_one() {
+        let (_, remedy) = word("stage[2].kind", "static").unwrap();
+        assert!(remedy.contains("quasi-static"));
+        assert!(word("scene.kind", "static").is_none());
+    }
 
     #[test]
     fn paths_are_compared_without_numbers() {

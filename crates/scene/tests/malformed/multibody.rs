@@ -428,7 +428,7 @@ pub const CASES: &[Case] = &[
     ),
     multi("name = \"snap\"", "name = \"cut\"", "\"cut\"\nrelease = \"hold\"", "event[1].name"),
     // [[stage]]
-    multi("kind = \"static\"\n", "kind = \"still\"\n", "\"still\"", "stage[0].kind"),
+    multi("kind = \"quasi-static\"\n", "kind = \"still\"\n", "\"still\"", "stage[0].kind"),
     multi("until = 2.0", "until = 1.5", "until = 1.5", "stage[1].until"),
     multi("until = 2.0", "until = 1.0\n#", "until = 1.0\n#", "stage[1].until"),
     multi("until = 2.0", "until = 3.0", "until = 3.0", "stage[1].until"),
@@ -450,8 +450,13 @@ pub const CASES: &[Case] = &[
     multi("step = 0.1\n", "step = 0.1\nautomatic = { initial = 0.2 }\n", "initial = 0.2", "stage[0].automatic.initial"),
     multi("name = \"swing\"", "name = \"swing\"\nautomatic = { initial = 1e-3 }", "automatic", "stage[1].automatic"),
     multi("name = \"swing\"", "name = \"swing\"\nstabilise = { fraction = 1e-3 }", "stabilise", "stage[1].stabilise"),
-    statics("kind = \"static\"\n", "kind = \"dynamic\"\n", "kind = \"dynamic\"", "stage[0].kind"),
-    statics("kind = \"static\"\n", "", "[[stage]]", "stage[0].kind"),
+    statics(
+        "name = \"all\"\nkind = \"quasi-static\"\n",
+        "name = \"all\"\nkind = \"dynamic\"\n",
+        "kind = \"dynamic\"",
+        "stage[0].kind",
+    ),
+    statics("name = \"all\"\nkind = \"quasi-static\"\n", "name = \"all\"\n", "[[stage]]", "stage[0].kind"),
     // pretension
     multi(DRIVEN, "pretension = { lock = 1.0 }", "{ lock", "joint[2].pretension.force"),
     multi(DRIVEN, "pretension = { force = 2.0 }", "{ force = 2.0", "joint[2].pretension.lock"),

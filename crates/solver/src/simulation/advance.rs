@@ -3,12 +3,11 @@
 use super::{InsideOutRule, Simulation};
 use crate::assembly::{Iterate, System, no_auxiliaries};
 use crate::failure::Trace;
-use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
-    Automatic, Balance, ContactSummary, Decision, DecisionKind, Phase, PhaseTime, SimulationError, StepChange,
-    StepError, StepRecord,
+    Automatic, Balance, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepChange, StepError,
+    StepRecord,
 };
 use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage};
@@ -20,13 +19,6 @@ use stoss_part::PartStep;
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
 /// fraction of their motion.
 const EXTRAPOLATION_FITS: f64 = 0.1;
-
-/// A gain of energy by contact in one step of dynamics that is told, relative to what the bodies have.
-const TOLD_GAIN: f64 = 0.05;
-/// Work of stabilisation that is told, relative to the strain energy at the end of its stage.
-const TOLD_STABILISATION: f64 = 0.01;
-/// Beginning of what is told then.
-const CONTACT_GAVE: &str = "contact gave the bodies";
 
 /// From where the iterations start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -247,74 +239,13 @@ impl Simulation {
         Ok(Completed { attempt, next, rule, strain, contact, work, stored, restored, inside_out, solves })
     }
 
-    fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
+    pub(super) fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
         Ok(self.model.bodies.iter().map(|body| body.solid.inside_out(q)).collect::<Result<_, _>>()?)
-    }
-
-    /// Bodies that now have elements turned inside out and had none at the last step.
-    fn newly_inside_out(&self, now: &[Option<InsideOut>]) -> impl Iterator<Item = StepError> {
-        let some = now.iter().any(Option::is_some);
-        // The lengths were checked when the last step was accepted.
-        let before = if some { self.inside_out(&self.state.q).unwrap_or_default() } else { Vec::new() };
-        let new = move |(b, now): (usize, &Option<InsideOut>)| {
-            let (Some(found), None) = (*now, before.get(b).copied().flatten()) else { return None };
-            let solid = &self.model.bodies[b].solid;
-            Some(StepError::InsideOut { body: solid.name().to_owned(), elements: solid.element_count(), found })
-        };
-        now.iter().enumerate().filter_map(new)
-    }
-
-    fn warn_inside_out(&mut self, completed: &Completed) {
-        let (step, time, dt) = (self.step + 1, self.state.time, self.clock.dt());
-        let warn = |error: StepError| {
-            let reason = format!("{error}; the result is doubtful from here on, try smaller steps or another mesh");
-            decision(step, time, dt, DecisionKind::Warning, reason)
-        };
-        let warnings: Vec<_> = self.newly_inside_out(&completed.inside_out).map(warn).collect();
-        self.decisions.extend(warnings);
     }
 
     /// Part of the stabilisation that acts at a time of the stage.
     fn ramp(&self, time: f64) -> f64 {
         1.0 - self.clock.part_done(time)
-    }
-
-    /// Says at the end of a stage how much energy its stabilisation has taken, if that is much.
-    fn warn_stabilisation(&mut self) {
-        let Balance { strain, stabilisation, .. } = self.balance;
-        if self.system.stabilisation.is_none()
-            || !self.clock.finished()
-            || stabilisation.abs() <= TOLD_STABILISATION * strain
-        {
-            return;
-        }
-        let reason = format!(
-            "stabilisation has taken {:.1} % of the strain energy. Nothing of it acts any more at the end of the stage; but where surfaces slid, or where there are several equilibria, \
-             the way there matters. Where bodies only closed gaps that is as it must be; else make the stage's steps or the fraction smaller, or support what moves",
-            100.0 * stabilisation / strain
-        );
-        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
-    }
-
-    /// Says once in a run that contact gave energy: its forces did this `work` in the step, which what springs stored does not account for. It can, at edges
-    /// or where closed nodes are inside, under every scheme that does not conserve.
-    fn warn_contact_gain(&mut self, work: f64, before: &Balance) {
-        let now = &self.balance;
-        let gain = work + now.contact - before.contact;
-        let energy = (now.kinetic + now.strain).max(before.kinetic + before.strain);
-        let length = self.model.contacts.iter().map(|pair| pair.method.length_scale()).fold(0.0, f64::max);
-        // Of motions that are not resolved.
-        let nothing = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION * self.system.stiffness_force * length;
-        let told = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(CONTACT_GAVE);
-        if gain <= TOLD_GAIN * energy || gain <= nothing || self.decisions.iter().any(told) {
-            return;
-        }
-        let reason = format!(
-            "{CONTACT_GAVE} {:.0} % of their energy in this step; the motion is doubtful from here on. `energy-momentum` with mortar contact or with the \
-             modified constraint does not do that; smaller steps, or exchanging slave and master, may help. This is said once",
-            100.0 * gain / energy
-        );
-        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
 
     /// Velocities and whatever else the scheme carries, at the end of a converged step, with the positions of the iterate, which are moved.
@@ -390,7 +321,7 @@ impl Simulation {
     }
 
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
-        self.warn_inside_out(&completed);
+        self.warn_inside_out(&completed.inside_out);
         let Completed { attempt, next, rule, strain, contact, stored, restored, inside_out, solves, .. } = completed;
         let contact_work = completed.work;
         let Attempt { iterate, newton, .. } = attempt;

@@ -1,7 +1,7 @@
 //! Stages and events of a scene: what acts when.
 
 use super::{Probe, Problems};
-use crate::scene::{self, Integrator, Kind, Scene, StageKind};
+use crate::scene::{self, Integrator, Kind, Scene};
 use crate::solver::{Automatic, Release, Simulation, Stabilise, Stage, Switches};
 use std::collections::BTreeMap;
 
@@ -91,8 +91,8 @@ impl Schedule {
             segments.push(Segment {
                 name: stage.name.clone(),
                 integrator: match stage.kind {
-                    StageKind::Static => None,
-                    StageKind::Dynamic => stage.integrator.clone().or_else(|| integrator.clone()),
+                    Kind::QuasiStatic => None,
+                    Kind::Dynamic => stage.integrator.clone().or_else(|| integrator.clone()),
                 },
                 step: stage.step.unwrap_or(scene.time.step),
                 automatic: (stage.automatic.or(scene.time.automatic))

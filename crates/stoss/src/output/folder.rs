@@ -4,6 +4,7 @@ use super::drift::Drifts;
 use super::earlier::{self, Overwrite};
 use super::identity::SceneIdentity;
 use super::lock::FolderLock;
+use super::rows::{PROBES, Tables};
 use super::table::CsvTable;
 use super::watch::{self, RunWatch, Watched};
 use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frames};
@@ -17,43 +18,6 @@ use std::time::Instant;
 use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, StepRecord};
 use stoss_watch::Promises;
 
-const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
-/// Columns that follow where there is contact.
-const CLOSING: &str = "closing_loss,contact_remainder,restored";
-/// Columns that follow where there is friction.
-const FRICTION: &str = "friction_work,friction_stored";
-/// Column that follows where a body is damped.
-const DAMPING: &str = "damping";
-/// Column that follows where a stage of statics is stabilised.
-const STABILISATION: &str = "stabilisation";
-const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
-const CONTACT: &str = "step,time,active,closed,released,repaired,min_gap,max_pressure,\
-contact_force_x,contact_force_y,contact_force_z,coverage_defect";
-/// Columns of each contact pair in the same table, after its name and a point.
-const PAIR: [&str; 10] =
-    ["active", "min_gap", "max_pressure", "force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z", "area"];
-/// Column of a pair with friction, after these.
-const PAIR_FRICTION: &str = "friction_work";
-
-/// Columns of general contact in the same table: it has no slave.
-const GENERAL: [&str; 4] = ["active", "min_gap", "max_pressure", "area"];
-
-/// Table of general contact: a row for every pair of bodies that act on each other; force and moment about the origin on the first one.
-const BODIES: &str = "general.csv";
-const BODY_PAIR: &str = "step,time,first,second,active,min_distance,max_pressure,area,\
-force_x,force_y,force_z,moment_x,moment_y,moment_z,friction_work";
-
-/// Table of the joints: forces and moments on the second side, angle in degrees or displacement, what acts along that.
-const JOINTS: &str = "joints.csv";
-/// Columns of each joint.
-const JOINT: [&str; 12] =
-    ["fx", "fy", "fz", "mx", "my", "mz", "coordinate", "friction", "viscous", "spring", "motor", "limit"];
-/// Further columns of a joint with two coordinates.
-const SECOND: [&str; 6] =
-    ["second", "second_friction", "second_viscous", "second_spring", "second_motor", "second_limit"];
-
-/// Table of the probes, whose columns the scene names.
-const PROBES: &str = "probes.csv";
 /// Attachment of a checkpoint that says of which scene it is.
 const IDENTITY: &str = "scene";
 
@@ -72,29 +36,13 @@ struct Memo {
     friction_work: Vec<f64>,
 }
 
-/// A contact pair with columns of its own.
-#[derive(Clone, Copy, Debug)]
-struct PairPlace {
-    /// Its number among the contacts of the model.
-    place: usize,
-    has_friction: bool,
-    /// Whether it is general contact.
-    is_general: bool,
-}
-
 /// An open folder of results.
 #[derive(Debug)]
 pub struct ResultFolder {
     path: PathBuf,
     settings: FolderSettings,
     memo: Memo,
-    balance: CsvTable,
-    newton: CsvTable,
-    probes: Option<CsvTable>,
-    contact: Option<CsvTable>,
-    pairs: Vec<PairPlace>,
-    joints: Option<CsvTable>,
-    bodies: Option<CsvTable>,
+    tables: Tables,
     watch: RunWatch,
     watched: CsvTable,
     started: Instant,
@@ -145,12 +93,8 @@ pub struct FolderSettings {
     pub watch: WatchTable,
 }
 
-fn has_damping(simulation: &Simulation) -> bool {
-    simulation.model().bodies.iter().any(|body| body.damping.acts())
-}
-
 impl FolderSettings {
-    fn has_friction(&self) -> bool {
+    pub(super) fn has_friction(&self) -> bool {
         self.contacts.iter().any(|contact| contact.friction.is_some())
     }
 }
@@ -233,7 +177,7 @@ impl ResultFolder {
             None => Err(damaged(format!("{name} is not in it"))),
         };
         let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
-        if folder.probes.is_none() && folder.memo.lengths.remove(PROBES).is_some() {
+        if !folder.tables.has_probes() && folder.memo.lengths.remove(PROBES).is_some() {
             std::fs::remove_file(&table_of_probes).map_err(OutputError::io(&table_of_probes))?;
         }
         let [judged, positions] = ["watch", "watch-positions"].map(|name| attachments.get(name).map(Vec::as_slice));
@@ -257,58 +201,8 @@ impl ResultFolder {
         lock: FolderLock,
         open: impl Fn(&str, &str) -> Result<CsvTable, OutputError>,
     ) -> Result<Self, OutputError> {
-        let heads: Vec<String> = settings.probes.iter().flat_map(Probe::columns).collect();
-        let probe_header = format!("step,time,{}", heads.join(","));
-        let contacts = &simulation.model().contacts;
-        let with_friction = |name: &str| settings.contacts.iter().any(|c| c.name == name && c.friction.is_some());
-        let pairs: Vec<PairPlace> = (0..contacts.len())
-            .filter(|&place| !contacts[place].method.is_bilateral())
-            .map(|place| PairPlace {
-                place,
-                has_friction: with_friction(&contacts[place].name),
-                is_general: contacts[place].method.is_potential(),
-            })
-            .collect();
-        let has_contact = simulation.model().has_contact_pairs();
-        let has_friction = settings.has_friction();
-        let more = [
-            (has_contact, CLOSING),
-            (has_friction, FRICTION),
-            (has_damping(simulation), DAMPING),
-            (settings.schedule.is_stabilised(), STABILISATION),
-        ];
-        let more = more.iter().filter(|(has, _)| *has).map(|(_, columns)| *columns);
-        let balance_header = std::iter::once(BALANCE).chain(more).collect::<Vec<_>>().join(",");
         Ok(Self {
-            balance: open("balance.csv", &balance_header)?,
-            newton: open("newton.csv", NEWTON)?,
-            probes: if heads.is_empty() { None } else { Some(open(PROBES, &probe_header)?) },
-            contact: if has_contact {
-                let heads = pairs.iter().flat_map(|pair| {
-                    let of_friction = pair.has_friction.then_some(PAIR_FRICTION);
-                    let name = &contacts[pair.place].name;
-                    let columns = if pair.is_general { &GENERAL[..] } else { &PAIR };
-                    columns.iter().copied().chain(of_friction).map(move |column| format!("{name}.{column}"))
-                });
-                let heads: Vec<String> = std::iter::once(CONTACT.to_owned()).chain(heads).collect();
-                Some(open("contact.csv", &heads.join(","))?)
-            } else {
-                None
-            },
-            bodies: match pairs.iter().any(|pair| pair.is_general) {
-                true => Some(open(BODIES, BODY_PAIR)?),
-                false => None,
-            },
-            pairs,
-            joints: if settings.joints.is_empty() {
-                None
-            } else {
-                let heads = settings.joints.iter().flat_map(|joint| {
-                    let more = if joint.coordinates > 1 { &SECOND[..] } else { &[] };
-                    JOINT.iter().chain(more).map(|column| format!("{}.{column}", joint.name))
-                });
-                Some(open(JOINTS, &format!("step,time,{}", heads.collect::<Vec<_>>().join(",")))?)
-            },
+            tables: Tables::open(&settings, simulation, &open)?,
             watch: RunWatch::new(
                 simulation,
                 &settings.watch,
@@ -354,103 +248,8 @@ impl ResultFolder {
     }
 
     fn write_rows(&mut self, simulation: &Simulation, record: &StepRecord) -> Result<(), OutputError> {
+        self.tables.write(&self.settings, simulation, record, &mut self.memo.friction_work)?;
         let b = &record.balance;
-        self.balance
-            .integer(record.step)
-            .numbers(&[record.time, record.dt])
-            .numbers(&b.linear_momentum)
-            .numbers(&b.angular_momentum)
-            .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()]);
-        if self.contact.is_some() {
-            self.balance.numbers(&[b.closing_loss, b.contact_remainder, b.restored]);
-        }
-        if self.settings.has_friction() {
-            self.balance.numbers(&[b.friction_work, b.friction_stored]);
-        }
-        if has_damping(simulation) {
-            self.balance.number(b.damping);
-        }
-        if self.settings.schedule.is_stabilised() {
-            self.balance.number(b.stabilisation);
-        }
-        self.balance.end_row()?;
-        for row in &record.newton {
-            self.newton
-                .integer(record.step)
-                .number(record.time)
-                .integer(u64::from(row.iteration))
-                .numbers(&[row.residual, row.increment])
-                .integer(row.active as u64)
-                .integer(row.changes as u64)
-                .end_row()?;
-        }
-        if let Some(table) = &mut self.probes {
-            table.integer(record.step).number(record.time);
-            for probe in &self.settings.probes {
-                table.numbers(&probe.values(simulation));
-            }
-            table.end_row()?;
-        }
-        if let (Some(table), Some(c)) = (&mut self.contact, &record.contact) {
-            table.integer(record.step).number(record.time);
-            for count in [c.active, c.closed, c.released, c.repaired] {
-                table.integer(count as u64);
-            }
-            table.numbers(&[c.min_gap, c.max_pressure]).numbers(&c.force_on_slave).number(c.coverage.defect);
-            for &PairPlace { place, has_friction, is_general } in &self.pairs {
-                let pair = &c.pairs[place];
-                let work = &mut self.memo.friction_work[place];
-                *work += pair.friction_work;
-                table.integer(pair.active as u64).numbers(&[pair.min_gap, pair.max_pressure]);
-                if !is_general {
-                    table.numbers(&pair.force).numbers(&pair.moment);
-                }
-                table.number(pair.area);
-                if has_friction {
-                    table.number(*work);
-                }
-            }
-            table.end_row()?;
-        }
-        if let (Some(table), Some(c)) = (&mut self.bodies, &record.contact) {
-            for pair in &c.bodies {
-                table.integer(record.step).number(record.time);
-                for body in pair.bodies {
-                    table.text(&self.settings.parts[body as usize]);
-                }
-                table.integer(pair.active as u64).numbers(&[pair.distance, pair.pressure, pair.area]);
-                table.numbers(&pair.force).numbers(&pair.moment).number(pair.friction_work);
-                table.end_row()?;
-            }
-        }
-        if let Some(table) = &mut self.joints {
-            table.integer(record.step).number(record.time);
-            for &JointPlace { place, coordinates, .. } in &self.settings.joints {
-                // Two columns are there also of a joint without any.
-                let coordinates = coordinates.max(1);
-                let pair = &simulation.model().contacts[place];
-                match pair.method.joint(&simulation.state().q, &simulation.pressures()[place]) {
-                    Some(joint) => {
-                        table.numbers(&joint.force).numbers(&joint.moment);
-                        for k in 0..coordinates {
-                            let of = joint.coordinates.get(k);
-                            let value =
-                                of.map_or(f64::NAN, |c| if c.is_angle { 1f64.to_degrees() } else { 1.0 } * c.value);
-                            let t = of.map(|c| c.torques).unwrap_or_default();
-                            table.numbers(&[value, t.friction, t.viscous, t.spring, t.motor, t.limit]);
-                        }
-                    }
-                    // Released or switched off.
-                    None => {
-                        table.numbers(&[0.0; 6]);
-                        (0..coordinates).for_each(|_| {
-                            table.number(f64::NAN).numbers(&[0.0; 5]);
-                        });
-                    }
-                }
-            }
-            table.end_row()?;
-        }
         // What one scheme loses is no drift of the next.
         let promised = |stage: u32| self.settings.promises.get(stage as usize - 1);
         if promised(record.stage) != promised(self.memo.stage) {
@@ -465,22 +264,8 @@ impl ResultFolder {
     }
 
     fn flush(&mut self) -> Result<(), OutputError> {
-        let lengths = &mut self.memo.lengths;
-        lengths.insert("balance.csv".into(), self.balance.flush()?);
-        lengths.insert("newton.csv".into(), self.newton.flush()?);
-        if let Some(table) = &mut self.probes {
-            lengths.insert(PROBES.into(), table.flush()?);
-        }
-        lengths.insert(watch::TABLE.into(), self.watched.flush()?);
-        if let Some(table) = &mut self.joints {
-            lengths.insert(JOINTS.into(), table.flush()?);
-        }
-        if let Some(table) = &mut self.bodies {
-            lengths.insert(BODIES.into(), table.flush()?);
-        }
-        if let Some(table) = &mut self.contact {
-            lengths.insert("contact.csv".into(), table.flush()?);
-        }
+        self.tables.flush(&mut self.memo.lengths)?;
+        self.memo.lengths.insert(watch::TABLE.into(), self.watched.flush()?);
         Ok(())
     }
 

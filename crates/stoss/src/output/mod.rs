@@ -13,6 +13,7 @@ mod hdf;
 mod identity;
 mod lock;
 mod promises;
+mod rows;
 mod summary;
 mod systems;
 mod table;

@@ -11,7 +11,7 @@ mod support;
 use super::mesh_files::MeshFiles;
 use super::placed::Placed;
 use super::{Drawing, Problems};
-use crate::scene::{Coupling, Scene, StageKind};
+use crate::scene::{Coupling, Kind, Scene};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
 use stoss_contact::Bilateral;
@@ -92,7 +92,7 @@ pub(super) fn constraints(
     if problems.list.is_empty() && !(couplings.is_empty() && joints.is_empty()) {
         redundant::examine(scene, &rigidity, &mut couplings, &mut joints, model, problems, warnings);
     }
-    if scene.is_dynamic() && scene.stages.first().is_none_or(|stage| stage.kind == StageKind::Dynamic) {
+    if scene.is_dynamic() && scene.stages.first().is_none_or(|stage| stage.kind == Kind::Dynamic) {
         warnings.extend(motion::velocities(scene, &couplings, &joints, model));
     }
     rigidity.into_iter().chain(couplings).for_each(|set| push(model, set));

@@ -45,7 +45,7 @@ fn scene(fineness: usize, speed: f64, spin: f64) -> String {
         time = {{ end = {end:?}, step = {step:?}, integrator = {{ scheme = "energy-momentum" }} }}
         gravity = {{ acceleration = [0.0, 0.0, {down:?}] }}
         stage = [
-            {{ name = "press", kind = "static", until = {static_end:?}, step = 0.25 }},
+            {{ name = "press", kind = "quasi-static", until = {static_end:?}, step = 0.25 }},
             {{ name = "roll", kind = "dynamic", until = {end:?}, off = ["guide"] }},
         ]
         joint = [{{ name = "guide", kind = "slider", between = ["ground", "wheel"], at = [0, 0, {radius:?}], axis = [0, 0, 1] }}]

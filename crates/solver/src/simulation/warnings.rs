@@ -1,0 +1,78 @@
+//! What is said of a completed step whose result is not right.
+
+use super::Simulation;
+use crate::problem::SMALLEST_RESOLVED_MOTION;
+use crate::step::decision;
+use crate::{Balance, Decision, DecisionKind, StepError};
+use stoss_fe_solid::InsideOut;
+
+/// A gain of energy by contact in one step of dynamics that is told, relative to what the bodies have.
+const TOLD_GAIN: f64 = 0.05;
+/// Work of stabilisation that is told, relative to the strain energy at the end of its stage.
+const TOLD_STABILISATION: f64 = 0.01;
+/// Beginning of what is told then.
+const CONTACT_GAVE: &str = "contact gave the bodies";
+
+impl Simulation {
+    /// Bodies that now have elements turned inside out and had none at the last step.
+    pub(super) fn newly_inside_out(&self, now: &[Option<InsideOut>]) -> impl Iterator<Item = StepError> {
+        let some = now.iter().any(Option::is_some);
+        // The lengths were checked when the last step was accepted.
+        let before = if some { self.inside_out(&self.state.q).unwrap_or_default() } else { Vec::new() };
+        let new = move |(b, now): (usize, &Option<InsideOut>)| {
+            let (Some(found), None) = (*now, before.get(b).copied().flatten()) else { return None };
+            let solid = &self.model.bodies[b].solid;
+            Some(StepError::InsideOut { body: solid.name().to_owned(), elements: solid.element_count(), found })
+        };
+        now.iter().enumerate().filter_map(new)
+    }
+
+    /// Warns of bodies that this step has turned inside out.
+    pub(super) fn warn_inside_out(&mut self, now: &[Option<InsideOut>]) {
+        let (step, time, dt) = (self.step + 1, self.state.time, self.clock.dt());
+        let warn = |error: StepError| {
+            let reason = format!("{error}; the result is doubtful from here on, try smaller steps or another mesh");
+            decision(step, time, dt, DecisionKind::Warning, reason)
+        };
+        let warnings: Vec<_> = self.newly_inside_out(now).map(warn).collect();
+        self.decisions.extend(warnings);
+    }
+
+    /// Says at the end of a stage how much energy its stabilisation has taken, if that is much.
+    pub(super) fn warn_stabilisation(&mut self) {
+        let Balance { strain, stabilisation, .. } = self.balance;
+        if self.system.stabilisation.is_none()
+            || !self.clock.finished()
+            || stabilisation.abs() <= TOLD_STABILISATION * strain
+        {
+            return;
+        }
+        let reason = format!(
+            "stabilisation has taken {:.1} % of the strain energy. Nothing of it acts any more at the end of the stage; but where surfaces slid, or where there are several equilibria, \
+             the way there matters. Where bodies only closed gaps that is as it must be; else make the stage's steps or the fraction smaller, or support what moves",
+            100.0 * stabilisation / strain
+        );
+        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+    }
+
+    /// Says once in a run that contact gave energy: its forces did this `work` in the step, which what springs stored does not account for. It can, at edges
+    /// or where closed nodes are inside, under every scheme that does not conserve.
+    pub(super) fn warn_contact_gain(&mut self, work: f64, before: &Balance) {
+        let now = &self.balance;
+        let gain = work + now.contact - before.contact;
+        let energy = (now.kinetic + now.strain).max(before.kinetic + before.strain);
+        let length = self.model.contacts.iter().map(|pair| pair.method.length_scale()).fold(0.0, f64::max);
+        // Of motions that are not resolved.
+        let nothing = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION * self.system.stiffness_force * length;
+        let told = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(CONTACT_GAVE);
+        if gain <= TOLD_GAIN * energy || gain <= nothing || self.decisions.iter().any(told) {
+            return;
+        }
+        let reason = format!(
+            "{CONTACT_GAVE} {:.0} % of their energy in this step; the motion is doubtful from here on. `energy-momentum` with mortar contact or with the \
+             modified constraint does not do that; smaller steps, or exchanging slave and master, may help. This is said once",
+            100.0 * gain / energy
+        );
+        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+    }
+}
