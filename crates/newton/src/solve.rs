@@ -150,19 +150,14 @@ impl Course<'_> {
                 }
             }
         }
-        self.polish(problem, norms, solves)
+        self.polish(problem, norms)
     }
 
     /// Further iterations below the tolerance. Nothing that happens here turns success into failure, but an error at the
     /// restored iterate.
-    fn polish<P: NewtonProblem>(
-        &mut self,
-        problem: &mut P,
-        mut norms: Norms,
-        solves: u32,
-    ) -> Result<StopReason, P::Error> {
+    fn polish<P: NewtonProblem>(&mut self, problem: &mut P, mut norms: Norms) -> Result<StopReason, P::Error> {
         let o = self.options;
-        for _ in 0..o.polish.min(o.max_iterations - solves) {
+        for _ in 0..o.polish {
             if norms.measure <= o.round_off_level * norms.scale {
                 return Ok(StopReason::ConvergedToRoundOff);
             }

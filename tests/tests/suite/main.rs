@@ -9,6 +9,7 @@ mod edges;
 mod facets;
 mod failing;
 mod friction;
+mod general_contact;
 mod increments;
 mod joint_probes;
 mod lean;

@@ -319,7 +319,10 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
                 Kind::Dynamic => default.round_off_level,
             },
             absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
-            max_iterations: solver.max_iterations.unwrap_or(default.max_iterations),
+            max_iterations: solver.max_iterations.unwrap_or(match scene.general_contact {
+                Some(_) => GENERAL_ITERATIONS,
+                None => default.max_iterations,
+            }),
             polish: if solver.polish == Some(false) { 0 } else { default.polish },
             line_search: match (scene.header.kind, LineSearch::backtracking()) {
                 _ if scene.general_contact.is_some() => LineSearch::Best { reduction: 0.5, max_reductions: 5 },
@@ -367,3 +370,6 @@ fn young(model: &Model, body: usize) -> f64 {
     let modulus = |body: &crate::solver::Body| body.solid.law().small_strain_moduli().young_modulus();
     model.bodies.get(body).map_or(f64::INFINITY, modulus)
 }
+
+/// Iterations of a step with general contact: corners that slide past each other take many short ones, and a shorter step would take more altogether.
+const GENERAL_ITERATIONS: u32 = 40;
