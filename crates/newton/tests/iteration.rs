@@ -16,6 +16,8 @@ struct Scalar<F, K> {
     scale: f64,
     recoverable: bool,
     assemblies: u32,
+    /// The iterate never goes more than nine tenths of the way to here, from either side.
+    wall: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +35,7 @@ impl<F: Fn(f64) -> f64, K: Fn(f64) -> f64> Scalar<F, K> {
             scale: 1.0,
             recoverable: true,
             assemblies: 0,
+            wall: None,
         }
     }
 
@@ -59,6 +62,11 @@ impl<F: Fn(f64) -> f64, K: Fn(f64) -> f64> NewtonProblem for Scalar<F, K> {
         self.base = self.x;
         self.dx = -(self.f)(self.x) / (self.k)(self.x);
         Ok(self.dx.abs())
+    }
+
+    fn longest_step(&mut self) -> Result<f64, Outside> {
+        let to_wall = self.wall.map_or(f64::INFINITY, |wall| 0.9 * (wall - self.x) / self.dx);
+        Ok(if to_wall > 0.0 { to_wall.min(1.0) } else { 1.0 })
     }
 
     fn update(&mut self, factor: f64) -> Result<(), Outside> {
@@ -99,6 +107,37 @@ fn newton_is_quadratic_and_ends_at_round_off() {
     let order = report.observed_order().unwrap();
     assert!((order - 2.0).abs() < 0.1, "{order}");
     assert_eq!(p.assemblies as usize, report.iterations.len());
+}
+
+/// A barrier at zero, approached from the right: full steps from far away would land on its left, where there is another solution of the equation.
+#[test]
+fn no_iterate_passes_a_wall() {
+    let (f, k) = (|x: f64| 4.0 - 1.0 / (x * x), |x: f64| 2.0 / (x * x * x));
+    let o = NewtonOptions { max_iterations: 60, ..NewtonOptions::default() };
+    let mut free = Scalar::new(f, k, 1.2);
+    let _ = free.run(&o);
+    let mut stopped = Scalar { wall: Some(0.0), ..Scalar::new(f, k, 1.2) };
+    let report = stopped.run(&o).unwrap();
+    assert!((stopped.x - 0.5).abs() < 1e-12);
+    assert!((free.x - 0.5).abs() > 1e-3, "{}", free.x);
+    assert!(report.iterations.iter().any(|record| record.step_length > 0.0 && record.step_length < 1.0));
+}
+
+/// Where no step lowers the residual the best one is taken, and the iteration goes on.
+#[test]
+fn the_best_of_bad_steps_is_taken() {
+    // A slope that is far too small: every trial overshoots, and the smallest residual is that of the shortest step.
+    let (f, k) = (|x: f64| x.atan(), |x: f64| 0.02 / (1.0 + x * x));
+    let best = LineSearch::Best { reduction: 0.5, max_reductions: 3 };
+    let o =
+        NewtonOptions { max_iterations: 1, relative_tolerance: 1e-12, line_search: best, ..NewtonOptions::default() };
+    let mut p = Scalar::new(f, k, 0.5);
+    let failure = p.run(&o).unwrap_err();
+    let taken = failure.report().iterations.last().unwrap().step_length;
+    assert_eq!(taken, 0.125);
+    let strict = LineSearch::Backtracking { max_growth: 1.0, small: 0.0, reduction: 0.5, max_reductions: 3 };
+    let failure = Scalar::new(f, k, 0.5).run(&NewtonOptions { line_search: strict, ..o }).unwrap_err();
+    assert_eq!(failure.report().reason, StopReason::LineSearchFailed);
 }
 
 /// A frozen slope converges linearly with a known factor: `f = x - 1`, `k = 2` halves the error.
