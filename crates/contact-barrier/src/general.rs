@@ -365,6 +365,8 @@ impl Potential for GeneralContact {
 
     fn body_pairs(&self) -> Vec<BodyPair> {
         let mut list: BTreeMap<[u32; 2], BodyPair> = BTreeMap::new();
+        // Points of integration with their weights and forces: one may act on several triangles.
+        let mut points: BTreeMap<([u32; 2], u32), (f64, Vector3<f64>)> = BTreeMap::new();
         for &k in &self.active {
             let candidate = &self.proximity.candidates[k as usize];
             let StepForce { barrier, friction } = self.force(k, None);
@@ -387,8 +389,9 @@ impl Potential for GeneralContact {
             if distance < self.options.thickness {
                 pair.active += 1;
                 if candidate.is_inner {
-                    pair.area += candidate.term.weight;
-                    pair.pressure = pair.pressure.max(barrier.gradient[0].norm() / candidate.term.weight);
+                    let point = points.entry((bodies, candidate.points[0])).or_default();
+                    point.0 = candidate.term.weight;
+                    point.1 += barrier.gradient[0];
                 }
             }
             // Forces on the points of the first body; of a body on itself they cancel.
@@ -401,6 +404,12 @@ impl Potential for GeneralContact {
                     pair.force[c] += force[c];
                     pair.moment[c] += moment[c];
                 }
+            }
+        }
+        for ((bodies, _), (weight, force)) in points {
+            if let Some(pair) = list.get_mut(&bodies) {
+                pair.area += weight;
+                pair.pressure = pair.pressure.max(force.norm() / weight);
             }
         }
         list.into_values().collect()
