@@ -19,7 +19,7 @@ pub struct GeneralContact {
     /// Coefficient of friction of all pairs of bodies that `pairs` does not name.
     #[serde(default)]
     pub friction: f64,
-    /// Speed of slip below which friction falls to zero, positive: there bodies creep instead of sticking. By default a thousandth of the speed of waves in the softest body.
+    /// Speed of slip below which friction falls to zero, positive: there bodies creep instead of sticking. By default a hundredth of the largest speed at the start; needed in dynamics with friction where nothing moves then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip_velocity: Option<f64>,
     /// Time of a viscous layer, not negative: it damps the motion in the layer. Its loss is in the balance of energy.

@@ -146,7 +146,7 @@ fn a_stack_that_touches_stands() {
     let text = head("energy-momentum", 0.1, 8.0)
         + "[gravity]\nacceleration = [0.0, 0.0, -0.002]\n"
         + &STACK.replace("MATERIAL", MATERIAL)
-        + "[[prescribe]]\nset = \"a.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n[general_contact]\nfriction = 0.2\n";
+        + "[[prescribe]]\nset = \"a.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n[general_contact]\nfriction = 0.2\nslip_velocity = 1e-4\n";
     let mut simulation = simulation(&text);
     assert!(simulation.balance().contact < 1e-30);
     let start = simulation.balance().total();
@@ -209,6 +209,8 @@ fn scenes_that_cannot_start_are_refused() {
     );
     let scheme = problems(&(head("midpoint", 0.1, 1.0) + &two(1.5) + "[general_contact]\n"));
     assert!(scheme.contains("has no general contact") && scheme.contains("energy-momentum"), "{scheme}");
+    let speed = problems(&(head("energy-momentum", 0.1, 1.0) + &two(1.5) + "[general_contact]\nfriction = 0.2\n"));
+    assert!(speed.contains("slip_velocity"), "{speed}");
     // A plate of half a thickness cannot take part.
     let thin = two(1.5).replace("max = [0.5, 0.5, 0.5]", "max = [0.5, 0.5, -0.49]");
     let thin = problems(&(head("energy-momentum", 0.1, 1.0) + &thin + "[general_contact]\nthickness = 0.02\n"));

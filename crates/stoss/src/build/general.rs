@@ -28,13 +28,8 @@ const TOUCH: f64 = 0.1;
 /// Of distances of inset surfaces, relative.
 const ROUND_OFF: f64 = 1e-6;
 
-/// Speed of slip below which friction falls, in parts of the speed of waves.
-const SLIP: f64 = 1e-3;
-
-/// Speed of waves in a bar of a body's material.
-fn wave_speed(body: &crate::solver::Body) -> Option<f64> {
-    Some((body.solid.law().small_strain_moduli().young_modulus() / body.density?).sqrt())
-}
+/// Speed of slip below which friction falls, in parts of the largest speed at the start.
+const SLIP: f64 = 0.01;
 
 /// Adds general contact to the model if the scene has it.
 pub(super) fn general(
@@ -64,8 +59,15 @@ pub(super) fn general(
     let (skin, thickness) = skin(table, placed, model, &rules, facets, problems)?;
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
-    let slowest = model.bodies.iter().filter_map(wave_speed).fold(f64::INFINITY, f64::min);
-    let slip_velocity = table.slip_velocity.unwrap_or(SLIP * if slowest.is_finite() { slowest } else { 1.0 });
+    let fastest = model.velocity.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max);
+    let slip_velocity = table.slip_velocity.unwrap_or(SLIP * fastest.sqrt());
+    if has_friction && scene.is_dynamic() && slip_velocity == 0.0 {
+        let message =
+            "friction acts from some speed of slip on, and nothing moves at the start that would tell which is small";
+        let remedy = "add `slip_velocity`, about a hundredth of the speed at which bodies will slide";
+        problems.add("general_contact.friction".into(), table.friction, message, remedy);
+        return None;
+    }
     let options = GeneralOptions { thickness, damping: table.damping, slip_velocity };
     match GeneralContact::new(NAME, skin, rules, options) {
         Ok(contact) => {
