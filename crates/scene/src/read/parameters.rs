@@ -75,7 +75,7 @@ impl Reader<'_> {
             let at = Node { span: key.span(), ..node };
             at.fail(
                 "cannot be the name of a parameter",
-                "use a letter, then letters, digits and `_`, and no name of a function",
+                "use a letter, then letters, digits and `_`, and neither a coordinate (`x`, `y`, `z`) nor `pi` nor a function",
             )
         };
         self.open.borrow_mut().remove(name);
