@@ -279,8 +279,11 @@ pub(crate) fn coloured(folder: &Folder, grid: &Grid, wanted: Option<&str>) -> Re
 
 /// A time with six digits at most, and its unit if the run has units.
 pub(crate) fn time(folder: &Folder, value: f64) -> String {
-    let number = rounded(value);
-    units::of_time(folder).map_or_else(|| number.to_string(), |unit| format!("{number} {unit}"))
+    let number = match rounded(value) {
+        number if number == 0.0 || (1.0e-4..1.0e7).contains(&number.abs()) => number.to_string(),
+        number => format!("{number:e}"),
+    };
+    units::of_time(folder).map_or_else(|| number.clone(), |unit| format!("{number} {unit}"))
 }
 
 /// A number with six digits at most.
