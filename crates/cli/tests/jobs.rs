@@ -164,6 +164,30 @@ fn parameters_are_set_from_outside() {
     assert!(stderr(&output).contains("gravity"), "{}", stderr(&output));
 }
 
+/// `check` says what expressions over sets hold: a row of facets that a comparison loses at a line of the mesh is seen.
+#[test]
+fn check_prints_nodes_facets_and_area_of_expressions() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = FALL
+        .replace("\"block.top\"", "\"block.top & x > 0.5\"")
+        .replace("[sweep]", "[sets]\nhalf = \"block.top & x >= 0.5\"\n[sweep]");
+    write(folder.path(), "scene.toml", &scene);
+    let output = stoss(folder.path(), &["check", "scene.toml"]);
+    let plan = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(plan.contains("  set block.top & x > 0.5: 3 nodes, no facets\n"), "{plan}{}", stderr(&output));
+    assert!(plan.contains("  set half = block.top & x >= 0.5: 6 nodes, 2 facets with an area of 0.5\n"), "{plan}");
+}
+
+/// Times have the digits that the step has, also in microseconds, and decisions are words.
+#[test]
+fn progress_in_microseconds_is_readable() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = FALL.replace("end = 0.5", "end = 0.5e-6").replace("0.5 / 50", "0.5e-6 / 5");
+    write(folder.path(), "scene.toml", &scene);
+    let text = stderr(&stoss(folder.path(), &["run", "scene.toml", "--no-report"]));
+    assert!(text.contains("t = 3e-7 "), "{text}");
+}
+
 #[test]
 fn force_replaces_what_stoss_did_not_write() {
     let folder = tempfile::tempdir().unwrap();
