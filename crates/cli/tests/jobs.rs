@@ -273,6 +273,18 @@ fn number(row: &std::collections::BTreeMap<String, String>, name: &str) -> f64 {
     row[name].parse().unwrap_or_else(|_| panic!("{name}: {row:?}"))
 }
 
+/// A parameter that a case leaves alone has its own value in the table.
+#[test]
+fn rows_of_a_sweep_have_the_values_that_were_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = "cases = [{ g = 5.0 }, { height = \"2*height\" }]";
+    write(folder.path(), "fall.toml", &FALL.replace("grid = { g = [5.0, 10.0], height = [1.0, \"2*height\"] }", cases));
+    let output = stoss(folder.path(), &["sweep", "fall.toml", "--collect", "--no-report"]);
+    let rows = table(&folder.path().join("fall.sweep"));
+    let values: Vec<[f64; 2]> = rows.iter().map(|row| ["g", "height"].map(|name| number(row, name))).collect();
+    assert_eq!(values, [[5.0, 1.0], [10.0, 2.0]], "{}", stderr(&output));
+}
+
 #[test]
 fn a_sweep_has_a_folder_and_a_row_for_each_case() {
     let folder = tempfile::tempdir().unwrap();
