@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 use stoss::events::EventRecord;
 use stoss::output::{Outcome, Overwrite};
 use stoss::run::{Event, RunError, RunOptions, Summary};
@@ -146,7 +147,11 @@ pub fn run(job: Job) -> ExitCode {
     if matches!(result, Ok(_) | Err(RunError::Simulation { .. })) && !job.no_report {
         listener.progress.abandon();
         // A page is no part of the results: without it the run is as good.
-        match page::write(&[&out]) {
+        let began = Instant::now();
+        let page = page::write(&[&out]);
+        let told = Summary::add_page_seconds(&out, began.elapsed().as_secs_f64());
+        told.unwrap_or_else(|error| say!("warning: {error}"));
+        match page {
             Ok(page) if !quiet => say!("page: {}", page.display()),
             Ok(_) => {}
             Err(error) => say!("warning: no page: {error}"),

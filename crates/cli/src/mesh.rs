@@ -55,7 +55,7 @@ fn convert(from: &Path, to: &Path, group: Option<&str>, scale: f64) -> ExitCode 
     }
     let converted = mesh_io::read_contents(from).and_then(|contents| {
         contents.notes().iter().for_each(|note| say!("note: {note}"));
-        let mut mesh = contents.mesh(group)?;
+        let mut mesh = contents.mesh_with_inner_facets(group)?;
         mesh.nodes.iter_mut().flatten().for_each(|x| *x *= scale);
         mesh_io::write_mesh(to, &mesh)?;
         Ok(mesh)

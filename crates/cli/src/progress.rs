@@ -5,6 +5,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use stoss::output::Watched;
 use stoss::run::{Event, Summary};
+use stoss::solver::{DecisionKind, short};
 
 /// Shows the events of a run.
 pub struct Progress {
@@ -18,6 +19,19 @@ fn worst(watched: &Watched) -> String {
     let drift = watched.drift.map(|(name, drift)| format!("  drift {drift:.1e} ({name})")).unwrap_or_default();
     let depth = watched.relative_depth;
     if depth > 0.0 { format!("{drift}  depth {depth:.3} edges") } else { drift }
+}
+
+/// What was decided.
+fn words(kind: DecisionKind) -> &'static str {
+    match kind {
+        DecisionKind::Cut => "cutback",
+        DecisionKind::Grow => "step size grows",
+        DecisionKind::Shrink => "next step size halved",
+        DecisionKind::Restart => "step started anew",
+        DecisionKind::Warning => "warning",
+        DecisionKind::Stage => "stage",
+        DecisionKind::Release => "release",
+    }
 }
 
 impl Progress {
@@ -47,9 +61,9 @@ impl Progress {
             Event::Step { record, end, watched, .. } => {
                 let active = record.contact.as_ref().map_or(0, |c| c.active);
                 let line = format!(
-                    "step {:5}  t = {:<10.6}  Newton {:2}  contacts {active:4}{}",
+                    "step {:5}  t = {:<10}  Newton {:2}  contacts {active:4}{}",
                     record.step,
-                    record.time,
+                    short(record.time, record.dt),
                     record.iterations,
                     worst(watched)
                 );
@@ -61,7 +75,8 @@ impl Progress {
                     None => say!("{line}  energy {:.10e}", record.balance.total()),
                 }
                 for decision in &record.decisions {
-                    let text = format!("  {:?} at t = {}: {}", decision.kind, decision.time, decision.reason);
+                    let time = short(decision.time, decision.dt);
+                    let text = format!("  {} at t = {time}: {}", words(decision.kind), decision.reason);
                     match &self.bar {
                         Some(bar) => bar.println(text),
                         None => say!("{text}"),

@@ -5,7 +5,7 @@ use crate::terminal::{say, tell};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use stoss_report::picture::{Unfit, Which};
-use stoss_report::values::{Configuration, Options, Place, values};
+use stoss_report::values::{Configuration, Options, Place, has_contact, values};
 
 /// What `stoss values` is asked for.
 #[derive(clap::Args)]
@@ -17,13 +17,13 @@ pub struct Values {
     #[arg(long, value_name = "X,Y,Z", num_args = 2, allow_hyphen_values = true, value_parser = numbers::<3>)]
     line: Option<Vec<[f64; 3]>>,
     /// Number of points on the line.
-    #[arg(long, value_name = "N", default_value_t = 101, value_parser = clap::value_parser!(u32).range(2..))]
+    #[arg(long, value_name = "N", default_value_t = 101, conflicts_with = "plane", value_parser = clap::value_parser!(u32).range(2..))]
     points: u32,
     /// On a plane through a point with a normal: a square grid of points, as far as they are in a body.
     #[arg(long, value_name = "X,Y,Z", num_args = 2, allow_hyphen_values = true, value_parser = numbers::<3>)]
     plane: Option<Vec<[f64; 3]>>,
     /// Distance of the points on the plane [default: a fiftieth of the longer side of what it cuts].
-    #[arg(long, value_name = "D", requires = "plane")]
+    #[arg(long, value_name = "D", conflicts_with = "line")]
     spacing: Option<f64>,
     /// Number of the frame, counted from 0 [default: the last].
     #[arg(long, value_name = "N", conflicts_with = "time")]
@@ -65,6 +65,9 @@ pub fn write(asked: Values) -> ExitCode {
         (None, None) => Which::Last,
     };
     let written = values(&out, &Options { frame, place, fields: field, configuration });
+    if written.as_ref().is_ok_and(|text| has_contact(text)) {
+        say!("note: contact fields are told at points on the surface of a body; inside they are empty");
+    }
     match written.and_then(|text| store(&text, output.as_deref())) {
         Ok(text) => tell(&text),
         Err(error) => {

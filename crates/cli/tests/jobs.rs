@@ -164,6 +164,30 @@ fn parameters_are_set_from_outside() {
     assert!(stderr(&output).contains("gravity"), "{}", stderr(&output));
 }
 
+/// `check` says what expressions over sets hold: a row of facets that a comparison loses at a line of the mesh is seen.
+#[test]
+fn check_prints_nodes_facets_and_area_of_expressions() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = FALL
+        .replace("\"block.top\"", "\"block.top & x > 0.5\"")
+        .replace("[sweep]", "[sets]\nhalf = \"block.top & x >= 0.5\"\n[sweep]");
+    write(folder.path(), "scene.toml", &scene);
+    let output = stoss(folder.path(), &["check", "scene.toml"]);
+    let plan = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(plan.contains("  set block.top & x > 0.5: 3 nodes, no facets\n"), "{plan}{}", stderr(&output));
+    assert!(plan.contains("  set half = block.top & x >= 0.5: 6 nodes, 2 facets with an area of 0.5\n"), "{plan}");
+}
+
+/// Times have the digits that the step has, also in microseconds, and decisions are words.
+#[test]
+fn progress_in_microseconds_is_readable() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = FALL.replace("end = 0.5", "end = 0.5e-6").replace("0.5 / 50", "0.5e-6 / 5");
+    write(folder.path(), "scene.toml", &scene);
+    let text = stderr(&stoss(folder.path(), &["run", "scene.toml", "--no-report"]));
+    assert!(text.contains("t = 3e-7 "), "{text}");
+}
+
 #[test]
 fn force_replaces_what_stoss_did_not_write() {
     let folder = tempfile::tempdir().unwrap();
@@ -247,6 +271,18 @@ fn table(folder: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
 
 fn number(row: &std::collections::BTreeMap<String, String>, name: &str) -> f64 {
     row[name].parse().unwrap_or_else(|_| panic!("{name}: {row:?}"))
+}
+
+/// A parameter that a case leaves alone has its own value in the table.
+#[test]
+fn rows_of_a_sweep_have_the_values_that_were_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = "cases = [{ g = 5.0 }, { height = \"2*height\" }]";
+    write(folder.path(), "fall.toml", &FALL.replace("grid = { g = [5.0, 10.0], height = [1.0, \"2*height\"] }", cases));
+    let output = stoss(folder.path(), &["sweep", "fall.toml", "--collect", "--no-report"]);
+    let rows = table(&folder.path().join("fall.sweep"));
+    let values: Vec<[f64; 2]> = rows.iter().map(|row| ["g", "height"].map(|name| number(row, name))).collect();
+    assert_eq!(values, [[5.0, 1.0], [10.0, 2.0]], "{}", stderr(&output));
 }
 
 #[test]

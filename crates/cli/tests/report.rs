@@ -33,6 +33,11 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn a_run_leaves_a_page_unless_it_is_told_not_to() {
+    let page_seconds = |folder: &Path| {
+        let text = std::fs::read_to_string(folder.join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+        summary["page_seconds"].as_f64()
+    };
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
     let page = folder.path().join("out/report.html");
@@ -40,10 +45,11 @@ fn a_run_leaves_a_page_unless_it_is_told_not_to() {
     let output = stoss(folder.path(), &run);
     assert!(output.status.success() && stderr(&output).contains("out/report.html"), "{}", stderr(&output));
     assert!(std::fs::read_to_string(&page).unwrap().contains("<title>flight</title>"));
+    assert!(page_seconds(&folder.path().join("out")).is_some_and(|seconds| seconds > 0.0));
     // A new run removes the page of the one before, which would be about other results.
     let output = stoss(folder.path(), &[&run[..], &["--no-report", "--quiet"]].concat());
     assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
-    assert!(!page.exists());
+    assert!(!page.exists() && page_seconds(&folder.path().join("out")).is_none());
     let output = stoss(folder.path(), &["report", "out", "out"]);
     assert!(output.status.success() && page.exists());
     let text = std::fs::read_to_string(&page).unwrap();

@@ -467,6 +467,8 @@ fn frames_are_chosen_by_time_and_their_values_are_tables() {
         &["values", "times"][..],
         &["values", "times", "--line", "0,0,0", "0,0,0"],
         &["values", "times", "--line", "0,0,0", "1,1"],
+        &["values", "times", "--line", "0,0,0", "1,0,0", "--spacing", "0.1"],
+        &["values", "times", "--plane", "0,0,0.5", "0,0,1", "--points", "7"],
     ] {
         assert_eq!(stoss(folder.path(), wrong).status.code(), Some(2), "{wrong:?}");
     }

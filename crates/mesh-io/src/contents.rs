@@ -228,11 +228,24 @@ impl Contents {
     /// [`MeshIoError::NoGroup`]; [`MeshIoError::Unsupported`] for cells that Stoss does not compute with; everything that makes the
     /// mesh unusable, in the numbers of the file.
     pub fn mesh(&self, group: Option<&str>) -> Result<Mesh, MeshIoError> {
+        self.mesh_of(group, false)
+    }
+
+    /// As [`Contents::mesh`], but groups of quadrilaterals between two elements stay sets of facets, of one of the two elements each,
+    /// for a mesh that is written again. A computation cannot use them: they have no outside.
+    ///
+    /// # Errors
+    /// As [`Contents::mesh`].
+    pub fn mesh_with_inner_facets(&self, group: Option<&str>) -> Result<Mesh, MeshIoError> {
+        self.mesh_of(group, true)
+    }
+
+    fn mesh_of(&self, group: Option<&str>, keeps_inner: bool) -> Result<Mesh, MeshIoError> {
         let group = group.map(|name| self.find_group(name)).transpose()?;
         let group = group.as_deref();
         self.refuse_others(group)?;
         let kept = self.keep_group(group);
-        let mut mesh = self.unchecked(&kept, group.is_some())?;
+        let mut mesh = self.unchecked(&kept, group.is_some(), keeps_inner)?;
         if let Some(instance) = group.filter(|name| self.instances.contains_key(*name)) {
             without_prefix(&mut mesh.node_sets, instance);
             without_prefix(&mut mesh.element_sets, instance);
@@ -244,13 +257,13 @@ impl Contents {
 
     /// The hexahedra, whatever else there is, not checked.
     pub(crate) fn hexahedra(&self) -> Result<Mesh, MeshIoError> {
-        self.unchecked(&self.keep(0..self.elements.len() as u32), true)
+        self.unchecked(&self.keep(0..self.elements.len() as u32), true, false)
     }
 
     /// What is wrong with the hexahedra, whatever else there is.
     pub(crate) fn check_hexahedra(&self) -> Result<(), MeshIoError> {
         let kept = self.keep(0..self.elements.len() as u32);
-        let mesh = self.unchecked(&kept, true)?;
+        let mesh = self.unchecked(&kept, true, false)?;
         mesh.check_but_coincident().map_err(|problem| self.in_file_numbers(problem, &mesh, &kept))
     }
 
@@ -290,7 +303,7 @@ impl Contents {
         kept
     }
 
-    fn unchecked(&self, kept: &Kept, is_part: bool) -> Result<Mesh, MeshIoError> {
+    fn unchecked(&self, kept: &Kept, is_part: bool, keeps_inner: bool) -> Result<Mesh, MeshIoError> {
         if kept.old_elements.is_empty() {
             return Err(MeshIoError::NoHexahedra { path: self.path().to_owned() });
         }
@@ -322,7 +335,7 @@ impl Contents {
         }
         if !self.quads.is_empty() || !self.free_facets.is_empty() {
             let index = mesh.facet_index();
-            self.match_quads(&index, &kept.nodes, is_part, &mut mesh, &mut facets)?;
+            self.match_quads(&index, &kept.nodes, is_part, keeps_inner, &mut mesh, &mut facets)?;
             let boundary = if self.free_facets.is_empty() { Vec::new() } else { index.boundary() };
             for (name, elements) in &self.free_facets {
                 let of_set = |f: &&Facet| elements.contains(&kept.old_elements[f.element as usize]);
@@ -334,13 +347,14 @@ impl Contents {
         Ok(mesh)
     }
 
-    /// Quadrilaterals to facets. A group that has a facet between two elements has no outside: it becomes a node set. Of a part of
+    /// Quadrilaterals to facets. A group that has a facet between two elements has no outside: it becomes a node set unless `keeps_inner`. Of a part of
     /// a file the quadrilaterals of the other parts are left out.
     fn match_quads(
         &self,
         index: &FacetIndex,
         new: &[u32],
         is_part: bool,
+        keeps_inner: bool,
         mesh: &mut Mesh,
         facets: &mut BTreeMap<String, BTreeSet<Facet>>,
     ) -> Result<(), MeshIoError> {
@@ -357,8 +371,9 @@ impl Contents {
                     );
                     return Err(self.error(place, format_args!("nodes {numbers:?}"), remedy));
                 }
-                inner |= found.len() > 1;
-                matched.extend(found.copied());
+                let sides = if keeps_inner { 1 } else { found.len() };
+                inner |= !keeps_inner && found.len() > 1;
+                matched.extend(found.take(sides).copied());
             }
             if inner {
                 let nodes: BTreeSet<u32> = matched.iter().flat_map(|f| f.nodes).collect();

@@ -69,7 +69,7 @@ pub fn gif(path: &Path, options: &Options, pace: Pace) -> Outcome<Vec<u8>> {
         let grid = motif.grid(number)?;
         let found = picture::surface(&motif.folder, &grid, name).map_err(refuse)?;
         let (surface, label) = found.ok_or_else(|| refuse(picture::no_such_field(&grid, name)))?;
-        Outcome::Ok((motif.shot(number, surface)?, label))
+        Outcome::Ok((motif.shot(number, &grid, surface)?, label))
     };
     // The view and the range are those of all frames, which are read twice: together they may be more than memory holds.
     let (mut low, mut high, mut ends, mut label) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2], None, String::new());

@@ -105,13 +105,19 @@ impl<'a> Motif<'a> {
     }
 
     /// Below the picture of a frame, with its surface.
-    pub fn shot(&self, frame: usize, surface: Surface) -> Outcome<Shot> {
+    pub fn shot(&self, frame: usize, grid: &Grid, surface: Surface) -> Outcome<Shot> {
         let frame_of = &self.folder.frames[frame];
         if !surface.places().flatten().all(f64::is_finite) {
             return Err(format!("{}: positions that are not finite cannot be drawn", frame_of.path.display()).into());
         }
-        Ok(Shot { caption: format!("time {}, frame {frame}", time(&self.folder, frame_of.time)), surface })
+        let shape = if is_undeformed(grid) { ", undeformed: no displacement is stored" } else { "" };
+        Ok(Shot { caption: format!("time {}, frame {frame}{shape}", time(&self.folder, frame_of.time)), surface })
     }
+}
+
+/// Whether a frame has no displacement, so that every point is drawn where it was at the start.
+pub(crate) fn is_undeformed(grid: &Grid) -> bool {
+    grid.point_data.get(DISPLACEMENT).is_none_or(|array| array.components != 3)
 }
 
 pub(crate) fn unfit(folder: &Folder, text: String) -> Unfit {
@@ -150,7 +156,7 @@ fn composed(path: &Path, options: &Options) -> Outcome<(Shot, Camera, String, St
     let grid = motif.grid(number)?;
     let coloured = coloured(&motif.folder, &grid, options.field.as_deref());
     let (surface, label) = coloured.map_err(|text| unfit(&motif.folder, text))?;
-    Ok((motif.shot(number, surface)?, motif.camera, motif.title(), label))
+    Ok((motif.shot(number, &grid, surface)?, motif.camera, motif.title(), label))
 }
 
 pub(crate) fn around<'a>(options: &Options, title: &'a str, label: &'a str) -> (Style<'a>, Layout) {
@@ -273,8 +279,11 @@ pub(crate) fn coloured(folder: &Folder, grid: &Grid, wanted: Option<&str>) -> Re
 
 /// A time with six digits at most, and its unit if the run has units.
 pub(crate) fn time(folder: &Folder, value: f64) -> String {
-    let number = rounded(value);
-    units::of_time(folder).map_or_else(|| number.to_string(), |unit| format!("{number} {unit}"))
+    let number = match rounded(value) {
+        number if number == 0.0 || (1.0e-4..1.0e7).contains(&number.abs()) => number.to_string(),
+        number => format!("{number:e}"),
+    };
+    units::of_time(folder).map_or_else(|| number.clone(), |unit| format!("{number} {unit}"))
 }
 
 /// A number with six digits at most.

@@ -204,6 +204,15 @@ fn what_is_broken_is_named_and_the_rest_is_shown() {
     assert!(unpacked(&page.text).0["animation"].is_null());
 }
 
+/// The test of the page is in no user's page, and belongs to the program that starts it.
+#[test]
+fn the_test_is_not_shipped() {
+    let folder = folder();
+    let text = page(&[folder.path()]).unwrap().text;
+    assert!(!text.contains("tryControls") && !text.contains("#test") && text.contains("const started = start()"));
+    assert!(text.matches("</body>").count() == 1 && TEST.contains("await test(app)"));
+}
+
 #[test]
 fn a_file_of_somebody_else_is_kept() {
     let folder = folder();
@@ -280,6 +289,16 @@ fn chromium() -> Option<&'static str> {
     ["chromium", "chromium-browser", "google-chrome"].into_iter().find(starts)
 }
 
+/// What uses every control of a page; no user's page has it.
+const TEST: &str = include_str!("../src/page/assets/selftest.js");
+
+/// Adds the test to a page.
+fn with_test(file: &Path) {
+    let text = std::fs::read_to_string(file).unwrap();
+    assert!(!text.contains("tryControls"));
+    std::fs::write(file, text.replacen("</body>", &format!("<script>\n{TEST}</script>\n</body>"), 1)).unwrap();
+}
+
 /// Loads a page and returns its document and what the browser's console got.
 fn load(browser: &str, file: &Path, hash: &str) -> (String, Vec<String>) {
     let profile = tempfile::tempdir().unwrap();
@@ -319,6 +338,7 @@ fn title(document: &str) -> &str {
 /// Loads the page, lets it use all of its own controls, and wants `ready`, the names of what was tried, and an empty console.
 fn passes(browser: &str, folders: &[&Path], tried: &[&str]) {
     write(folders).unwrap();
+    with_test(&folders[0].join(NAME));
     let (document, console) = load(browser, &folders[0].join(NAME), "#test");
     assert_eq!(title(&document), "ready", "{console:?}");
     assert_eq!(console, Vec::<String>::new());
@@ -381,6 +401,7 @@ fn a_browser_shows_a_sweep_and_keeps_what_it_shows_over_a_reload() {
     let (one, sweep) = (folder(), sweep());
     // A page that loads itself anew is as it was before.
     Follower::default().write(one.path(), Some(0.3)).unwrap();
+    with_test(&one.path().join(NAME));
     let (document, console) = load(browser, &one.path().join(NAME), "#test-reload");
     assert_eq!((title(&document), console), ("ready", Vec::new()));
     passes(browser, &[sweep.path()], &["panel Sweep", "panel Compare", "chart tip at the end over mu", "scrub"]);

@@ -135,6 +135,29 @@ fn title_time_and_field_are_written() {
     assert!([">largest principal cauchy stress<", ">1.00<", ">3.00<"].iter().all(|text| stress.contains(text)));
 }
 
+/// What is drawn without displacements says so.
+#[test]
+fn a_frame_without_displacement_says_that_it_is_undeformed() {
+    let folder = folder();
+    let undeformed = "undeformed: no displacement is stored";
+    assert!(!picture(folder.path(), &of(&["cube"])).unwrap().contains(undeformed));
+    for frame in 0..3 {
+        let stress = [1.0; 14];
+        let data = VtuFrame {
+            points: &POINTS,
+            hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+            point_data: vec![Field { name: "von_mises", components: 1, values: &stress }],
+            cell_data: vec![Field { name: "body", components: 1, values: &[0.0] }],
+            ..VtuFrame::default()
+        };
+        write_vtu(folder.path().join(format!("frames/{frame}.vtu")), &data).unwrap();
+    }
+    let svg = picture(folder.path(), &of(&["cube"])).unwrap();
+    assert!(svg.contains(&format!(">time 0.2, frame 2, {undeformed}<")), "{svg}");
+    let page = stoss_report::page::page(&[folder.path()]).unwrap();
+    assert!(page.notes.iter().any(|note| note.contains("no displacement")), "{:?}", page.notes);
+}
+
 #[test]
 fn what_there_is_not_is_refused_with_what_there_is() {
     let folder = folder();

@@ -123,6 +123,31 @@ fn a_linear_field_is_found_again_along_a_line() {
     }
 }
 
+/// Contact fields are those of surfaces: inside of a body, and on a face between cells, they are empty, whatever the nodes there have.
+#[test]
+fn contact_fields_are_empty_inside() {
+    let folder = tempfile::tempdir().unwrap();
+    let points: Vec<[f64; 3]> = (0..12).map(|k| [f64::from(k % 2), f64::from(k / 2 % 2), f64::from(k / 4)]).collect();
+    let cell = |first: u32| [0, 1, 3, 2, 4, 5, 7, 6].map(|k| first + k);
+    let pressure: Vec<f64> = points.iter().map(|x| if x[2] == 0.0 { 8.0 } else { 0.0 }).collect();
+    let status: Vec<f64> = points.iter().map(|x| if x[2] == 0.0 { 2.0 * x[0] } else { 0.0 }).collect();
+    let point_data = vec![
+        Field { name: "contact_pressure", components: 1, values: &pressure },
+        Field { name: "contact_status", components: 1, values: &status },
+    ];
+    let cell_data = vec![Field { name: "body", components: 1, values: &[0.0, 0.0] }];
+    let frame =
+        VtuFrame { points: &points, hexahedra: &[cell(0), cell(4)], point_data, cell_data, ..VtuFrame::default() };
+    write_vtu(folder.path().join("a.vtu"), &frame).unwrap();
+    let collection = "<VTKFile><Collection><DataSet timestep=\"0.5\" file=\"a.vtu\"/></Collection></VTKFile>";
+    std::fs::write(folder.path().join("frames.pvd"), collection).unwrap();
+    let up =
+        line([0.7, 0.5, 0.0], [0.7, 0.5, 2.0], 5, Configuration::Reference, &["contact_pressure", "contact_status"]);
+    let (_, found) = rows(folder.path(), &up);
+    let values: Vec<&[String]> = found.iter().map(|row| &row[6..]).collect();
+    assert_eq!(values, [&["8e0", "2e0"][..], &["", ""], &["", ""], &["", ""], &["0e0", "0e0"]]);
+}
+
 #[test]
 fn current_positions_are_those_of_the_deformed_bodies() {
     let folder = folder();
@@ -148,7 +173,7 @@ fn a_point_in_two_bodies_has_a_row_for_each_and_a_field_without_number_is_empty(
     assert_eq!(tail.len(), 4);
     assert_eq!(
         (tail[0], tail[1]),
-        (&["1", "lower", "1e0", ""].map(String::from)[..], &["1", "lower", "1e0", ""].map(String::from)[..])
+        (&["1", "lower", "1e0", "5e-1"].map(String::from)[..], &["1", "lower", "1e0", ""].map(String::from)[..])
     );
     assert_eq!(tail[2], ["1", "upper", "2e0", ""]);
     assert_eq!(found[1][..4], found[2][..4]);

@@ -70,9 +70,9 @@ pub(crate) fn is_parameter_name(name: &str) -> bool {
         && !is_reserved(name)
 }
 
-/// Names of functions and constants.
+/// Names of functions, constants and coordinates: `x`, `y`, `z` in an expression over sets are never a parameter.
 fn is_reserved(name: &str) -> bool {
-    matches!(name, "pi" | "degrees")
+    matches!(name, "pi" | "degrees" | "x" | "y" | "z")
         || UNARY.iter().any(|(known, _)| *known == name)
         || BINARY.iter().any(|(known, _)| *known == name)
 }
@@ -430,7 +430,11 @@ mod tests {
     #[test]
     fn names_of_functions_are_no_parameters() {
         assert!(["radius", "x_1", "µ", "e"].into_iter().all(is_parameter_name));
-        assert!(!["", "1x", "a-b", "a.b", "pi", "min", "sqrt", "degrees", "_a"].into_iter().any(is_parameter_name));
+        assert!(
+            !["", "1x", "a-b", "a.b", "pi", "min", "sqrt", "degrees", "_a", "x", "y", "z"]
+                .into_iter()
+                .any(is_parameter_name)
+        );
     }
 
     proptest! {

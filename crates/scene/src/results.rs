@@ -39,6 +39,10 @@ named! {
         CauchyStress = "cauchy_stress",
         /// Green-Lagrange strain `(F^T F - 1)/2` at a material point: `.xx .yy .zz .xy .yz .xz`.
         GreenLagrangeStrain = "green_lagrange_strain",
+        /// Logarithmic strain `ln(F F^T)/2` at a material point, in current directions: `.xx .yy .zz .xy .yz .xz`.
+        LogarithmicStrain = "logarithmic_strain",
+        /// Principal Cauchy stresses at a material point, the largest first: `.1 .2 .3`.
+        PrincipalStresses = "principal_stresses",
         /// Von Mises stress at a material point.
         VonMises = "von_mises",
         /// Deformation gradient at a material point, rows of the current and columns of the reference direction: `.xx .xy .xz .yx` and so on.
@@ -92,10 +96,18 @@ impl Quantity {
 
     /// True if it belongs to a material point of a deformable body: needs `body` and `point`, and is what the element's interpolation gives there.
     pub fn is_of_material(self) -> bool {
-        matches!(self, Self::CauchyStress | Self::GreenLagrangeStrain | Self::VonMises | Self::DeformationGradient)
+        matches!(
+            self,
+            Self::CauchyStress
+                | Self::GreenLagrangeStrain
+                | Self::LogarithmicStrain
+                | Self::PrincipalStresses
+                | Self::VonMises
+                | Self::DeformationGradient
+        )
     }
 
-    /// True if it may have a [`Reduce`]: it has a value at each node. Stresses are then those of the frames, extrapolated to nodes.
+    /// True if it may have a [`Reduce`]: it has a value at each node. Stresses and strains are then those of the frames, extrapolated to nodes.
     pub fn has_extrema(self) -> bool {
         matches!(
             self,
@@ -105,13 +117,16 @@ impl Quantity {
                 | Self::Reaction
                 | Self::ContactForce
                 | Self::CauchyStress
+                | Self::GreenLagrangeStrain
+                | Self::LogarithmicStrain
+                | Self::PrincipalStresses
                 | Self::VonMises
         )
     }
 
     /// Names of its components in the order of their columns; empty for one value: energies, angles, coordinates of joints, von Mises stress.
     pub fn components(self) -> &'static [ProbeComponent] {
-        use ProbeComponent::{X, Xx, Xy, Xz, Y, Yx, Yy, Yz, Z, Zx, Zy, Zz};
+        use ProbeComponent::{First, Second, Third, X, Xx, Xy, Xz, Y, Yx, Yy, Yz, Z, Zx, Zy, Zz};
         match self {
             Self::Energy
             | Self::KineticEnergy
@@ -120,7 +135,8 @@ impl Quantity {
             | Self::JointDisplacement
             | Self::Elevation
             | Self::VonMises => &[],
-            Self::CauchyStress | Self::GreenLagrangeStrain => &[Xx, Yy, Zz, Xy, Yz, Xz],
+            Self::PrincipalStresses => &[First, Second, Third],
+            Self::CauchyStress | Self::GreenLagrangeStrain | Self::LogarithmicStrain => &[Xx, Yy, Zz, Xy, Yz, Xz],
             Self::DeformationGradient => &[Xx, Xy, Xz, Yx, Yy, Yz, Zx, Zy, Zz],
             _ => &[X, Y, Z],
         }
@@ -141,6 +157,12 @@ named! {
         Y = "y",
         /// Of a vector, along z.
         Z = "z",
+        /// The largest principal value.
+        First = "1",
+        /// The middle principal value.
+        Second = "2",
+        /// The smallest principal value.
+        Third = "3",
         /// Of a tensor, row x, column x.
         Xx = "xx",
         /// Row x, column y.
@@ -265,7 +287,8 @@ pub struct Probe {
     /// Records the extremum over the nodes of `set` or `body` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reduce: Option<Reduce>,
-    /// Component whose extremum it is; the length of the vector if left out. With `reduce` only.
+    /// Component whose extremum it is; if left out the length of the vector, of strains and principal stresses the largest (`max`) or smallest
+    /// (`min`) principal value. With `reduce` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<ProbeComponent>,
 }

@@ -68,7 +68,10 @@ fn expressions_are_evaluated_where_numbers_stand() {
 #[test]
 fn set_changes_a_parameter_and_what_depends_on_it() {
     assert_eq!(figures(&set(&[("radius", "3")]).unwrap()), [60.0, 0.06, 6.0, 3.0]);
-    assert_eq!(figures(&set(&[("radius", "3"), ("radius", "count/2")]).unwrap()), [40.0, 0.04, 4.0, 2.0]);
+    assert_eq!(figures(&set(&[("radius", "count/2")]).unwrap()), [40.0, 0.04, 4.0, 2.0]);
+    let errors = set(&[("radius", "3"), ("radius", "count/2")]).unwrap_err();
+    let problem = &errors.problems()[0];
+    assert!(problem.message.contains("--set radius=3") && problem.message.contains("twice"), "{problem}");
     let errors = set(&[("raduis", "3")]).unwrap_err();
     let problem = &errors.problems()[0];
     assert_eq!((problem.line, problem.key.as_str()), (2, "parameters.raduis"));

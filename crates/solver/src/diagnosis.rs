@@ -1,6 +1,7 @@
 //! Says in words of the model what the linear algebra knows by the number of an equation.
 
 use crate::assembly::{Iterate, System};
+use crate::words::short;
 use crate::{Model, Place, StepError, Unknown};
 use stoss_linalg::{LinalgError, NONE};
 
@@ -10,7 +11,10 @@ const PART: f64 = 0.1;
 /// A node in words: its number in its body, and where it is.
 pub(crate) fn node_name(model: &Model, node: u32, q: &[f64]) -> String {
     let at = 3 * node as usize;
-    let place = q.get(at..at + 3).map_or(String::new(), |x| format!(" at ({:.4}, {:.4}, {:.4})", x[0], x[1], x[2]));
+    let place = q.get(at..at + 3).map_or(String::new(), |x| {
+        let size = x.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        format!(" at ({}, {}, {})", short(x[0], size), short(x[1], size), short(x[2], size))
+    });
     match model.bodies.iter().find(|body| body.nodes.contains(&node)) {
         Some(body) => format!("node {} of body {}{place}", node - body.nodes.start, body.solid.name()),
         None => match model.parts.iter().find(|part| part.own_vectors().contains(&node)) {

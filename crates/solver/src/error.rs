@@ -159,7 +159,7 @@ pub enum SimulationError {
     #[error("{0}")]
     Model(String),
     /// No step size down to the smallest allowed one worked.
-    #[error("step {step} from time {time} failed even at the step size {dt:.3e}: {cause}")]
+    #[error("step {step} from time {time} failed even at the step size {dt:.3e}: {cause}", time = crate::short(*.time, *.dt))]
     StepFailed {
         /// Number of the step that failed.
         step: u64,

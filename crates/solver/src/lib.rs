@@ -37,6 +37,7 @@ mod switches;
 mod system;
 mod table;
 mod timing;
+mod words;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use control::{Automatic, Clock, StepChange, StepControl};
@@ -55,3 +56,4 @@ pub use switches::{Release, Switches};
 pub use system::contact_rule;
 pub use table::{Table, TableError};
 pub use timing::{Phase, PhaseTime, Timings};
+pub use words::short;

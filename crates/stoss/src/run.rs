@@ -347,6 +347,7 @@ fn plan_lines(scene: &Scene, built: &Built) -> Vec<String> {
     let plan = built.simulation.plan();
     let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
     lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));
+    lines.extend(built.sets.iter().map(|line| format!("  set {line}")));
     lines.extend(built.contacts.iter().map(|contact| format!("  contact {contact}")));
     for joint in &scene.joints {
         let [a, b] = &joint.between;

@@ -34,6 +34,8 @@ pub struct Case {
     pub number: usize,
     /// Values of the parameters that it gives.
     pub values: BTreeMap<String, f64>,
+    /// Values of all parameters with those; only those if the scene cannot be read.
+    used: BTreeMap<String, f64>,
     /// SHA-256 of the version and of the scene as it is read with these values; or why it cannot be read.
     scene: Result<String, String>,
 }
@@ -115,11 +117,14 @@ impl SweepPlan {
         let cases = sweep.all().into_iter().enumerate().map(|(k, values)| {
             let mut all = set.to_vec();
             all.extend(assignments(&values));
-            let scene = match parse_set(&text, &file, &OwnNames::default(), &all) {
-                Ok(scene) => Ok(hash(&scene)),
-                Err(errors) => Err(errors.problems().first().map(ToString::to_string).unwrap_or_default()),
+            let (scene, used) = match parse_set(&text, &file, &OwnNames::default(), &all) {
+                Ok(scene) => (Ok(hash(&scene)), scene.parameters),
+                Err(errors) => {
+                    let first = errors.problems().first().map(ToString::to_string).unwrap_or_default();
+                    (Err(first), values.clone())
+                }
             };
-            Case { number: k + 1, values, scene }
+            Case { number: k + 1, values, used, scene }
         });
         let (set, extremes) = (set.to_vec(), sweep.extremes.clone());
         Ok(Self { scene: path.to_path_buf(), set, parameters, extremes, cases: cases.collect() })
@@ -210,7 +215,7 @@ impl SweepPlan {
         for (case, result) in self.cases.iter().zip(&results) {
             let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
             let mut row = vec![case.number.to_string()];
-            row.extend(self.parameters.iter().map(|name| number(case.values.get(name).copied())));
+            row.extend(self.parameters.iter().map(|name| number(case.used.get(name).copied())));
             row.extend([result.outcome.to_owned(), result.verdict.clone(), cell(&result.reason)]);
             row.extend([number(result.time), result.steps.map_or_else(String::new, |steps| steps.to_string())]);
             row.push(number(result.wall_seconds));

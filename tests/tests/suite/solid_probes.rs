@@ -86,7 +86,14 @@ fn close(found: &[f64], expected: &[f64]) {
 
 #[test]
 fn a_homogeneous_deformation_has_the_stress_of_the_law_everywhere() {
-    let quantities = ["cauchy_stress", "green_lagrange_strain", "von_mises", "deformation_gradient"];
+    let quantities = [
+        "cauchy_stress",
+        "green_lagrange_strain",
+        "von_mises",
+        "deformation_gradient",
+        "principal_stresses",
+        "logarithmic_strain",
+    ];
     let mut rest = sheared();
     for (k, point) in ["[0.3, 1.7, 2.2]", "[1, 2, 3]", "[0.5, 1, 1.5]"].iter().enumerate() {
         for quantity in quantities {
@@ -96,9 +103,16 @@ fn a_homogeneous_deformation_has_the_stress_of_the_law_everywhere() {
             );
         }
     }
-    for (reduce, quantity, more) in
-        [("max", "von_mises", ""), ("min", "von_mises", ""), ("min", "cauchy_stress", "component = \"xz\"\n")]
-    {
+    for (reduce, quantity, more) in [
+        ("max", "von_mises", ""),
+        ("min", "von_mises", ""),
+        ("min", "cauchy_stress", "component = \"xz\"\n"),
+        ("max", "principal_stresses", ""),
+        ("max", "green_lagrange_strain", ""),
+        ("min", "green_lagrange_strain", "component = \"xz\"\n"),
+        ("max", "logarithmic_strain", ""),
+        ("min", "logarithmic_strain", ""),
+    ] {
         rest += &format!(
             "[[probe]]\nname = \"{reduce}-{quantity}\"\nquantity = \"{quantity}\"\nreduce = \"{reduce}\"\nbody = \"block\"\n{more}"
         );
@@ -115,12 +129,31 @@ fn a_homogeneous_deformation_has_the_stress_of_the_law_everywhere() {
         close(&values(&built, name)[..1], &[mises(sigma)]);
     }
     close(&values(&built, "min-cauchy_stress")[..1], &[sigma[0][2]]);
+    close(&values(&built, "min-green_lagrange_strain")[..1], &[e[0][2]]);
+    // The eigenvalues of E are those of (C - 1)/2, and those of ln V half the logarithms of those of C.
+    let eigenvalues = |m: [[f64; 3]; 3]| {
+        let matrix = stoss::tensor::Tensor2::from_fn(|i, j| m[i][j]);
+        let values = matrix.symmetric_eigenvalues();
+        [values.max(), values.min()]
+    };
+    let [largest, smallest] = eigenvalues(e);
+    close(&values(&built, "max-principal_stresses")[..1], &eigenvalues(sigma)[..1]);
+    close(&values(&built, "max-green_lagrange_strain")[..1], &[largest]);
+    close(&values(&built, "max-logarithmic_strain")[..1], &[0.5 * (1.0 + 2.0 * largest).ln()]);
+    close(&values(&built, "min-logarithmic_strain")[..1], &[0.5 * (1.0 + 2.0 * smallest).ln()]);
+    for k in 0..3 {
+        let [first, last] = eigenvalues(sigma);
+        let principal = values(&built, &format!("principal_stresses-{k}"));
+        close(&[principal[0], principal[2]], &[first, last]);
+        let strain = values(&built, &format!("logarithmic_strain-{k}"));
+        close(&[strain[..3].iter().sum::<f64>()], &[(1.0 + STRETCH).ln()]);
+    }
     let columns: Vec<String> = built.probes.iter().flat_map(Probe::columns).collect();
     assert_eq!(
         columns[..7].join(","),
         "cauchy_stress-0.xx,cauchy_stress-0.yy,cauchy_stress-0.zz,cauchy_stress-0.xy,cauchy_stress-0.yz,cauchy_stress-0.xz,green_lagrange_strain-0.xx"
     );
-    assert_eq!(columns[columns.len() - 2..], ["min-cauchy_stress", "min-cauchy_stress.node"]);
+    assert_eq!(columns[columns.len() - 2..], ["min-logarithmic_strain", "min-logarithmic_strain.node"]);
 }
 
 /// Turned by 40 degrees about the diagonal, a node moves by `2 sin(20 deg)` times its distance from the axis: that is linear in the position, largest at (0, 0, 3),

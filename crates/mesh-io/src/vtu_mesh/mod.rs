@@ -3,7 +3,7 @@
 //! | in the file | in the mesh |
 //! |---|---|
 //! | hexahedra (type 12), voxels (11) | elements |
-//! | array of the cells of whole numbers, one a cell | element set `array=value` for each value |
+//! | array of the cells of whole numbers, one a cell | element set `array=value` for each value, but not of zeros and ones of a floating-point type |
 //! | array of the cells of zeros and ones | also the set `array` of its ones; of quadrilaterals a facet set |
 //! | array of the points of zeros and ones | the node set `array` of its ones |
 //!
@@ -34,6 +34,8 @@ pub(crate) fn recognise(text: &str) -> bool {
 struct Named {
     name: String,
     values: Vec<f64>,
+    /// Whole numbers by their type, not only by their values.
+    is_integer: bool,
 }
 
 /// What a piece has said so far.
@@ -154,7 +156,8 @@ fn array(arrays: &Arrays, tag: &xml::Tag, section: &str, piece: &mut Piece) -> R
                 return Err(arrays.error(tag.end, value, format!("expected {count}")));
             }
             let of = if section == "CellData" { &mut piece.cell_arrays } else { &mut piece.point_arrays };
-            of.push(Named { name, values });
+            let is_integer = tag.attribute("type").is_some_and(|kind| !kind.starts_with("Float"));
+            of.push(Named { name, values, is_integer });
         }
         _ => {}
     }
@@ -197,7 +200,7 @@ fn add(arrays: &Arrays, piece: Piece, start: usize, contents: &mut Contents) -> 
         let names = groups.of(cell);
         cells::add(contents, piece.types[cell] as u8, cell, &nodes, &names, place)?;
     }
-    for Named { name, values } in piece.point_arrays.iter().filter(|a| is_choice(&a.values)) {
+    for Named { name, values, .. } in piece.point_arrays.iter().filter(|a| is_choice(&a.values)) {
         let chosen = (0..points).filter(|&n| values[n] == 1.0).map(|n| first_node + n as u32);
         entry(&mut contents.node_sets, name).extend(chosen);
     }
@@ -239,8 +242,11 @@ impl<'a> Groups<'a> {
 
     fn of(&self, cell: usize) -> Names {
         let mut names = Names { values: Vec::new(), choices: Vec::new() };
-        for (Named { name, values }, is_choice) in &self.arrays {
-            names.values.push(format!("{name}={}", values[cell]));
+        for (Named { name, values, is_integer }, is_choice) in &self.arrays {
+            // Zeros and ones that are no integers are a set and its rest, as this crate writes them.
+            if *is_integer || !*is_choice {
+                names.values.push(format!("{name}={}", values[cell]));
+            }
             if *is_choice && values[cell] == 1.0 {
                 names.choices.push(name.clone());
             }

@@ -43,7 +43,7 @@ const SCRIPTS: [&str; 10] = [
     include_str!("assets/panels.js"),
     include_str!("assets/app.js"),
     include_str!("assets/follow.js"),
-    include_str!("assets/selftest.js"),
+    include_str!("assets/start.js"),
 ];
 
 /// A page and what is to be said about it.

@@ -17,6 +17,7 @@ use super::shape::{Body, Shape};
 use super::tables::{self, Columns};
 use crate::Outcome;
 use crate::folder::Folder;
+use crate::picture::is_undeformed;
 use crate::units;
 use crate::vtu::Grid;
 
@@ -109,6 +110,8 @@ pub struct Cache {
     fields: Vec<Field>,
     stamps: Vec<Stamp>,
     streams: Streams,
+    /// The frames have no displacement.
+    is_undeformed: bool,
 }
 
 /// Places and values of the drawn nodes in all frames.
@@ -163,10 +166,14 @@ fn animation(
         let (shape, fields) = (Shape::new(&first, &folder.bodies), Field::of(&first));
         let reference = shape.nodes.iter().map(|&point| first.points[point]).collect();
         let streams = Streams { reference, fields: vec![Vec::new(); fields.len()], ..Streams::default() };
-        *cache = Cache { shape, fields, stamps: Vec::new(), streams };
+        *cache = Cache { shape, fields, stamps: Vec::new(), streams, is_undeformed: is_undeformed(&first) };
     }
     if cache.shape.nodes.is_empty() {
         return None;
+    }
+    if cache.is_undeformed {
+        let folder = folder.path().display();
+        notes.push(format!("{folder}: the frames have no displacement: everything is shown where it was at the start"));
     }
     let count = folder.frames.len();
     let most = (NUMBERS / runs.max(1) / (cache.shape.nodes.len() * (3 + cache.fields.len()))).max(2);

@@ -25,6 +25,9 @@ pub fn bar(canvas: &mut dyn Canvas, label: &str, range: (f64, f64), total: [f64;
 
 /// Ends and middle of a range, with as many digits as tell them apart.
 fn bar_numbers((least, most): (f64, f64)) -> [String; 3] {
+    if least == most {
+        return [least; 3].map(short);
+    }
     let values = [least, 0.5 * least + 0.5 * most, most];
     let plain = least.abs().max(most.abs()) < 1e5;
     let with = |digits: usize| {

@@ -312,7 +312,7 @@ fn pieces(face: &Face, range: (f64, f64), Finish { parts, colour }: Finish) -> V
         .map(|(i, j)| {
             let at = |x: f64, y: f64| ((i + x) / parts as f64, (j + y) / parts as f64);
             let [value] = blend(at(0.5, 0.5), face.values.map(|value| [value]));
-            let fill = colour((value - range.0) / (range.1 - range.0), face.light);
+            let fill = colour(place_in(value, range), face.light);
             (fill, [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)].map(|at| blend(at, face.corners)))
         })
         .collect();
@@ -385,7 +385,7 @@ fn snapshot(canvas: &mut dyn Canvas, visible: &Visible, range: (f64, f64), finis
 
 /// A part of a line, or a disc.
 fn draw_stroke(canvas: &mut dyn Canvas, stroke: &Stroke, range: (f64, f64), finish: Finish) {
-    let fill = (finish.colour)((stroke.value - range.0) / (range.1 - range.0), 1.0);
+    let fill = (finish.colour)(place_in(stroke.value, range), 1.0);
     match stroke.ends {
         [from, to] if from == to => canvas.disc(fill, from),
         ends => canvas.line(fill, &ends),
@@ -413,16 +413,24 @@ fn bounds(points: impl Iterator<Item = [f64; 2]>) -> ([f64; 2], [f64; 2]) {
     })
 }
 
-/// Smallest and largest finite value, moved apart if they are equal; zero and one if there is none.
+/// A range whose ends differ by less than this part of them is that of a constant.
+const CONSTANT: f64 = 1.0e-12;
+
+/// Smallest and largest finite value, twice the same if they differ by round-off only; zero and one if there is none.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let values = values.filter(|value| value.is_finite());
     let (least, most) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
     match most - least {
-        apart if apart > 0.0 => (least, most),
-        0.0 => (least.min(0.0), least.max(0.0) + 1.0),
+        apart if apart > CONSTANT * least.abs().max(most.abs()) => (least, most),
+        apart if apart >= 0.0 => (least, least),
         _ => (0.0, 1.0),
     }
+}
+
+/// Where a value is between the ends of a range: zero to one. All of a constant is in the middle.
+fn place_in(value: f64, (least, most): (f64, f64)) -> f64 {
+    if least == most && value.is_finite() { 0.5 } else { (value - least) / (most - least) }
 }
 
 #[cfg(test)]
@@ -480,8 +488,20 @@ mod tests {
 
     #[test]
     fn constant_fields_have_a_range() {
-        assert_eq!(range([2.0, 2.0].into_iter()), (0.0, 3.0));
-        assert_eq!(range([0.0].into_iter()), (0.0, 1.0));
+        assert_eq!(range([-38.5, -38.5].into_iter()), (-38.5, -38.5));
+        assert_eq!(range([1.1, 1.1 + 1e-15].into_iter()), (1.1, 1.1));
+        assert_eq!(range([0.0].into_iter()), (0.0, 0.0));
         assert_eq!(range([f64::NAN, f64::INFINITY].into_iter()), (0.0, 1.0));
+        assert_eq!([place_in(2.0, (2.0, 2.0)), place_in(2.0, (0.0, 8.0))], [0.5, 0.25]);
+        assert!(place_in(f64::NAN, (2.0, 2.0)).is_nan());
+        let svg = draw(
+            &[Shot {
+                caption: String::new(),
+                surface: Surface::new(&crate::vtu::tests::cube(&[-38.5; 8]), "speed").unwrap(),
+            }],
+            CAMERA,
+            &STYLE,
+        );
+        assert_eq!(svg.matches(">-38.5<").count(), 3, "{svg}");
     }
 }

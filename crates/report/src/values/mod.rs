@@ -6,6 +6,7 @@
 mod locate;
 mod section;
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -16,6 +17,42 @@ use crate::vtu::{Array, Grid};
 use locate::{Held, Locator};
 
 const DISPLACEMENT: &str = "displacement";
+
+/// Fields of surfaces: between a surface and what is inside of it they mean nothing.
+const CONTACT: [&str; 5] = ["contact_pressure", "gap", "contact_status", "friction_traction", "slip"];
+/// A field of whole numbers: its value is that of the nearest node.
+const STATUS: &str = "contact_status";
+/// Weight of the nodes beyond a facet, up to which a point is on the facet.
+const ON: f64 = 1.0e-6;
+
+/// Whether a table has columns of contact fields, which are empty at points inside.
+pub fn has_contact(table: &str) -> bool {
+    let mut names = table.lines().next().unwrap_or_default().split(',');
+    names.any(|name| {
+        CONTACT
+            .iter()
+            .any(|field| name.strip_prefix(field).is_some_and(|rest| rest.is_empty() || rest.starts_with('_')))
+    })
+}
+
+/// Facets of hexahedra by the places of their nodes.
+const FACETS: [[usize; 4]; 6] = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+
+fn sorted(mut facet: [usize; 4]) -> [usize; 4] {
+    facet.sort_unstable();
+    facet
+}
+
+/// Facets that only one cell has, by their sorted nodes.
+fn boundary(cells: &[[usize; 8]]) -> BTreeSet<[usize; 4]> {
+    let mut once = BTreeSet::new();
+    for facet in cells.iter().flat_map(|cell| FACETS.map(|places| sorted(places.map(|k| cell[k])))) {
+        if !once.remove(&facet) {
+            once.insert(facet);
+        }
+    }
+    once
+}
 
 /// Where values are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,8 +120,18 @@ fn table(grid: &Grid, bodies: &[String], options: &Options) -> Result<String, St
     let fields = chosen(grid, &options.fields)?;
     let places = places(grid, options.configuration)?;
     let locator = Locator::new(&grid.hexahedra, &places);
+    let boundary =
+        if fields.iter().any(|(name, _)| CONTACT.contains(name)) { boundary(&grid.hexahedra) } else { BTreeSet::new() };
     let mut out = String::new();
-    let mut rows = Rows { grid, bodies, fields: &fields, locator: &locator, found: Vec::new(), out: &mut out };
+    let mut rows = Rows {
+        grid,
+        bodies,
+        fields: &fields,
+        locator: &locator,
+        boundary: &boundary,
+        found: Vec::new(),
+        out: &mut out,
+    };
     match options.place {
         Place::Line { ends: [from, to], points } => {
             let way: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
@@ -164,6 +211,7 @@ struct Rows<'a> {
     bodies: &'a [String],
     fields: &'a [(&'a str, &'a Array)],
     locator: &'a Locator<'a>,
+    boundary: &'a BTreeSet<[usize; 4]>,
     found: Vec<Held>,
     out: &'a mut String,
 }
@@ -191,9 +239,25 @@ impl Rows<'_> {
             let name = self.bodies.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
             let _ = write!(self.out, "1,{name}"); // cannot fail: a text grows.
             let nodes = &self.grid.hexahedra[held.cell];
-            for (_, array) in self.fields {
+            let facet = self.facet(nodes, &held.weights);
+            for (name, array) in self.fields {
                 for k in 0..array.components {
-                    let value: f64 = nodes.iter().zip(&held.weights).map(|(&n, w)| w * array.row(n)[k]).sum();
+                    let value: f64 = match facet {
+                        _ if !CONTACT.contains(name) => {
+                            nodes.iter().zip(&held.weights).map(|(&n, w)| w * array.row(n)[k]).sum()
+                        }
+                        None => f64::NAN,
+                        Some(facet) if *name == STATUS => {
+                            let nearest =
+                                facet.into_iter().max_by(|&a, &b| held.weights[a].total_cmp(&held.weights[b]));
+                            nearest.map_or(f64::NAN, |n| array.row(nodes[n])[k])
+                        }
+                        // A node without a weight may be without a value, too.
+                        Some(facet) => {
+                            let heavy = facet.into_iter().filter(|&n| held.weights[n].abs() > ON);
+                            heavy.map(|n| held.weights[n] * array.row(nodes[n])[k]).sum()
+                        }
+                    };
                     self.out.push(',');
                     if value.is_finite() {
                         let _ = write!(self.out, "{value:e}"); // cannot fail: as above.
@@ -210,6 +274,15 @@ impl Rows<'_> {
             self.out.push('\n');
         }
         self.found = found;
+    }
+
+    /// The facet on the surface of its body on which a point of a cell is, as places of its nodes.
+    fn facet(&self, nodes: &[usize; 8], weights: &[f64; 8]) -> Option<[usize; 4]> {
+        let is_on = |facet: &&[usize; 4]| {
+            let beyond: f64 = (0..8).filter(|k| !facet.contains(k)).map(|k| weights[k].abs()).sum();
+            beyond <= ON && self.boundary.contains(&sorted(facet.map(|k| nodes[k])))
+        };
+        FACETS.iter().find(is_on).copied()
     }
 
     fn position(&mut self, first: &[f64], x: [f64; 3]) {

@@ -24,7 +24,12 @@ pub(super) fn read(report: &Report<'_>, root: &DeTable<'_>, overrides: &[(String
     };
     let empty = DeTable::default();
     let (map, span) = table.unwrap_or((&empty, 0..0));
-    for (name, expression) in overrides {
+    for (k, (name, expression)) in overrides.iter().enumerate() {
+        if let Some((_, first)) = overrides[..k].iter().find(|(known, _)| known == name) {
+            let message = format!("`--set {name}={first}` and `--set {name}={expression}`: it is given twice");
+            let remedy = "remove one of the two".to_owned();
+            report.add(report.source.location(span.clone()), join(TABLE, name), "", message, remedy);
+        }
         if map.get(name.as_str()).is_none() {
             let names: Vec<&str> = map.keys().map(|key| key.get_ref().as_ref()).collect();
             let remedy = if names.is_empty() {
@@ -75,7 +80,7 @@ impl Reader<'_> {
             let at = Node { span: key.span(), ..node };
             at.fail(
                 "cannot be the name of a parameter",
-                "use a letter, then letters, digits and `_`, and no name of a function",
+                "use a letter, then letters, digits and `_`, and neither a coordinate (`x`, `y`, `z`) nor `pi` nor a function",
             )
         };
         self.open.borrow_mut().remove(name);
@@ -85,8 +90,7 @@ impl Reader<'_> {
     }
 
     fn read(&self, name: &str, node: &Node<'_>) -> Option<f64> {
-        // The last `--set` of a name counts.
-        let text = match (self.overrides.iter().rev().find(|(set, _)| set == name), node.value) {
+        let text = match (self.overrides.iter().find(|(set, _)| set == name), node.value) {
             (Some((_, text)), _) => text.as_str(),
             (None, DeValue::String(text)) => text.as_ref(),
             (None, _) => return node.number(),

@@ -11,16 +11,16 @@ pub struct Extreme {
     nodes: Vec<u32>,
     /// Their numbers in the frames.
     numbers: Vec<u32>,
-    /// The body of a stress.
+    /// The body of a stress or strain.
     body: Option<usize>,
     quantity: Quantity,
-    /// Component, or the length of the vector.
+    /// Component; without one the length of a vector, and the largest or smallest principal value of a tensor.
     component: Option<usize>,
     reduce: Reduce,
 }
 
 impl Extreme {
-    /// Of `quantity`, or its component, at these nodes; stresses belong to a body.
+    /// Of `quantity`, or its component, at these nodes; stresses and strains belong to a body.
     pub(super) fn new(
         model: &Model,
         nodes: Vec<u32>,
@@ -51,7 +51,7 @@ impl Extreme {
     fn values(&self, simulation: &Simulation) -> Vec<f64> {
         let (model, state) = (simulation.model(), simulation.state());
         match self.quantity {
-            Quantity::CauchyStress | Quantity::VonMises => self.stresses(simulation),
+            quantity if quantity.is_of_material() => self.tensors(simulation),
             Quantity::Displacement => self.vectors(&state.q, Some(&model.reference)),
             Quantity::Position => self.vectors(&state.q, None),
             Quantity::Velocity => self.vectors(&state.v, None),
@@ -74,13 +74,27 @@ impl Extreme {
         self.nodes.iter().map(|&node| at(node).map_or(f64::NAN, value)).collect()
     }
 
-    fn stresses(&self, simulation: &Simulation) -> Vec<f64> {
+    /// Of a stress or strain at each node.
+    fn tensors(&self, simulation: &Simulation) -> Vec<f64> {
         let Some(body) = self.body.map(|body| &simulation.model().bodies[body]) else { return Vec::new() };
-        let mut nodal = vec![[0.0; 6]; body.nodes.len()];
-        if body.solid.nodal_cauchy_stress(&simulation.state().q, &mut nodal).is_err() {
+        let (q, mut nodal) = (&simulation.state().q, vec![[0.0; 6]; body.nodes.len()]);
+        let done = match self.quantity {
+            Quantity::GreenLagrangeStrain => body.solid.nodal_green_lagrange_strain(q, &mut nodal),
+            Quantity::LogarithmicStrain => body.solid.nodal_logarithmic_strain(q, &mut nodal),
+            _ => body.solid.nodal_cauchy_stress(q, &mut nodal),
+        };
+        if done.is_err() {
             return Vec::new();
         }
-        let value = |stress: &[f64; 6]| self.component.map_or_else(|| stoss_fe_solid::von_mises(stress), |c| stress[c]);
+        let value = |tensor: &[f64; 6]| match (self.quantity, self.component) {
+            (Quantity::VonMises, _) => stoss_fe_solid::von_mises(tensor),
+            (Quantity::PrincipalStresses, Some(c)) => stoss_fe_solid::principal_stresses(tensor)[c],
+            (_, Some(c)) => tensor[c],
+            (_, None) => {
+                let [largest, _, smallest] = stoss_fe_solid::principal_stresses(tensor);
+                if self.reduce == Reduce::Max { largest } else { smallest }
+            }
+        };
         self.nodes.iter().map(|&node| value(&nodal[(node - body.nodes.start) as usize])).collect()
     }
 }

@@ -78,6 +78,8 @@ pub struct Built {
     pub parts: Vec<String>,
     /// One line a body: name, elements, law, implied moduli, quality.
     pub bodies: Vec<String>,
+    /// One line an expression over sets: its numbers of nodes and of facets, and their area.
+    pub sets: Vec<String>,
     /// Stages and events.
     pub schedule: Schedule,
     /// The joints in the order of the scene.
@@ -143,9 +145,10 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     bodies.append(&mut parts.lines);
     let mut warnings = Vec::new();
     let (mut probes, mut plans, mut names) = (Vec::new(), Vec::new(), BTreeMap::new());
+    let mut set_lines = Vec::new();
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
     if problems.list.is_empty() {
-        sets::add(scene, &mut placed, &mut problems);
+        set_lines = sets::add(scene, &mut placed, &mut problems);
     }
     if problems.list.is_empty() {
         multibody::fix(scene, &parts, &mut model);
@@ -194,6 +197,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             mesh_files: mesh_files.bytes,
             parts: placed.iter().map(|part| part.name.clone()).collect(),
             bodies,
+            sets: set_lines,
             drawing: parts.drawing,
             joints: joints(scene, &parts.joints),
             contacts: plans,

@@ -73,6 +73,12 @@ impl Probe {
         match self.quantity {
             Quantity::DeformationGradient => state.deformation_gradient.concat(),
             Quantity::GreenLagrangeStrain => state.green_lagrange.to_vec(),
+            Quantity::LogarithmicStrain => {
+                let f = &state.deformation_gradient;
+                let f = stoss_tensor::Tensor2::from_fn(|row, column| f[row][column]);
+                stoss_continuum::logarithmic_strain(&f).to_voigt().to_vec()
+            }
+            Quantity::PrincipalStresses => stoss_fe_solid::principal_stresses(&state.cauchy).to_vec(),
             Quantity::VonMises => vec![stoss_fe_solid::von_mises(&state.cauchy)],
             _ => state.cauchy.to_vec(),
         }
@@ -128,6 +134,8 @@ impl Probe {
             // Of a material point: above.
             Quantity::CauchyStress
             | Quantity::GreenLagrangeStrain
+            | Quantity::LogarithmicStrain
+            | Quantity::PrincipalStresses
             | Quantity::VonMises
             | Quantity::DeformationGradient => [f64::NAN; 3],
             Quantity::Displacement => {

@@ -3,19 +3,27 @@
 use super::Problems;
 use super::placed::{Placed, Shape, index};
 use crate::scene::{RegionKind, Relation, Scene, SetExpression, SetRegion, known};
+use crate::solver::short;
+
 use std::collections::BTreeSet;
 use stoss_mesh::{Facet, MeshError};
 use stoss_reference_element::FacetNodes;
 
-/// Makes the sets of all expressions. Those that hold nowhere, or name what is not there, are problems.
-pub(super) fn add(scene: &Scene, placed: &mut [Placed], problems: &mut Problems<'_>) {
+/// Makes the sets of all expressions; returns a line for each with its numbers of nodes and facets, and their area in the reference.
+/// Those that hold nowhere, or name what is not there, are problems.
+pub(super) fn add(scene: &Scene, placed: &mut [Placed], problems: &mut Problems<'_>) -> Vec<String> {
+    let mut lines = Vec::new();
     for expression in scene.set_expressions() {
         let Some(part) = index(placed, &expression.part) else { continue };
         match make(&placed[part], expression) {
-            Ok(made) => made.store(&mut placed[part].shape, &expression.name),
+            Ok(made) => {
+                lines.push(made.line(expression));
+                made.store(&mut placed[part].shape, &expression.name);
+            }
             Err((message, remedy)) => problems.add(expression.key.clone(), &expression.region.text, message, remedy),
         }
     }
+    lines
 }
 
 /// What an expression holds at.
@@ -23,10 +31,30 @@ struct Made {
     nodes: Vec<u32>,
     /// By number in [`Space::facets`].
     facets: Vec<u32>,
+    /// Sum of the areas of the facets in the reference configuration.
+    area: f64,
     elements: Vec<u32>,
 }
 
 impl Made {
+    /// What it holds, for `stoss check`.
+    fn line(&self, SetExpression { name, region, .. }: &SetExpression) -> String {
+        let text = &region.text;
+        let label = if name.contains(|c: char| !(c.is_alphanumeric() || c == '-' || c == '_')) {
+            text.clone()
+        } else {
+            format!("{name} = {text}")
+        };
+        let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
+        let nodes = count(self.nodes.len(), "node");
+        match self.facets.len() {
+            0 => format!("{label}: {nodes}, no facets"),
+            facets => {
+                format!("{label}: {nodes}, {} with an area of {}", count(facets, "facet"), short(self.area, self.area))
+            }
+        }
+    }
+
     fn store(self, shape: &mut Shape, name: &str) {
         let name = name.to_owned();
         match shape {
@@ -69,7 +97,8 @@ fn make(placed: &Placed, expression: &SetExpression) -> Result<Made, Refused> {
         return Err((space.why_empty(region, kind)?, "change the part that is empty".into()));
     }
     let elements = space.select(region, Kind::Elements)?;
-    Ok(Made { nodes, facets, elements })
+    let area = facets.iter().map(|&f| 0.5 * norm(space.twice_area(&space.facets[f as usize]))).sum();
+    Ok(Made { nodes, facets, area, elements })
 }
 
 /// What an expression is asked of.
@@ -271,14 +300,19 @@ impl<'a> Space<'a> {
 
     /// Outward unit normal of a facet, at its middle.
     fn normal(&self, facet: &FacetNodes) -> [f64; 3] {
+        let n = self.twice_area(facet);
+        let length = norm(n);
+        n.map(|n| n / length)
+    }
+
+    /// Outward normal of a facet at its middle, as long as twice the facet's area.
+    fn twice_area(&self, facet: &FacetNodes) -> [f64; 3] {
         let x = facet.map(|node| self.positions[node as usize]);
         let last = facet.len() - 1;
         let side = |from: usize, to: usize| -> [f64; 3] { std::array::from_fn(|i| x[to][i] - x[from][i]) };
         // The diagonals of a quadrilateral, two edges of a triangle.
         let (a, b) = (side(0, 2), side(1, if last == 3 { 3 } else { 0 }));
-        let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-        let length = norm(n);
-        n.map(|n| n / length)
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     }
 
     /// Which part of an expression that holds nowhere is to blame.

@@ -374,14 +374,10 @@ impl ResultFolder {
                 on_fault: self.watch.on_fault(),
                 seconds: self.watch.seconds(),
             },
+            page_seconds: None,
             outcome,
         };
-        let path = self.path.join("summary.json");
-        let text = serde_json::to_string_pretty(&summary)
-            .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
-        let scratch = self.path.join(".summary.json.part");
-        std::fs::write(&scratch, text + "\n").map_err(OutputError::io(&scratch))?;
-        std::fs::rename(&scratch, &path).map_err(OutputError::io(&path))?;
+        summary.write(&self.path)?;
         Ok(summary)
     }
 }

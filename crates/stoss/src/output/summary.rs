@@ -1,10 +1,11 @@
 //! `summary.json`.
 
-use super::Drift;
+use super::{Drift, OutputError};
 use crate::build::ContactPlan;
 use crate::scene::OnFault;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 use stoss_solver::{Decision, Timings};
 use stoss_watch::{Level, Verdict};
 
@@ -112,6 +113,9 @@ pub struct Summary {
     pub verdict: Verdict,
     /// How it looked.
     pub watch: WatchSummary,
+    /// Wall seconds that writing the page `report.html` at the end of the run took, if it was written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub page_seconds: Option<f64>,
     /// How it ended.
     pub outcome: Outcome,
 }
@@ -130,6 +134,35 @@ impl Outcome {
 }
 
 impl Summary {
+    /// Writes it into a folder of results, as `summary.json`.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn write(&self, folder: &Path) -> Result<(), OutputError> {
+        let path = folder.join("summary.json");
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
+        let scratch = folder.join(".summary.json.part");
+        std::fs::write(&scratch, text + "\n").map_err(OutputError::io(&scratch))?;
+        std::fs::rename(&scratch, &path).map_err(OutputError::io(&path))
+    }
+
+    /// Adds the seconds that the page of a run took to the summary in its folder; nothing happens without a summary there.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn add_page_seconds(folder: &Path, seconds: f64) -> Result<(), OutputError> {
+        let path = folder.join("summary.json");
+        if !path.is_file() {
+            return Ok(());
+        }
+        let bytes = std::fs::read(&path).map_err(OutputError::io(&path))?;
+        let mut summary: Self = serde_json::from_slice(&bytes)
+            .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
+        summary.page_seconds = Some(seconds);
+        summary.write(folder)
+    }
+
     /// Whether the result is wrong and the scene does not say that this is to be ignored.
     pub fn is_fault(&self) -> bool {
         self.verdict.level == Level::Wrong && self.watch.on_fault != OnFault::Ignore

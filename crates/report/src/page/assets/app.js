@@ -279,7 +279,8 @@ class App {
     const at = (k) => high - (k / 4) * (high - low);
     const number = (value) => (Math.abs(value) < 1e-9 * (high - low) ? '0' : text(Number(value.toPrecision(3))));
     // Of a state only whole numbers have a meaning.
-    const parts = field.largest === null ? [...Array(high - low + 1).keys()].map((k) => (4 * k) / (high - low)) : [0, 1, 2, 3, 4];
+    const states = Math.floor(high) - Math.ceil(low) + 1;
+    const parts = field.largest === null && states > 1 ? [...Array(states).keys()].map((k) => (4 * k) / (states - 1)) : [0, 1, 2, 3, 4];
     const numbers = parts.map((k) => element('span', { textContent: number(at(k)) }));
     byId('bar-numbers').replaceChildren(...numbers);
   }

@@ -196,8 +196,9 @@ class Viewer {
         if (value > high) high = value;
       }
     }
-    if (!(low < high)) high = low + (Math.abs(low) || 1) * 1e-6;
-    return [low, high];
+    // A constant is in the middle of the colours.
+    const around = low < high ? 0 : (Math.abs(low) || 1) * 1e-6;
+    return [low - around, low < high ? high : low + around];
   }
 
   /** The clip plane: what lies beyond `normal . x = offset` is left out. */
