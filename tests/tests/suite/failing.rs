@@ -296,3 +296,89 @@ fn scenes_that_come_out_well_raise_no_alarm() {
         assert!(found.iter().all(|finding| finding.confidence != Confidence::High), "{name}: {found:#?}");
     }
 }
+/// A wedge between two jaws, both in contact: half the angle of the gap counts.
+#[test]
+fn friction_on_both_sides_of_a_wedge() {
+    let half = text_of("wedge-friction");
+    // The left side gets a jaw of its own, the mirror image of the right one.
+    let jaw = r#"
+[[body]]
+name = "left"
+mesh = { generator = "hexahedron", corners = [[-1, -0.1, -1.0], [-0.123673, -0.1, -1.0], [-0.123673, 1.1, -1.0], [-1, 1.1, -1.0], [-1, -0.1, 1.2], [-0.511592, -0.1, 1.2], [-0.511592, 1.1, 1.2], [-1, 1.1, 1.2]], divisions = [1, 1, 8] }
+material = { law = "neo-hooke", young = 100000.0, poisson = 0.3 }
+[[prescribe]]
+set = "left.left"
+components = ["x", "y", "z"]
+fixed = true
+[[contact]]
+name = "left-flank"
+method = "nts"
+slave = "wedge.left"
+master = "left.right"
+friction = { law = "coulomb", mu = 1.5 }
+"#;
+    let corners = "[[0, 0, 0], [0.3, 0, 0], [0.3, 1, 0], [0, 1, 0], [0, 0, 1.0], [0.476327, 0, 1.0], [0.476327, 1, 1.0], [0, 1, 1.0]]";
+    let both = "[[-0.3, 0, 0], [0.3, 0, 0], [0.3, 1, 0], [-0.3, 1, 0], [-0.476327, 0, 1.0], [0.476327, 0, 1.0], [0.476327, 1, 1.0], [-0.476327, 1, 1.0]]";
+    let guide = "[[prescribe]]\nset = \"wedge.left\"\ncomponents = [\"x\"]\nfixed = true\n";
+    assert!(half.contains(corners) && half.contains(guide));
+    let text = half.replace(corners, both).replace(guide, "") + jaw;
+    let Left { result, diagnosis } = run(&text);
+    assert!(matches!(result, Err(RunError::Simulation { .. })));
+    let finding = diagnosis.unwrap().findings[0].clone();
+    assert_eq!(finding.cause, Cause::FrictionLocks, "{finding:#?}");
+    let keys: Vec<&str> = finding.remedies[0]
+        .changes
+        .iter()
+        .map(|change| match change {
+            Change::Set { key, .. } => key.as_str(),
+            Change::Add { toml } => panic!("{toml}"),
+        })
+        .collect();
+    assert_eq!(keys, ["contact[0].friction.mu", "contact[1].friction.mu"]);
+}
+
+/// A block that is pressed on a plane and led along it is no wedge, whatever its friction: nothing keeps it from giving way.
+#[test]
+fn a_block_that_is_pushed_over_a_plane_is_no_wedge() {
+    for mu in [0.4, 0.09] {
+        let text = format!(
+            r#"
+[scene]
+title = "push over a plane"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.5
+max_cuts = 1
+[[body]]
+name = "floor"
+mesh = {{ generator = "block", min = [0, 0, -1], max = [6, 1, 0], divisions = [12, 2, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[body]]
+name = "block"
+mesh = {{ generator = "block", min = [0.5, 0, 0], max = [1.5, 1, 1], divisions = [2, 2, 2] }}
+material = {{ law = "neo-hooke", young = 1000.0, poisson = 0.3 }}
+[[prescribe]]
+set = "floor.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+name = "drive"
+set = "block.top"
+components = ["x", "y", "z"]
+displacement = {{ table = [[0, 0, 0, 0], [1, 3.0, 0, -0.3]] }}
+[[contact]]
+name = "c"
+method = "nts"
+slave = "block.bottom"
+master = "floor.top"
+friction = {{ law = "coulomb", mu = {mu} }}
+"#
+        );
+        let Left { result, diagnosis } = run(&text);
+        let findings = diagnosis.map(|diagnosis| diagnosis.findings).unwrap_or_default();
+        assert!(findings.iter().all(|finding| finding.cause != Cause::FrictionLocks), "{findings:#?}");
+        assert!(matches!(result, Err(RunError::Simulation { .. })));
+    }
+}
+
