@@ -4,7 +4,7 @@
 use std::path::Path;
 use stoss::diagnosis::{Cause, Change, Confidence, Diagnosis, Finding};
 use stoss::output::{Outcome, Summary};
-use stoss::run::{Event, RunError, RunOptions, diagnose_scene, run_scene};
+use stoss::run::{Event, RunError, RunOptions, check_scene, diagnose_scene, run_scene};
 use stoss::watch::Level;
 
 fn text_of(name: &str) -> String {
@@ -114,6 +114,78 @@ fn a_body_without_support() {
     assert!(finding.sentence.contains("free to slide along y and z and to turn about x"), "{}", finding.sentence);
     is_mended("no-support", &finding, 0);
     is_mended("no-support", &finding, 1);
+}
+
+/// A body that contact has to hold once it is closed is stabilised until then; what contact without friction never holds is prescribed, and nothing else.
+#[test]
+fn a_body_that_only_contact_can_hold() {
+    let touching = text_of("touching");
+    let gap = touching.replace("min = [0, 0, 0], max = [1, 1, 1]", "min = [0, 0, 0.05], max = [1, 1, 1.05]");
+    assert_ne!(touching, gap);
+    let friction = format!("{gap}friction = {{ law = \"coulomb\", mu = 0.3 }}\n");
+    let stage = "[[stage]]\nname = \"press\"\nkind = \"static\"\nuntil = 1.0\n[[contact]]";
+    let staged = friction.replacen("[[contact]]", stage, 1);
+    // What touches is held by friction from the start.
+    for (text, key, more) in [
+        (&touching, "time.stabilise", true),
+        (&gap, "time.stabilise", true),
+        (&friction, "time.stabilise", false),
+        (&staged, "stage[0].stabilise", false),
+    ] {
+        let Left { result, diagnosis } = run(text);
+        assert!(matches!(result, Err(RunError::Simulation { .. })), "{text}");
+        let finding = diagnosis.unwrap().findings[0].clone();
+        is_cause(&finding, Cause::NoSupport);
+        let [Change::Set { key: found, .. }, rest @ ..] = &finding.remedies[0].changes[..] else {
+            panic!("{finding:#?}")
+        };
+        assert_eq!(found, key);
+        match rest {
+            [] => assert!(!more, "{finding:#?}"),
+            [Change::Add { toml }] => assert!(more && toml.contains("[\"x\", \"y\"]"), "{toml}"),
+            _ => panic!("{finding:#?}"),
+        }
+        let Left { result, .. } = run(&mended(text, &finding, 0));
+        let summary = result.unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!((summary.outcome, summary.verdict.level), (Outcome::Completed, Level::Sound), "{}", summary.verdict);
+    }
+}
+
+/// Springs of a support hold their directions only, and dashpots nothing.
+#[test]
+fn supports_that_leave_motions_free() {
+    let text = r#"
+[scene]
+title = "a foundation that holds one direction"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 1.0
+max_cuts = 1
+[[body]]
+name = "block"
+mesh = { generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [2, 2, 2] }
+material = { law = "neo-hooke", young = 1e6, poisson = 0.3 }
+[[support]]
+set = "block.bottom"
+stiffness = [0.0, 0.0, 1e5]
+damping = [10.0, 10.0, 10.0]
+[[load]]
+set = "block.top"
+total_force = [0.0, 0.0, -10.0]
+"#;
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    std::fs::write(&scene, text).unwrap();
+    let plan = check_scene(&scene).unwrap().to_string();
+    assert!(plan.contains("3 of 6 rigid motions are not held"), "{plan}");
+    let Left { result, diagnosis } = run(text);
+    assert!(matches!(result, Err(RunError::Simulation { .. })));
+    let finding = diagnosis.unwrap().findings[0].clone();
+    is_cause(&finding, Cause::NoSupport);
+    assert!(finding.sentence.contains("free to slide along x and y and to turn about z"), "{}", finding.sentence);
+    let Left { result, diagnosis } = run(&text.replace("[0.0, 0.0, 1e5]", "[1e3, 1e3, 1e5]"));
+    assert_eq!((result.unwrap().verdict.level, diagnosis), (Level::Sound, None));
 }
 
 #[test]
