@@ -454,3 +454,99 @@ friction = {{ law = "coulomb", mu = {mu} }}
     }
 }
 
+#[test]
+fn a_sliver() {
+    let (finding, _) = diagnosed("sliver");
+    is_cause(&finding, Cause::Sliver);
+    assert_eq!((finding.place.body.as_deref(), finding.place.element), (Some("wedge"), Some(0)));
+    // The corner in the middle of a straight edge.
+    assert!(finding.place.position.is_some_and(|x| x[0] == 0.5005 && x[1] == 0.5), "{finding:#?}");
+    // What the scene has already is not offered.
+    let warns = |finding: &Finding| finding.remedies.iter().any(|remedy| remedy.text.contains("inside_out"));
+    assert!(warns(&finding));
+    let text = text_of("sliver") + "\n[solver]\ninside_out = \"warn\"\n";
+    let found = run(&text).diagnosis.map(|diagnosis| diagnosis.findings).unwrap_or_default();
+    assert!(found.iter().all(|finding| !warns(finding)), "{found:#?}");
+}
+
+#[test]
+fn a_missing_contact() {
+    let (finding, _) = diagnosed("missing-contact");
+    is_cause(&finding, Cause::MissingContact);
+    let between = ["plate", "ball"];
+    assert!(finding.place.body.as_deref().is_some_and(|body| between.contains(&body)), "{finding:#?}");
+    assert!(between.iter().all(|name| finding.place.text.contains(name)));
+    let [Change::Add { toml }] = &finding.remedies[0].changes[..] else { panic!("{finding:#?}") };
+    assert!(toml.contains("plate.top") && toml.contains("ball.outer"), "{toml}");
+    is_mended("missing-contact", &finding, 0);
+}
+
+/// A steel bar in SI units under one newton: strains of 5e-10, of which steps leave errors that are no fault of the scheme.
+#[test]
+fn a_tiny_load_is_no_fault() {
+    let text = r#"
+[scene]
+title = "a bar under one newton"
+kind = "dynamic"
+units = "m-kg-s"
+[time]
+end = 1e-3
+step = 1e-5
+integrator = { scheme = "energy-momentum" }
+[[body]]
+name = "bar"
+mesh = { generator = "block", min = [0, 0, 0], max = [1, 0.1, 0.1], divisions = [10, 1, 1] }
+material = { law = "neo-hooke", young = 2.1e11, poisson = 0.3 }
+density = 7850.0
+[[prescribe]]
+set = "bar.left"
+components = ["x", "y", "z"]
+fixed = true
+[[load]]
+set = "bar.right"
+total_force = [1.0, 0, 0]
+"#;
+    let Left { result, diagnosis } = run(text);
+    let summary = result.unwrap();
+    assert_eq!((summary.verdict.level, diagnosis), (Level::Sound, None), "{}", summary.verdict);
+}
+
+/// Three scenes that come out well, and before their runs some of each kind.
+#[test]
+fn scenes_that_come_out_well_raise_no_alarm() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    for name in ["press", "block-impact", "incline"] {
+        let text = std::fs::read_to_string(scenes.join(format!("{name}.toml"))).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("scene.toml");
+        std::fs::write(&scene, text).unwrap();
+        let until = (name == "incline").then_some(0.3);
+        let options = RunOptions { out: folder.path().join("out"), until, ..RunOptions::default() };
+        let mut told = None;
+        run_scene(&scene, &options, &mut |event| {
+            if let Event::Diagnosis(diagnosis) = event {
+                told = Some(diagnosis.clone());
+            }
+        })
+        .unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(told, None, "{name}");
+    }
+    for name in ["two-blocks", "rigid-punch", "trebuchet", "stack", "tied-cantilever"] {
+        let found = diagnose_scene(&scenes.join(format!("{name}.toml")), &RunOptions::default()).unwrap().findings;
+        assert!(found.iter().all(|finding| finding.confidence != Confidence::High), "{name}: {found:#?}");
+    }
+}
+
+#[test]
+#[ignore]
+fn scratch() {
+    let text = std::fs::read_to_string(std::env::var("SCENE").unwrap()).unwrap();
+    let Left { result, diagnosis } = run(&text);
+    match result {
+        Ok(s) => println!("OK {:?} {}", s.outcome, s.verdict),
+        Err(e) => println!("ERR {e}"),
+    }
+    if let Some(d) = diagnosis {
+        println!("{d}\n{:#?}", d.findings);
+    }
+}
