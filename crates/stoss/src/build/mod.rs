@@ -56,6 +56,8 @@ use mesh_files::MeshFiles;
 pub(crate) use placed::Placed;
 #[cfg(not(feature = "output"))]
 use placed::Placed;
+#[cfg(feature = "output")]
+pub(crate) use plausible::{DENSITY, MODULUS};
 use schedule::Named;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -268,7 +268,7 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
     if let Some((c, item)) = case.contacts().find(|(_, item)| item.label() == name)
         && let (Some(slave), Some(master)) = (&item.slave, &item.master)
     {
-        let change = |key: &str, value: &String| super::Change::Set {
+        let change = |key: &str, value: &String| Change::Set {
             key: format!("contact[{c}].{key}"),
             value: format!("\"{value}\""),
         };
@@ -277,8 +277,12 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
         );
         remedies.push(Remedy { text, changes: vec![change("slave", master), change("master", slave)] });
     }
-    let step = toml::number(toml::down(0.5 * case.scene.time.step));
-    remedies.push(Remedy::set(case.step_key(), step, "half the present value"));
+    remedies.extend(case.smaller_step());
+    if remedies.is_empty() {
+        remedies.push(Remedy::words(
+            "refine the slave surface where it meets the master, or set `method = \"mortar\"`, whose contact state changes less from point to point",
+        ));
+    }
     vec![Finding {
         cause: Cause::ContactCycles,
         confidence: if cycling { Confidence::Medium } else { Confidence::Low },
