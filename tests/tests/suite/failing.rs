@@ -250,6 +250,14 @@ fn a_density_that_is_a_thousand_times_too_large() {
     let finding = diagnosis.unwrap().findings[0].clone();
     assert_eq!((finding.cause, finding.confidence), (Cause::Density, Confidence::Medium), "{finding:#?}");
     assert_eq!(finding.remedies[0].changes, right);
+    // Before the run it is told once, with units and without.
+    for units in ["units = \"mm-t-s\"", ""] {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("scene.toml");
+        std::fs::write(&scene, text_of("density").replace("units = \"mm-t-s\"", units)).unwrap();
+        let plan = check_scene(&scene).unwrap().to_string();
+        assert_eq!(plan.lines().filter(|line| line.contains("the density")).count(), 1, "{plan}");
+    }
 }
 
 /// Kilograms per cubic metre among newtons and millimetres: nothing moves in the time of the run. With the weight of the earth the body is crushed.

@@ -5,7 +5,7 @@ use crate::solver::Model;
 
 /// What a number is and the range in SI in which it is usual.
 pub(crate) struct Range {
-    noun: &'static str,
+    pub noun: &'static str,
     dimension: Dimension,
     pub low: f64,
     pub high: f64,

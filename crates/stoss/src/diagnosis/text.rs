@@ -55,7 +55,9 @@ impl fmt::Display for Diagnosis {
             return f.write_str("diagnosis: nothing was found");
         };
         writeln!(f, "diagnosis: {}", first.title())?;
-        writeln!(f, "  where:  {}", first.place.text)?;
+        if !first.place.text.is_empty() {
+            writeln!(f, "  where:  {}", first.place.text)?;
+        }
         if !self.what.is_empty() {
             writeln!(f, "  what:   {}", line(&self.what, WHAT))?;
         }
