@@ -23,9 +23,9 @@ pub fn diagnose(out: &Path) -> ExitCode {
             let details = page(out).map(|page| format!("\n  more:   {page}")).unwrap_or_default();
             tell(&format!("{diagnosis}{details}"))
         }
-        Ok(None) if out.join("summary.json").is_file() => {
-            tell("nothing to diagnose: the run has not stopped early, and the watch found nothing")
-        }
+        Ok(None) if out.join("summary.json").is_file() => tell(
+            "nothing to diagnose: the run did not stop with an error, and no cause is known of anything that the watch found",
+        ),
         Ok(None) => {
             say!("error: {}: no results of a run (no summary.json)", out.display());
             ExitCode::from(1)

@@ -112,7 +112,9 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
     // Writing to a String does not fail.
     let first = findings.first();
     let shown = first.map_or(place, |first| &first.place);
-    let _ = writeln!(out, "<dt>Where</dt><dd>{}</dd>", marked(&shown.text));
+    if !shown.text.is_empty() {
+        let _ = writeln!(out, "<dt>Where</dt><dd>{}</dd>", marked(&shown.text));
+    }
     if !what.is_empty() {
         let _ = writeln!(out, "<dt>What happened</dt><dd>{}</dd>", marked(what));
     }
@@ -144,12 +146,11 @@ fn of_finding(number: usize, finding: &Finding) -> String {
         _ => "possible",
     };
     let heading = if number == 0 { "Cause" } else { "Another possible cause" };
-    let _ = writeln!(
-        out,
-        "<h2>{heading}: {} <span class=\"sure\">({sure})</span></h2>\n<p>{}.</p>",
-        escaped(&cause.replace('-', " ")),
-        marked(sentence)
-    );
+    let title = match cause.as_str() {
+        "unknown" => "The cause is not known".to_owned(),
+        _ => format!("{heading}: {} <span class=\"sure\">({sure})</span>", escaped(&cause.replace('-', " "))),
+    };
+    let _ = writeln!(out, "<h2>{title}</h2>\n<p>{}.</p>", marked(sentence));
     if number > 0 {
         let _ = writeln!(out, "<p>Where: {}</p>", marked(&place.text));
     }

@@ -28,12 +28,17 @@ pub struct Support {
     /// Stiffness along the three axes: force per length, and per area or node.
     #[serde(default)]
     pub stiffness: [f64; 3],
-    /// Damping along the three axes: force per velocity, and per area or node. It does not act in statics.
+    /// Damping along the three axes: force per velocity, and per area or node. It does not act in statics; a quasi-static scene needs stiffness.
     #[serde(default)]
     pub damping: [f64; 3],
 }
 
 impl Support {
+    /// Name of the part that the support with this number in the scene becomes.
+    pub fn part_name(&self, number: usize) -> String {
+        format!("support[{number}] of {}", self.set)
+    }
+
     pub(crate) fn default_per() -> SupportPer {
         SupportPer::Area
     }

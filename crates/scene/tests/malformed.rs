@@ -191,6 +191,12 @@ const CASES: &[Case] = &[
         "damping",
         "body[4].damping",
     ),
+    quasi(
+        "[[body]]\nname = \"brick\"\n",
+        "[[support]]\nset = \"brick.all\"\nper = \"node\"\ndamping = [1, 0, 0]\n[[body]]\nname = \"brick\"\n",
+        "damping",
+        "support[0].damping",
+    ),
     dynamic(VELOCITY, "velocity = [0.0, \"fast\", 0]", "velocity", "body[0].velocity[1]"),
     dynamic(VELOCITY, "velocity = 3", "velocity", "body[0].velocity"),
     dynamic(VELOCITY, "velocity_gradient = [[1, 0, 0], [0, 1, 0]]", "velocity", "body[0].velocity_gradient"),

@@ -538,6 +538,19 @@ impl Simulation {
         small * self.system.stiffness_force * length + SMALLEST_RESOLVED_MOTION * force * radius
     }
 
+    /// What the iteration of a step of the size `h` may leave of the balance of forces, in the norm over all nodes, if motions are not resolved: the tolerance of
+    /// Newton's method times the smallest scales of the residual, and round-off of positions. As a force, and as a mass times a length over `h^2`.
+    pub fn unresolved_forces(&self) -> [f64; 2] {
+        let small = self.newton.relative_tolerance * SMALLEST_RESOLVED_MOTION;
+        let lengths = self.model.bodies.iter().map(|body| body.solid.characteristic_length());
+        let edge = lengths.fold(f64::INFINITY, f64::min);
+        let radius = self.state.q.iter().fold(0.0_f64, |radius, x| radius.max(x.abs()));
+        let round_off = f64::EPSILON * (radius / edge).max(1.0) * (self.state.q.len() as f64).sqrt();
+        // `2 / h^2` is the factor of inertia of the schemes that conserve energy.
+        let inertia = 2.0 * (small + round_off) * self.system.mass_length;
+        [(small + round_off) * self.system.stiffness_force + self.newton.absolute_tolerance, inertia]
+    }
+
     /// Momenta, kinetic and strain energy of one body at the last completed step (loads and contact belong to the model).
     pub fn body_balance(&self, body: usize) -> Balance {
         // The state was accepted, so its strain energy exists; NaN would show a contradiction.

@@ -331,9 +331,10 @@ pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, 
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
     let start = judge_start(&built.simulation, &scene, &built.drawing)?;
     lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
+    // Densities that are unusual in the units of the scene, and all other causes, have warnings of their own.
+    let told = built.warnings.iter().any(|warning| warning.contains(crate::build::DENSITY.noun));
     for found in diagnose_start(path, options, &scene, &built)?.findings {
-        // The others have warnings of their own.
-        if found.cause == Cause::Density && found.confidence == Confidence::High {
+        if found.cause == Cause::Density && found.confidence >= Confidence::Medium && !told {
             let remedy = found.remedies.first().map(|remedy| format!("; {}", remedy.text)).unwrap_or_default();
             lines.push(format!("  warning: {}{remedy}", found.sentence));
         }

@@ -42,6 +42,29 @@ pub struct BalanceState {
     pub closing_loss: f64,
 }
 
+/// What the iterations of steps leave of the balance of forces, in the norm over all nodes, and how fast nodes are: together errors of the energy that are no fault
+/// of a scheme. They show where strains are so small that forces are not resolved relative to themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Resolution {
+    /// Part of the force that does not depend on the step, a force.
+    pub force: f64,
+    /// Part that falls with the square of the step size: mass times length. A step of the size `h` leaves `force + inertia / h^2`.
+    pub inertia: f64,
+    /// Mean mass of a node.
+    pub node_mass: f64,
+}
+
+impl Resolution {
+    /// Error of the energy in a step of this size, while the bodies have this energy: the force along the motion of all nodes, were all of the energy kinetic.
+    fn of_step(&self, dt: f64, energy: f64) -> f64 {
+        if dt <= 0.0 || self.node_mass <= 0.0 {
+            return 0.0;
+        }
+        let speed = (2.0 * energy.max(0.0) / self.node_mass).sqrt();
+        (self.force + self.inertia / (dt * dt)) * speed * dt
+    }
+}
+
 /// Compares the steps of a run with the promises.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BalanceWatch {
@@ -58,6 +81,14 @@ pub struct BalanceWatch {
     /// Largest drifts of linear momentum, angular momentum and energy so far, as far as they are promised to be constant.
     #[serde(default)]
     drifts: [f64; 3],
+    #[serde(default)]
+    resolution: Resolution,
+    /// Time of the last state.
+    #[serde(default)]
+    time: f64,
+    /// Sum of the squares of what steps do not resolve of the energy: their errors are independent.
+    #[serde(default)]
+    unresolved: f64,
 }
 
 impl BalanceWatch {
@@ -75,7 +106,16 @@ impl BalanceWatch {
             lowest,
             largest_loss,
             drifts: [0.0; 3],
+            resolution: Resolution::default(),
+            time: 0.0,
+            unresolved: 0.0,
         }
+    }
+
+    /// The same for steps that resolve forces only to this; without it all are taken as exact.
+    #[must_use]
+    pub fn with_resolution(self, resolution: Resolution) -> Self {
+        Self { resolution, ..self }
     }
 
     /// Name and size, a part of its scale, of the largest drift so far of what is promised to be constant; none without such a promise.
@@ -97,6 +137,11 @@ impl BalanceWatch {
         for (scale, now) in self.scales.iter_mut().zip(now) {
             *scale = scale.max(now);
         }
+        if self.first.is_some() {
+            self.unresolved += self.resolution.of_step(time - self.time, state.energy).powi(2);
+        }
+        self.time = time;
+        let floor = self.unresolved.sqrt();
         let first = *self.first.get_or_insert(*state);
         let mut found = Vec::new();
         let mut broken = |level, what: String, figure: f64| {
@@ -116,6 +161,7 @@ impl BalanceWatch {
         };
         let part = |change: f64, scale: f64| if scale > 0.0 { change / scale } else { 0.0 };
         let exceeds = |part: f64, limit: f64| part > limit || part.is_nan();
+        let is_resolved = |change: f64| change > floor || change.is_nan();
         for i in (0..3).filter(|&i| linear[i]) {
             let drift = part((state.linear[i] - first.linear[i]).abs(), self.scales[0]);
             self.drifts[0] = self.drifts[0].max(drift);
@@ -136,17 +182,19 @@ impl BalanceWatch {
         }
         let closed = state.total + state.closing_loss;
         if energy {
-            let drift = part((closed - first.total - first.closing_loss).abs(), self.scales[2]);
+            let off = (closed - first.total - first.closing_loss).abs();
+            let drift = part(off, self.scales[2]);
             self.drifts[2] = self.drifts[2].max(drift);
-            if exceeds(drift, tolerance) {
+            if exceeds(drift, tolerance) && is_resolved(off) {
                 let what = format!("the balance of energy is off by {drift:.1e} of the energy");
                 broken(Level::Wrong, what + ", though the scheme conserves it", drift);
             }
         }
-        let gain = part(self.largest_loss - state.closing_loss, self.scales[2]);
+        let given_back = self.largest_loss - state.closing_loss;
+        let gain = part(given_back, self.scales[2]);
         self.largest_loss = self.largest_loss.max(state.closing_loss);
         let given = format!("contact has given the bodies {:.1} % of their energy", 100.0 * gain);
-        if contact_gives_nothing && exceeds(gain, tolerance) {
+        if contact_gives_nothing && exceeds(gain, tolerance) && is_resolved(given_back) {
             broken(Level::Wrong, given + ", though the constraint excludes that", gain);
         } else if exceeds(gain, GAIN) {
             broken(Level::Doubtful, given, gain);
@@ -256,6 +304,28 @@ mod tests {
         let small = |energy: f64| BalanceState { energy, total: energy, ..BalanceState::default() };
         assert_eq!(watch.observe(0, 0.0, &small(0.0)), []);
         assert_eq!(watch.observe(1, 0.1, &small(1e-3)), []);
+    }
+
+    /// A step of size 0.1 with an energy of 3 and nodes of mass 6 moves them by 0.1 in the norm.
+    #[test]
+    fn what_steps_do_not_resolve_is_no_fault() {
+        let off = |resolution: Resolution, by: f64| {
+            let mut watch = BalanceWatch::new(promises(), 1.0, 1.0, 0.0).with_resolution(resolution);
+            assert_eq!(watch.observe(0, 0.0, &start()), []);
+            let state = BalanceState { total: 2.0 + by, ..start() };
+            watch.observe(1, 0.1, &state).len()
+        };
+        let force = Resolution { force: 1e-3, inertia: 0.0, node_mass: 6.0 };
+        let inertia = Resolution { force: 0.0, inertia: 1e-5, node_mass: 6.0 };
+        for resolution in [force, inertia] {
+            assert_eq!([0.9e-4, 1.1e-4, -1.1e-4, f64::NAN].map(|by| off(resolution, by)), [0, 1, 1, 1]);
+        }
+        assert_eq!(off(Resolution::default(), 0.9e-4), 1);
+        // Four steps leave twice as much as one.
+        let mut watch = BalanceWatch::new(promises(), 1.0, 1.0, 0.0).with_resolution(force);
+        (0..4).for_each(|step| assert_eq!(watch.observe(step, 0.1 * step as f64, &start()), []));
+        let with = |by: f64| watch.clone().observe(4, 0.4, &BalanceState { total: 2.0 + by, ..start() }).len();
+        assert_eq!([1.9e-4, 2.1e-4].map(with), [0, 1]);
     }
 
     #[test]

@@ -26,7 +26,7 @@ mod surface;
 mod sweep;
 mod verdict;
 
-pub use balance::{BalanceState, BalanceWatch, Promises};
+pub use balance::{BalanceState, BalanceWatch, Promises, Resolution};
 pub use contact::{ContactPoint, ContactState, PointFriction};
 pub use finding::{Finding, FindingKind, Level};
 pub use observe::{Observation, Penetration, Tunnelling, Watch};

@@ -3,7 +3,7 @@
 use super::node::Node;
 use super::table::Table;
 use super::world::{World, set_reference};
-use crate::{PartKind, Support, SupportPer, split_set};
+use crate::{Kind, PartKind, Support, SupportPer, split_set};
 
 pub(super) fn support(table: &Table<'_>, world: &World<'_>) -> Option<Support> {
     let set = table.required("set", "set = \"block.bottom\"", |n| supported_set(n, world));
@@ -14,6 +14,13 @@ pub(super) fn support(table: &Table<'_>, world: &World<'_>) -> Option<Support> {
     let support = Support { set: set?, per: per?, stiffness: stiffness?, damping: damping? };
     if support.stiffness == [0.0; 3] && support.damping == [0.0; 3] {
         return table.fail("stiffness", "a support needs stiffness or damping", "add `stiffness = [0.0, 0.0, 1e5]`");
+    }
+    if support.stiffness == [0.0; 3] && world.kind == Some(Kind::QuasiStatic) {
+        return table.fail(
+            "damping",
+            "a quasi-static scene has no velocities: dashpots alone hold nothing",
+            "add `stiffness`, remove the support, or set [scene] kind = \"dynamic\"",
+        );
     }
     Some(support)
 }

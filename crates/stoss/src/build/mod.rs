@@ -56,6 +56,8 @@ use mesh_files::MeshFiles;
 pub(crate) use placed::Placed;
 #[cfg(not(feature = "output"))]
 use placed::Placed;
+#[cfg(feature = "output")]
+pub(crate) use plausible::{DENSITY, MODULUS};
 use schedule::Named;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -167,7 +169,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
         }
         warnings.extend(plausible::warnings(scene, &model));
-        warnings.extend(supports::warnings(scene, &model));
+        warnings.extend(supports::warnings(scene, &placed, &model));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
         // Places in the model are known only if nothing was left out.
         if problems.list.is_empty() {

@@ -4,19 +4,27 @@ use crate::scene::{Dimension, Scene, Units};
 use crate::solver::Model;
 
 /// What a number is and the range in SI in which it is usual.
-struct Range {
-    noun: &'static str,
+pub(crate) struct Range {
+    pub noun: &'static str,
     dimension: Dimension,
-    low: f64,
-    high: f64,
+    pub low: f64,
+    pub high: f64,
     si: &'static str,
 }
 
+impl Range {
+    /// Whether a value in SI is usual.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
 /// From foams to osmium.
-const DENSITY: Range =
+pub(crate) const DENSITY: Range =
     Range { noun: "the density", dimension: Dimension::Density, low: 1.0, high: 25_000.0, si: "kg/m³" };
 /// From gels to diamond.
-const MODULUS: Range = Range { noun: "Young's modulus", dimension: Dimension::Stress, low: 1e3, high: 2e12, si: "Pa" };
+pub(crate) const MODULUS: Range =
+    Range { noun: "Young's modulus", dimension: Dimension::Stress, low: 1e3, high: 2e12, si: "Pa" };
 /// From what a microscope shows to what a town is.
 const SIZE: Range = Range { noun: "the size", dimension: Dimension::Length, low: 1e-6, high: 1e4, si: "m" };
 /// From the moon to Jupiter.
@@ -57,7 +65,7 @@ pub(super) fn warnings(scene: &Scene, model: &Model) -> Vec<String> {
 /// A warning for a value out of its range: its value in SI, and the systems in which the number would be a usual one.
 fn warning(units: Units, name: &str, value: f64, range: &Range) -> Option<String> {
     let Range { noun, dimension, low, high, si } = range;
-    let fits = |units: Units| (*low..=*high).contains(&(value * units.in_si(*dimension)));
+    let fits = |units: Units| range.contains(value * units.in_si(*dimension));
     if fits(units) || !value.is_finite() {
         return None;
     }

@@ -1,5 +1,6 @@
 //! Whether supports hold the bodies of a quasi-static scene.
 
+use super::placed::Placed;
 use crate::scene::{Scene, split_set};
 use crate::solver::Model;
 
@@ -7,7 +8,7 @@ use crate::solver::Model;
 const NOT_HELD: f64 = 1e-9;
 
 /// Warnings for bodies that can move as rigid ones although nothing but their inertia, which statics do not have, would hold them.
-pub(super) fn warnings(scene: &Scene, model: &Model) -> Vec<String> {
+pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<String> {
     if scene.is_dynamic() {
         return Vec::new();
     }
@@ -34,14 +35,16 @@ pub(super) fn warnings(scene: &Scene, model: &Model) -> Vec<String> {
                 prescribed.extend(prescription.components.iter().map(|&component| (node, usize::from(component))));
             }
         }
+        // Springs of supports hold as well; dashpots hold nothing in statics.
+        for support in &scene.supports {
+            let held = (0..3).filter(|&i| support.stiffness[i] > 0.0);
+            let nodes = nodes_of(placed, &support.set).into_iter().filter(|&node| is_member(node));
+            prescribed.extend(nodes.flat_map(|node| held.clone().map(move |i| (node, i))));
+        }
         let touches = scene
             .contacts
             .iter()
             .any(|contact| contact.surfaces().into_iter().filter_map(body).any(|b| members.contains(&b)));
-        // So may elastic supports.
-        if scene.supports.iter().filter_map(|support| body(&support.set)).any(|b| members.contains(&b)) {
-            continue;
-        }
         // Joints and springs may hold it; whether they do, the solution tells.
         let joined = scene.joints.iter().map(|joint| &joint.between).chain(scene.springs.iter().map(|s| &s.between));
         if joined.flatten().filter_map(|side| body(side)).any(|b| members.contains(&b)) {
@@ -62,6 +65,15 @@ pub(super) fn warnings(scene: &Scene, model: &Model) -> Vec<String> {
         }
     }
     list
+}
+
+/// Nodes of a set `part.set`; none of one that cannot be resolved, which was reported.
+fn nodes_of(placed: &[Placed], set: &str) -> Vec<u32> {
+    let nodes = || {
+        let (part, set) = split_set(set)?;
+        placed.iter().find(|placed| placed.name == part)?.nodes_of(set).ok()
+    };
+    nodes().unwrap_or_default()
 }
 
 /// How many of the six rigid motions of a body these prescribed components (node, component) exclude.

@@ -1,6 +1,6 @@
 //! What is known of a run: scene, model, facts of the solver, verdict of the watch.
 
-use super::{Attempt, Where};
+use super::{Attempt, Remedy, Where, toml};
 use crate::build::{OwnLaws, Placed, placed_parts};
 use crate::scene::{Scene, split_set};
 use std::cell::OnceCell;
@@ -68,6 +68,29 @@ impl<'a> Case<'a> {
         self.failure().is_some_and(|failure| kinds.contains(&failure.kind))
     }
 
+    /// Whether an error stopped it.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.error.is_some()
+    }
+
+    /// The smallest step that failed before the run stopped.
+    pub(super) fn smallest_failed(&self) -> Option<f64> {
+        self.failures().iter().map(|failure| failure.dt).min_by(f64::total_cmp)
+    }
+
+    /// Half the present step; nothing if as small a one failed already, or the run chooses its steps.
+    pub(super) fn smaller_step(&self) -> Option<Remedy> {
+        let smallest = self.smallest_failed().filter(|_| self.scene.time.automatic.is_none())?;
+        let half = toml::down(0.5 * self.step_size());
+        (half < smallest).then(|| Remedy::set(self.step_key(), toml::number(half), "half the present value"))
+    }
+
+    /// Nominal size of the steps of the present stage.
+    pub(super) fn step_size(&self) -> f64 {
+        let stage = self.scene.stages.get(self.simulation.stage().saturating_sub(1) as usize);
+        stage.and_then(|stage| stage.step).unwrap_or(self.scene.time.step)
+    }
+
     /// Whether it stopped or came out wrong or doubtful.
     pub(super) fn is_bad(&self) -> bool {
         self.error.is_some() || self.verdict.level != Level::Sound
@@ -75,7 +98,7 @@ impl<'a> Case<'a> {
 
     /// What happened, empty if nothing did.
     pub(super) fn what(&self) -> String {
-        let found = self.verdict.reasons.first().map(|found| format!("{}: {}", found.level, found.sentence));
+        let found = self.verdict.reasons.first().map(|found| found.sentence.clone());
         self.error.clone().or(found).unwrap_or_default()
     }
 

@@ -1,7 +1,7 @@
 //! Contacts that find no state: friction that locks, points that come and go.
 
 use super::case::Case;
-use super::{Cause, Confidence, Finding, Remedy, Where, toml};
+use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
 use crate::scene::{Friction, split_set};
 use stoss_solver::FailureKind;
 
@@ -9,6 +9,11 @@ use stoss_solver::FailureKind;
 const FAR_ABOVE: f64 = 2.0;
 /// Part of the coefficient that just locks that does not.
 const BELOW: f64 = 0.9;
+/// Angles between drive and surface, in radians, that make a wedge: below the sides are parallel, above the body stands on the surface.
+const LEAST_ANGLE: f64 = 1e-3;
+const MOST_ANGLE: f64 = 1.25;
+/// Cosine from which on two directions count as the same.
+const OPPOSITE: f64 = 0.9;
 /// Changes of a contact point in one attempt from which on it comes and goes.
 const MANY_CHANGES: u32 = 4;
 
@@ -16,73 +21,81 @@ fn norm(a: [f64; 3]) -> f64 {
     a.iter().map(|a| a * a).sum::<f64>().sqrt()
 }
 
-/// A wedge that is driven into a gap is locked if the coefficient of friction exceeds the tangent of its angle to the drive: no force drives it farther, only the
-/// bodies give way.
+/// A wedge locks itself where a body is driven into a gap that narrows along the drive and cannot give way: on one side is a contact, on the other a guide or a
+/// second contact, and the mean angle of friction of both sides exceeds half the angle of the gap. A guide has no friction and does not narrow the gap, so that the
+/// contact alone counts then. A body that is only pressed on a surface, or led along it, is no wedge.
 pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
     if case.failure().is_none() {
         return Vec::new();
     }
+    let flanks: Vec<Flank> = case.contacts().filter_map(|(c, item)| Flank::of(case, c, item)).collect();
     let mut list = Vec::new();
-    for (c, item) in case.contacts() {
-        let (key, mu) = match &item.friction {
-            Some(Friction::Coulomb(law)) => ("mu", law.mu),
-            Some(Friction::StaticDynamic(law)) => ("mu_static", law.mu_static),
-            Some(Friction::Regularised(law)) => ("mu", law.mu),
-            _ => continue,
+    for (k, flank) in flanks.iter().enumerate() {
+        let label = case.scene.contacts[flank.contact].label();
+        let second = flanks[k + 1..].iter().find(|other| flank.is_opposite(other));
+        // Sides with friction, their mean angle to the drive and their mean angle of friction.
+        let (sides, angle, friction, between) = match second {
+            Some(other) => (
+                vec![flank, other],
+                0.5 * (flank.angle + other.angle),
+                0.5 * (flank.mu.atan() + other.mu.atan()),
+                format!("the contacts `{label}` and `{}`", case.scene.contacts[other.contact].label()),
+            ),
+            None => {
+                let Some(guide) = guide(case, flank) else { continue };
+                (vec![flank], flank.angle, flank.mu.atan(), format!("`{}` and the guide `{guide}`", flank.other))
+            }
         };
-        let Ok(reports) = case.simulation.contact_report(c) else { continue };
-        let closed: Vec<_> = reports.iter().zip(&case.simulation.active()[c]).filter(|(_, active)| **active).collect();
-        if closed.is_empty() {
+        if angle <= LEAST_ANGLE || angle >= MOST_ANGLE || friction <= angle {
             continue;
         }
-        let normal: [f64; 3] = std::array::from_fn(|i| closed.iter().map(|(r, _)| r.weight * r.normal[i]).sum());
-        let normal = normal.map(|n| n / norm(normal).max(f64::MIN_POSITIVE));
-        let Some(drive) = drive(case, item) else { continue };
-        // Normals point from the master to the slave: into the gap is against them.
-        let sine = -(0..3).map(|i| drive[i] * normal[i]).sum::<f64>() / norm(drive);
-        if sine <= 1e-3 || sine > 0.95 {
-            continue;
-        }
-        let tangent = sine / (1.0 - sine * sine).sqrt();
-        if mu <= tangent {
-            continue;
-        }
-        let label = item.label();
-        let locks = mu > FAR_ABOVE * tangent;
-        let bodies = item.surfaces().map(|set| split_set(set).map_or(set, |(body, _)| body).to_owned());
+        let (tangent, mu) = (angle.tan(), toml::plain(friction.tan()));
         let place = case.place();
-        let is_here =
-            place.pair.as_deref() == Some(&label) || place.body.as_ref().is_some_and(|body| bodies.contains(body));
+        let is_here = place.pair.as_deref() == Some(&label)
+            || place.body.as_ref().is_some_and(|body| *body == flank.driven || *body == flank.other);
         let place = match is_here {
             true => Where { text: format!("{}, contact `{label}`", place.text), pair: Some(label.clone()), ..place },
             false => Where {
                 text: format!("contact `{label}`"),
                 pair: Some(label.clone()),
-                body: Some(bodies[0].clone()),
+                body: Some(flank.driven.clone()),
                 ..Where::default()
             },
         };
-        let angle = sine.asin().to_degrees();
-        let below = toml::down(BELOW * tangent);
+        let degrees = angle.to_degrees();
+        let evidence = vec![
+            format!(
+                "mu = {mu} is {:.1} times the coefficient from which on such a wedge locks itself, {tangent:.3}",
+                friction.tan() / tangent
+            ),
+            format!("{} contact points of `{label}` are closed", flank.closed),
+        ];
+        let below = toml::number(toml::down(BELOW * tangent));
+        let changes: Vec<Change> = sides
+            .iter()
+            .map(|side| Change::Set {
+                key: format!("contact[{}].friction.{}", side.contact, side.key),
+                value: below.clone(),
+            })
+            .collect();
+        let keys: Vec<String> =
+            sides.iter().map(|side| format!("`contact[{}].friction.{} = {below}`", side.contact, side.key)).collect();
         list.push(Finding {
             cause: Cause::FrictionLocks,
-            confidence: match (is_here, locks) {
+            confidence: match (is_here, friction.tan() > FAR_ABOVE * tangent) {
                 (true, true) => Confidence::High,
                 (true, false) | (false, true) => Confidence::Medium,
                 (false, false) => Confidence::Low,
             },
             place,
             sentence: format!(
-                "friction locks the wedge: `{}` is driven into `{}` at {angle:.1} degrees to their surface, and mu = {mu} is above tan {angle:.1} = {tangent:.3}. It cannot slide, however hard it is driven: only the elements deform",
-                bodies[0], bodies[1]
+                "friction locks the wedge: `{}` is driven between {between} at {degrees:.1} degrees to the drive, where it cannot give way, and mu = {mu} is above tan {degrees:.1} = {tangent:.3}. It sticks, and the elements deform instead",
+                flank.driven
             ),
-            evidence: vec![
-                format!("mu = {mu} is {:.1} times the coefficient from which on the wedge locks, {tangent:.3}", mu / tangent),
-                format!("{} contact points of `{label}` are closed", closed.len()),
-            ],
+            evidence,
             remedies: vec![
-                Remedy::set(format!("contact[{c}].friction.{key}"), toml::number(below), &format!("below {tangent:.3} it slides")),
-                Remedy::words(format!("or make the wedge blunter than {:.0} degrees", mu.atan().to_degrees())),
+                Remedy { text: format!("set {} (below {tangent:.3} it slides)", keys.join(" and ")), changes },
+                Remedy::words(format!("or make the wedge blunter than {:.0} degrees", friction.to_degrees())),
                 Remedy::words("or prescribe a force instead of a motion, or a smaller motion"),
             ],
         });
@@ -90,40 +103,145 @@ pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
     list
 }
 
-/// The motion of the slave relative to the master that is prescribed from now on, of their most moved nodes.
-fn drive(case: &Case<'_>, item: &crate::scene::Contact) -> Option<[f64; 3]> {
+/// A closed contact with friction of a body that a prescribed motion drives against it.
+struct Flank {
+    /// Number in the scene.
+    contact: usize,
+    /// Key of the coefficient of friction, and its value.
+    key: &'static str,
+    mu: f64,
+    /// The driven body and the one that it meets.
+    driven: String,
+    other: String,
+    /// Prescription of the scene that drives, and the motion, relative to the other body, of unit length.
+    drive: Drive,
+    /// Angle between the drive and the surface, positive where the body is driven into it.
+    angle: f64,
+    /// Unit vector across the drive, away from the surface: where the body would give way.
+    aside: [f64; 3],
+    /// Mean position of the closed points.
+    centre: [f64; 3],
+    /// Closed points.
+    closed: usize,
+}
+
+impl Flank {
+    fn of(case: &Case<'_>, contact: usize, item: &crate::scene::Contact) -> Option<Self> {
+        let (key, mu) = match &item.friction {
+            Some(Friction::Coulomb(law)) => ("mu", law.mu),
+            Some(Friction::StaticDynamic(law)) => ("mu_static", law.mu_static),
+            Some(Friction::Regularised(law)) => ("mu", law.mu),
+            _ => return None,
+        };
+        let reports = case.simulation.contact_report(contact).ok()?;
+        let closed: Vec<_> =
+            reports.iter().zip(&case.simulation.active()[contact]).filter(|(_, active)| **active).collect();
+        if closed.is_empty() || item.between.is_some() {
+            // Which side of `between` is the slave, to which normals point, is not known here.
+            return None;
+        }
+        let normal: [f64; 3] = std::array::from_fn(|i| closed.iter().map(|(r, _)| r.weight * r.normal[i]).sum());
+        let (drive, is_slave) = drive(case, item)?;
+        let sign = if is_slave { 1.0 } else { -1.0 } / norm(normal).max(f64::MIN_POSITIVE);
+        let normal = normal.map(|n| sign * n);
+        let sine = -dot(drive.direction, normal);
+        let aside: [f64; 3] = std::array::from_fn(|i| normal[i] + sine * drive.direction[i]);
+        let width = norm(aside);
+        let body = |set: &str| split_set(set).map_or(set, |(body, _)| body).to_owned();
+        let [slave, master] = item.surfaces().map(body);
+        let (driven, other) = if is_slave { (slave, master) } else { (master, slave) };
+        let count = closed.len() as f64;
+        Some(Self {
+            contact,
+            key,
+            mu,
+            driven,
+            other,
+            drive,
+            angle: sine.clamp(-1.0, 1.0).asin(),
+            aside: aside.map(|a| a / width.max(f64::MIN_POSITIVE)),
+            centre: std::array::from_fn(|i| closed.iter().map(|(r, _)| case.position(r.node)[i]).sum::<f64>() / count),
+            closed: closed.len(),
+        })
+    }
+
+    /// Whether another contact of the same body stops it from giving way.
+    fn is_opposite(&self, other: &Self) -> bool {
+        self.driven == other.driven
+            && dot(self.aside, other.aside) < -OPPOSITE
+            && dot(self.drive.direction, other.drive.direction) > OPPOSITE
+    }
+}
+
+/// What drives a body.
+struct Drive {
+    /// Number of the prescription in the model.
+    prescription: usize,
+    /// Unit vector.
+    direction: [f64; 3],
+    /// Motion in a step, a length.
+    length: f64,
+}
+
+/// Name of a set of the driven body, not one that is driven, that a prescription keeps from moving aside, across from the contact.
+fn guide(case: &Case<'_>, flank: &Flank) -> Option<String> {
     let model = case.model();
+    let own = model.bodies.iter().find(|body| body.solid.name() == flank.driven)?.nodes.clone();
+    let driven = &model.prescriptions[flank.drive.prescription].nodes;
+    model.prescriptions.iter().find_map(|prescription| {
+        let nodes: Vec<u32> =
+            prescription.nodes.iter().copied().filter(|node| own.contains(node) && !driven.contains(node)).collect();
+        let held: f64 = prescription.components.iter().map(|&i| flank.aside[usize::from(i)].powi(2)).sum();
+        let moved = dot(motion(case, prescription, *nodes.first()?), flank.aside).abs();
+        let across = nodes.iter().any(|&node| {
+            let x = case.position(node);
+            dot(std::array::from_fn(|i| x[i] - flank.centre[i]), flank.aside) > 0.0
+        });
+        let is_guide = held > OPPOSITE * OPPOSITE && moved <= 1e-6 * flank.drive.length && across;
+        is_guide.then(|| prescription.name.clone())
+    })
+}
+
+/// Motion of a node by a prescription in the next step.
+fn motion(case: &Case<'_>, prescription: &stoss_solver::Prescription, node: u32) -> [f64; 3] {
     let (time, dt) = (case.simulation.state().time, case.scene.time.step);
+    let reference = std::array::from_fn(|i| case.model().reference[3 * node as usize + i]);
+    let mut motion = [0.0; 3];
+    for (column, &component) in prescription.components.iter().enumerate() {
+        let at = |time| prescription.position(node, reference, time, column);
+        motion[usize::from(component)] = at(time + dt) - at(time);
+    }
+    motion
+}
+
+/// The prescribed motion, from now on, of that body of a contact that moves more, relative to the other one, and whether it is the slave.
+fn drive(case: &Case<'_>, item: &crate::scene::Contact) -> Option<(Drive, bool)> {
+    let model = case.model();
     let of = |set: &str| {
         let name = split_set(set).map_or(set, |(body, _)| body);
         let nodes = model.bodies.iter().find(|body| body.solid.name() == name).map(|body| body.nodes.clone());
-        let mut best = [0.0; 3];
-        for prescription in &model.prescriptions {
-            let Some(&node) =
-                prescription.nodes.iter().find(|node| nodes.as_ref().is_some_and(|own| own.contains(node)))
-            else {
-                continue;
-            };
-            let reference = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
-            let mut motion = [0.0; 3];
-            for (column, &component) in prescription.components.iter().enumerate() {
-                let at = |time| prescription.position(node, reference, time, column);
-                motion[usize::from(component)] = at(time + dt) - at(time);
-            }
-            if norm(motion) > norm(best) {
-                best = motion;
+        let mut best = (0, [0.0; 3]);
+        for (p, prescription) in model.prescriptions.iter().enumerate() {
+            let is_own = |node: &&u32| nodes.as_ref().is_some_and(|own| own.contains(node));
+            let Some(&node) = prescription.nodes.iter().find(is_own) else { continue };
+            let motion = motion(case, prescription, node);
+            if norm(motion) > norm(best.1) {
+                best = (p, motion);
             }
         }
         best
     };
-    // Which is slave matters: normals point to it.
-    let [slave, master] = item.surfaces();
-    let (slave, master) = match case.simulation.model().contacts.iter().position(|pair| pair.name == item.label()) {
-        Some(_) if item.between.is_some() => return None,
-        _ => (of(slave), of(master)),
-    };
-    let drive = std::array::from_fn(|i| slave[i] - master[i]);
-    (norm(drive) > 0.0).then_some(drive)
+    let [slave, master] = item.surfaces().map(of);
+    let is_slave = norm(slave.1) >= norm(master.1);
+    let (driven, other) = if is_slave { (slave, master) } else { (master, slave) };
+    let relative: [f64; 3] = std::array::from_fn(|i| driven.1[i] - other.1[i]);
+    let length = norm(relative);
+    let direction = relative.map(|x| x / length);
+    (length > 0.0).then_some((Drive { prescription: driven.0, direction, length }, is_slave))
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
 }
 
 /// Points that open and close until the attempt is given up.
@@ -150,7 +268,7 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
     if let Some((c, item)) = case.contacts().find(|(_, item)| item.label() == name)
         && let (Some(slave), Some(master)) = (&item.slave, &item.master)
     {
-        let change = |key: &str, value: &String| super::Change::Set {
+        let change = |key: &str, value: &String| Change::Set {
             key: format!("contact[{c}].{key}"),
             value: format!("\"{value}\""),
         };
@@ -159,8 +277,12 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
         );
         remedies.push(Remedy { text, changes: vec![change("slave", master), change("master", slave)] });
     }
-    let step = toml::number(toml::down(0.5 * case.scene.time.step));
-    remedies.push(Remedy::set(case.step_key(), step, "half the present value"));
+    remedies.extend(case.smaller_step());
+    if remedies.is_empty() {
+        remedies.push(Remedy::words(
+            "refine the slave surface where it meets the master, or set `method = \"mortar\"`, whose contact state changes less from point to point",
+        ));
+    }
     vec![Finding {
         cause: Cause::ContactCycles,
         confidence: if cycling { Confidence::Medium } else { Confidence::Low },

@@ -74,16 +74,17 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
                     .to_owned()
             }
         };
+        let mut remedies = vec![Remedy::words(format!("repair the mesh at node {node} of `{name}`, {from}"))];
+        if case.scene.solver.inside_out != crate::scene::InsideOut::Warn {
+            remedies.push(Remedy::set("solver.inside_out", "\"warn\"", "the run continues with a warning while the Jacobian is positive at the integration points; do not trust the stresses there"));
+        }
         list.push(Finding {
             cause: Cause::Sliver,
             confidence,
             place: Where { text: format!("element {worst} at {}", at.text), element: Some(worst as usize), ..at },
             sentence: format!("element {worst} of `{name}` is a sliver: a small deformation is enough to turn its corner at node {node} inside out"),
             evidence,
-            remedies: vec![
-                Remedy::words(format!("repair the mesh at node {node} of `{name}`, {from}")),
-                Remedy::set("solver.inside_out", "\"warn\"", "the run continues with a warning while the Jacobian is positive at the integration points; do not trust the stresses there"),
-            ],
+            remedies,
         });
     }
     list

@@ -35,10 +35,11 @@ pub const PAGE: &str = "diagnosis.html";
 type Look = fn(&Case<'_>) -> Vec<Finding>;
 
 /// All that is looked for.
-const FINDINGS: [Look; 10] = [
+const FINDINGS: [Look; 11] = [
     supports::supports,
     scales::density,
     scales::step,
+    scales::load,
     surfaces::overlap,
     surfaces::facing_away,
     surfaces::missing_contact,
@@ -73,6 +74,8 @@ pub enum Cause {
     StepTooLarge,
     /// Nearly incompressible.
     Incompressible,
+    /// The stress of a load is of the order of Young's modulus.
+    LoadTooLarge,
     /// Contact points that open and close, or stick and slide, with every iteration.
     ContactCycles,
     /// None that is known.
@@ -198,7 +201,7 @@ pub struct Diagnosis {
     pub time: f64,
     /// Where it happened.
     pub place: Where,
-    /// Likely causes, the most certain first; at least one if anything happened.
+    /// Likely causes, the most certain first; at least one if the run stopped with an error.
     pub findings: Vec<Finding>,
     /// The last failed attempts.
     pub attempts: Vec<Attempt>,
@@ -210,7 +213,8 @@ impl Diagnosis {
         let mut findings: Vec<Finding> = FINDINGS.iter().flat_map(|look| look(case)).collect();
         findings.sort_by(|a, b| b.confidence.cmp(&a.confidence).then(a.cause.cmp(&b.cause)));
         let what = case.what();
-        if findings.is_empty() && !what.is_empty() {
+        // What a run that ended well enough was found to do is told by its verdict.
+        if findings.is_empty() && case.is_stopped() {
             findings.push(unknown(case));
         }
         let place = match case.place() {
@@ -221,9 +225,14 @@ impl Diagnosis {
         Self { title: case.scene.header.title.clone(), what, step, time, place, findings, attempts: case.attempts() }
     }
 
-    /// Whether somebody should read it: something happened, or a cause is certain although nothing did.
+    /// Whether somebody should read it: a cause was found of what happened, or nothing is known of what stopped the run, or a cause is certain, or a density is likely
+    /// wrong, although nothing happened: with such a density nothing does.
     pub fn is_worth_reading(&self) -> bool {
-        !self.what.is_empty() || self.findings.iter().any(|finding| finding.confidence == Confidence::High)
+        let is_told = |finding: &Finding| match finding.cause {
+            Cause::Density => finding.confidence >= Confidence::Medium,
+            _ => finding.confidence == Confidence::High,
+        };
+        if self.what.is_empty() { self.findings.iter().any(is_told) } else { !self.findings.is_empty() }
     }
 
     /// Writes it into a folder of results.
@@ -263,25 +272,40 @@ impl Diagnosis {
     }
 }
 
-/// What is said if no cause was found.
+/// What is said of a run that stopped if no cause was found.
 fn unknown(case: &Case<'_>) -> Finding {
+    let mut remedies: Vec<Remedy> = case.smaller_step().into_iter().collect();
     let time = &case.scene.time;
-    let mut remedies = Vec::new();
-    if case.failure().is_some() {
-        let step = case.step_key();
-        remedies.push(Remedy::set(step, toml::number(toml::down(0.5 * time.step)), "half the present value"));
-        if time.max_cuts < crate::scene::Time::DEFAULT_MAX_CUTS {
-            let cuts = crate::scene::Time::DEFAULT_MAX_CUTS.to_string();
-            remedies.push(Remedy::set("time.max_cuts", cuts, "the default"));
+    if case.failure().is_some() && time.automatic.is_none() && time.max_cuts < crate::scene::Time::DEFAULT_MAX_CUTS {
+        let cuts = crate::scene::Time::DEFAULT_MAX_CUTS.to_string();
+        remedies.push(Remedy::set("time.max_cuts", cuts, "the default: a failing step may be halved ten times"));
+    }
+    let smallest = case.smallest_failed();
+    let evidence =
+        smallest.filter(|_| remedies.is_empty()).map(|dt| format!("steps down to {} failed too", toml::plain(dt)));
+    if !remedies.is_empty() {
+        remedies
+            .push(Remedy::words("look at the last frames near this place, in `report.html` or with `stoss picture`"));
+    } else {
+        remedies.push(Remedy::words(
+            "look at the last frames near this place, in `report.html` or with `stoss picture`: do the bodies move as they should up to there?",
+        ));
+        if smallest.is_some() {
+            let at = toml::plain(case.simulation.state().time);
+            remedies.push(Remedy::words(format!(
+                "check what changes at t = {at}: loads, prescribed motions, contacts that close"
+            )));
+            remedies.push(Remedy::words(
+                "look at the residuals of the last attempts in `diagnosis.html`: where they grow at once, look at materials and elements, where they stall, at contact and friction",
+            ));
         }
     }
-    remedies.push(Remedy::words("look at the last frames near this place, in `report.html` or with `stoss picture`"));
     Finding {
         cause: Cause::Unknown,
         confidence: Confidence::Low,
         place: case.place(),
-        sentence: "none of the known causes fits".to_owned(),
-        evidence: vec![case.what()],
+        sentence: "the run shows the signs of no cause that is looked for".to_owned(),
+        evidence: std::iter::once(case.what()).chain(evidence).collect(),
         remedies,
     }
 }

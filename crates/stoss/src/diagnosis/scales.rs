@@ -2,8 +2,9 @@
 
 use super::case::Case;
 use super::{Cause, Confidence, Finding, Remedy, Where, toml};
-use crate::scene::Time;
-use stoss_solver::FailureKind;
+use crate::build::{DENSITY, MODULUS};
+use crate::scene::{Dimension, Time, Units};
+use stoss_solver::{FailureKind, LoadKind};
 
 /// A common material: its name, Young's modulus and density in SI units, and by which part both may differ.
 struct Known {
@@ -19,35 +20,34 @@ const KNOWN: [Known; 3] = [
     Known { name: "titanium", young: [1.03e11, 1.16e11], density: [4400.0, 4550.0] },
 ];
 
-/// Systems of units in use: what a pascal, a kilogram per cubic metre and a metre per square second are in them.
-const SYSTEMS: [(&str, f64, f64, f64); 5] = [
-    ("m, kg, s", 1.0, 1.0, 1.0),
-    ("mm, t, s", 1e-6, 1e-12, 1e3),
-    ("mm, kg, ms", 1e-9, 1e-9, 1e-3),
-    ("mm, g, ms", 1e-6, 1e-6, 1e-3),
-    ("cm, g, s", 10.0, 1e-3, 1e2),
-];
-
 /// Part of the time of a wave through a body below which a run is so short that nothing can move.
 const SHORT_RUN: f64 = 0.02;
 
-/// Gravity of the earth as people give it.
+/// Gravity of the earth in SI as people give it.
 const EARTH: [f64; 2] = [9.7, 10.1];
 
-fn within(value: f64, [low, high]: [f64; 2], unit: f64) -> bool {
-    (low * unit * (1.0 - 1e-9)..=high * unit * (1.0 + 1e-9)).contains(&value)
+fn within(value: f64, [low, high]: [f64; 2]) -> bool {
+    (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(&value)
 }
 
 /// The power of ten by which a value has the digits of an interval.
 fn power(value: f64, [low, high]: [f64; 2]) -> Option<i32> {
     let power = (value / (low * high).sqrt()).log10().round() as i32;
-    within(value, [low, high], 10f64.powi(power)).then_some(power)
+    within(value / 10f64.powi(power), [low, high]).then_some(power)
 }
 
 /// A density that fits no modulus: of a material that its digits tell, or by a body that its own weight crushes.
 pub(super) fn density(case: &Case<'_>) -> Vec<Finding> {
     let bodies = case.scene.bodies.iter().enumerate();
-    bodies.filter_map(|(b, body)| by_digits(case, b, body).or_else(|| by_weight(case, b, body))).collect()
+    let of = |(b, body)| match (by_digits(case, b, body), by_weight(case, b, body)) {
+        (Some(digits), Some(weight)) => Some(Finding {
+            confidence: digits.confidence.max(weight.confidence),
+            evidence: [digits.evidence, weight.evidence].concat(),
+            ..digits
+        }),
+        (digits, weight) => digits.or(weight),
+    };
+    bodies.filter_map(of).collect()
 }
 
 /// Modulus and density, and the time that a wave takes through the body.
@@ -58,74 +58,139 @@ fn moduli(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<(f64, 
     Some((young, density, size / (young / density).sqrt()))
 }
 
+/// Modulus, density and, of a scene with gravity of the earth, that, in some units.
+#[derive(Clone, Copy)]
+struct Data {
+    young: f64,
+    density: f64,
+    gravity: Option<f64>,
+}
+
+impl Data {
+    /// The material and the power of ten by which its density differs from that of the material, by the digits of both in SI.
+    fn of_known(young: f64, density: f64) -> Option<(&'static Known, i32)> {
+        KNOWN.iter().find_map(|known| power(young, known.young).and(Some((known, power(density, known.density)?))))
+    }
+
+    /// Whether modulus and gravity are those of the material in these units.
+    fn has_modulus(&self, known: &Known, units: Units) -> bool {
+        within(self.young * units.in_si(Dimension::Stress), known.young)
+            && self.gravity.is_none_or(|g| within(g * units.in_si(Dimension::Acceleration), EARTH))
+    }
+
+    /// Whether these are common data in some system of units.
+    fn fits_any(&self) -> bool {
+        let fits = |units: Units, known: &Known| {
+            self.has_modulus(known, units) && within(self.density * units.in_si(Dimension::Density), known.density)
+        };
+        Units::all().any(|units| KNOWN.iter().any(|known| fits(units, known)))
+    }
+}
+
+/// Without units only what no system of units explains is told, and never for certain; with units the numbers are judged in SI.
 fn by_digits(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Finding> {
     let (young, density, transit) = moduli(case, b, body)?;
-    let known =
-        KNOWN.iter().find(|known| power(young, known.young).is_some() && power(density, known.density).is_some())?;
     let gravity = case.scene.gravity.as_ref().map(|g| g.acceleration.iter().map(|a| a * a).sum::<f64>().sqrt());
-    // Only that of the earth tells units.
-    let gravity = gravity.filter(|&g| power(g, EARTH).is_some());
-    let fits_gravity = |unit: f64| gravity.is_none_or(|g| within(g, EARTH, unit));
-    let has_modulus = |pascal: f64| within(young, known.young, pascal);
-    if SYSTEMS.iter().any(|&(_, pascal, kilogram, acceleration)| {
-        has_modulus(pascal) && within(density, known.density, kilogram) && fits_gravity(acceleration)
-    }) {
-        return None;
-    }
-    let fitting: Vec<_> = SYSTEMS.iter().filter(|system| has_modulus(system.1) && fits_gravity(system.3)).collect();
-    let digits = 10f64.powi(power(density, known.density)?);
-    let offer = |&&(name, _, kilogram, _): &&(&str, f64, f64, f64)| {
-        let value = toml::short(density / digits * kilogram);
-        let factor = density / value;
-        let by = if factor >= 1.0 {
-            format!("{factor:.0e} times smaller")
-        } else {
-            format!("{:.0e} times larger", 1.0 / factor)
-        };
-        Remedy::set(
-            format!("body[{b}].density"),
-            toml::number(value),
-            &format!("{by}: that of {} in {name}", known.name),
-        )
-    };
-    let remedies: Vec<Remedy> = fitting.iter().map(offer).collect();
-    // An odd power of ten is none of any units of length and time that are powers of ten.
-    let speed = (young / density).sqrt();
-    let si = (known.young[0] * known.young[1]).sqrt() / (known.density[0] * known.density[1]).sqrt();
-    let is_odd = ((young / density / si).log10().round() as i64).rem_euclid(2) == 1;
     let end = case.scene.time.end;
     let short = end < SHORT_RUN * transit;
-    let confidence = if is_odd || gravity.is_some() || short { Confidence::High } else { Confidence::Medium };
-    let mut evidence = vec![format!(
-        "modulus {young:e} and density {density:e} have the digits of {}, but they give a wave speed of {speed:.3e}: in no common system of units is that {:.0} m/s",
-        known.name,
-        si.sqrt()
-    )];
+    let mut evidence = Vec::new();
+    let mut remedies = Vec::new();
+    let confidence = match case.scene.header.units {
+        Some(units) => {
+            let [pascal, kilogram] = [Dimension::Stress, Dimension::Density].map(|d| units.in_si(d));
+            let is_usual = DENSITY.contains(density * kilogram);
+            let known = Data::of_known(young * pascal, density * kilogram)
+                .filter(|(known, power)| *power != 0 && within(young * pascal, known.young));
+            if density <= 0.0 || (is_usual && known.is_none()) || !MODULUS.contains(young * pascal) {
+                // An unusual modulus has a warning of its own, and says nothing of the density.
+                return None;
+            }
+            let label = units.label(Dimension::Density);
+            let [si, low, high] = [density * kilogram, DENSITY.low, DENSITY.high].map(toml::plain);
+            evidence.push(format!(
+                "in the units of the scene, {units}, {} {label} are {si} kg/m³; usual are {low} to {high} kg/m³",
+                toml::plain(density)
+            ));
+            if let Some((known, power)) = known {
+                let right = toml::short(density / 10f64.powi(power));
+                evidence.push(format!(
+                    "the modulus {} {} is that of {}",
+                    toml::plain(young),
+                    units.label(Dimension::Stress),
+                    known.name
+                ));
+                remedies.push(of_material(b, density, right, known, units));
+            }
+            if is_usual { Confidence::Medium } else { Confidence::High }
+        }
+        None => {
+            // Only gravity of the earth tells units.
+            let gravity = gravity.filter(|&g| power(g, EARTH).is_some());
+            let data = Data { young, density, gravity };
+            let (known, power) = Data::of_known(young, density).filter(|_| !data.fits_any())?;
+            for units in Units::all().filter(|&units| data.has_modulus(known, units)) {
+                let right = density / 10f64.powi(power) / units.in_si(Dimension::Density);
+                remedies.push(of_material(b, density, toml::short(right), known, units));
+            }
+            // Those that change least first.
+            remedies.sort_by(|a, b| a.0.abs().round().total_cmp(&b.0.abs().round()));
+            let si = (known.young[0] * known.young[1]).sqrt() / (known.density[0] * known.density[1]).sqrt();
+            evidence.push(format!(
+                "modulus {} and density {} have the digits of {}, but they give a wave speed of {:.3e}: in no common system of units is that {:.0} m/s",
+                toml::plain(young),
+                toml::plain(density),
+                known.name,
+                (young / density).sqrt(),
+                si.sqrt()
+            ));
+            if let Some(g) = gravity.filter(|_| remedies.is_empty()) {
+                evidence.push(format!("nor does gravity of {g} go with this modulus in any common system of units"));
+            }
+            // An odd power of ten is none of any units of length and time that are powers of ten.
+            let is_odd = ((young / density / si).log10().round() as i64).rem_euclid(2) == 1;
+            if is_odd || gravity.is_some() || short { Confidence::Medium } else { Confidence::Low }
+        }
+    };
     evidence.push(format!(
-        "a wave takes {transit:.2e} to cross `{}`, and the run ends at {end:e}{}",
+        "a wave takes {transit:.2e} to cross `{}`, and the run ends at {}{}",
         body.name,
+        toml::plain(end),
         if short { ", before anything can move" } else { "" }
     ));
-    if let Some(g) = gravity.filter(|_| fitting.is_empty()) {
-        evidence.push(format!("nor does gravity of {g} go with this modulus in any common system of units"));
+    let mut remedies: Vec<Remedy> = remedies.into_iter().map(|(_, remedy)| remedy).collect();
+    if remedies.is_empty() {
+        remedies.push(Remedy::words(format!(
+            "give `body[{b}].density`, the modulus and gravity in the same units, for instance mm, t, s"
+        )));
+    }
+    if case.scene.header.units.is_none() {
+        let text = "or say the units, as `[scene] units = \"mm-t-s\"`: then the numbers are checked in them";
+        remedies.push(Remedy::words(text));
     }
     Some(Finding {
         cause: Cause::Density,
         confidence,
         place: of_body(case, b, &format!("`{}`, `body[{b}].density`", body.name)),
         sentence: format!(
-            "the density {density:e} of `{}` does not match its modulus {young:e}: the units are probably mixed",
-            body.name
+            "the density {} of `{}` does not match its modulus {}: the units are probably mixed",
+            toml::plain(density),
+            body.name,
+            toml::plain(young)
         ),
         evidence,
-        remedies: if remedies.is_empty() {
-            vec![Remedy::words(format!(
-                "give `body[{b}].density`, the modulus and gravity in the same units, for instance mm, t, s"
-            ))]
-        } else {
-            remedies
-        },
+        remedies,
     })
+}
+
+/// Offers the density of a material; first the power of ten by which it is larger.
+fn of_material(b: usize, density: f64, right: f64, known: &Known, units: Units) -> (f64, Remedy) {
+    let factor = right / density;
+    let by = match factor >= 1.0 {
+        true => format!("{factor:.0e} times larger"),
+        false => format!("{:.0e} times smaller", 1.0 / factor),
+    };
+    let why = format!("{by}: that of {} in {units}", known.name);
+    (factor.log10(), Remedy::set(format!("body[{b}].density"), toml::number(right), &why))
 }
 
 /// Weight against stiffness: `rho g L / E`.
@@ -144,8 +209,11 @@ fn by_weight(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Fin
         confidence: if case.is_bad() || strain > 100.0 { Confidence::High } else { Confidence::Medium },
         place: of_body(case, b, &format!("`{}`, `body[{b}].density`", body.name)),
         sentence: format!(
-            "the weight of `{}` crushes it: density {density:e} and gravity {g} against modulus {young:e}",
-            body.name
+            "the weight of `{}` crushes it: density {} and gravity {} against modulus {}",
+            body.name,
+            toml::plain(density),
+            toml::plain(g),
+            toml::plain(young)
         ),
         evidence: vec![format!(
             "density x gravity x height / modulus, a strain, is {strain:.2e}; it should be far below one"
@@ -197,8 +265,7 @@ pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
     }
     let time = &case.scene.time;
     let key = case.step_key();
-    let stage = case.scene.stages.get(case.simulation.stage().saturating_sub(1) as usize);
-    let present = stage.and_then(|stage| stage.step).unwrap_or(time.step);
+    let present = case.step_size();
     let mut remedies = vec![Remedy::set(
         key.clone(),
         toml::number(toml::down(present * GOOD / nominal)),
@@ -231,6 +298,87 @@ pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
         evidence,
         remedies,
     }]
+}
+
+/// Part of Young's modulus from which on the stress of a load is large, and from which on no material of these laws bears it.
+const LARGE_STRESS: f64 = 0.3;
+const CRUSHING: f64 = 1.0;
+
+/// A load on a body whose stress is of the order of its modulus when the run stops.
+pub(super) fn load(case: &Case<'_>) -> Vec<Finding> {
+    use FailureKind::{InsideOut, InvertedElement, NotConverged, Singular};
+    let Some(failure) =
+        case.failure().filter(|_| case.failed_by(&[InvertedElement, InsideOut, NotConverged, Singular]))
+    else {
+        return Vec::new();
+    };
+    let time = failure.time + failure.dt;
+    let model = case.model();
+    let mut list = Vec::new();
+    for load in &model.loads {
+        for (b, body) in model.bodies.iter().enumerate() {
+            let Some(stress) = stress(case, load, b, time) else { continue };
+            let young = body.solid.law().small_strain_moduli().young_modulus();
+            let part = stress / young;
+            if part < LARGE_STRESS || !part.is_finite() {
+                continue;
+            }
+            let name = body.solid.name();
+            let is_here = case.place().body.as_deref() == Some(name);
+            list.push(Finding {
+                cause: Cause::LoadTooLarge,
+                confidence: match (is_here, part >= CRUSHING) {
+                    (true, true) => Confidence::High,
+                    (true, false) | (false, true) => Confidence::Medium,
+                    (false, false) => Confidence::Low,
+                },
+                place: case.place(),
+                sentence: format!(
+                    "the load `{}` on `{name}` is {part:.1} times its Young's modulus at t = {}: it crushes the body",
+                    load.name,
+                    toml::plain(time)
+                ),
+                evidence: vec![format!(
+                    "a stress of {} against a modulus of {}; a hundredth of the modulus is a strain of one per cent already",
+                    toml::plain(stress),
+                    toml::plain(young)
+                )],
+                remedies: vec![
+                    Remedy::words(format!("check the value of the load `{}` and its units against the modulus of `{name}`", load.name)),
+                    Remedy::words("or raise it from zero by a table, and see in the frames up to which value the body bears it"),
+                ],
+            });
+        }
+    }
+    list
+}
+
+/// Size of the stress of a load in a body at a time: a pressure, or the resultant over the mean cross-section across it. Bending, which is more, is not seen.
+fn stress(case: &Case<'_>, load: &stoss_solver::Load, b: usize, time: f64) -> Option<f64> {
+    let body = &case.model().bodies[b];
+    let value = |column: usize| load.magnitude.value(time, column);
+    match &load.kind {
+        LoadKind::FollowerPressure { facets } => {
+            let acts = facets.iter().flatten().any(|node| body.nodes.contains(node));
+            acts.then(|| value(0).abs())
+        }
+        LoadKind::Dead { patterns } => {
+            let mut force = [0.0; 3];
+            for (column, pattern) in patterns.iter().enumerate() {
+                for &(component, unit) in pattern.iter().filter(|(component, _)| body.nodes.contains(&(component / 3)))
+                {
+                    force[component as usize % 3] += value(column) * unit;
+                }
+            }
+            let size = force.iter().map(|f| f * f).sum::<f64>().sqrt();
+            let along =
+                |node: u32| (0..3).map(|i| case.model().reference[3 * node as usize + i] * force[i] / size).sum();
+            let ends = (f64::INFINITY, f64::NEG_INFINITY);
+            let (low, high) = body.nodes.clone().map(along).fold(ends, |(l, h), x: f64| (l.min(x), h.max(x)));
+            (size > 0.0).then(|| size * (high - low) / body.solid.volume())
+        }
+        _ => None,
+    }
 }
 
 fn moduli_of(case: &Case<'_>, b: usize) -> Option<(f64, f64, f64)> {
@@ -282,20 +430,21 @@ mod tests {
         assert_eq!((power(2.5e5, steel.young), power(1e3, steel.density)), (None, None));
     }
 
-    /// The units of each system are of one kind: a wave is as fast in all of them, `E / rho` in length over time squared.
+    /// Right data of each material in each system of units are none that are mixed up; a thousand times the density is.
     #[test]
-    fn systems_of_units_agree_with_themselves() {
-        for (name, pascal, kilogram, acceleration) in SYSTEMS {
-            let (length, time) = match name.split_once(", ").unwrap().0 {
-                "m" => (1.0, 1.0),
-                "cm" => (1e2, 1.0),
-                _ => (1e3, if name.ends_with("ms") { 1e3 } else { 1.0 }),
-            };
-            let speed: f64 = pascal / kilogram;
-            let square = f64::powi(length / time, 2);
-            assert!((speed / square - 1.0).abs() < 1e-12, "{name}: {speed} {square}");
-            let gravity = length / (time * time);
-            assert!((acceleration / gravity - 1.0_f64).abs() < 1e-12, "{name}");
+    fn right_data_fit_in_every_system_of_units() {
+        let middle = |[low, high]: [f64; 2]| (low * high).sqrt();
+        for units in Units::all() {
+            for known in &KNOWN {
+                let density = middle(known.density) / units.in_si(Dimension::Density);
+                let young = middle(known.young) / units.in_si(Dimension::Stress);
+                let earth = middle(EARTH) / units.in_si(Dimension::Acceleration);
+                for gravity in [None, Some(earth)] {
+                    assert!(Data { young, density, gravity }.fits_any(), "{} {units}", known.name);
+                    let density = 1e3 * density;
+                    assert!(!Data { young, density, gravity }.fits_any(), "{} {units}", known.name);
+                }
+            }
         }
     }
 }

@@ -9,6 +9,9 @@ use std::collections::BTreeSet;
 use stoss_contact::{ContactRule, StepConfiguration};
 use stoss_solver::FailureKind;
 
+/// How a prescription on another set is offered.
+const ANOTHER: &str = "fix another set: ";
+
 /// Most bodies that are connected for which motions are looked for.
 const MOST_MEMBERS: usize = 20;
 
@@ -36,6 +39,7 @@ pub(super) fn supports(case: &Case<'_>) -> Vec<Finding> {
     }
     let members = members(case);
     let mut rows = prescribed(case, &members);
+    rows.extend(supported(case, &members));
     rows.extend(bilateral(case, &members));
     let touching = touching(case);
     groups(members.len(), &rows)
@@ -76,15 +80,16 @@ fn members(case: &Case<'_>) -> Vec<Member> {
         })
         .collect();
     let mut elastic: Vec<u32> = Vec::new();
-    for part in model.parts.iter().filter(|part| part.own_vectors().is_empty()) {
+    // Supports are looked at by component.
+    let supports: BTreeSet<String> =
+        case.scene.supports.iter().enumerate().map(|(s, item)| item.part_name(s)).collect();
+    let springs = model.parts.iter().filter(|part| part.own_vectors().is_empty() && !supports.contains(part.name()));
+    for part in springs {
         part.stencils(&mut |vectors| elastic.extend_from_slice(vectors));
     }
     for pair in model.contacts.iter().filter(|pair| matches!(pair.method, Coupling::Potential(_))) {
         let active = vec![true; pair.method.slot_count()];
         pair.method.stencils(&active, &mut |nodes, _| elastic.extend_from_slice(nodes));
-    }
-    for support in &case.scene.supports {
-        elastic.extend(case.nodes(&support.set));
     }
     for node in elastic {
         if let Some(m) = member_of(model, &list, node) {
@@ -118,15 +123,57 @@ fn add(case: &Case<'_>, members: &[Member], row: &mut Row, node: u32, i: usize, 
     coefficients[3 + k] -= factor * arm[j] / member.length;
 }
 
+/// Components of a node, as rows.
+fn component(case: &Case<'_>, members: &[Member], node: u32, i: usize) -> Row {
+    let mut row = Row::new();
+    add(case, members, &mut row, node, i, 1.0);
+    row
+}
+
+/// Components that springs of supports hold; dashpots hold nothing in statics.
+fn supported(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for support in &case.scene.supports {
+        for node in case.nodes(&support.set) {
+            let held = (0..3).filter(|&i| support.stiffness[i] > 0.0);
+            rows.extend(held.map(|i| component(case, members, node, i)));
+        }
+    }
+    rows
+}
+
+/// What the contacts of the scene hold of some members while they are closed: the normal direction, with friction that sticks all directions.
+fn closed(case: &Case<'_>, members: &[Member], group: &[usize]) -> Vec<Row> {
+    let q = &case.simulation.state().q;
+    let mut rows = Vec::new();
+    for item in &case.scene.contacts {
+        let of_group =
+            |set: &&str| split_set(set).is_some_and(|(body, _)| group.iter().any(|&m| members[m].name == body));
+        for set in item.surfaces().iter().filter(|set| of_group(set)) {
+            for facet in &case.facets(set) {
+                let (normal, ..) = super::surfaces::measured(facet, q);
+                for &node in facet.iter() {
+                    if item.friction.is_some() {
+                        rows.extend((0..3).map(|i| component(case, members, node, i)));
+                        continue;
+                    }
+                    let mut row = Row::new();
+                    (0..3).for_each(|i| add(case, members, &mut row, node, i, normal[i]));
+                    rows.push(row);
+                }
+            }
+        }
+    }
+    rows
+}
+
 /// Prescribed components.
 fn prescribed(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
     let mut rows = Vec::new();
     for prescription in &case.model().prescriptions {
         for &node in &prescription.nodes {
             for &component in &prescription.components {
-                let mut row = Row::new();
-                add(case, members, &mut row, node, usize::from(component), 1.0);
-                rows.push(row);
+                rows.push(self::component(case, members, node, usize::from(component)));
             }
         }
     }
@@ -259,7 +306,8 @@ fn finding(
         }
     };
     let mut evidence = vec![format!(
-        "the prescribed components{} leave {} of the six rigid-body motions free, and a static analysis has no inertia",
+        "the prescribed components{}{} leave {} of the six rigid-body motions free, and a static analysis has no inertia",
+        if case.scene.supports.is_empty() { "" } else { ", the springs of supports" },
         if group.len() > 1 { ", the joints and the ties" } else { "" },
         motions.translations.len() + motions.rotations.len()
     )];
@@ -272,8 +320,80 @@ fn finding(
         place,
         sentence: format!("{}{contact}", words.join("; ")),
         evidence,
-        remedies: remedies(case, members, rows, group),
+        remedies: match touches.then(|| stabilised(case, members, rows, group)).flatten() {
+            Some(remedies) => remedies,
+            None => remedies(case, members, rows, group),
+        },
     })
+}
+
+/// How far a free motion moves some components (node, component), in the mean; of the one that moves them least.
+fn moved(case: &Case<'_>, members: &[Member], vectors: &[Vec<f64>], more: &[(u32, usize)]) -> f64 {
+    let square = |v: &Vec<f64>| {
+        let along = |&(node, i): &(u32, usize)| {
+            let row = component(case, members, node, i);
+            row.iter().flat_map(|(_, c)| c.iter().zip(v)).map(|(c, v)| c * v).sum::<f64>().powi(2)
+        };
+        more.iter().map(along).sum::<f64>() / more.len().max(1) as f64
+    };
+    vectors.iter().map(square).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether some rows together with further components leave no motion free.
+fn all_held(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize], more: &[(u32, usize)]) -> bool {
+    let mut all = rows.to_vec();
+    all.extend(more.iter().map(|&(node, i)| component(case, members, node, i)));
+    free(members, &all, group).iter().all(|motions| !is_free(motions))
+}
+
+/// For bodies that contact has to hold once it is closed: stabilisation until then, with a prescription of what contact never holds. Nothing for what is not
+/// stabilised, or is already.
+fn stabilised(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) -> Option<Vec<Remedy>> {
+    let solids = case.model().bodies.len();
+    if group.iter().any(|&m| m >= solids) {
+        return None;
+    }
+    let stage = (case.simulation.stage() as usize).saturating_sub(1);
+    let present = case.scene.stages.get(stage).and_then(|stage| stage.stabilise.as_ref());
+    if present.or(case.scene.time.stabilise.as_ref()).is_some() {
+        return None;
+    }
+    let key =
+        if case.scene.stages.is_empty() { "time.stabilise".to_owned() } else { format!("stage[{stage}].stabilise") };
+    let why = "motions that nothing holds before contact closes are then resisted by a viscous force, which vanishes until the end";
+    let mut first = Remedy::set(key, "{ fraction = 2e-4 }", why);
+    let mut with_contact = rows.to_vec();
+    with_contact.extend(closed(case, members, group));
+    if !all_held(case, members, &with_contact, group, &[]) {
+        let &[only] = group else { return None };
+        let vectors = null_vectors(members, &with_contact, group);
+        // A prescription that holds the body without contact would keep it from closing.
+        let holds = |more: &[(u32, usize)]| {
+            all_held(case, members, &with_contact, group, more) && !all_held(case, members, rows, group, more)
+        };
+        match other_set(case, &members[only].name, &holds, &|more| moved(case, members, &vectors, more)) {
+            Some(rest) => {
+                first.text += &format!(", and hold what contact does not: {}", rest.text.trim_start_matches(ANOTHER));
+                first.changes.extend(rest.changes);
+            }
+            None => first.text += ", and prescribe the motions that contact does not hold",
+        }
+    }
+    let names: Vec<String> = group.iter().map(|&m| format!("`{}`", members[m].name)).collect();
+    let start = format!(
+        "or let the run begin with closed contact: prescribe the motion of {} until it touches in a first `[[stage]]`, and switch that motion `off` in the next one, where the load acts",
+        names.join(", ")
+    );
+    Some(vec![
+        first,
+        Remedy::words(start),
+        Remedy::words(match case.scene.stages.is_empty() {
+            true => {
+                "or set `scene.kind = \"dynamic\"` with densities and an integrator: free bodies are then held by their inertia"
+            }
+            false => "or use a dynamic stage: free bodies are then held by their inertia",
+        }),
+    ])
 }
 
 /// Prescriptions that would hold a single body: more components of one that is there, or one on another set.
@@ -281,15 +401,7 @@ fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) 
     let mut list = Vec::new();
     let scene = case.scene;
     let names = ["x", "y", "z"];
-    let holds = |more: &[(u32, usize)]| {
-        let mut all = rows.to_vec();
-        for &(node, i) in more {
-            let mut row = Row::new();
-            add(case, members, &mut row, node, i, 1.0);
-            all.push(row);
-        }
-        free(members, &all, group).iter().all(|motions| !is_free(motions))
-    };
+    let holds = |more: &[(u32, usize)]| all_held(case, members, rows, group, more);
     if let &[only] = group {
         let name = &members[only].name;
         for (p, item) in scene.prescriptions.iter().enumerate().filter(|(_, item)| item.fixed) {
@@ -304,19 +416,7 @@ fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) 
             }
         }
         let vectors = null_vectors(members, rows, group);
-        // How far a free motion moves these components, in the mean; of the one that moves them least.
-        let moved = |more: &[(u32, usize)]| {
-            let square = |v: &Vec<f64>| {
-                let along = |&(node, i): &(u32, usize)| {
-                    let mut row = Row::new();
-                    add(case, members, &mut row, node, i, 1.0);
-                    row.iter().flat_map(|(_, c)| c.iter().zip(v)).map(|(c, v)| c * v).sum::<f64>().powi(2)
-                };
-                more.iter().map(along).sum::<f64>() / more.len().max(1) as f64
-            };
-            vectors.iter().map(square).fold(f64::INFINITY, f64::min)
-        };
-        list.extend(other_set(case, name, &holds, &moved));
+        list.extend(other_set(case, name, &holds, &|more| moved(case, members, &vectors, more)));
     }
     list.push(Remedy::words(match case.scene.stages.is_empty() {
         true => "or set `scene.kind = \"dynamic\"` with densities and an integrator: free bodies are then held by their inertia",
@@ -340,6 +440,7 @@ fn other_set(
             || scene.loads.iter().any(|item| item.set.as_ref() == Some(set))
             || scene.contacts.iter().any(|item| item.surfaces().contains(&set.as_str()))
             || set.ends_with(".all")
+            || set.ends_with(".boundary")
     };
     let free_sets: Vec<&String> = sets.iter().filter(|set| !is_taken(set)).collect();
     let choices: [&[&[usize]]; 3] = [&[&[0], &[1], &[2]], &[&[0, 1], &[0, 2], &[1, 2]], &[&[0, 1, 2]]];
@@ -355,8 +456,7 @@ fn other_set(
         if let Some((components, set, _)) = best {
             let components = toml::strings(&components.iter().map(|&i| names[i]).collect::<Vec<_>>());
             let toml = format!("[[prescribe]]\nset = \"{set}\"\ncomponents = {components}\nfixed = true\n");
-            let text =
-                format!("fix another set: `[[prescribe]] set = \"{set}\", components = {components}, fixed = true`");
+            let text = format!("{ANOTHER}`[[prescribe]] set = \"{set}\", components = {components}, fixed = true`");
             return Some(Remedy { text, changes: vec![Change::Add { toml }] });
         }
     }

@@ -95,20 +95,22 @@ fn apart(case: &Case<'_>, names: &[String; 2]) -> Vec<Remedy> {
     vec![Remedy::set(format!("body[{index}].position"), toml::vector(position), &why), last]
 }
 
-/// Unit normal and middle of some facets of a surface.
+/// Unit normal, middle and size, a length, of a facet.
+pub(super) fn measured(facet: &FacetNodes, q: &[f64]) -> ([f64; 3], [f64; 3], f64) {
+    let x = facet.map(|node| -> [f64; 3] { std::array::from_fn(|i| q[3 * node as usize + i]) });
+    let difference = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
+    let (a, b) = (difference(0, 2), difference(1, if x.len() == 4 { 3 } else { 0 }));
+    let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let length = n.iter().map(|n| n * n).sum::<f64>().sqrt();
+    let middle = std::array::from_fn(|i| x.iter().map(|x| x[i]).sum::<f64>() / x.len() as f64);
+    // Twice the area.
+    (n.map(|n| n / length.max(f64::MIN_POSITIVE)), middle, (0.5 * length).sqrt())
+}
+
+/// The same of some facets of a surface.
 fn facets(facets: &[FacetNodes], q: &[f64]) -> Vec<([f64; 3], [f64; 3], f64)> {
     let every = facets.len().div_ceil(MOST_FACETS).max(1);
-    let facet = |facet: &FacetNodes| {
-        let x = facet.map(|node| -> [f64; 3] { std::array::from_fn(|i| q[3 * node as usize + i]) });
-        let difference = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
-        let (a, b) = (difference(0, 2), difference(1, if x.len() == 4 { 3 } else { 0 }));
-        let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-        let length = n.iter().map(|n| n * n).sum::<f64>().sqrt();
-        let middle = std::array::from_fn(|i| x.iter().map(|x| x[i]).sum::<f64>() / x.len() as f64);
-        // Twice the area.
-        (n.map(|n| n / length.max(f64::MIN_POSITIVE)), middle, (0.5 * length).sqrt())
-    };
-    facets.iter().step_by(every).map(facet).collect()
+    facets.iter().step_by(every).map(|facet| measured(facet, q)).collect()
 }
 
 /// Whether a facet of one surface and one of the other look at each other: their normals point against each other, and each is before the other one.

@@ -22,7 +22,8 @@ impl Cause {
             Self::StepTooLarge => "the step is too large",
             Self::Incompressible => "nearly incompressible material",
             Self::ContactCycles => "contact points open and close without end",
-            Self::Unknown => "unknown",
+            Self::LoadTooLarge => "the load is too large",
+            Self::Unknown => "the cause is not known",
         }
     }
 }
@@ -40,7 +41,10 @@ impl fmt::Display for Confidence {
 impl Finding {
     /// What it is and how certain.
     pub fn title(&self) -> String {
-        format!("{} ({})", self.cause.title(), self.confidence)
+        match self.cause {
+            Cause::Unknown => self.cause.title().to_owned(),
+            _ => format!("{} ({})", self.cause.title(), self.confidence),
+        }
     }
 }
 
@@ -51,7 +55,9 @@ impl fmt::Display for Diagnosis {
             return f.write_str("diagnosis: nothing was found");
         };
         writeln!(f, "diagnosis: {}", first.title())?;
-        writeln!(f, "  where:  {}", first.place.text)?;
+        if !first.place.text.is_empty() {
+            writeln!(f, "  where:  {}", first.place.text)?;
+        }
         if !self.what.is_empty() {
             writeln!(f, "  what:   {}", line(&self.what, WHAT))?;
         }

@@ -25,6 +25,12 @@ pub(super) fn down(value: f64) -> f64 {
     short((value / unit * (1.0 + 1e-12)).floor() * unit)
 }
 
+/// A number for people: with a power of ten only where it is needed.
+pub(super) fn plain(value: f64) -> String {
+    let value = short(value);
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
+}
+
 /// Without the last digits, which are round-off.
 pub(super) fn short(value: f64) -> f64 {
     // cannot fail: what was written as a number is read as one.
@@ -41,6 +47,7 @@ mod tests {
             assert_eq!(down(value), wanted);
             assert_eq!(number(down(value)).parse::<f64>(), Ok(wanted));
         }
+        assert_eq!([7.85, 7850.0, 7.85e-9, 2.1e11, 0.0].map(plain), ["7.85", "7850", "7.85e-9", "2.1e11", "0"]);
         assert_eq!(vector([0.0, 0.3 - 0.1, 1.0].map(short)), "[0.0, 0.2, 1.0]");
     }
 }

@@ -28,7 +28,7 @@ pub(super) fn supports(scene: &Scene, placed: &[Placed], model: &mut Model, prob
         let nodes = weights.into_iter().map(node).collect();
         // Bodies of the scene come first, and a set of another part was refused.
         let length = model.bodies.get(body).map_or(1.0, |body| body.solid.characteristic_length());
-        match ElasticSupport::new(&format!("support[{s}] of {}", item.set), nodes, length) {
+        match ElasticSupport::new(&item.part_name(s), nodes, length) {
             Ok(support) => model.parts.push(Box::new(support)),
             Err(error) => problems.add(key, &item.set, error.to_string(), "mend the support's data"),
         }

@@ -20,8 +20,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use stoss_solver::{Balance, Simulation, StepRecord};
 use stoss_watch::{
-    BalanceState, BalanceWatch, ContactPoint, ContactState, Judge, Limits, PointFriction, Promises, Verdict, Watch,
-    WatchModel,
+    BalanceState, BalanceWatch, ContactPoint, ContactState, Judge, Limits, PointFriction, Promises, Resolution,
+    Verdict, Watch, WatchModel,
 };
 
 /// Columns of `watch.csv`. Depth in the scene's length, and over the edge length of the facet that the node passed.
@@ -94,8 +94,7 @@ impl RunWatch {
         let points = Points::of(simulation.model());
         let (stage, mass) = (simulation.stage(), simulation.total_mass());
         let radius = points.largest(&simulation.state().q);
-        let balance = promised(&promises, stage)
-            .map(|promises| BalanceWatch::new(promises, mass, radius, simulation.unresolved_energy()));
+        let balance = promised(&promises, stage).map(|promises| balance_watch(promises, simulation, mass, radius));
         let model = model::model(simulation.model(), &points, &drawing.of_points(&points));
         // What is stored does not tell stages from each other.
         let is_one = promises.iter().all(|of| *of == promised(&promises, stage));
@@ -140,8 +139,7 @@ impl RunWatch {
         let [before, now] = [self.stage, record.stage].map(|stage| promised(&self.promises, stage));
         if before != now {
             let radius = self.points.largest(&simulation.state().q);
-            let smallest = simulation.unresolved_energy();
-            self.balance = now.map(|promises| BalanceWatch::new(promises, self.mass, radius, smallest));
+            self.balance = now.map(|promises| balance_watch(promises, simulation, self.mass, radius));
         }
         self.stage = record.stage;
         if let Some(balance) = &mut self.balance {
@@ -279,6 +277,17 @@ impl RunWatch {
         self.deepest = memo.deepest;
         Ok(())
     }
+}
+
+/// The watch on the balance of a simulation whose nodes are at most `radius` from the origin.
+fn balance_watch(promises: Promises, simulation: &Simulation, mass: f64, radius: f64) -> BalanceWatch {
+    let [force, inertia] = simulation.unresolved_forces();
+    let node_mass = mass * 3.0 / simulation.state().q.len().max(1) as f64;
+    BalanceWatch::new(promises, mass, radius, simulation.unresolved_energy()).with_resolution(Resolution {
+        force,
+        inertia,
+        node_mass,
+    })
 }
 
 /// What a stage, counted from 1, promises.
