@@ -148,10 +148,9 @@ impl GeneralContact {
             }
             active.push(k as u32);
             // Candidates come by facets.
-            if self.groups.len() == known || self.groups.last() != Some(&candidate.facets) {
-                if self.groups[..known].binary_search(&candidate.facets).is_err() {
-                    self.groups.push(candidate.facets);
-                }
+            let is_new = self.groups.len() == known || self.groups.last() != Some(&candidate.facets);
+            if is_new && self.groups[..known].binary_search(&candidate.facets).is_err() {
+                self.groups.push(candidate.facets);
             }
         }
         self.active = active;

@@ -52,6 +52,7 @@ impl Suite for Conservation {
         ] {
             conserves(bench, &mut findings, scene, promise, impact)?;
         }
+        general(bench, &mut findings, impact)?;
         Ok(findings)
     }
 }
@@ -93,6 +94,19 @@ fn conserves(bench: &Bench, findings: &mut Findings, scene: &str, promise: Promi
     );
     findings.checks.push(row("iterations a step", newton::mean_iterations(&steps), Bound::AtMost(ITERATIONS)));
     findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::AtMost(0.0)));
+    bench.show(&run, findings)?;
+    Ok(())
+}
+
+/// General contact: momenta, and the energy with what friction took. Steps are cut where corners slip off each other.
+fn general(bench: &Bench, findings: &mut Findings, bounds: Bounds) -> Outcome<()> {
+    let run = bench.run_shipped(Path::new("scenes/general-contact.toml"))?;
+    findings.checks.push(run.completed(0));
+    if !run.succeeded() {
+        return Ok(());
+    }
+    momenta(findings, &run, bounds.momentum)?;
+    energy(findings, &run, Promise::Throughout, bounds.energy)?;
     bench.show(&run, findings)?;
     Ok(())
 }
