@@ -1,5 +1,6 @@
 //! Momenta and energy against what scheme, loads, supports and contact together promise.
 
+use crate::verdict::told;
 use crate::{Finding, FindingKind, Level};
 use serde::{Deserialize, Serialize};
 
@@ -146,7 +147,7 @@ impl BalanceWatch {
         let mut found = Vec::new();
         let mut broken = |level, what: String, figure: f64| {
             let kind = FindingKind::Balance;
-            let sentence = format!("at t = {time:.4} {what}");
+            let sentence = format!("at t = {} {what}", told(time));
             found.push(Finding {
                 level,
                 kind,

@@ -1,5 +1,6 @@
 //! What contact methods report, against what contact is: pressures push, closed gaps are closed, friction stays within its bound and does no work.
 
+use crate::verdict::told;
 use crate::{Finding, FindingKind, Level};
 
 /// Part of the largest pressure, and of the stiffness of the bodies, that is round-off and what the iteration leaves.
@@ -68,7 +69,7 @@ pub(crate) fn observe(
     let small = TOLERANCE[0] * largest + TOLERANCE[1] * stiffness;
     let mut found: Vec<Finding> = Vec::new();
     let mut add = |level, what: String, figure: f64| {
-        let sentence = format!("at t = {time:.4} {what}");
+        let sentence = format!("at t = {} {what}", told(time));
         found.push(Finding {
             level,
             kind: FindingKind::Contact,

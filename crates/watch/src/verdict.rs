@@ -107,7 +107,8 @@ impl Judge {
                 false => format!("`{}`", self.names[deepest.into]),
             };
             let sentence = format!(
-                "at t = {time:.4} {} is {} ({} edges) inside {into}{}",
+                "at t = {} {} is {} ({} edges) inside {into}{}",
+                told(time),
                 self.node(deepest.node),
                 short(deepest.depth),
                 short(deepest.relative),
@@ -119,7 +120,8 @@ impl Judge {
         }
         for passage in &seen.tunnelled {
             let sentence = format!(
-                "at t = {time:.4} {} has passed through `{}` since the last look{}",
+                "at t = {} {} has passed through `{}` since the last look{}",
+                told(time),
                 self.node(passage.node),
                 self.names[passage.through],
                 self.remark(passage.body, passage.through)
@@ -129,7 +131,8 @@ impl Judge {
         }
         if let Some((body, element, jacobian)) = solids.inverted {
             let sentence = format!(
-                "at t = {time:.4} element {element} of `{}` is inverted (Jacobian {})",
+                "at t = {} element {element} of `{}` is inverted (Jacobian {})",
+                told(time),
                 self.names[body],
                 short(jacobian)
             );
@@ -138,7 +141,8 @@ impl Judge {
         }
         if let Some((body, element, jacobian)) = solids.poor {
             let sentence = format!(
-                "at t = {time:.4} element {element} of `{}` is {} at a corner (scaled Jacobian {})",
+                "at t = {} element {element} of `{}` is {} at a corner (scaled Jacobian {})",
+                told(time),
                 self.names[body],
                 if jacobian <= 0.0 { "inverted" } else { "nearly inverted" },
                 short(jacobian)
@@ -147,11 +151,12 @@ impl Judge {
             found.push(finding(Level::Doubtful, FindingKind::PoorElement, bodies, sentence, None, -jacobian));
         }
         if let Some(node) = solids.not_finite {
-            let sentence = format!("at t = {time:.4} the position of {} is no number", self.node(node));
+            let sentence = format!("at t = {} the position of {} is no number", told(time), self.node(node));
             found.push(finding(Level::Wrong, FindingKind::NotFinite, None, sentence, None, 0.0));
         }
         if let Some((node, sizes)) = solids.far {
-            let sentence = format!("at t = {time:.4} {} is {} sizes of the model away", self.node(node), short(sizes));
+            let sentence =
+                format!("at t = {} {} is {} sizes of the model away", told(time), self.node(node), short(sizes));
             found.push(finding(Level::Wrong, FindingKind::FarAway, None, sentence, None, sizes));
         }
         for finding in found {
@@ -188,6 +193,14 @@ impl Judge {
     }
 }
 
+/// A time with six significant digits at most.
+pub(crate) fn told(time: f64) -> String {
+    // cannot fail: what was written as a number is read as one.
+    let rounded: f64 = format!("{time:.5e}").parse().unwrap_or(time);
+    let is_plain = rounded == 0.0 || (1.0e-4..1.0e7).contains(&rounded.abs());
+    if is_plain { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
 /// Two digits.
 fn short(value: f64) -> String {
     let size = value.abs();
@@ -197,6 +210,12 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_have_their_digits() {
+        let times = [0.950_000_000_000_000_1, 3.0e-7, 0.0, 12.5].map(told);
+        assert_eq!(times, ["0.95", "3e-7", "0", "12.5"]);
+    }
 
     /// Of one kind stays the worst one, with the time at which it first was of that level and that at which it was worst.
     #[test]
