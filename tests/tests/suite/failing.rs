@@ -123,7 +123,7 @@ fn a_body_that_only_contact_can_hold() {
     let gap = touching.replace("min = [0, 0, 0], max = [1, 1, 1]", "min = [0, 0, 0.05], max = [1, 1, 1.05]");
     assert_ne!(touching, gap);
     let friction = format!("{gap}friction = {{ law = \"coulomb\", mu = 0.3 }}\n");
-    let stage = "[[stage]]\nname = \"press\"\nkind = \"static\"\nuntil = 1.0\n[[contact]]";
+    let stage = "[[stage]]\nname = \"press\"\nkind = \"quasi-static\"\nuntil = 1.0\n[[contact]]";
     let staged = friction.replacen("[[contact]]", stage, 1);
     // What touches is held by friction from the start.
     for (text, key, more) in [
