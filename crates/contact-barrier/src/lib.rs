@@ -25,13 +25,15 @@ mod sensitivity;
 mod skin;
 mod slip;
 mod start;
+mod tangent;
 
 pub use general::{GeneralContact, GeneralOptions};
 pub use inset::mitre;
 pub use interactions::{Interaction, Interactions};
 pub use layer::Layer;
-pub use pair::{PairForce, PairStart, PairTerm, StepForce, Tangent};
+pub use pair::{PairForce, PairStart, PairTerm, StepForce};
 pub use parallel::Parallel;
 pub use skin::{Skin, SkinFacet};
 pub use slip::{Friction, FrictionForce};
 pub use start::{FirstLook, Nearest, first_look};
+pub use tangent::Tangent;

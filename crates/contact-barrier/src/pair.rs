@@ -4,12 +4,10 @@ use crate::layer::LayerStep;
 use crate::parallel::Crossing;
 use crate::sensitivity::Sensitivity;
 use crate::slip::{Pressed, Variation};
+use crate::tangent::Tangent;
 use crate::{Friction, FrictionForce, Layer, Parallel};
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{ClosestPair, PairKind, closest, combine};
-
-/// Derivative of a pair's gradient: row `3 i + k` is component `k` of point `i`, column `3 j + l` component `l` of point `j`.
-pub type Tangent = [[f64; 12]; 12];
 
 /// A pair as a term of the energy: `V = w m psi(D)`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Friction of a pair: the slip of a step without its spin, and forces that keep both momenta.
 
-use crate::Tangent;
 use crate::sensitivity::Sensitivity;
+use crate::tangent::Tangent;
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{PairKind, combine};
 

@@ -110,14 +110,9 @@ impl<'a> Motif<'a> {
         if !surface.places().flatten().all(f64::is_finite) {
             return Err(format!("{}: positions that are not finite cannot be drawn", frame_of.path.display()).into());
         }
-        let shape = if is_undeformed(grid) { ", undeformed: no displacement is stored" } else { "" };
+        let shape = if grid.is_undeformed() { ", undeformed: no displacement is stored" } else { "" };
         Ok(Shot { caption: format!("time {}, frame {frame}{shape}", time(&self.folder, frame_of.time)), surface })
     }
-}
-
-/// Whether a frame has no displacement, so that every point is drawn where it was at the start.
-pub(crate) fn is_undeformed(grid: &Grid) -> bool {
-    grid.point_data.get(DISPLACEMENT).is_none_or(|array| array.components != 3)
 }
 
 pub(crate) fn unfit(folder: &Folder, text: String) -> Unfit {

@@ -50,6 +50,13 @@ pub struct Grid {
     pub cell_data: BTreeMap<String, Array>,
 }
 
+impl Grid {
+    /// Whether the frame has no displacement, so that every point is drawn where it was at the start.
+    pub(crate) fn is_undeformed(&self) -> bool {
+        self.point_data.get("displacement").is_none_or(|array| array.components != 3)
+    }
+}
+
 impl From<VtuData> for Grid {
     fn from(data: VtuData) -> Self {
         let indices = |nodes: &[u32]| nodes.iter().map(|&node| node as usize).collect::<Vec<_>>();

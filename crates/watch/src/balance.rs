@@ -1,6 +1,6 @@
 //! Momenta and energy against what scheme, loads, supports and contact together promise.
 
-use crate::verdict::told;
+use crate::words::told;
 use crate::{Finding, FindingKind, Level};
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! What contact methods report, against what contact is: pressures push, closed gaps are closed, friction stays within its bound and does no work.
 
-use crate::verdict::told;
+use crate::words::told;
 use crate::{Finding, FindingKind, Level};
 
 /// Part of the largest pressure, and of the stiffness of the bodies, that is round-off and what the iteration leaves.

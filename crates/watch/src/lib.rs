@@ -25,6 +25,7 @@ mod solids;
 mod surface;
 mod sweep;
 mod verdict;
+mod words;
 
 pub use balance::{BalanceState, BalanceWatch, Promises, Resolution};
 pub use contact::{ContactPoint, ContactState, PointFriction};

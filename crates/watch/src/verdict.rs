@@ -1,6 +1,7 @@
 //! What a run's observations come to.
 
 use crate::contact;
+use crate::words::told;
 use crate::{ContactState, Finding, FindingKind, Level, Observation, SolidObservation};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -191,14 +192,6 @@ impl Judge {
         reasons.sort_by(|a, b| b.level.cmp(&a.level).then(a.kind.cmp(&b.kind)).then(b.figure.total_cmp(&a.figure)));
         Verdict { level: reasons.first().map_or(Level::Sound, |worst| worst.level), reasons }
     }
-}
-
-/// A time with six significant digits at most.
-pub(crate) fn told(time: f64) -> String {
-    // cannot fail: what was written as a number is read as one.
-    let rounded: f64 = format!("{time:.5e}").parse().unwrap_or(time);
-    let is_plain = rounded == 0.0 || (1.0e-4..1.0e7).contains(&rounded.abs());
-    if is_plain { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
 /// Two digits.

@@ -17,7 +17,6 @@ use super::shape::{Body, Shape};
 use super::tables::{self, Columns};
 use crate::Outcome;
 use crate::folder::Folder;
-use crate::picture::is_undeformed;
 use crate::units;
 use crate::vtu::Grid;
 
@@ -166,7 +165,7 @@ fn animation(
         let (shape, fields) = (Shape::new(&first, &folder.bodies), Field::of(&first));
         let reference = shape.nodes.iter().map(|&point| first.points[point]).collect();
         let streams = Streams { reference, fields: vec![Vec::new(); fields.len()], ..Streams::default() };
-        *cache = Cache { shape, fields, stamps: Vec::new(), streams, is_undeformed: is_undeformed(&first) };
+        *cache = Cache { shape, fields, stamps: Vec::new(), streams, is_undeformed: first.is_undeformed() };
     }
     if cache.shape.nodes.is_empty() {
         return None;

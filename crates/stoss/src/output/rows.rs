@@ -1,7 +1,7 @@
 //! The tables of a run: their columns, and what a step adds to each.
 
 use super::OutputError;
-use super::folder::FolderSettings;
+use super::settings::FolderSettings;
 use super::table::CsvTable;
 use crate::build::{JointPlace, Probe};
 use std::collections::BTreeMap;
