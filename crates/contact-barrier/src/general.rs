@@ -240,8 +240,10 @@ impl Potential for GeneralContact {
     fn renew(&mut self, q_np1: &[f64]) -> Result<bool, ContactError> {
         let Self { skin, rules, proximity, x, .. } = self;
         Self::place(skin, q_np1, x);
-        if x.iter().any(|x| !x.iter().all(|c| c.is_finite())) {
-            return Err(ContactError::NotFinite { node: 0 });
+        if let Some(point) = x.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
+            // A point has a node at least.
+            let node = skin.terms(point as u32).first().map_or(u32::MAX, |term| term.0);
+            return Err(ContactError::NotFinite { node });
         }
         if proximity.hold(skin, rules, x.iter().copied()) {
             self.renew_starts();
@@ -311,6 +313,7 @@ impl Potential for GeneralContact {
                 terms.clear();
                 let mut ends = [0; 5];
                 for (i, &point) in candidate.points.iter().enumerate() {
+                    // cannot fail: the points of a pair are points of its facets.
                     let place = |node: u32| local.nodes.binary_search(&node).unwrap_or_default();
                     terms.extend(self.skin.terms(point).iter().map(|&(node, w)| (3 * place(node), w)));
                     ends[i + 1] = terms.len();

@@ -24,11 +24,6 @@ impl Interactions {
         Self { table: vec![None; bodies.len() * bodies.len()], bodies, rigid }
     }
 
-    /// Number of classes.
-    pub fn class_count(&self) -> usize {
-        self.bodies.len()
-    }
-
     /// Lets two classes act on each other; `None`: not.
     pub fn set(&mut self, a: u32, b: u32, interaction: Option<Interaction>) {
         let n = self.bodies.len();

@@ -60,7 +60,7 @@ impl Proximity {
         }
     }
 
-    /// Regions around straight motions from `x` by `increment`, and their candidates. `new` drops what was before.
+    /// Regions around straight motions from `x` by `increment`, and their candidates.
     pub fn begin(
         &mut self,
         skin: &Skin,
@@ -69,7 +69,6 @@ impl Proximity {
         increment: impl Fn(u32) -> Vector3<f64>,
     ) {
         self.regions.clear();
-        self.margin = 0.0;
         let mut motions = 0.0;
         for (p, x) in x.iter().enumerate() {
             let motion = increment(p as u32);

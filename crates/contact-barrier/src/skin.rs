@@ -54,6 +54,7 @@ impl Skin {
         let mut nodes: Vec<u32> = facets.iter().flat_map(|f| f.nodes.iter().copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
+        // cannot fail: these are the nodes of the facets.
         let vertex_of = |node: u32| nodes.binary_search(&node).unwrap_or_default() as u32;
         let mut skin = Self { starts: vec![0], ..Self::default() };
         // Positions of the true surface, for areas and lengths.
@@ -218,7 +219,7 @@ impl Skin {
         self.edge_facet[edge as usize]
     }
 
-    /// Whether a point of integration lies in a triangle that has a corner in common with another one: such pairs are no contact, as those of a vertex with a triangle around it.
+    /// Whether a point is too near to a triangle on the surface itself to be in contact with it: a vertex and a triangle around it, a point of integration and a triangle that shares a corner with its own.
     pub fn is_beside(&self, point: u32, triangle: u32) -> bool {
         let corners = &self.triangles[triangle as usize];
         let own = match (point as usize).checked_sub(self.vertex_count) {
@@ -239,15 +240,5 @@ impl Skin {
         let [e, f] = [e as usize, f as usize];
         let weight = 0.25 * GUARD * (self.edge_area[e] + self.edge_area[f]);
         (weight, Parallel::of_edges(self.edge_square[e], self.edge_square[f]))
-    }
-
-    /// Shortest edge between nodes and centres in the reference, a length.
-    pub fn shortest_edge(&self) -> f64 {
-        self.edge_square.iter().fold(f64::INFINITY, |m, &square| m.min(square)).sqrt()
-    }
-
-    /// Area of the surface that belongs to each vertex that is a node, with the node's number.
-    pub fn vertex_area(&self, vertex: u32) -> f64 {
-        self.point_area[vertex as usize]
     }
 }

@@ -63,11 +63,6 @@ fn ledger(totals: &[f64]) -> f64 {
     totals.iter().map(|t| (t - totals[0]).abs()).fold(0.0, f64::max) / totals[0]
 }
 
-/// The watch is independent of the contact: nothing may be inside anything at the end.
-fn assert_apart(simulation: &Simulation, centres: impl Fn(&[f64]) -> f64) {
-    assert!(centres(&simulation.state().q) > 0.0);
-}
-
 fn edge_on_edge(keys: &str, scheme: &str) -> Course {
     let text = head(scheme, 0.1, 5.0)
         + &cube("a", [0.0, 0.0, 0.75], [1.0, 0.0, 0.0], 45.0, [0.0, 0.0, -0.1], 2)
@@ -90,7 +85,10 @@ fn edges_collide_with_exact_balances() {
         assert!(sum < 1e-13, "{keys}: {sum:e}");
         // The upper one went back up.
         let z = |q: &[f64], body: usize| (0..27).map(|k| q[3 * (27 * body + k) + 2]).sum::<f64>() / 27.0;
-        assert_apart(&course.simulation, |q| z(q, 0) - z(q, 1) - 1.0);
+        let q = &course.simulation.state().q;
+        assert!(z(q, 0) > z(q, 1) + 1.0, "{keys}");
+        // What the viscous layer takes is a loss of its own, not one of the constraints.
+        assert!(course.simulation.balance().closing_loss.abs() < 1e-12 * course.totals[0], "{keys}");
     }
 }
 
@@ -151,7 +149,6 @@ fn a_stack_that_touches_stands() {
     assert!(simulation.balance().contact < 1e-30);
     let start = simulation.balance().total();
     let (mut impulse, mut kinetic, mut worst, mut most) = (0.0, 0.0_f64, 0.0_f64, 0.0_f64);
-    let before = *simulation.balance();
     while !simulation.finished() {
         let record = simulation.advance().unwrap();
         let bodies = &record.contact.as_ref().unwrap().bodies;
@@ -162,9 +159,7 @@ fn a_stack_that_touches_stands() {
     }
     assert!(worst < 1e-11 * kinetic, "{worst:e} of {kinetic:e}");
     assert!((most - 1.0).abs() < 1e-3, "{most}");
-    // Impulse on the lower block: the weight of the upper one times the time, less what that one still has of momentum.
-    let upper = |q: &[f64]| (27..27 + 48).map(|k| q[3 * k + 2]).sum::<f64>();
-    assert!(upper(&simulation.state().v).abs() < 1.0 && before.kinetic == 0.0);
+    // Impulse on the lower block: the weight of the upper one times the time, but for the momentum that this one has at the end.
     assert!((impulse / (-0.002 * 8.0) - 1.0).abs() < 0.1, "{impulse:e}");
 }
 
@@ -209,6 +204,9 @@ fn scenes_that_cannot_start_are_refused() {
     );
     let scheme = problems(&(head("midpoint", 0.1, 1.0) + &two(1.5) + "[general_contact]\n"));
     assert!(scheme.contains("has no general contact") && scheme.contains("energy-momentum"), "{scheme}");
+    let stage = "[[stage]]\nname = \"fall\"\nkind = \"dynamic\"\nuntil = 1.0\nintegrator = { scheme = \"midpoint\" }\n";
+    let stage = problems(&(head("energy-momentum", 0.1, 1.0) + stage + &two(1.5) + "[general_contact]\n"));
+    assert!(stage.contains("stage[0].integrator.scheme") && stage.contains("has no general contact"), "{stage}");
     let speed = problems(&(head("energy-momentum", 0.1, 1.0) + &two(1.5) + "[general_contact]\nfriction = 0.2\n"));
     assert!(speed.contains("slip_velocity"), "{speed}");
     // A plate of half a thickness cannot take part.

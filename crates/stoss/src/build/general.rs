@@ -4,8 +4,8 @@ use super::condition::resolve;
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, FrictionPlan, Placed, Problems};
-use crate::scene::{GeneralContact as Table, Parameter, Scene};
-use crate::solver::{ContactPair, Coupling, Model};
+use crate::scene::{GeneralContact as Table, Kind, Parameter, Scene};
+use crate::solver::{ContactPair, Coupling, Model, short};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, first_look, mitre,
@@ -61,7 +61,8 @@ pub(super) fn general(
     let points = skin.point_count() as u64;
     let fastest = model.velocity.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max);
     let slip_velocity = table.slip_velocity.unwrap_or(SLIP * fastest.sqrt());
-    if has_friction && scene.is_dynamic() && slip_velocity == 0.0 {
+    let has_rates = scene.is_dynamic() || scene.stages.iter().any(|stage| stage.kind == Kind::Dynamic);
+    if has_friction && has_rates && slip_velocity == 0.0 {
         let message =
             "friction acts from some speed of slip on, and nothing moves at the start that would tell which is small";
         let remedy = "add `slip_velocity`, about a hundredth of the speed at which bodies will slide";
@@ -79,6 +80,10 @@ pub(super) fn general(
             return None;
         }
     }
+    let of_pairs =
+        table.pairs.iter().filter_map(|pair| Some((format!("mu of {}", pair.between.join(" and ")), pair.friction?)));
+    let coefficients = [("mu".to_owned(), table.friction)].into_iter().chain(of_pairs);
+    let coefficients = coefficients.map(|(name, mu)| (name, Parameter::Number(mu))).collect();
     Some(ContactPlan {
         name: NAME.to_owned(),
         slave: None,
@@ -89,7 +94,7 @@ pub(super) fn general(
         unknowns_per_slot: 0,
         friction: has_friction.then(|| FrictionPlan {
             law: "coulomb".to_owned(),
-            parameters: [("mu".to_owned(), Parameter::Number(table.friction))].into(),
+            parameters: coefficients,
             stiffness: None,
             default_stiffness: false,
             stick: None,
@@ -123,7 +128,7 @@ fn skin(
             (what, "move one of them, or leave one of them out by `exclude`")
         };
         let message =
-            format!("{what} at the start, near {}; {} pairs of facets cross", point(place), look.crossings.len());
+            format!("{what} at the start, near {}; {} pairs of facets cross", point(place, edge), look.crossings.len());
         problems.add(key(), "", message, remedy);
         return None;
     }
@@ -139,7 +144,7 @@ fn skin(
                 "two parts of the surface of `{}` that are no neighbours are only {:.3e} apart near {}: there the layer would act all the time",
                 name(*body),
                 nearest.distance,
-                point(nearest.place)
+                point(nearest.place, edge)
             );
             problems.add(key(), "", message, "make `thickness` smaller, mend the mesh there, or set `self = false`");
             return None;
@@ -159,7 +164,7 @@ fn skin(
                 "the rigid bodies `{}` and `{}` touch at the start, near {}: surfaces below those of rigid bodies are not available",
                 name(*a),
                 name(*b),
-                point(nearest.place)
+                point(nearest.place, edge)
             );
             problems.add(key(), "", message, format!("leave a gap of {thickness:.3e} between them"));
             return None;
@@ -182,7 +187,7 @@ fn skin(
             let message = format!(
                 "`{}` touches another body at the start, and its surface cannot be put {depth:.3e} inside near {}: {reason}",
                 part.name,
-                point(at)
+                point(at, edge)
             );
             problems.add(
                 key(),
@@ -202,7 +207,7 @@ fn skin(
             name(*a),
             name(*b),
             nearest.distance,
-            point(nearest.place)
+            point(nearest.place, edge)
         );
         problems.add(key(), "", message, "make `thickness` smaller, or leave a gap between the bodies");
         return None;
@@ -248,8 +253,10 @@ fn inset(
     Ok(())
 }
 
-fn point(x: [f64; 3]) -> String {
-    format!("({:.4}, {:.4}, {:.4})", x[0], x[1], x[2])
+/// A place, with the digits that an edge of this length has.
+fn point(x: [f64; 3], edge: f64) -> String {
+    let [x, y, z] = x.map(|x| short(x, edge));
+    format!("({x}, {y}, {z})")
 }
 
 fn shortest_edge(skin: &Skin, reference: &[f64]) -> f64 {

@@ -178,6 +178,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     }
     let schedule = Schedule::new(scene, &names, &probes, &mut problems);
     let scheme = scheme(scene, &mut problems);
+    refuse_schemes(scene, &mut problems);
     if let Some(errors) = SceneErrors::new(problems.list, scene.text()) {
         return Err(errors);
     }
@@ -273,24 +274,37 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                     format!("choose one of {}, or remove them", constrained.join(", ")),
                 );
             }
-            if scene.general_contact.is_some() && !carries_general_contact(&*scheme) {
-                let able: Vec<&str> = SCHEMES
-                    .iter()
-                    .filter(|entry| entry.with([]).is_ok_and(|scheme| carries_general_contact(&*scheme)))
-                    .map(|entry| entry.name)
-                    .collect();
-                problems.add(
-                    "time.integrator.scheme".into(),
-                    &integrator.scheme,
-                    "has no general contact: forces of the middle or of the start of a step do not keep surfaces apart",
-                    format!("choose one of {}, or name pairs with [[contact]]", able.join(", ")),
-                );
-            }
             Some(scheme)
         }
         Err(error) => {
             problems.add("time.integrator".into(), &integrator.scheme, error.to_string(), "see docs/guide.md, [time]");
             None
+        }
+    }
+}
+
+/// Refuses schemes, of the scene and of its stages, that do not carry general contact.
+fn refuse_schemes(scene: &Scene, problems: &mut Problems<'_>) {
+    if scene.general_contact.is_none() {
+        return;
+    }
+    let of_stages = scene.stages.iter().enumerate();
+    let of_stages =
+        of_stages.filter_map(|(s, stage)| Some((format!("stage[{s}].integrator.scheme"), stage.integrator.as_ref()?)));
+    let own = scene.time.integrator.iter().map(|integrator| ("time.integrator.scheme".to_owned(), integrator));
+    for (key, integrator) in own.chain(of_stages) {
+        if integrator.make().is_ok_and(|scheme| !carries_general_contact(&*scheme)) {
+            let able: Vec<&str> = SCHEMES
+                .iter()
+                .filter(|entry| entry.with([]).is_ok_and(|scheme| carries_general_contact(&*scheme)))
+                .map(|entry| entry.name)
+                .collect();
+            problems.add(
+                key,
+                &integrator.scheme,
+                "has no general contact: forces of the middle or of the start of a step do not keep surfaces apart",
+                format!("choose one of {}, or name pairs with [[contact]]", able.join(", ")),
+            );
         }
     }
 }
