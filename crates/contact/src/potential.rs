@@ -28,7 +28,7 @@ pub struct BodyPair {
 /// Forces that have an energy `V(q)` and no multiplier: penalties, barriers.
 ///
 /// # Protocol
-/// `set_rule`, `set_velocity` and then `begin_step(q_n)` once for every attempted step (it may be repeated), then any number of `renew` and `assemble`, `longest_step` in between; `work`, then `commit` once when the step was accepted.
+/// `set_rule`, `set_has_rates`, `set_velocity` and then `begin_step(q_n)` once for every attempted step (it may be repeated), then any number of `renew` and `assemble`, `longest_step` in between; `work`, then `commit` once when the step was accepted.
 ///
 /// The balance of energy stays exact under [`ContactRule::EnergyMomentum`] if the force of a step does the work `V(q_n) - V(q_np1)`; both momenta stay if it has
 /// neither resultant nor moment about `(q_n + q_np1)/2`.
