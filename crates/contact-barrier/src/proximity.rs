@@ -6,7 +6,7 @@
 
 use crate::{Interactions, PairTerm, Skin};
 use nalgebra::Vector3;
-use stoss_geometry::{BoundingVolumeTree, MovingBox, PairKind, Volume, safe_fraction};
+use stoss_geometry::{BoundingVolumeTree, MovingBox, PairKind, Volume, closest, safe_fraction};
 
 /// Part of the distance of a pair that an iteration leaves of it at least.
 const KEEP: f64 = 0.1;
@@ -176,9 +176,14 @@ impl Proximity {
         candidates.dedup_by_key(|candidate| candidate.key());
     }
 
-    /// Whether a pair comes into the layer if the points follow their courses exactly; the others are there for the room around them.
+    /// Whether a pair is in the layer at the start of the courses or at their end; most of the others are there for the room around them.
     pub fn expects(&self, candidate: &Candidate) -> bool {
-        candidate.may_meet(&candidate.of(&self.start), &candidate.of(&self.motion), self.thickness)
+        let (x, motion) = (candidate.of(&self.start), candidate.of(&self.motion));
+        candidate.may_meet(&x, &motion, self.thickness)
+            && [0.0, 1.0].iter().any(|&t| {
+                let there = std::array::from_fn(|i| x[i] + motion[i] * t);
+                closest(candidate.term.kind, &there).distance_squared < self.thickness * self.thickness
+            })
     }
 
     /// Part of the motion `increment` from `x`, at most 1, on which no pair comes nearer than a tenth of its distance.
@@ -287,5 +292,112 @@ impl Courses<'_> {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Interaction, SkinFacet};
+    use fastrand::Rng;
+    use stoss_reference_element::FacetNodes;
+
+    const THICKNESS: f64 = 0.05;
+
+    /// Loose quadrilaterals and triangles of two classes, with common nodes within each.
+    fn soup(rng: &mut Rng) -> (Skin, Vec<f64>) {
+        let mut facets = Vec::new();
+        for class in 0..2u32 {
+            let first = class * 12;
+            for _ in 0..6 {
+                let mut nodes: Vec<u32> = (first..first + 12).collect();
+                rng.shuffle(&mut nodes);
+                let nodes = match rng.bool() {
+                    true => FacetNodes::from([nodes[0], nodes[1], nodes[2], nodes[3]]),
+                    false => FacetNodes::from([nodes[0], nodes[1], nodes[2]]),
+                };
+                facets.push(SkinFacet { nodes, class });
+            }
+        }
+        let q: Vec<f64> = (0..72).map(|_| rng.f64()).collect();
+        (Skin::new(facets, &q, &|_| None), q)
+    }
+
+    /// Every pair of primitives that may act.
+    fn all(skin: &Skin, rules: &Interactions) -> Vec<(PairKind, [u32; 4])> {
+        let class = |facet: u32| skin.facets()[facet as usize].class;
+        let mut pairs = Vec::new();
+        for p in 0..skin.point_count() as u32 {
+            for (t, &[a, b, c]) in skin.triangles().iter().enumerate() {
+                let classes = [u32::from(skin.terms(p)[0].0 >= 12), class(skin.facet_of_triangle(t as u32))];
+                if rules.between(classes[0], classes[1]).is_some() && !skin.is_beside(p, t as u32) {
+                    pairs.push((PairKind::VertexTriangle, [p, a, b, c]));
+                }
+            }
+        }
+        for (k, e) in skin.edges().iter().enumerate() {
+            for (l, f) in skin.edges().iter().enumerate().skip(k + 1) {
+                let classes = [k, l].map(|edge| class(skin.facet_of_edge(edge as u32)));
+                if rules.between(classes[0], classes[1]).is_some() && e.iter().all(|p| !f.contains(p)) {
+                    pairs.push((PairKind::EdgeEdge, [e[0], e[1], f[0], f[1]]));
+                }
+            }
+        }
+        pairs
+    }
+
+    /// What comes into the layer on the courses, with the room around them, is a candidate, and so is what was kept; the courses begin anew where they are left.
+    #[test]
+    fn nothing_near_is_missed() {
+        let mut rng = Rng::with_seed(7);
+        let (mut near, mut renewed) = (0, 0);
+        for case in 0..60 {
+            let (skin, q) = soup(&mut rng);
+            let mut rules = Interactions::none(&[(0, false), (1, false)]);
+            for (a, b) in [(0, 0), (0, 1), (1, 1)].into_iter().filter(|&(a, b)| a != b || case % 2 == 0) {
+                rules.set(a, b, Some(Interaction { modulus: 1.0, friction: 0.0 }));
+            }
+            let all = all(&skin, &rules);
+            let place = |q: &[f64]| (0..skin.point_count() as u32).map(|p| skin.at(p, q)).collect::<Vec<_>>();
+            let wild =
+                |rng: &mut Rng, size: f64| (0..q.len()).map(|_| size * (2.0 * rng.f64() - 1.0)).collect::<Vec<_>>();
+            // A large common motion, and a small one of each node.
+            let motion: Vec<f64> =
+                wild(&mut rng, 0.1).iter().enumerate().map(|(i, d)| d + [30.0, 5.0, -9.0][i % 3]).collect();
+            let (x, d) = (place(&q), place(&motion));
+            let mut proximity = Proximity::new(&skin, THICKNESS);
+            proximity.begin(&skin, &rules, &x, |p| d[p as usize]);
+            let is_inside = |pair: &(PairKind, [u32; 4]), x: &[Vector3<f64>]| {
+                closest(pair.0, &pair.1.map(|p| x[p as usize])).distance_squared.sqrt() < THICKNESS
+            };
+            let inside: Vec<bool> =
+                proximity.candidates.iter().map(|c| is_inside(&(c.term.kind, c.points), &x)).collect();
+            proximity.keep(&inside);
+            let mut check = |proximity: &Proximity, x: &[Vector3<f64>]| {
+                for pair in all.iter().filter(|pair| is_inside(pair, x)) {
+                    near += 1;
+                    let found = proximity.candidates.iter().any(|c| (c.term.kind, c.points) == *pair);
+                    assert!(found, "case {case}: {pair:?}");
+                }
+            };
+            for t in [0.0, 0.3, 1.0] {
+                let deviation = place(&wild(&mut rng, 0.99 * proximity.room));
+                let there: Vec<_> = (0..x.len()).map(|p| x[p] + d[p] * t + deviation[p]).collect();
+                check(&proximity, &there);
+            }
+            // Elsewhere, and from there by a large motion.
+            let far: Vec<_> = x.iter().map(|x| x * 1.3).collect();
+            renewed += usize::from(proximity.hold(&skin, &rules, &far, Some(&d)));
+            for t in [0.0, 0.5, 1.0] {
+                let there: Vec<_> = (0..x.len()).map(|p| far[p] + d[p] * t).collect();
+                check(&proximity, &there);
+                assert!(!proximity.hold(&skin, &rules, &there, None), "the way is on the courses");
+            }
+            let kept = all.iter().filter(|pair| is_inside(pair, &x));
+            for pair in kept {
+                assert!(proximity.candidates.iter().any(|c| (c.term.kind, c.points) == *pair), "what was kept");
+            }
+        }
+        assert!(near > 1000 && renewed == 60, "{near} pairs near, {renewed} renewed");
     }
 }

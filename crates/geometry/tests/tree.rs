@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_geometry::{Aabb, BoundingVolumeTree};
+use stoss_geometry::{Aabb, BoundingVolumeTree, MovingBox, Volume};
 
 fn boxes(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Aabb>> {
     let corner = proptest::array::uniform3(-5.0..5.0f64);
@@ -74,6 +74,58 @@ proptest! {
         let expected: Vec<usize> = (0..list.len()).filter(|&i| list[i].distance_squared(&x) <= bound * bound).collect();
         prop_assert_eq!(seen, expected);
     }
+}
+
+/// Boxes around points that fly, mostly together.
+fn moving(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<MovingBox>> {
+    let point = (proptest::array::uniform3(-5.0..5.0f64), proptest::array::uniform3(-0.5..0.5f64), 0.0..0.5f64);
+    let moving = |(start, motion, size): ([f64; 3], [f64; 3], f64)| {
+        MovingBox::new(&Vector3::from(start), &(Vector3::from(motion) + Vector3::new(50.0, -20.0, 10.0)), size)
+    };
+    proptest::collection::vec(point.prop_map(moving), count)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Pairs of two trees and of one with itself are those of brute force, and what comes together is among them.
+    #[test]
+    fn pairs_agree_with_brute_force(first in moving(0..120), second in moving(0..120)) {
+        let (a, b) = (BoundingVolumeTree::build(&first), BoundingVolumeTree::build(&second));
+        let mut found = Vec::new();
+        a.pairs(&b, &mut |i, j| found.push((i, j)));
+        found.sort_unstable();
+        let all = (0..first.len()).flat_map(|i| (0..second.len()).map(move |j| (i, j)));
+        let expected: Vec<_> = all.filter(|&(i, j)| first[i].overlaps(&second[j])).collect();
+        prop_assert_eq!(&found, &expected);
+
+        let mut own = Vec::new();
+        a.own_pairs(&mut |i, j| own.push((i.min(j), i.max(j))));
+        own.sort_unstable();
+        let all = (0..first.len()).flat_map(|i| (i..first.len()).map(move |j| (i, j)));
+        let expected: Vec<_> = all.filter(|&(i, j)| i == j || first[i].overlaps(&first[j])).collect();
+        prop_assert_eq!(own, expected);
+
+        for (i, x) in first.iter().enumerate() {
+            for (j, y) in second.iter().enumerate() {
+                let meet = [0.0, 0.25, 0.5, 0.75, 1.0].iter().any(|t| {
+                    let at = |v: &MovingBox| Aabb { min: v.start.min + v.motion.min * *t, max: v.start.max + v.motion.max * *t };
+                    at(x).overlaps(&at(y))
+                });
+                prop_assert!(!meet || found.binary_search(&(i, j)).is_ok());
+            }
+        }
+    }
+}
+
+#[test]
+fn what_moves_together_stays_apart() {
+    let at = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
+    let first = MovingBox::new(&at(0.0, 0.0, 0.0), &at(100.0, -50.0, 20.0), 0.5);
+    assert!(!first.overlaps(&MovingBox::new(&at(3.0, 0.0, 0.0), &at(100.0, -50.0, 20.0), 0.5)));
+    assert!(first.overlaps(&MovingBox::new(&at(3.0, 0.0, 0.0), &at(97.0, -50.0, 20.0), 0.5)));
+    assert!(!first.overlaps(&MovingBox::new(&at(3.0, 0.0, 0.0), &at(103.0, -50.0, 20.0), 0.5)));
+    assert!(!first.overlaps(&MovingBox::empty()));
 }
 
 #[test]
