@@ -5,9 +5,7 @@ mod common;
 use common::{Random, hex_system, pattern};
 use faer::Side;
 use proptest::prelude::*;
-use stoss_linalg::{
-    AutoSolver, DenseSolver, FaerSolver, LinearSolver, MatrixKind, MultifrontalSolver, SparseMatrix,
-};
+use stoss_linalg::{AutoSolver, DenseSolver, FaerSolver, LinearSolver, MatrixKind, MultifrontalSolver, SparseMatrix};
 
 fn eigenvalues(a: &SparseMatrix) -> Vec<f64> {
     let dense = faer::Mat::from_fn(a.n(), a.n(), |i, j| a.get(i as u32, j as u32));

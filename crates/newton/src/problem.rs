@@ -17,6 +17,8 @@ pub struct Potential {
     pub value: f64,
     /// What round-off may do to a difference of values, `>= 0`.
     pub round_off: f64,
+    /// Whether it stays the same from one iteration to the next. If it does not, as that of friction with the normal forces of the last iterate, a smaller residual is progress as well.
+    pub is_lasting: bool,
 }
 
 /// A system of equations at an iterate that the problem itself stores.

@@ -145,7 +145,8 @@ impl Course<'_> {
             let previous = norms;
             let at_start = if downhill { problem.potential()? } else { None };
             // An increment that goes uphill says that the problem could not help it.
-            let hill = at_start.map(|at_start| Hill { at_start, slope: problem.slope() }).filter(|hill| hill.slope <= 0.0);
+            let hill =
+                at_start.map(|at_start| Hill { at_start, slope: problem.slope() }).filter(|hill| hill.slope <= 0.0);
             let first = problem.longest_step()?.min(if self.cycles() { SHORT_STEP } else { 1.0 });
             let (length, lower) = match self.step(problem, previous, first, hill)? {
                 Step::Taken { norms: new, length, lower } => {
@@ -332,9 +333,9 @@ impl Course<'_> {
         for trial in 0..=MAX_DESCENTS {
             let norms = match problem.update(length) {
                 Ok(()) if trial == 0 => assemble(problem),
-                Ok(()) => problem
-                    .residual_norm()
-                    .map(|residual| Norms::new(ResidualNorms { residual, scale: previous.scale }, problem.relative_violation())),
+                Ok(()) => problem.residual_norm().map(|residual| {
+                    Norms::new(ResidualNorms { residual, scale: previous.scale }, problem.relative_violation())
+                }),
                 Err(error) => Err(error),
             };
             let potential = match norms {
@@ -345,6 +346,7 @@ impl Course<'_> {
                 Ok((norms, Some(potential)))
                     if norms.is_finite()
                         && (hill.is_descent(potential, length)
+                            || !potential.is_lasting && norms.measure <= previous.measure
                             || trial == 0 && self.within_tolerance(norms)
                             || trial == MAX_DESCENTS) =>
                 {

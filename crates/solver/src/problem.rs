@@ -44,6 +44,8 @@ pub(crate) struct StepProblem<'a> {
     pub solves: &'a mut u32,
     /// Whether the linear equations that were solved last were shifted ([`System::shifts_rows`]).
     pub solved_shifted: bool,
+    /// Part of the last increment that the iterate has gone.
+    pub part: f64,
     /// Shift of the last tangent that needed one in this solution.
     pub last_shift: f64,
     /// Norms at the iterate, if residual and tangent are those of the iterate already.
@@ -310,10 +312,43 @@ impl StepProblem<'_> {
 }
 
 impl StepProblem<'_> {
-    /// Whether the residual is the gradient of a potential: a static step under dead loads, with no force but those of energies, and no multiplier.
+    /// Whether the residual is the gradient of a potential, but for friction: a static step under dead loads, with no force but those of energies, and no multiplier.
     fn has_potential(&self) -> bool {
-        let multipliers = || self.iterate.active.iter().flatten().any(|&active| active);
-        !self.step.rule.has_inertia() && !self.system.has_followers && self.is_symmetric() && !multipliers()
+        let rule = contact_rule(self.step.rule.constraint.rule);
+        !self.step.rule.has_inertia()
+            && !self.system.has_followers
+            && self.model.parts.iter().all(|part| part.is_symmetric())
+            && self.model.contacts.iter().all(|pair| pair.method.has_energy(rule))
+            && !self.iterate.active.iter().flatten().any(|&active| active)
+    }
+
+    /// Solves with an unsymmetric tangent, shifted until the increment goes downhill.
+    fn solve_unsymmetric_downhill(&mut self) -> Result<f64, StepError> {
+        let mut increment = self.solve()?;
+        let mut shift = (SMALLEST_SHIFT * self.mean_diagonal()).max(self.last_shift / SHIFT_FACTOR);
+        for _ in 0..MAX_SHIFTS {
+            if self.slope_of_increment() <= 0.0 {
+                break;
+            }
+            self.last_shift = shift;
+            let solved = self.factorise_shifted(MatrixKind::General, shift).and_then(|_| self.solve_factorised());
+            if let Err(error) = solved {
+                let has_inertia = self.step.rule.has_inertia();
+                return Err(linear_error(self.model, self.system, self.iterate, has_inertia, error));
+            }
+            self.solved_shifted = true;
+            increment = self.keep_base()?;
+            shift *= SHIFT_FACTOR;
+        }
+        Ok(increment)
+    }
+
+    /// Lets friction know where the iterate will go.
+    fn set_line(&mut self) {
+        self.part = 0.0;
+        self.full_increment();
+        let Self { model, system, .. } = self;
+        model.contacts.iter_mut().for_each(|pair| pair.method.set_line(&system.full_increment));
     }
 
     /// Derivative of the potential along the increment.
@@ -325,7 +360,7 @@ impl StepProblem<'_> {
 
     /// Factorises the tangent plus the smallest multiple of the unit matrix that is found to leave no direction in which the energy falls; returns it.
     fn factorise_downhill(&mut self) -> Result<f64, LinalgError> {
-        if self.factorise_shifted(0.0)? {
+        if self.factorise_shifted(MatrixKind::Symmetric, 0.0)? {
             return Ok(0.0);
         }
         // What was needed last is not far from what is needed now.
@@ -333,16 +368,16 @@ impl StepProblem<'_> {
         let mut shift = (0.5 * self.last_shift).max(smallest);
         let known = shift > smallest;
         let mut shifts = 0;
-        while !self.factorise_shifted(shift)? && shifts < MAX_SHIFTS {
+        while !self.factorise_shifted(MatrixKind::Symmetric, shift)? && shifts < MAX_SHIFTS {
             shift *= if known && shifts == 0 { 2.0 } else { SHIFT_FACTOR };
             shifts += 1;
         }
         // Off a saddle point it goes the faster the less the tangent is shifted.
         if shifts > 0 && !known {
-            shift = if self.factorise_shifted(0.5 * shift)? {
+            shift = if self.factorise_shifted(MatrixKind::Symmetric, 0.5 * shift)? {
                 0.5 * shift
             } else {
-                self.factorise_shifted(shift)?;
+                self.factorise_shifted(MatrixKind::Symmetric, shift)?;
                 shift
             };
         }
@@ -351,7 +386,7 @@ impl StepProblem<'_> {
     }
 
     /// Factorises the tangent plus `shift` times the unit matrix; returns whether the energy falls in no direction, as far as the solver can tell.
-    fn factorise_shifted(&mut self, shift: f64) -> Result<bool, LinalgError> {
+    fn factorise_shifted(&mut self, kind: MatrixKind, shift: f64) -> Result<bool, LinalgError> {
         let s = &mut *self.system;
         let values = if s.slot_equation.is_empty() { &mut s.solid_values } else { &mut s.values };
         let free = s.numbering.free.len() as u32;
@@ -363,7 +398,7 @@ impl StepProblem<'_> {
         diagonal.iter().for_each(|&(at, value)| values[at] = value + shift);
         let solver = &mut s.solver;
         let result = self.timings.measure(Phase::Factorisation, || {
-            solver.analyse(&s.pattern, MatrixKind::Symmetric)?;
+            solver.analyse(&s.pattern, kind)?;
             solver.factorise(values)
         });
         diagonal.iter().for_each(|&(at, value)| values[at] = value);
@@ -511,6 +546,11 @@ impl NewtonProblem for StepProblem<'_> {
         if !self.has_potential() {
             return self.solve();
         }
+        if !self.is_symmetric() {
+            let increment = self.solve_unsymmetric_downhill()?;
+            self.set_line();
+            return Ok(increment);
+        }
         let shift = match self.factorise_downhill().and_then(|shift| self.solve_factorised().map(|()| shift)) {
             Ok(shift) => shift,
             Err(error) => {
@@ -519,7 +559,6 @@ impl NewtonProblem for StepProblem<'_> {
             }
         };
         self.lengthen(shift);
-        if std::env::var("STOSS_DEBUG").is_ok() { eprintln!("shift {shift:.2e} slope {:.3e}", self.slope_of_increment()); }
         self.solved_shifted = shift > 0.0;
         self.keep_base()
     }
@@ -528,11 +567,15 @@ impl NewtonProblem for StepProblem<'_> {
         if !self.has_potential() {
             return Ok(None);
         }
-        let Self { model, system, iterate, step, .. } = self;
+        let is_lasting = self.is_symmetric();
+        let Self { model, system, iterate, step, part, .. } = self;
         let mut timings = std::mem::take(self.timings);
         let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step.dt));
         *self.timings = timings;
-        Ok(Some(Potential { value: value?, round_off: ENERGY_ROUND_OFF * system.strain_energy_scale }))
+        let friction: f64 = model.contacts.iter().map(|pair| pair.method.friction_along(*part)).sum();
+        let friction = if is_lasting { 0.0 } else { friction };
+        let round_off = ENERGY_ROUND_OFF * system.strain_energy_scale;
+        Ok(Some(Potential { value: value? + friction, round_off, is_lasting }))
     }
 
     fn slope(&self) -> f64 {
@@ -549,6 +592,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn update(&mut self, factor: f64) -> Result<(), StepError> {
+        self.part = factor;
         let s = &*self.system;
         let q_n = &self.step.state_n.q;
         for (du, &component) in s.increment.iter().zip(&s.numbering.free) {

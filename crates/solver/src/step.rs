@@ -197,8 +197,18 @@ pub(crate) fn attempt(
         }
         let step = input.step;
         let iterate = &mut iterate;
-        let mut problem =
-            StepProblem { model, system, step, iterate, timings, solves, solved_shifted: false, last_shift: 0.0, assembled };
+        let mut problem = StepProblem {
+            model,
+            system,
+            step,
+            iterate,
+            timings,
+            solves,
+            solved_shifted: false,
+            part: 0.0,
+            last_shift: 0.0,
+            assembled,
+        };
         match start {
             Some(start) => problem.go_apart(&start, &input.prescribed)?,
             None => problem.predict_all(&input.prescribed)?,
@@ -233,6 +243,7 @@ pub(crate) fn attempt(
             timings,
             solves: &mut trace.solves,
             solved_shifted: false,
+            part: 0.0,
             last_shift: 0.0,
             assembled,
         };
