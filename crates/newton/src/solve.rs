@@ -43,6 +43,9 @@ const NO_ROUND_OFF: f64 = 1e-6;
 /// At most so many reductions of a step on a potential; the last one is taken if it does not fall then, which it must but for round-off.
 const MAX_DESCENTS: u32 = 20;
 
+/// Part of the residual by which it must at least be smaller after a full step, and after a shorter one in proportion, where a potential does not last.
+const PROMISED_REST: f64 = 0.1;
+
 /// Part of the fall that the slope of a potential promises and that a step must have at least (Armijo).
 const PROMISED_FALL: f64 = 1e-4;
 
@@ -254,8 +257,8 @@ impl Course<'_> {
         first: f64,
         hill: Option<Hill>,
     ) -> Result<Step, P::Error> {
-        if let (Some(hill), LineSearch::Best { reduction, .. }) = (hill, self.options.line_search) {
-            return self.descend(problem, previous, (first, reduction), hill);
+        if let (Some(hill), LineSearch::Best { reduction, max_reductions }) = (hill, self.options.line_search) {
+            return self.descend(problem, previous, (first, reduction, max_reductions), hill);
         }
         let full = match problem.update(first) {
             Ok(()) => assemble(problem),
@@ -325,10 +328,12 @@ impl Course<'_> {
         &self,
         problem: &mut P,
         previous: Norms,
-        (first, reduction): (f64, f64),
+        (first, reduction, max_reductions): (f64, f64, u32),
         hill: Hill,
     ) -> Result<Step, P::Error> {
         let mut last_error = None;
+        // The longest step that goes down.
+        let mut down = None;
         let mut length = first;
         for trial in 0..=MAX_DESCENTS {
             let norms = match problem.update(length) {
@@ -338,21 +343,34 @@ impl Course<'_> {
                 }),
                 Err(error) => Err(error),
             };
-            let potential = match norms {
-                Ok(norms) => problem.potential().map(|potential| (norms, potential)),
-                Err(error) => Err(error),
-            };
-            match potential {
-                Ok((norms, Some(potential)))
-                    if norms.is_finite()
-                        && (hill.is_descent(potential, length)
-                            || !potential.is_lasting && norms.measure <= previous.measure
-                            || trial == 0 && self.within_tolerance(norms)
-                            || trial == MAX_DESCENTS) =>
-                {
-                    let norms = if trial == 0 { norms } else { assemble(problem)? };
+            match norms.and_then(|norms| problem.potential().map(|potential| (norms, potential))) {
+                Ok((norms, Some(potential))) if norms.is_finite() => {
+                    last_error = None;
+                    let goes_down = hill.is_descent(potential, length)
+                        || trial == MAX_DESCENTS
+                        || trial == 0 && self.within_tolerance(norms);
+                    let is_smaller = norms.measure <= (1.0 - PROMISED_REST * length) * previous.measure;
                     let lower = hill.is_lower(potential);
-                    return Ok(if norms.is_finite() { Step::Taken { norms, length, lower } } else { Step::NotFinite });
+                    if goes_down && down.is_none() {
+                        down = Some((length, lower));
+                    }
+                    if !potential.is_lasting && is_smaller {
+                        down = Some((length, lower));
+                    } else if !potential.is_lasting && trial < max_reductions {
+                        length *= reduction;
+                        continue;
+                    }
+                    if let Some((taken, lower)) = down {
+                        if taken != length {
+                            problem.update(taken)?;
+                        }
+                        let norms = if trial == 0 { norms } else { assemble(problem)? };
+                        return Ok(if norms.is_finite() {
+                            Step::Taken { norms, length: taken, lower }
+                        } else {
+                            Step::NotFinite
+                        });
+                    }
                 }
                 Ok(_) => last_error = None,
                 Err(error) if problem.is_recoverable(&error) => last_error = Some(error),

@@ -437,9 +437,12 @@ impl StepProblem<'_> {
         self.system.solver.negative_eigenvalues().map_or(0, |count| count.saturating_sub(multipliers))
     }
 
-    /// Whether the directions in which the energy falls can be counted: a static step with a symmetric tangent, and no unknown but positions and multipliers.
+    /// Whether the directions in which the energy falls can be counted: a static step with a symmetric tangent, without stabilisation, and with no unknown but positions and multipliers.
     fn counts_directions(&self) -> bool {
-        !self.step.rule.has_inertia() && self.is_symmetric() && self.system.slot_width.iter().all(|&width| width == 1)
+        !self.step.rule.has_inertia()
+            && !self.system.has_damping
+            && self.is_symmetric()
+            && self.system.slot_width.iter().all(|&width| width == 1)
     }
 
     /// Independent directions in which the energy falls at a solution, from the tangent there.

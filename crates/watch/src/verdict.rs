@@ -182,7 +182,8 @@ impl Judge {
             worst_time: None,
             sentence,
             position: None,
-            figure: directions as f64,
+            // None is worse than another: what is told is where it began.
+            figure: 0.0,
         });
     }
 
