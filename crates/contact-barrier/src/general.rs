@@ -1,6 +1,7 @@
 //! General contact: the sum over all pairs of a skin.
 
 use crate::proximity::{Candidate, Proximity};
+use crate::slip::SlipLine;
 use crate::{Friction, Interactions, Layer, PairStart, Skin, StepForce, Tangent};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -53,6 +54,8 @@ pub struct GeneralContact {
     active: Vec<u32>,
     /// Pairs of facets that had an active pair in the step: they grow only, so that stencils seldom change.
     groups: Vec<[u32; 2]>,
+    /// Friction along the motion that was set last.
+    line: Vec<SlipLine>,
 }
 
 impl GeneralContact {
@@ -91,6 +94,7 @@ impl GeneralContact {
             starts: Vec::new(),
             active: Vec::new(),
             groups: Vec::new(),
+            line: Vec::new(),
         })
     }
 
@@ -204,6 +208,30 @@ impl Potential for GeneralContact {
 
     fn is_symmetric(&self, rule: ContactRule) -> bool {
         rule == ContactRule::EndPoint && !self.rules.has_friction()
+    }
+
+    fn has_energy(&self, rule: ContactRule) -> bool {
+        rule == ContactRule::EndPoint
+    }
+
+    fn set_line(&mut self, increment: &[f64]) {
+        self.line.clear();
+        if !self.rules.has_friction() {
+            return;
+        }
+        let mut d = std::mem::take(&mut self.increment);
+        Self::place(&self.skin, increment, &mut d);
+        let along = |&k: &u32| {
+            let candidate = &self.proximity.candidates[k as usize];
+            let points = [candidate.of(&self.x_n), candidate.of(&self.x), candidate.of(&d)];
+            candidate.term.slip_along(&self.layer(candidate), points.each_ref(), &self.friction(candidate)?)
+        };
+        let line = self.active.iter().filter_map(along).collect();
+        (self.line, self.increment) = (line, d);
+    }
+
+    fn friction_along(&self, part: f64) -> f64 {
+        self.line.iter().map(|line| line.energy(part)).sum()
     }
 
     fn set_rule(&mut self, rule: ContactRule, step_size: f64) {

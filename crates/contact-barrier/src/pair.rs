@@ -3,7 +3,7 @@
 use crate::layer::LayerStep;
 use crate::parallel::Crossing;
 use crate::sensitivity::Sensitivity;
-use crate::slip::{Pressed, Variation};
+use crate::slip::{Pressed, SlipLine, Variation};
 use crate::tangent::Tangent;
 use crate::{Friction, FrictionForce, Layer, Parallel};
 use nalgebra::{Matrix3, Vector3};
@@ -125,6 +125,27 @@ impl PairTerm {
             force.friction = pressed.friction(law, variation.as_ref().zip(tangent));
         }
         force
+    }
+}
+
+impl PairTerm {
+    /// Friction of [`PairTerm::at_end`] along a motion of the points from `x` by `d`, with the normal force at `x`.
+    pub(crate) fn slip_along(
+        &self,
+        layer: &Layer,
+        [x_n, x, d]: [&[Vector3<f64>; 4]; 3],
+        friction: &Friction,
+    ) -> Option<SlipLine> {
+        let pair = closest(self.kind, x);
+        if !layer.is_inside(pair.distance_squared) {
+            return None;
+        }
+        let r = combine(&pair.weights, x);
+        let [_, slope, _] = layer.evaluate(pair.distance_squared);
+        let (m, _) = self.parallel.map_or((1.0, None), |p| p.at_state(&Crossing::new(x)));
+        let normal = r * (-2.0 * self.weight * m * slope);
+        let dx = std::array::from_fn(|i| x[i] - x_n[i]);
+        Pressed { kind: self.kind, normal, weights: pair.weights, x: *x, dx }.along(friction, d)
     }
 }
 

@@ -68,7 +68,48 @@ pub(crate) struct Variation<'a> {
     pub normal: [Matrix3<f64>; 4],
 }
 
+/// Friction along a straight motion, with the normal force and the points of its start: the gradient of an energy.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SlipLine {
+    slip: Vector3<f64>,
+    /// Change of the slip by all of the motion.
+    change: Vector3<f64>,
+    /// Coefficient times normal force.
+    limit: f64,
+    slip_scale: f64,
+}
+
+impl SlipLine {
+    /// Energy, whose derivative by the slip the force of the law is, at a part of the motion.
+    pub fn energy(&self, part: f64) -> f64 {
+        let (length, scale) = ((self.slip + self.change * part).norm(), self.slip_scale);
+        let of_slip = if length < scale {
+            let y = length / scale;
+            scale * y * y * (1.0 - y / 3.0)
+        } else {
+            length - scale / 3.0
+        };
+        self.limit * of_slip
+    }
+}
+
 impl Pressed {
+    /// What becomes of the friction along a motion of the points by `d`.
+    pub fn along(&self, law: &Friction, d: &[Vector3<f64>; 4]) -> Option<SlipLine> {
+        let normal_force = self.normal.norm();
+        if normal_force == 0.0 || law.coefficient == 0.0 {
+            return None;
+        }
+        let (n, r) = (self.normal / normal_force, combine(&self.weights, &self.x));
+        let slip = |motion: &[Vector3<f64>; 4]| {
+            let spin = Spin::new(self.kind, &self.x, motion)?;
+            let relative = combine(&self.weights, motion) * spin.fade - (spin.total * spin.scale).cross(&r);
+            Some(relative - n * n.dot(&relative))
+        };
+        let limit = law.coefficient * normal_force;
+        Some(SlipLine { slip: slip(&self.dx)?, change: slip(d)?, limit, slip_scale: law.slip_scale })
+    }
+
     /// The friction, and its tangent *added* to one that is there.
     pub fn friction(&self, law: &Friction, tangent: Option<(&Variation, &mut Tangent)>) -> FrictionForce {
         let c = &self.weights;

@@ -49,6 +49,16 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     fn is_symmetric(&self, _rule: ContactRule) -> bool {
         false
     }
+    /// Whether under a rule the forces are the gradient of the energy at the end of the step, but for friction that [`Self::friction_along`] accounts for.
+    fn has_energy(&self, _rule: ContactRule) -> bool {
+        false
+    }
+    /// Remembers a motion by `increment` (`3 * nodes`) from where the forces were assembled last.
+    fn set_line(&mut self, _increment: &[f64]) {}
+    /// Energy at a part of that motion whose derivative by the part is, at its start, minus the power of friction: that with the normal forces and the points of the start. Zero without friction.
+    fn friction_along(&self, _part: f64) -> f64 {
+        0.0
+    }
     /// Search at `q_n` (`3 * nodes`); `reach` is the largest distance that two surfaces are expected to approach each other in the step.
     fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
     /// Rule and size of the step that begins.

@@ -76,6 +76,10 @@ impl LinearSolver for AutoSolver {
         self.active().solve_nearby(values, rhs, solution, tolerance)
     }
 
+    fn negative_eigenvalues(&mut self) -> Option<usize> {
+        self.active().negative_eigenvalues()
+    }
+
     fn forget(&mut self) {
         // A pattern of another size may have been another solver's in between.
         self.dense.forget();

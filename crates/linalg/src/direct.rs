@@ -45,6 +45,11 @@ pub trait Factorisation: Send + Debug {
         Ok(false)
     }
 
+    /// Negative eigenvalues of the symmetric matrix with these values, a symmetric scaling of what was factorised last; `None` if the factors do not tell (default).
+    fn negative_eigenvalues(&mut self, _: &SparsityPattern, _: &[f64]) -> Option<usize> {
+        None
+    }
+
     /// Applications of the factors that are worth as much as a factorisation; zero if they are not worth counting.
     fn applications_per_factorisation(&self) -> u32 {
         0
@@ -314,6 +319,20 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
         }
         self.statistics.nearby_solves += 1;
         Ok(Some(report.iterations))
+    }
+
+    fn negative_eigenvalues(&mut self) -> Option<usize> {
+        let pattern = self.pattern.clone().filter(|_| self.factorised && self.kind != MatrixKind::General)?;
+        if pattern.n() == 0 {
+            return Some(0);
+        }
+        // A symmetric scaling is a congruence, another is not.
+        if self.factorisation.symmetric_scaling() {
+            return self.factorisation.negative_eigenvalues(&pattern, &self.scaled);
+        }
+        let mut scaled = Vec::new();
+        Equilibration::default().compute_symmetric(&pattern, self.refinement.values(), &mut scaled).ok()?;
+        self.factorisation.negative_eigenvalues(&pattern, &scaled)
     }
 
     fn forget(&mut self) {

@@ -80,6 +80,10 @@ impl LinearSolver for RecordingSolver {
         self.inner.solve_nearby(values, rhs, solution, tolerance)
     }
 
+    fn negative_eigenvalues(&mut self) -> Option<usize> {
+        self.inner.negative_eigenvalues()
+    }
+
     fn forget(&mut self) {
         self.inner.forget();
     }

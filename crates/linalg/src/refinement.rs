@@ -45,6 +45,11 @@ impl Refinement {
         Ok(())
     }
 
+    /// The values that were set last.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// Heap memory in bytes, without the shared pattern.
     pub fn memory_bytes(&self) -> usize {
         size_of::<f64>() * (self.values.capacity() + 4 * self.residual.capacity())

@@ -159,6 +159,12 @@ pub trait LinearSolver: Send + Debug {
         Ok(None)
     }
 
+    /// Number of negative eigenvalues of the matrix that was factorised last (Sylvester: as many as negative pivots of `L D L^T`), of one announced as symmetric.
+    /// `None` for others, without factors, and if the solver cannot tell (default).
+    fn negative_eigenvalues(&mut self) -> Option<usize> {
+        None
+    }
+
     /// Drops the factors, so that the bits of nothing that follows depend on what came before. An analysis that would be made again in the same way stays.
     fn forget(&mut self);
 

@@ -25,6 +25,6 @@ mod report;
 mod solve;
 
 pub use options::{LineSearch, NewtonOptions};
-pub use problem::{NewtonProblem, ResidualNorms};
+pub use problem::{NewtonProblem, Potential, ResidualNorms};
 pub use report::{IterationRecord, NewtonFailure, NewtonReport, StopReason};
 pub use solve::solve;

@@ -20,7 +20,8 @@ pub enum LineSearch {
         /// At most so many reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
         max_reductions: u32,
     },
-    /// A step is accepted if the residual does not grow. Else it is shortened until that is so, and if nothing helps, the length with the smallest residual is taken.
+    /// If the problem has a [`crate::Potential`], a step is accepted if that falls as its slope promises (Armijo), up to round-off; the residual may grow. Without, if the residual does
+    /// not grow. Else it is shortened until that is so, and if nothing helps, the length with the smallest potential, or residual, is taken.
     /// For forces that grow without bound as surfaces come near.
     Best {
         /// Factor between two trials, in (0, 1).

@@ -10,9 +10,20 @@ pub struct ResidualNorms {
     pub scale: f64,
 }
 
+/// A function whose gradient the residual is, such as the potential energy, at an iterate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Potential {
+    /// Its value, up to a constant.
+    pub value: f64,
+    /// What round-off may do to a difference of values, `>= 0`.
+    pub round_off: f64,
+    /// Whether it stays the same from one iteration to the next. If it does not, as that of friction with the normal forces of the last iterate, a smaller residual is progress as well.
+    pub is_lasting: bool,
+}
+
 /// A system of equations at an iterate that the problem itself stores.
 ///
-/// Calls come in this order: `assemble`, then for each iteration `solve`, `longest_step`, `update` by that much, `assemble`; where a line search or
+/// Calls come in this order: `assemble`, then for each iteration `solve` (or `solve_downhill`, `potential`, `slope`), `longest_step`, `update` by that much, `assemble`; where a line search or
 /// the polishing rejects that step, `update(s)` with smaller `s` (0 included), `residual_norm`, and `assemble` again.
 pub trait NewtonProblem {
     /// What can go wrong in the problem.
@@ -30,6 +41,29 @@ pub trait NewtonProblem {
     /// # Errors
     /// The problem's own, for instance a singular tangent. They end the iteration.
     fn solve(&mut self) -> Result<f64, Self::Error>;
+
+    /// As [`Self::solve`], with a tangent that is changed, if it has to be, such that the increment goes downhill on the potential: comes in its place with [`crate::LineSearch::Best`].
+    /// [`Self::solve`] by default.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    fn solve_downhill(&mut self) -> Result<f64, Self::Error> {
+        self.solve()
+    }
+
+    /// The potential at the iterate that was evaluated last, if the problem has one. It may be another one after each solution, as long as its gradient where it was solved is the residual.
+    /// None by default.
+    ///
+    /// # Errors
+    /// As [`Self::assemble`].
+    fn potential(&mut self) -> Result<Option<Potential>, Self::Error> {
+        Ok(None)
+    }
+
+    /// Derivative of the potential along the increment that was solved for last, at the iterate where it was: residual times increment. Of use only with a potential.
+    fn slope(&self) -> f64 {
+        0.0
+    }
 
     /// Part of the increment that was solved for last, in (0, 1], beyond which the iterate must not go in this iteration: where surfaces would pass through each other, for instance.
     /// 1 by default.

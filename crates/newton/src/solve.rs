@@ -1,7 +1,8 @@
 //! The iteration itself.
 
 use crate::{
-    IterationRecord, LineSearch, NewtonFailure, NewtonOptions, NewtonProblem, NewtonReport, ResidualNorms, StopReason,
+    IterationRecord, LineSearch, NewtonFailure, NewtonOptions, NewtonProblem, NewtonReport, Potential, ResidualNorms,
+    StopReason,
 };
 
 /// Iterates until a stop reason applies. On success the problem's iterate is the solution. After a failure it is undefined:
@@ -39,6 +40,35 @@ const IN_BALANCE: f64 = 1e-3;
 /// a friction that sticks and will slide.
 const NO_ROUND_OFF: f64 = 1e-6;
 
+/// At most so many reductions of a step on a potential; the last one is taken if it does not fall then, which it must but for round-off.
+const MAX_DESCENTS: u32 = 20;
+
+/// Part of the residual by which it must at least be smaller after a full step, and after a shorter one in proportion, where a potential does not last.
+const PROMISED_REST: f64 = 0.1;
+
+/// Part of the fall that the slope of a potential promises and that a step must have at least (Armijo).
+const PROMISED_FALL: f64 = 1e-4;
+
+/// Potential and slope where a step begins.
+#[derive(Clone, Copy)]
+struct Hill {
+    at_start: Potential,
+    slope: f64,
+}
+
+impl Hill {
+    /// Whether a step of this length that ends at `potential` has gone down.
+    fn is_descent(self, potential: Potential, length: f64) -> bool {
+        let slack = self.at_start.round_off.max(potential.round_off);
+        potential.value - self.at_start.value <= PROMISED_FALL * length * self.slope + slack
+    }
+
+    /// Whether it is lower there by more than round-off.
+    fn is_lower(self, potential: Potential) -> bool {
+        potential.value < self.at_start.value - self.at_start.round_off.max(potential.round_off)
+    }
+}
+
 /// Norms of an iterate.
 #[derive(Clone, Copy)]
 struct Norms {
@@ -74,7 +104,12 @@ fn assemble<P: NewtonProblem>(problem: &mut P) -> Result<Norms, P::Error> {
 
 /// What became of a step.
 enum Step {
-    Taken { norms: Norms, length: f64 },
+    Taken {
+        norms: Norms,
+        length: f64,
+        /// Whether the potential fell, if there is one.
+        lower: bool,
+    },
     NotAcceptable,
     NotFinite,
 }
@@ -105,16 +140,21 @@ impl Course<'_> {
                 return Ok(StopReason::MaxIterations);
             }
             solves += 1;
-            let increment = problem.solve()?;
+            let downhill = matches!(o.line_search, LineSearch::Best { .. });
+            let increment = if downhill { problem.solve_downhill() } else { problem.solve() }?;
             if !increment.is_finite() {
                 return Ok(StopReason::NotFinite);
             }
             let previous = norms;
+            let at_start = if downhill { problem.potential()? } else { None };
+            // An increment that goes uphill says that the problem could not help it.
+            let hill =
+                at_start.map(|at_start| Hill { at_start, slope: problem.slope() }).filter(|hill| hill.slope <= 0.0);
             let first = problem.longest_step()?.min(if self.cycles() { SHORT_STEP } else { 1.0 });
-            let length = match self.step(problem, previous, first)? {
-                Step::Taken { norms: new, length } => {
+            let (length, lower) = match self.step(problem, previous, first, hill)? {
+                Step::Taken { norms: new, length, lower } => {
                     norms = new;
-                    length
+                    (length, lower)
                 }
                 Step::NotAcceptable => return Ok(StopReason::LineSearchFailed),
                 Step::NotFinite => return Ok(StopReason::NotFinite),
@@ -143,7 +183,7 @@ impl Course<'_> {
             if norms.measure < smallest {
                 smallest = norms.measure;
                 since_smallest = 0;
-            } else {
+            } else if !lower {
                 since_smallest += 1;
                 if since_smallest >= o.stagnation_iterations {
                     return Ok(StopReason::Stagnated);
@@ -210,7 +250,16 @@ impl Course<'_> {
     }
 
     /// One step along the increment: `first` times it, or a shorter one where the line search is on and has to act.
-    fn step<P: NewtonProblem>(&self, problem: &mut P, previous: Norms, first: f64) -> Result<Step, P::Error> {
+    fn step<P: NewtonProblem>(
+        &self,
+        problem: &mut P,
+        previous: Norms,
+        first: f64,
+        hill: Option<Hill>,
+    ) -> Result<Step, P::Error> {
+        if let (Some(hill), LineSearch::Best { reduction, max_reductions }) = (hill, self.options.line_search) {
+            return self.descend(problem, previous, (first, reduction, max_reductions), hill);
+        }
         let full = match problem.update(first) {
             Ok(()) => assemble(problem),
             Err(error) => Err(error),
@@ -222,7 +271,7 @@ impl Course<'_> {
             LineSearch::Best { reduction, max_reductions } => (1.0, 0.0, reduction, max_reductions, true),
             LineSearch::Off => {
                 let norms = full?;
-                return Ok(if norms.is_finite() { Step::Taken { norms, length: first } } else { Step::NotFinite });
+                return Ok(self.taken(norms, first));
             }
         };
         let limit = max_growth * previous.measure.max(small * previous.scale);
@@ -233,7 +282,7 @@ impl Course<'_> {
         match full {
             // Also below the tolerance: a residual at round-off may grow by any factor.
             Ok(norms) if norms.is_finite() && (norms.measure <= limit || self.within_tolerance(norms) || unbounded) => {
-                return Ok(Step::Taken { norms, length: first });
+                return Ok(self.taken(norms, first));
             }
             Ok(norms) => best.0 = if norms.is_finite() { norms.measure } else { f64::INFINITY },
             Err(error) if problem.is_recoverable(&error) => last_error = Some(error),
@@ -249,7 +298,7 @@ impl Course<'_> {
             match trial {
                 Ok(residual) if residual <= limit || unbounded => {
                     let norms = assemble(problem)?;
-                    return Ok(if norms.is_finite() { Step::Taken { norms, length } } else { Step::NotFinite });
+                    return Ok(self.taken(norms, length));
                 }
                 Ok(residual) => {
                     last_error = None;
@@ -264,7 +313,70 @@ impl Course<'_> {
         if take_best && best.0.is_finite() {
             problem.update(best.1)?;
             let norms = assemble(problem)?;
-            return Ok(Step::Taken { norms, length: best.1 });
+            return Ok(self.taken(norms, best.1));
+        }
+        last_error.map_or(Ok(Step::NotAcceptable), Err)
+    }
+
+    /// A step without a potential.
+    fn taken(&self, norms: Norms, length: f64) -> Step {
+        if norms.is_finite() { Step::Taken { norms, length, lower: false } } else { Step::NotFinite }
+    }
+
+    /// One step along an increment that goes downhill.
+    fn descend<P: NewtonProblem>(
+        &self,
+        problem: &mut P,
+        previous: Norms,
+        (first, reduction, max_reductions): (f64, f64, u32),
+        hill: Hill,
+    ) -> Result<Step, P::Error> {
+        let mut last_error = None;
+        // The longest step that goes down.
+        let mut down = None;
+        let mut length = first;
+        for trial in 0..=MAX_DESCENTS {
+            let norms = match problem.update(length) {
+                Ok(()) if trial == 0 => assemble(problem),
+                Ok(()) => problem.residual_norm().map(|residual| {
+                    Norms::new(ResidualNorms { residual, scale: previous.scale }, problem.relative_violation())
+                }),
+                Err(error) => Err(error),
+            };
+            match norms.and_then(|norms| problem.potential().map(|potential| (norms, potential))) {
+                Ok((norms, Some(potential))) if norms.is_finite() => {
+                    last_error = None;
+                    let goes_down = hill.is_descent(potential, length)
+                        || trial == MAX_DESCENTS
+                        || trial == 0 && self.within_tolerance(norms);
+                    let is_smaller = norms.measure <= (1.0 - PROMISED_REST * length) * previous.measure;
+                    let lower = hill.is_lower(potential);
+                    if goes_down && down.is_none() {
+                        down = Some((length, lower));
+                    }
+                    if !potential.is_lasting && is_smaller {
+                        down = Some((length, lower));
+                    } else if !potential.is_lasting && trial < max_reductions {
+                        length *= reduction;
+                        continue;
+                    }
+                    if let Some((taken, lower)) = down {
+                        if taken != length {
+                            problem.update(taken)?;
+                        }
+                        let norms = if trial == 0 { norms } else { assemble(problem)? };
+                        return Ok(if norms.is_finite() {
+                            Step::Taken { norms, length: taken, lower }
+                        } else {
+                            Step::NotFinite
+                        });
+                    }
+                }
+                Ok(_) => last_error = None,
+                Err(error) if problem.is_recoverable(&error) => last_error = Some(error),
+                Err(error) => return Err(error),
+            }
+            length *= reduction;
         }
         last_error.map_or(Ok(Step::NotAcceptable), Err)
     }

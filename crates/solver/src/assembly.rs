@@ -113,6 +113,8 @@ pub(crate) struct System {
     has_mass: bool,
     /// Whether rows of constraints in the last linear equations were written for the multipliers and not for their increments.
     pub shifts_rows: bool,
+    /// Negative eigenvalues of the tangent of a static step that was factorised last, beyond those of its constraints.
+    pub excess: usize,
     /// Evaluations with a tangent since the step began.
     pub tangents: u32,
     /// Smallest mass of a part, zero if none has any.
@@ -120,6 +122,8 @@ pub(crate) struct System {
     /// Sum of nodal masses times an edge length, and of shear modulus times squared edge length, as force scales.
     pub mass_length: f64,
     pub stiffness_force: f64,
+    /// Sum of shear modulus times volume of the bodies, and of force scale times length of the parts: the energy of a strain of one.
+    pub strain_energy_scale: f64,
 }
 
 /// Lists of equation numbers, flat.
@@ -368,13 +372,15 @@ impl System {
         let nnz = solid_pattern.nnz();
         let mut masses = Masses { bodies: Vec::new(), parts: part_masses };
         let mut mass_values = Vec::new();
-        let (mut mass_length, mut stiffness_force) = (0.0, 0.0);
+        let (mut mass_length, mut stiffness_force, mut strain_energy_scale) = (0.0, 0.0, 0.0);
         if dynamic {
             mass_values = vec![0.0; nnz];
         }
         for (b, body) in model.bodies.iter().enumerate() {
             let h = body.solid.characteristic_length();
-            stiffness_force += body.solid.law().small_strain_moduli().shear * h * h;
+            let shear = body.solid.law().small_strain_moduli().shear;
+            stiffness_force += shear * h * h;
+            strain_energy_scale += shear * body.solid.element_count() as f64 * h * h * h;
             if let (true, Some(density)) = (dynamic, body.density) {
                 let mass = body.solid.mass(density, body.mass_kind);
                 mass.add_to_tangent(
@@ -410,6 +416,7 @@ impl System {
         });
         let part_mass = Some(positions.fold(f64::INFINITY, f64::min)).filter(|m| m.is_finite()).unwrap_or(0.0);
         stiffness_force += model.parts.iter().map(|part| part.force_scale()).sum::<f64>();
+        strain_energy_scale += model.parts.iter().map(|part| part.force_scale() * part.length_scale()).sum::<f64>();
         let slot_equation: Vec<Vec<u32>> =
             model.contacts.iter().map(|pair| vec![NONE; pair.method.slot_count()]).collect();
         let own = model.embedding.own(components);
@@ -470,12 +477,14 @@ impl System {
             has_damping: false,
             has_mass: dynamic,
             tangents: 0,
+            excess: 0,
             shifts_rows: false,
             part_mass,
             acting,
             has_rates: dynamic,
             mass_length,
             stiffness_force,
+            strain_energy_scale,
         })
     }
 

@@ -34,6 +34,16 @@ impl System {
         }
     }
 
+    /// Energy whose gradient the forces of the stabilisation are in a static step of this `increment`.
+    pub fn stabilisation_energy(&self, increment: &[f64], dt: f64) -> f64 {
+        let Some(stabilisation) = self.stabilisation.as_ref().filter(|_| self.has_damping) else { return 0.0 };
+        let mut force = vec![0.0; increment.len()];
+        for mass in stabilisation.masses() {
+            mass.multiply_add(0.5 * stabilisation.ramp / dt, increment, &mut force);
+        }
+        vector::dot(&force, increment)
+    }
+
     /// Work that stabilisation took in a static step with this `increment`, by the trapezium rule as that of loads is measured: before the step, where `ramp_n` of it acted, the
     /// velocities were `v_n`.
     pub fn stabilised(&self, ramp_n: f64, v_n: &[f64], increment: &[f64], dt: f64) -> f64 {

@@ -208,6 +208,29 @@ impl Coupling {
         }
     }
 
+    /// Whether its forces are the gradient of an energy, but for friction, as far as no multiplier acts; see [`Potential::has_energy`].
+    pub(crate) fn has_energy(&self, rule: ContactRule) -> bool {
+        match self {
+            Self::Potential(of) => of.0.has_energy(rule),
+            _ => true,
+        }
+    }
+
+    /// See [`Potential::set_line`].
+    pub(crate) fn set_line(&mut self, increment: &[f64]) {
+        if let Self::Potential(of) = self {
+            of.0.set_line(increment);
+        }
+    }
+
+    /// See [`Potential::friction_along`].
+    pub(crate) fn friction_along(&self, part: f64) -> f64 {
+        match self {
+            Self::Potential(of) => of.0.friction_along(part),
+            _ => 0.0,
+        }
+    }
+
     /// Energy at the start of a run, at `q`: of a potential, of springs in joints.
     pub(crate) fn energy_at_start(&self, q: &[f64]) -> Result<f64, ContactError> {
         match self {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
 use stoss_integrators::{Buffers, ForceRule, Step, evaluate};
 use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
-use stoss_newton::{NewtonProblem, ResidualNorms};
+use stoss_newton::{NewtonProblem, Potential, ResidualNorms};
 
 /// Motions below this fraction of an edge length in a step are not resolved relative to themselves: the forces that they
 /// need are the smallest scale that the residual is measured against. Without it a free, unstressed flight, whose
@@ -19,6 +19,19 @@ pub(crate) const SMALLEST_RESOLVED_MOTION: f64 = 1.0e-4;
 /// gains at best where it converges quadratically and the residual is not yet at round-off. (Two tori with friction, 25 steps: as many Newton
 /// iterations as with 1e-10; 1e-4 takes two more.)
 const LINEAR_TOLERANCE: f64 = 1.0e-6;
+
+/// Smallest shift of an unstable tangent, in parts of its mean diagonal, and the factor to the next one.
+const SMALLEST_SHIFT: f64 = 1.0e-6;
+const SHIFT_FACTOR: f64 = 4.0;
+
+/// At most so many shifts of a tangent: the last one is ten orders of magnitude above the diagonal.
+const MAX_SHIFTS: u32 = 27;
+
+/// Increments of a shifted tangent are lengthened by this at most.
+const LONGEST: f64 = 8.0;
+
+/// Round-off of an energy, in parts of the energy of a strain of one. (A difference of energies at strains of 0.1 has some 1e-15 of it.)
+const ENERGY_ROUND_OFF: f64 = 1.0e-14;
 
 /// One step as a problem for Newton's method.
 pub(crate) struct StepProblem<'a> {
@@ -31,6 +44,10 @@ pub(crate) struct StepProblem<'a> {
     pub solves: &'a mut u32,
     /// Whether the linear equations that were solved last were shifted ([`System::shifts_rows`]).
     pub solved_shifted: bool,
+    /// Part of the last increment that the iterate has gone.
+    pub part: f64,
+    /// Shift of the last tangent that needed one in this solution.
+    pub last_shift: f64,
     /// Norms at the iterate, if residual and tangent are those of the iterate already.
     pub assembled: Option<ResidualNorms>,
 }
@@ -41,6 +58,9 @@ const DIFFERENCE: f64 = 1.0e-5;
 
 /// Linear responses to what is left of prescribed motions, where surfaces stop each of them, before the step is given up.
 const MAX_PREDICTIONS: u32 = 20;
+
+/// Part of the way that is free which a prediction goes where surfaces come near each other. All of it would leave a tenth of the distances and forces out of all proportion.
+const OF_FREE_WAY: f64 = 0.5;
 
 impl StepProblem<'_> {
     /// Fills residual, and matrix values if asked; returns norms of forces. (The constraints' violation is `system.gap_measure`.)
@@ -173,6 +193,9 @@ impl StepProblem<'_> {
                 self.system.full_increment[component] = to - from;
             }
             part = self.longest_step()?;
+            if part < 1.0 {
+                part *= OF_FREE_WAY;
+            }
             for &(component, _) in prescribed {
                 self.system.full_increment[component] = 0.0;
             }
@@ -241,6 +264,26 @@ impl StepProblem<'_> {
     }
 }
 
+/// Energy of deformation and of potentials in a static step, minus what dead loads and stabilisation did since its start.
+fn potential_energy(model: &Model, system: &System, iterate: &Iterate, dt: f64) -> Result<f64, StepError> {
+    let mut energy = 0.0;
+    for body in &model.bodies {
+        energy += body.solid.strain_energy(&iterate.q)?;
+    }
+    for (part, _) in model.parts.iter().zip(&system.acting.parts).filter(|(_, acts)| **acts) {
+        energy += part.energy(&iterate.q)?;
+    }
+    for (c, pair) in model.contacts.iter().enumerate() {
+        energy += pair.method.work(&iterate.q, &iterate.pressures[c], &iterate.active[c])?.stored;
+    }
+    if system.has_dead_loads {
+        for range in &system.load_support {
+            energy -= vector::dot(&system.dead[range.clone()], &iterate.increment[range.clone()]);
+        }
+    }
+    Ok(energy + system.stabilisation_energy(&iterate.increment, dt))
+}
+
 /// Values from which the auxiliaries of the active slots start at the present iterate.
 pub(crate) fn start_auxiliaries(model: &Model, step: &Step<'_>, iterate: &mut Iterate) -> Result<(), StepError> {
     let configuration = contact_step(step, &iterate.q);
@@ -268,6 +311,165 @@ impl StepProblem<'_> {
     }
 }
 
+impl StepProblem<'_> {
+    /// Whether the residual is the gradient of a potential, but for friction: a static step under dead loads, with no force but those of energies, and no multiplier.
+    fn has_potential(&self) -> bool {
+        let rule = contact_rule(self.step.rule.constraint.rule);
+        !self.step.rule.has_inertia()
+            && !self.system.has_followers
+            && self.model.parts.iter().all(|part| part.is_symmetric())
+            && self.model.contacts.iter().all(|pair| pair.method.has_energy(rule))
+            && !self.iterate.active.iter().flatten().any(|&active| active)
+    }
+
+    /// Solves with an unsymmetric tangent, shifted until the increment goes downhill.
+    fn solve_unsymmetric_downhill(&mut self) -> Result<f64, StepError> {
+        let mut increment = self.solve()?;
+        let mut shift = (SMALLEST_SHIFT * self.mean_diagonal()).max(self.last_shift / SHIFT_FACTOR);
+        for _ in 0..MAX_SHIFTS {
+            if self.slope_of_increment() <= 0.0 {
+                break;
+            }
+            self.last_shift = shift;
+            let solved = self.factorise_shifted(MatrixKind::General, shift).and_then(|_| self.solve_factorised());
+            if let Err(error) = solved {
+                let has_inertia = self.step.rule.has_inertia();
+                return Err(linear_error(self.model, self.system, self.iterate, has_inertia, error));
+            }
+            self.solved_shifted = true;
+            increment = self.keep_base()?;
+            shift *= SHIFT_FACTOR;
+        }
+        Ok(increment)
+    }
+
+    /// Lets friction know where the iterate will go.
+    fn set_line(&mut self) {
+        self.part = 0.0;
+        self.full_increment();
+        let Self { model, system, .. } = self;
+        model.contacts.iter_mut().for_each(|pair| pair.method.set_line(&system.full_increment));
+    }
+
+    /// Derivative of the potential along the increment.
+    fn slope_of_increment(&self) -> f64 {
+        let s = &*self.system;
+        let free = s.numbering.free.len();
+        -vector::dot(&s.rhs[..free], &s.increment[..free])
+    }
+
+    /// Factorises the tangent plus the smallest multiple of the unit matrix that is found to leave no direction in which the energy falls; returns it.
+    fn factorise_downhill(&mut self) -> Result<f64, LinalgError> {
+        if self.factorise_shifted(MatrixKind::Symmetric, 0.0)? {
+            return Ok(0.0);
+        }
+        // What was needed last is not far from what is needed now.
+        let smallest = SMALLEST_SHIFT * self.mean_diagonal();
+        let mut shift = (0.5 * self.last_shift).max(smallest);
+        let known = shift > smallest;
+        let mut shifts = 0;
+        while !self.factorise_shifted(MatrixKind::Symmetric, shift)? && shifts < MAX_SHIFTS {
+            shift *= if known && shifts == 0 { 2.0 } else { SHIFT_FACTOR };
+            shifts += 1;
+        }
+        // Off a saddle point it goes the faster the less the tangent is shifted.
+        if shifts > 0 && !known {
+            shift = if self.factorise_shifted(MatrixKind::Symmetric, 0.5 * shift)? {
+                0.5 * shift
+            } else {
+                self.factorise_shifted(MatrixKind::Symmetric, shift)?;
+                shift
+            };
+        }
+        self.last_shift = shift;
+        Ok(shift)
+    }
+
+    /// Factorises the tangent plus `shift` times the unit matrix; returns whether the energy falls in no direction, as far as the solver can tell.
+    fn factorise_shifted(&mut self, kind: MatrixKind, shift: f64) -> Result<bool, LinalgError> {
+        let s = &mut *self.system;
+        let values = if s.slot_equation.is_empty() { &mut s.solid_values } else { &mut s.values };
+        let free = s.numbering.free.len() as u32;
+        let diagonal: Vec<(usize, f64)> = if shift == 0.0 {
+            Vec::new()
+        } else {
+            (0..free).filter_map(|i| s.pattern.position(i, i)).map(|at| (at, values[at])).collect()
+        };
+        diagonal.iter().for_each(|&(at, value)| values[at] = value + shift);
+        let solver = &mut s.solver;
+        let result = self.timings.measure(Phase::Factorisation, || {
+            solver.analyse(&s.pattern, kind)?;
+            solver.factorise(values)
+        });
+        diagonal.iter().for_each(|&(at, value)| values[at] = value);
+        result?;
+        let excess = self.count_excess();
+        if shift == 0.0 {
+            self.system.excess = excess;
+        }
+        Ok(excess == 0)
+    }
+
+    /// Lengthens the increment of a shifted tangent to where the energy without the shift, to second order, is least along it.
+    fn lengthen(&mut self, shift: f64) {
+        if shift == 0.0 {
+            return;
+        }
+        let slope = -self.slope_of_increment();
+        let s = &mut *self.system;
+        let increment = &mut s.increment[..s.numbering.free.len()];
+        let curvature = slope - shift * vector::dot(increment, increment);
+        let longer = if curvature * LONGEST > slope { slope / curvature } else { LONGEST };
+        increment.iter_mut().for_each(|du| *du *= longer);
+    }
+
+    /// Solves with what was factorised last.
+    fn solve_factorised(&mut self) -> Result<(), LinalgError> {
+        *self.solves += 1;
+        let s = &mut *self.system;
+        let (solver, rhs, increment) = (&mut s.solver, &s.rhs, &mut s.increment);
+        self.timings.measure(Phase::Solve, || solver.solve(rhs, increment)).map(|_| ())
+    }
+
+    /// Negative eigenvalues of what was factorised last, a symmetric tangent, beyond one for each multiplier; zero if the solver does not count.
+    fn count_excess(&mut self) -> usize {
+        let multipliers = self.iterate.active.iter().flatten().filter(|&&active| active).count();
+        self.system.solver.negative_eigenvalues().map_or(0, |count| count.saturating_sub(multipliers))
+    }
+
+    /// Whether the directions in which the energy falls can be counted: a static step with a symmetric tangent, without stabilisation, and with no unknown but positions and multipliers.
+    fn counts_directions(&self) -> bool {
+        !self.step.rule.has_inertia()
+            && !self.system.has_damping
+            && self.is_symmetric()
+            && self.system.slot_width.iter().all(|&width| width == 1)
+    }
+
+    /// Independent directions in which the energy falls at a solution, from the tangent there.
+    pub fn unstable_directions(&mut self) -> usize {
+        // Where the last factors had none there is none here: they belong to an iterate nearby.
+        if self.system.excess == 0 || !self.counts_directions() {
+            return 0;
+        }
+        let s = &mut *self.system;
+        let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
+        let solver = &mut s.solver;
+        match self.timings.measure(Phase::Factorisation, || solver.factorise(values)) {
+            Ok(()) => self.count_excess(),
+            Err(_) => 0,
+        }
+    }
+
+    /// Mean of the magnitudes on the diagonal of the tangent.
+    fn mean_diagonal(&self) -> f64 {
+        let s = &*self.system;
+        let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
+        let free = s.numbering.free.len() as u32;
+        let sum: f64 = (0..free).filter_map(|i| s.pattern.position(i, i)).map(|at| values[at].abs()).sum();
+        sum / f64::from(free.max(1))
+    }
+}
+
 /// Solves with the factors of an earlier iterate of the step while that is faster, else with new ones.
 fn solve_linear(
     solver: &mut dyn LinearSolver,
@@ -285,6 +487,25 @@ fn solve_linear(
         timings.measure(Phase::Solve, || solver.solve(rhs, increment))?;
     }
     Ok(())
+}
+
+impl StepProblem<'_> {
+    /// Remembers the iterate as the base of updates, completes the increment, and returns its norm.
+    fn keep_base(&mut self) -> Result<f64, StepError> {
+        let s = &mut *self.system;
+        for own in &s.own {
+            s.base_increment[own.clone()].copy_from_slice(&self.iterate.increment[own.clone()]);
+        }
+        for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
+            base.copy_from_slice(pressures);
+        }
+        for (base, auxiliaries) in s.base_auxiliaries.iter_mut().zip(&self.iterate.auxiliaries) {
+            base.copy_from_slice(auxiliaries);
+        }
+        self.recover()?;
+        let s = &*self.system;
+        Ok(vector::norm2(&s.increment[..s.numbering.free.len()]))
+    }
 }
 
 fn contact_step<'a>(step: &Step<'a>, q_np1: &'a [f64]) -> ContactStep<'a> {
@@ -318,18 +539,50 @@ impl NewtonProblem for StepProblem<'_> {
         if let Err(error) = solved {
             return Err(linear_error(self.model, s, self.iterate, self.step.rule.has_inertia(), error));
         }
-        for own in &s.own {
-            s.base_increment[own.clone()].copy_from_slice(&self.iterate.increment[own.clone()]);
+        if self.counts_directions() {
+            self.system.excess = self.count_excess();
         }
-        for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
-            base.copy_from_slice(pressures);
+        self.keep_base()
+    }
+
+    fn solve_downhill(&mut self) -> Result<f64, StepError> {
+        if !self.has_potential() {
+            return self.solve();
         }
-        for (base, auxiliaries) in s.base_auxiliaries.iter_mut().zip(&self.iterate.auxiliaries) {
-            base.copy_from_slice(auxiliaries);
+        if !self.is_symmetric() {
+            let increment = self.solve_unsymmetric_downhill()?;
+            self.set_line();
+            return Ok(increment);
         }
-        self.recover()?;
-        let s = &*self.system;
-        Ok(vector::norm2(&s.increment[..s.numbering.free.len()]))
+        let shift = match self.factorise_downhill().and_then(|shift| self.solve_factorised().map(|()| shift)) {
+            Ok(shift) => shift,
+            Err(error) => {
+                let has_inertia = self.step.rule.has_inertia();
+                return Err(linear_error(self.model, self.system, self.iterate, has_inertia, error));
+            }
+        };
+        self.lengthen(shift);
+        self.solved_shifted = shift > 0.0;
+        self.keep_base()
+    }
+
+    fn potential(&mut self) -> Result<Option<Potential>, StepError> {
+        if !self.has_potential() {
+            return Ok(None);
+        }
+        let is_lasting = self.is_symmetric();
+        let Self { model, system, iterate, step, part, .. } = self;
+        let mut timings = std::mem::take(self.timings);
+        let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step.dt));
+        *self.timings = timings;
+        let friction: f64 = model.contacts.iter().map(|pair| pair.method.friction_along(*part)).sum();
+        let friction = if is_lasting { 0.0 } else { friction };
+        let round_off = ENERGY_ROUND_OFF * system.strain_energy_scale;
+        Ok(Some(Potential { value: value? + friction, round_off, is_lasting }))
+    }
+
+    fn slope(&self) -> f64 {
+        self.slope_of_increment()
     }
 
     fn longest_step(&mut self) -> Result<f64, StepError> {
@@ -342,6 +595,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn update(&mut self, factor: f64) -> Result<(), StepError> {
+        self.part = factor;
         let s = &*self.system;
         let q_n = &self.step.state_n.q;
         for (du, &component) in s.increment.iter().zip(&s.numbering.free) {

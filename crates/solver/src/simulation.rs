@@ -479,6 +479,7 @@ impl Simulation {
             iterations: 0,
             decisions: Vec::new(),
             inside_out: 0,
+            unstable: 0,
             contact: None,
         }
     }

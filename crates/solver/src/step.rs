@@ -28,6 +28,8 @@ pub(crate) struct Attempt {
     pub iterate: Iterate,
     pub newton: Vec<NewtonRow>,
     pub repaired: usize,
+    /// See [`crate::StepRecord::unstable`].
+    pub unstable: usize,
 }
 
 /// What an attempt needs from the run.
@@ -182,6 +184,7 @@ pub(crate) fn attempt(
     let has_contact = model.has_unilateral_contact();
     // What earlier steps factorised would show in the last bits, and a run that is resumed knows nothing of it.
     system.solver.forget();
+    system.excess = 0;
     if !model.contacts.is_empty() {
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
         timings.measure(Phase::Contact, || start_auxiliaries(model, &input.step, &mut iterate))?;
@@ -194,8 +197,18 @@ pub(crate) fn attempt(
         }
         let step = input.step;
         let iterate = &mut iterate;
-        let mut problem =
-            StepProblem { model, system, step, iterate, timings, solves, solved_shifted: false, assembled };
+        let mut problem = StepProblem {
+            model,
+            system,
+            step,
+            iterate,
+            timings,
+            solves,
+            solved_shifted: false,
+            part: 0.0,
+            last_shift: 0.0,
+            assembled,
+        };
         match start {
             Some(start) => problem.go_apart(&start, &input.prescribed)?,
             None => problem.predict_all(&input.prescribed)?,
@@ -230,9 +243,12 @@ pub(crate) fn attempt(
             timings,
             solves: &mut trace.solves,
             solved_shifted: false,
+            part: 0.0,
+            last_shift: 0.0,
             assembled,
         };
         let result = solve(&mut problem, &options);
+        let unstable = if result.is_ok() && !loose { problem.unstable_directions() } else { 0 };
         let report = match &result {
             Ok(report) => report,
             Err(failure) => failure.report(),
@@ -276,7 +292,7 @@ pub(crate) fn attempt(
             }
         }
         if !has_contact {
-            return Ok(Attempt { iterate, newton: std::mem::take(&mut trace.newton), repaired: 0 });
+            return Ok(Attempt { iterate, newton: std::mem::take(&mut trace.newton), repaired: 0, unstable });
         }
         look = timings.measure(Phase::Search, || sets.look(model, &mut iterate, trace))?;
         accurate |= look.doubtful;
@@ -290,7 +306,8 @@ pub(crate) fn attempt(
             loose = false;
             assembled = last;
         } else if !look.doubtful && timings.measure(Phase::Search, || augment(model, &iterate))? == 0 {
-            return Ok(Attempt { iterate, newton: std::mem::take(&mut trace.newton), repaired: sets.repairs });
+            let newton = std::mem::take(&mut trace.newton);
+            return Ok(Attempt { iterate, newton, repaired: sets.repairs, unstable });
         }
     }
     Err(StepError::ActiveSet { rounds: MAX_ROUNDS, changes: sets.changes, repairs: sets.repairs })

@@ -46,6 +46,8 @@ pub enum FindingKind {
     Balance,
     /// A contact reports what cannot be.
     Contact,
+    /// A static equilibrium is unstable.
+    Unstable,
 }
 
 /// One thing that was found, at its worst.

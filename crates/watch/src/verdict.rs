@@ -165,6 +165,28 @@ impl Judge {
         }
     }
 
+    /// Takes note of a static equilibrium whose energy falls in so many independent directions.
+    pub fn observe_unstable(&mut self, step: u64, time: f64, directions: usize) {
+        let sentence = format!(
+            "the equilibrium at t = {} is unstable: the energy falls in {directions} direction{}, so a buckled or bifurcated state exists. A small disturbance, such as a side load or a deviation \
+             of the mesh, leads there; so does dynamics",
+            told(time),
+            if directions == 1 { "" } else { "s" }
+        );
+        self.add(Finding {
+            level: Level::Doubtful,
+            kind: FindingKind::Unstable,
+            bodies: None,
+            step,
+            time,
+            worst_time: None,
+            sentence,
+            position: None,
+            // None is worse than another: what is told is where it began.
+            figure: 0.0,
+        });
+    }
+
     /// Takes note of what a contact reports.
     pub fn observe_contact(&mut self, step: u64, time: f64, contact: &ContactState<'_>) {
         for finding in contact::observe(step, time, contact, self.limits.doubtful, |node| self.node(node)) {

@@ -1,6 +1,6 @@
 //! Dense LU of a sparse matrix.
 
-use super::Scratch;
+use super::{FrontWork, Scratch, factorise_ldl_front, negative_pivots};
 use crate::direct::Factorisation;
 use crate::{LinalgError, MatrixKind, SparsityPattern};
 use faer::dyn_stack::StackReq;
@@ -66,6 +66,22 @@ impl Factorisation for DenseLu {
             Par::Seq,
             self.scratch.stack(),
         );
+    }
+
+    fn negative_eigenvalues(&mut self, pattern: &SparsityPattern, values: &[f64]) -> Option<usize> {
+        // The whole matrix as a front.
+        let n = pattern.n();
+        let mut matrix = vec![0.0; n * n];
+        for j in 0..n {
+            for k in pattern.column_range(j) {
+                matrix[pattern.row_indices()[k] + n * j] = values[k];
+            }
+        }
+        let (mut pivots, mut subdiagonal) = (vec![0; n], vec![0.0; n]);
+        let mut work = FrontWork::new(n, true).ok()?;
+        let done =
+            factorise_ldl_front(n, 0, &mut matrix, &mut [], &mut pivots, &mut subdiagonal, &mut [], &mut work, false);
+        done.then(|| negative_pivots(&matrix, n, &subdiagonal))
     }
 
     fn memory_bytes(&self) -> usize {

@@ -233,6 +233,24 @@ pub fn factorise_ldl_front(
     true
 }
 
+/// Negative pivots among those of a symmetric front: `factors` begin with a panel of `height` rows as [`factorise_ldl_front`] leaves it, `subdiagonal` has an entry for each of its columns.
+pub fn negative_pivots(factors: &[f64], height: usize, subdiagonal: &[f64]) -> usize {
+    let diagonal = |k: usize| factors[k * height + k];
+    let (mut count, mut k) = (0, 0);
+    while k < subdiagonal.len() {
+        let b = subdiagonal[k];
+        if b == 0.0 {
+            count += usize::from(diagonal(k) < 0.0);
+            k += 1;
+        } else {
+            let (a, c) = (diagonal(k), diagonal(k + 1));
+            count += if a * c < b * b { 1 } else { 2 * usize::from(a < 0.0) };
+            k += 2;
+        }
+    }
+    count
+}
+
 /// Column `order[k]` comes to place `k`, cycle by cycle, so that only columns that move are touched. `done` and `spare` (a column) are scratch.
 fn permute_columns(mut matrix: MatMut<'_, f64>, order: &[u32], done: &mut [u32], spare: &mut [f64]) {
     done.fill(0);

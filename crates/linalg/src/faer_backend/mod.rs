@@ -7,7 +7,7 @@ mod front;
 mod sparse;
 
 pub use dense::DenseLu;
-pub(crate) use front::{FrontWork, factorise_ldl_front, factorise_lu_front};
+pub(crate) use front::{FrontWork, factorise_ldl_front, factorise_lu_front, negative_pivots};
 pub use sparse::FaerSparse;
 
 use crate::{DirectSolver, LinalgError};

@@ -139,6 +139,11 @@ impl Factorisation for Multifrontal {
         }
     }
 
+    fn negative_eigenvalues(&mut self, _: &SparsityPattern, _: &[f64]) -> Option<usize> {
+        let symbolic = self.symbolic.as_ref().filter(|symbolic| symbolic.symmetric && !self.fallen_back)?;
+        Some(self.numeric.negative_pivots(symbolic))
+    }
+
     fn applications_per_factorisation(&self) -> u32 {
         let (operations, entries) = self.effort();
         if self.fallen_back || entries == 0 { 0 } else { (operations / (OPERATIONS_PER_ENTRY * entries as f64)) as u32 }

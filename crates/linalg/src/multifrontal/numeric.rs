@@ -7,7 +7,7 @@
 
 use super::symbolic::{Front, Symbolic};
 use crate::LinalgError;
-use crate::faer_backend::{FrontWork, factorise_ldl_front, factorise_lu_front};
+use crate::faer_backend::{FrontWork, factorise_ldl_front, factorise_lu_front, negative_pivots};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -56,6 +56,16 @@ impl Numeric {
         size_of::<f64>() * (self.factors.capacity() + self.subdiagonal.capacity() + self.arena.capacity())
             + size_of::<u32>() * self.pivots.capacity()
             + pool.iter().map(FrontWork::memory_bytes).sum::<usize>()
+    }
+
+    /// Negative pivots of symmetric factors.
+    pub fn negative_pivots(&self, symbolic: &Symbolic) -> usize {
+        let fronts = &symbolic.fronts[..symbolic.len()];
+        let of_front = |front: &Front| {
+            let pivots = front.begin..front.begin + front.w;
+            negative_pivots(&self.factors[front.offset..], front.w + front.r, &self.subdiagonal[pivots])
+        };
+        fronts.iter().map(of_front).sum()
     }
 
     /// Factorises; with more than one thread by tasks.

@@ -324,7 +324,7 @@ impl Simulation {
         self.warn_inside_out(&completed.inside_out);
         let Completed { attempt, next, rule, strain, contact, stored, restored, inside_out, solves, .. } = completed;
         let contact_work = completed.work;
-        let Attempt { iterate, newton, .. } = attempt;
+        let Attempt { iterate, newton, unstable, .. } = attempt;
         let dt = self.clock.dt();
         let (time_n, time) = (self.state.time, next.time);
         // Work of the step: loads that vary in time or follow, and reactions at moving supports; of the forces of the rule, or in
@@ -460,6 +460,7 @@ impl Simulation {
             newton,
             iterations: solves,
             decisions: self.decisions[first_decision..].to_vec(),
+            unstable,
             inside_out: inside_out.iter().flatten().map(|found| found.count).sum(),
             contact,
         }

@@ -147,6 +147,9 @@ impl RunWatch {
                 self.judge.add(finding);
             }
         }
+        if record.unstable > 0 {
+            self.judge.observe_unstable(record.step, record.time, record.unstable);
+        }
         let due = record.step.is_multiple_of(self.every.max(1)) || simulation.finished();
         if !due || self.last == Some(record.step) {
             return Ok(());
