@@ -180,6 +180,44 @@ fn tangents_are_derivatives() {
     }
 }
 
+/// Along a motion, friction with the normal forces of its start is the gradient of an energy: at the start energy and friction change together by the work of the forces, and friction is convex.
+#[test]
+fn friction_along_a_motion_has_an_energy() {
+    let mut random = Rng::with_seed(9);
+    for case in 0..20 {
+        let friction = [0.3, 1.0][case % 2];
+        let mut scene = two([2, 3], 0.04, [random.f64() * 0.9, random.f64() * 0.4], 0.08, 0.0, friction);
+        // From all in stick to all in slip.
+        let size = [1e-4, 1e-3, 1e-2][case % 3];
+        let (q_n, q) = (scene.reference.clone(), noise(&mut random, &scene.reference, size));
+        let contact = &mut scene.contact;
+        contact.set_has_rates(false);
+        contact.set_rule(ContactRule::EndPoint, 1.0);
+        contact.set_velocity(&[]);
+        contact.begin_step(&q_n, 0.0).unwrap();
+        let (residual, _) = assemble(contact, ContactRule::EndPoint, &q_n, &q);
+        let increment = noise(&mut random, &vec![0.0; q.len()], size);
+        contact.set_line(&increment);
+        let step = 1e-4;
+        let energy_at = |part: f64| {
+            let x: Vec<f64> = q.iter().zip(&increment).map(|(q, d)| q + part * d).collect();
+            contact.energy(&x).unwrap()
+        };
+        let by_barrier = (energy_at(step) - energy_at(-step)) / (2.0 * step);
+        let line = |part: f64| contact.friction_along(part);
+        let by_friction = (line(step) - line(-step)) / (2.0 * step);
+        let done: f64 = residual.iter().zip(&increment).map(|(r, d)| r * d).sum();
+        let scale: f64 = residual.iter().zip(&increment).map(|(r, d)| (r * d).abs()).sum();
+        assert!((by_barrier + by_friction - done).abs() < 1e-5 * scale, "{case}: {by_barrier} {by_friction} {done}");
+        assert!(by_friction.abs() > 1e-4 * scale, "{case}: {by_friction} of {scale}");
+        let parts: Vec<f64> = (0..20).map(|k| line(0.1 * f64::from(k))).collect();
+        assert!(parts.windows(3).all(|w| w[0] + w[2] >= 2.0 * w[1] * (1.0 - 1e-12)), "{case}");
+    }
+    let mut scene = two([1, 1], 0.05, [0.1, 0.2], 0.1, 0.0, 0.0);
+    scene.contact.set_line(&scene.reference.clone());
+    assert_eq!(scene.contact.friction_along(1.0), 0.0);
+}
+
 /// Matching meshes at half of the thickness: points of integration alone give the forces of a uniform pressure; with the guards they are larger by what
 /// these add, the most at the corners.
 #[test]

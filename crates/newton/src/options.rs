@@ -44,7 +44,8 @@ pub struct NewtonOptions {
     /// So many linear systems are solved before the tolerance counts. One where the residual says nothing of what is wanted: after a change of
     /// constraints it may be small before anything has moved.
     pub min_iterations: u32,
-    /// At most so many linear systems are solved to reach the tolerance; those of the polishing come on top.
+    /// At most so many linear systems are solved to reach the tolerance; those of the polishing come on top, and, up to four times as many, those whose step went down on a
+    /// potential that lasts.
     pub max_iterations: u32,
     /// Converged when `residual <= absolute_tolerance + relative_tolerance * scale` and the constraints' relative violation is at
     /// most `relative_tolerance`. A residual's unit.

@@ -60,7 +60,7 @@ pub trait NewtonProblem {
         Ok(None)
     }
 
-    /// Derivative of the potential along the increment that was solved for last, at the iterate where it was: residual times increment. Of use only with a potential.
+    /// Derivative of the potential along the increment that was solved for last, at the iterate that was evaluated last: residual times increment. Of use only with a potential.
     fn slope(&self) -> f64 {
         0.0
     }

@@ -43,11 +43,18 @@ const NO_ROUND_OFF: f64 = 1e-6;
 /// At most so many reductions of a step on a potential; the last one is taken if it does not fall then, which it must but for round-off.
 const MAX_DESCENTS: u32 = 20;
 
+/// So many times the limit on iterations that go down on a lasting potential come on top of it. They lead to a minimum, which may be far where a surface snaps through or slips off; a shorter
+/// load step would not bring it nearer.
+const MORE_DESCENTS: u32 = 4;
+
 /// Part of the residual by which it must at least be smaller after a full step, and after a shorter one in proportion, where a potential does not last.
 const PROMISED_REST: f64 = 0.1;
 
 /// Part of the fall that the slope of a potential promises and that a step must have at least (Armijo).
 const PROMISED_FALL: f64 = 1e-4;
+
+/// Behind a minimum the potential rises again: a step that ends where it rises by more than this part of what it fell at the start has gone too far, nearly twice as far as a parabola has its minimum.
+const TOO_FAR: f64 = 0.9;
 
 /// Potential and slope where a step begins.
 #[derive(Clone, Copy)]
@@ -57,10 +64,11 @@ struct Hill {
 }
 
 impl Hill {
-    /// Whether a step of this length that ends at `potential` has gone down.
-    fn is_descent(self, potential: Potential, length: f64) -> bool {
-        let slack = self.at_start.round_off.max(potential.round_off);
-        potential.value - self.at_start.value <= PROMISED_FALL * length * self.slope + slack
+    /// Whether a step of this length that ends at `potential`, with this slope there, has gone down. Where round-off hides it, the slope tells that the step went too far.
+    fn is_descent(self, potential: Potential, length: f64, slope: f64) -> bool {
+        let excess = potential.value - self.at_start.value - PROMISED_FALL * length * self.slope;
+        excess <= 0.0 && self.is_lower(potential)
+            || excess <= self.at_start.round_off.max(potential.round_off) && slope <= -TOO_FAR * self.slope
     }
 
     /// Whether it is lower there by more than round-off.
@@ -134,9 +142,9 @@ impl Course<'_> {
         let mut divergence = o.divergence_factor * norms.measure.max(norms.scale);
         let mut smallest = norms.measure;
         let mut since_smallest = 0;
-        let mut solves = 0;
+        let (mut solves, mut descents) = (0, 0);
         while solves < o.min_iterations || !self.within_tolerance(norms) {
-            if solves == o.max_iterations {
+            if solves >= o.max_iterations + descents.min(MORE_DESCENTS * o.max_iterations) {
                 return Ok(StopReason::MaxIterations);
             }
             solves += 1;
@@ -163,6 +171,7 @@ impl Course<'_> {
                 divergence = divergence.max(o.divergence_factor * norms.scale);
                 smallest = norms.measure;
             }
+            descents += u32::from(lower && at_start.is_some_and(|potential| potential.is_lasting));
             self.record(norms, increment, length);
             if self.within_tolerance(norms) {
                 continue;
@@ -346,7 +355,7 @@ impl Course<'_> {
             match norms.and_then(|norms| problem.potential().map(|potential| (norms, potential))) {
                 Ok((norms, Some(potential))) if norms.is_finite() => {
                     last_error = None;
-                    let goes_down = hill.is_descent(potential, length)
+                    let goes_down = hill.is_descent(potential, length, problem.slope())
                         || trial == MAX_DESCENTS
                         || trial == 0 && self.within_tolerance(norms);
                     let is_smaller = norms.measure <= (1.0 - PROMISED_REST * length) * previous.measure;

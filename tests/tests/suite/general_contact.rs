@@ -1,6 +1,8 @@
 //! General contact through scenes: nothing is named, nothing is inside anything, balances are exact.
 
 use crate::support::{drift, simulation};
+use std::path::Path;
+use stoss::build::{Built, build};
 use stoss::solver::Simulation;
 
 const MATERIAL: &str = "material = { law = \"neo-hooke\", young = 1.0, poisson = 0.3 }\ndensity = 1.0";
@@ -297,4 +299,98 @@ fn edges_of_a_named_contact_are_left_to_general_contact() {
     assert!(above(&passed) < 0.0, "{}", above(&passed));
     assert!(above(&stopped) > 0.6, "{}", above(&stopped));
     assert!(ledger(&stopped.totals) < 1e-11, "{:e}", ledger(&stopped.totals));
+
+/// A static run to its end, with the linear solutions of each step. No equilibrium is unstable.
+fn statics(text: &str) -> (Simulation, Vec<u32>) {
+    let mut simulation = simulation(text);
+    let mut iterations = Vec::new();
+    while !simulation.finished() {
+        let record = simulation.advance().unwrap_or_else(|e| panic!("{e}\n{text}"));
+        iterations.push(record.iterations);
+        assert_eq!(record.unstable, 0, "step {}", record.step);
+    }
+    (simulation, iterations)
+}
+
+/// A faceted ball is pressed into a block and drawn along: nodes go over edges and vertices of facets, where the tangent is indefinite.
+fn drawn_ball(friction: f64) -> (Simulation, Vec<u32>) {
+    let text = "[scene]\ntitle = \"punch\"\nkind = \"quasi-static\"\n[time]\nend = 2.0\nstep = 0.1\n\
+        [[body]]\nname = \"block\"\nmesh = { generator = \"block\", min = [-1, -1, -1], max = [1.5, 1, 0], divisions = [7, 5, 3] }\n\
+        material = { law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }\n\
+        [[rigid]]\nname = \"ball\"\nshape = { kind = \"sphere\", radius = 0.8, divisions = 4 }\nposition = [0, 0, 0.8]\n\
+        [[prescribe]]\nset = \"block.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+        [[prescribe]]\nrigid = \"ball\"\nrotation = { axis = [0, 0, 1], degrees = 0, about = [0, 0, 0] }\n\
+        translation = { table = [[0, 0, 0, 0], [1, 0, 0, -0.15], [2, 0.3, 0, -0.15]] }\n"
+        .to_owned()
+        + &format!("[general_contact]\nfriction = {friction:?}\n");
+    statics(&text)
+}
+
+#[test]
+fn a_ball_is_drawn_through_a_block_in_statics() {
+    for friction in [0.0, 0.3] {
+        let (simulation, iterations) = drawn_ball(friction);
+        println!("friction {friction}: {iterations:?}");
+        // No cut, and no step that crawls.
+        assert_eq!(simulation.step(), 20);
+        assert!(iterations.iter().max() < Some(&40), "{iterations:?}");
+        // Shifted tangents are factorised and not solved with.
+        let counts = simulation.solver_statistics();
+        assert_eq!(counts.symmetric > counts.solves, friction == 0.0, "{counts:?}");
+    }
+}
+
+/// Meshes that do not match, without friction: the first equilibrium that is found has nodes over nodes, from where the energy falls sideways.
+#[test]
+fn a_press_leaves_the_saddle_point() {
+    let text = "[scene]\ntitle = \"press\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.2\n".to_owned()
+        + &STACK.replace("MATERIAL", "material = { law = \"neo-hooke\", young = 1.0, poisson = 0.3 }")
+        + "[[prescribe]]\nset = \"a.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+           [[prescribe]]\nset = \"b.top\"\ncomponents = [\"x\", \"y\", \"z\"]\ndisplacement = { table = [[0, 0, 0, 0], [1, 0, 0, -0.2]] }\n\
+           [general_contact]\n";
+    let (_, iterations) = statics(&text);
+    println!("{iterations:?}");
+    assert!(iterations.iter().sum::<u32>() < 50, "{iterations:?}");
+    assert!(iterations[2..].iter().all(|count| *count <= 6), "{iterations:?}");
+}
+
+/// Three blocks on a plate, held by contact alone: stabilised statics find their equilibrium, and released they stay there.
+#[test]
+fn a_stack_settles_and_stays() {
+    for contact in ["[general_contact]\n", "[general_contact]\nfriction = 0.3\nslip_velocity = 1e-4\n"] {
+        let block = |name: &str, bottom: u32, n: u32| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = [-0.5, -0.5, {bottom}], max = [0.5, 0.5, {}], divisions = [{n}, {n}, {n}] }}\n{MATERIAL}\n",
+                bottom + 1
+            )
+        };
+        let text = head("energy-momentum", 0.1, 6.0)
+            + "[[stage]]\nname = \"settle\"\nkind = \"quasi-static\"\nuntil = 1.0\nstabilise = { fraction = 1e-3 }\n\
+               [[stage]]\nname = \"rest\"\nkind = \"dynamic\"\nuntil = 6.0\n[gravity]\nacceleration = [0.0, 0.0, -0.002]\n\
+               [[body]]\nname = \"plate\"\nmesh = { generator = \"block\", min = [-1, -1, -0.5], max = [1, 1, 0], divisions = [4, 4, 1] }\n"
+            + MATERIAL
+            + "\n"
+            + &block("one", 0, 2)
+            + &block("two", 1, 3)
+            + &block("three", 2, 2)
+            + "[[prescribe]]\nset = \"plate.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n"
+            + contact;
+        let scene = stoss::scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        let Built { mut simulation, schedule, .. } = build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+        let carried = |record: &stoss::solver::StepRecord| {
+            let bodies = &record.contact.as_ref().unwrap().bodies;
+            // On the plate, the first body.
+            bodies.iter().filter(|pair| pair.bodies[0] == 0).map(|pair| -pair.force[2]).sum::<f64>() / 0.006
+        };
+        let mut worst = 0.0_f64;
+        while !simulation.finished() || schedule.advance(&mut simulation).unwrap() {
+            let record = simulation.advance().unwrap_or_else(|e| panic!("{e}\n{text}"));
+            if record.time > 0.95 {
+                worst = worst.max((carried(&record) - 1.0).abs());
+            }
+        }
+        assert_eq!(simulation.state().time, 6.0);
+        println!("{contact}: {worst:e}");
+        assert!(worst < if contact.contains("friction") { 5e-3 } else { 1e-9 }, "{contact}: {worst:e}");
+    }
 }
