@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use stoss_contact::{
     BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration,
 };
-use stoss_geometry::{Aabb, closest};
+use stoss_geometry::closest;
 
 /// No start of a pair is known.
 const NONE: u32 = u32::MAX;
@@ -189,9 +189,7 @@ impl GeneralContact {
 /// Whether a pair is in the layer. Most are not, which their boxes tell.
 fn is_inside(candidate: &Candidate, x: &[Vector3<f64>], thickness: f64) -> bool {
     let x = candidate.of(x);
-    let first = candidate.term.kind.first_count();
-    let around = |points: &[Vector3<f64>]| Aabb::from_points(points);
-    around(&x[..first]).inflated(thickness).overlaps(&around(&x[first..]))
+    candidate.may_meet(&x, &[Vector3::zeros(); 4], thickness)
         && closest(candidate.term.kind, &x).distance_squared < thickness * thickness
 }
 
@@ -232,6 +230,7 @@ impl Potential for GeneralContact {
         let motion = |p: u32| if velocity.is_empty() { Vector3::zeros() } else { skin.at(p, velocity) * *step_size };
         proximity.begin(skin, rules, x_n, motion);
         self.renew_starts();
+        self.proximity.keep(&self.inside_n);
         self.groups.clear();
         self.activate();
         Ok(())
@@ -245,7 +244,7 @@ impl Potential for GeneralContact {
             let node = skin.terms(point as u32).first().map_or(u32::MAX, |term| term.0);
             return Err(ContactError::NotFinite { node });
         }
-        if proximity.hold(skin, rules, x.iter().copied()) {
+        if proximity.hold(skin, rules, x, None) {
             self.renew_starts();
         }
         Ok(self.activate())
@@ -255,8 +254,7 @@ impl Potential for GeneralContact {
         let Self { skin, rules, proximity, x, increment: d, .. } = self;
         Self::place(skin, q, x);
         Self::place(skin, increment, d);
-        let mut changed = proximity.hold(skin, rules, x.iter().copied());
-        changed |= proximity.hold(skin, rules, x.iter().zip(d.iter()).map(|(x, d)| x + d));
+        let changed = proximity.hold(skin, rules, x, Some(d));
         let fraction = proximity.safe_fraction(x, d);
         if changed {
             self.renew_starts();
@@ -280,7 +278,7 @@ impl Potential for GeneralContact {
         let mut nodes = Vec::new();
         let mut last = None;
         for candidate in &self.proximity.candidates {
-            if last != Some(candidate.facets) {
+            if last != Some(candidate.facets) && self.proximity.expects(candidate) {
                 last = Some(candidate.facets);
                 self.nodes_of(candidate.facets, &mut nodes);
                 visit(&nodes);

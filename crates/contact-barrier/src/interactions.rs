@@ -51,6 +51,11 @@ impl Interactions {
         }
     }
 
+    /// Whether nothing acts on anything.
+    pub fn is_empty(&self) -> bool {
+        self.table.iter().all(Option::is_none)
+    }
+
     /// Whether anything has friction.
     pub fn has_friction(&self) -> bool {
         self.table.iter().flatten().any(|interaction| interaction.friction > 0.0)

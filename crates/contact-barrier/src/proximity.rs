@@ -1,17 +1,18 @@
 //! Which pairs may come near each other in a step, without looking for them in every iteration.
 //!
-//! Every point has a region in which it is expected to stay. Pairs whose regions, grown by half of the layer's thickness, overlap are the candidates: as long as all points stay in their regions, no other pair
-//! can be in the layer, nor can others pass through each other. A point that leaves its region, or is about to, gets a larger one, and the candidates are found anew.
+//! All points follow a *course*: straight lines from common starts, passed during the same time, and some room around them. Pairs that the courses, with the room, may bring together are the candidates: as long
+//! as the points are somewhere on their courses, all at the same time, no other pair can be in the layer, nor can others pass through each other. Only relative motion counts, so a body that flies, turns or
+//! bends far in a step has no more candidates than one at rest. Where an iterate leaves the courses, they begin anew from it.
 
 use crate::{Interactions, PairTerm, Skin};
 use nalgebra::Vector3;
-use stoss_geometry::{Aabb, CandidatePair, CandidateSearch, PairKind, safe_fraction};
+use stoss_geometry::{BoundingVolumeTree, MovingBox, PairKind, Volume, safe_fraction};
 
 /// Part of the distance of a pair that an iteration leaves of it at least.
 const KEEP: f64 = 0.1;
 
-/// Room around the expected motion of a point, in parts of the motion.
-const ROOM: f64 = 0.5;
+/// Room around the courses, in parts of the mean motion, and at most in parts of a mean edge.
+const ROOM: [f64; 2] = [0.5, 0.1];
 
 /// A pair that may come near in the step.
 #[derive(Clone, Copy, Debug)]
@@ -37,112 +38,147 @@ impl Candidate {
     pub fn of(&self, x: &[Vector3<f64>]) -> [Vector3<f64>; 4] {
         self.points.map(|p| x[p as usize])
     }
+
+    /// Whether the two primitives may come nearer than `distance` on the way from `x` by `motion`.
+    pub fn may_meet(&self, x: &[Vector3<f64>; 4], motion: &[Vector3<f64>; 4], distance: f64) -> bool {
+        let first = self.term.kind.first_count();
+        let around = |of: std::ops::Range<usize>| {
+            of.fold(MovingBox::empty(), |all, i| all.union(&MovingBox::new(&x[i], &motion[i], 0.5 * distance)))
+        };
+        around(0..first).overlaps(&around(first..4))
+    }
 }
 
-/// Regions of the points and the pairs that follow.
+/// The courses of the points and the pairs that follow.
 #[derive(Debug, Default)]
 pub(crate) struct Proximity {
-    search: CandidateSearch,
-    regions: Vec<Aabb>,
-    found: Vec<CandidatePair>,
+    /// Facets of each class, and a tree over them.
+    trees: Vec<(Vec<u32>, BoundingVolumeTree<MovingBox>)>,
+    triangles: Vec<MovingBox>,
+    edges: Vec<MovingBox>,
+    start: Vec<Vector3<f64>>,
+    motion: Vec<Vector3<f64>>,
+    room: f64,
     pub candidates: Vec<Candidate>,
-    margin: f64,
+    /// Those in the layer at the start of the step, which remain candidates wherever they go.
+    kept: Vec<Candidate>,
     thickness: f64,
+    edge: f64,
 }
 
 impl Proximity {
     pub fn new(skin: &Skin, thickness: f64) -> Self {
-        let points = (0..skin.point_count() as u32).collect();
-        Self {
-            search: CandidateSearch::new(points, skin.edges().to_vec(), skin.triangles().to_vec()),
-            thickness,
-            ..Self::default()
+        let count = skin.facets().iter().map(|facet| facet.class as usize + 1).max().unwrap_or(0);
+        let mut trees = vec![(Vec::new(), BoundingVolumeTree::default()); count];
+        for (f, facet) in skin.facets().iter().enumerate() {
+            trees[facet.class as usize].0.push(f as u32);
         }
+        Self { trees, thickness, edge: skin.mean_edge(), ..Self::default() }
     }
 
-    /// Regions around straight motions from `x` by `increment`, and their candidates.
+    /// Courses from `x` by `motion`, and their candidates.
     pub fn begin(
         &mut self,
         skin: &Skin,
         rules: &Interactions,
         x: &[Vector3<f64>],
-        increment: impl Fn(u32) -> Vector3<f64>,
+        motion: impl Fn(u32) -> Vector3<f64>,
     ) {
-        self.regions.clear();
-        let mut motions = 0.0;
-        for (p, x) in x.iter().enumerate() {
-            let motion = increment(p as u32);
-            motions += motion.norm();
-            self.regions.push(Aabb::swept(x, &(x + motion), 0.0));
+        self.kept.clear();
+        self.follow(skin, rules, x, (0..x.len() as u32).map(motion));
+    }
+
+    /// Keeps those of the candidates that `is_inside` for the rest of the step.
+    pub fn keep(&mut self, is_inside: &[bool]) {
+        self.kept.extend(self.candidates.iter().zip(is_inside).filter(|(_, inside)| **inside).map(|(c, _)| *c));
+    }
+
+    /// Makes sure that the way from `x` by `increment` (none: no motion) is on the courses; returns whether the candidates are new.
+    pub fn hold(
+        &mut self,
+        skin: &Skin,
+        rules: &Interactions,
+        x: &[Vector3<f64>],
+        increment: Option<&[Vector3<f64>]>,
+    ) -> bool {
+        let is_held = match increment {
+            None => self.holds(x.iter().copied()),
+            Some(d) => self.holds(x.iter().copied()) && self.holds(x.iter().zip(d).map(|(x, d)| x + d)),
+        };
+        if !is_held {
+            let motion = |p: usize| increment.map_or_else(Vector3::zeros, |d| d[p]);
+            self.follow(skin, rules, x, (0..x.len()).map(motion));
         }
-        self.margin = (ROOM * motions / x.len().max(1) as f64).max(0.5 * self.thickness);
-        let margin = self.margin;
-        self.regions.iter_mut().for_each(|region| *region = region.inflated(margin));
+        !is_held
+    }
+
+    /// Whether the points are on their courses, with the room around them, all at the same time. The points between two such places are, too.
+    fn holds(&self, x: impl Iterator<Item = Vector3<f64>> + Clone) -> bool {
+        let courses = || self.start.iter().zip(&self.motion);
+        let (along, square) = x.clone().zip(courses()).fold((0.0, 0.0), |(along, square), (x, (start, motion))| {
+            (along + (x - start).dot(motion), square + motion.norm_squared())
+        });
+        let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+        x.zip(courses()).all(|(x, (start, motion))| (x - start - motion * t).amax() <= self.room)
+    }
+
+    fn follow(
+        &mut self,
+        skin: &Skin,
+        rules: &Interactions,
+        x: &[Vector3<f64>],
+        motion: impl Iterator<Item = Vector3<f64>>,
+    ) {
+        self.start.clear();
+        self.start.extend_from_slice(x);
+        self.motion.clear();
+        self.motion.extend(motion);
+        let mean = self.motion.iter().map(Vector3::norm).sum::<f64>() / x.len().max(1) as f64;
+        let [part, most] = ROOM;
+        self.room = (part * mean).min(most * self.edge).max(0.5 * self.thickness);
         self.find(skin, rules);
     }
 
-    /// Makes sure that the points at `x` are in their regions; returns whether the candidates are new.
-    pub fn hold(&mut self, skin: &Skin, rules: &Interactions, x: impl Iterator<Item = Vector3<f64>>) -> bool {
-        let mut left = false;
-        for (region, x) in self.regions.iter_mut().zip(x) {
-            if !region.contains(&x) {
-                let here = Aabb { min: x, max: x };
-                let excursion = region.distance_squared(&x).sqrt();
-                *region = region.union(&here.inflated(self.margin.max(ROOM * excursion)));
-                left = true;
+    fn find(&mut self, skin: &Skin, rules: &Interactions) {
+        let Self { trees, triangles, edges, start, motion, room, candidates, kept, thickness, .. } = self;
+        let around = *room + 0.5 * *thickness;
+        let of_point = |p: &u32| MovingBox::new(&start[*p as usize], &motion[*p as usize], around);
+        let of_points = |points: &[u32]| points.iter().map(of_point).fold(MovingBox::empty(), |a, b| a.union(&b));
+        triangles.clear();
+        triangles.extend(skin.triangles().iter().map(|points| of_points(points)));
+        edges.clear();
+        edges.extend(skin.edges().iter().map(|points| of_points(points)));
+        let courses = Courses { skin, rules, start, motion, triangles, edges, around };
+        for (facets, tree) in trees.iter_mut() {
+            let around = |k: usize| courses.of_facet(facets[k]);
+            if tree.len() == facets.len() {
+                tree.refit(around);
+            } else {
+                *tree = BoundingVolumeTree::build(&(0..facets.len()).map(around).collect::<Vec<_>>());
             }
         }
-        if left {
-            self.find(skin, rules);
+        candidates.clear();
+        for (a, (first, tree)) in trees.iter().enumerate() {
+            for (b, (second, other)) in trees.iter().enumerate().skip(a) {
+                if rules.between(a as u32, b as u32).is_none() {
+                    continue;
+                }
+                let mut visit = |k: usize, l: usize| courses.pairs(first[k], second[l], candidates);
+                if a == b {
+                    tree.own_pairs(&mut visit);
+                } else {
+                    tree.pairs(other, &mut visit);
+                }
+            }
         }
-        left
+        candidates.extend_from_slice(kept);
+        candidates.sort_unstable_by_key(Candidate::key);
+        candidates.dedup_by_key(|candidate| candidate.key());
     }
 
-    fn find(&mut self, skin: &Skin, rules: &Interactions) {
-        let Self { search, regions, found, candidates, thickness, .. } = self;
-        let class = |facet: u32| skin.facets()[facet as usize].class;
-        let facets = |pair: &CandidatePair| {
-            let [a, b] = pair.primitives;
-            match pair.kind {
-                PairKind::VertexTriangle => [skin.facet_of_point(pair.points[0]), skin.facet_of_triangle(b)],
-                _ => [skin.facet_of_edge(a), skin.facet_of_edge(b)],
-            }
-        };
-        let is_inner = |pair: &CandidatePair| {
-            pair.kind == PairKind::VertexTriangle && pair.points[0] as usize >= skin.vertex_count()
-        };
-        search.find(
-            |p| regions[p as usize].inflated(0.5 * *thickness),
-            |pair| {
-                let [f, g] = facets(pair);
-                rules.between(class(f), class(g)).is_some()
-                    && !(pair.kind == PairKind::VertexTriangle && skin.is_beside(pair.points[0], pair.primitives[1]))
-                    && !(is_inner(pair) && rules.share(class(f), class(g)) == 0.0)
-            },
-            found,
-        );
-        candidates.clear();
-        candidates.extend(found.iter().map(|pair| {
-            let [f, g] = facets(pair);
-            let classes = [class(f), class(g)];
-            let (weight, parallel) = match pair.kind {
-                PairKind::VertexTriangle => {
-                    (skin.point_weight(pair.points[0], rules.share(classes[0], classes[1])), None)
-                }
-                _ => {
-                    let (weight, parallel) = skin.edge_weight(pair.primitives);
-                    (weight, Some(parallel))
-                }
-            };
-            Candidate {
-                facets: [f.min(g), f.max(g)],
-                points: pair.points,
-                term: PairTerm { kind: pair.kind, weight, parallel },
-                classes,
-                is_inner: is_inner(pair),
-            }
-        }));
-        candidates.sort_unstable_by_key(Candidate::key);
+    /// Whether a pair comes into the layer if the points follow their courses exactly; the others are there for the room around them.
+    pub fn expects(&self, candidate: &Candidate) -> bool {
+        candidate.may_meet(&candidate.of(&self.start), &candidate.of(&self.motion), self.thickness)
     }
 
     /// Part of the motion `increment` from `x`, at most 1, on which no pair comes nearer than a tenth of its distance.
@@ -150,15 +186,106 @@ impl Proximity {
         let mut fraction: f64 = 1.0;
         for candidate in self.candidates.iter().filter(|candidate| !candidate.is_inner) {
             let [x, d] = [candidate.of(x), candidate.of(increment)];
-            let first = candidate.term.kind.first_count();
-            let around = |of: std::ops::Range<usize>| {
-                of.fold(Aabb::empty(), |all, i| all.union(&Aabb::swept(&x[i], &(x[i] + d[i]), 0.0)))
-            };
-            // Boxes that stay apart by more than the layer leave enough of any distance that matters.
-            if around(0..first).inflated(self.thickness).overlaps(&around(first..4)) {
+            // What stays apart by more than the layer leaves enough of any distance that matters.
+            if candidate.may_meet(&x, &d, self.thickness) {
                 fraction = fraction.min(safe_fraction(candidate.term.kind, &x, &d, KEEP));
             }
         }
         fraction
+    }
+}
+
+/// Where the points may be.
+struct Courses<'a> {
+    skin: &'a Skin,
+    rules: &'a Interactions,
+    start: &'a [Vector3<f64>],
+    motion: &'a [Vector3<f64>],
+    triangles: &'a [MovingBox],
+    edges: &'a [MovingBox],
+    around: f64,
+}
+
+impl Courses<'_> {
+    fn of_point(&self, p: u32) -> MovingBox {
+        MovingBox::new(&self.start[p as usize], &self.motion[p as usize], self.around)
+    }
+
+    fn of_facet(&self, facet: u32) -> MovingBox {
+        let triangles = self.skin.triangles_of(facet);
+        triangles.iter().fold(MovingBox::empty(), |all, &t| all.union(&self.triangles[t as usize]))
+    }
+
+    fn class(&self, facet: u32) -> u32 {
+        self.skin.facets()[facet as usize].class
+    }
+
+    /// Adds the pairs of primitives of two facets, which may be the same.
+    fn pairs(&self, f: u32, g: u32, found: &mut Vec<Candidate>) {
+        self.points_on(f, g, found);
+        if f != g {
+            self.points_on(g, f, found);
+        }
+        self.edges_on(f, g, found);
+    }
+
+    /// Points of `f` against triangles of `g`.
+    fn points_on(&self, f: u32, g: u32, found: &mut Vec<Candidate>) {
+        let (skin, whole) = (self.skin, self.of_facet(g));
+        let classes = [f, g].map(|facet| self.class(facet));
+        let share = self.rules.share(classes[0], classes[1]);
+        let mut add = |point: u32| {
+            let here = self.of_point(point);
+            if !here.overlaps(&whole) {
+                return;
+            }
+            for &t in skin.triangles_of(g) {
+                if !skin.is_beside(point, t) && here.overlaps(&self.triangles[t as usize]) {
+                    let [a, b, c] = skin.triangles()[t as usize];
+                    let weight = skin.point_weight(point, share);
+                    found.push(Candidate {
+                        facets: [f.min(g), f.max(g)],
+                        points: [point, a, b, c],
+                        term: PairTerm { kind: PairKind::VertexTriangle, weight, parallel: None },
+                        classes,
+                        is_inner: skin.is_inner(point),
+                    });
+                }
+            }
+        };
+        skin.vertices_of(f).iter().for_each(|&v| add(v));
+        if share > 0.0 {
+            skin.triangles_of(f).iter().flat_map(|&t| skin.inner_points(t)).for_each(add);
+        }
+    }
+
+    /// Edges of `f` against edges of `g`.
+    fn edges_on(&self, f: u32, g: u32, found: &mut Vec<Candidate>) {
+        let (skin, whole) = (self.skin, self.of_facet(g));
+        for &k in skin.edges_of(f) {
+            let e = skin.edges()[k as usize];
+            let here = &self.edges[k as usize];
+            if !here.overlaps(&whole) {
+                continue;
+            }
+            for &l in skin.edges_of(g) {
+                let other = skin.edges()[l as usize];
+                // Within a facet each pair is met twice.
+                let is_pair = (f != g || k < l) && e.iter().all(|p| !other.contains(p));
+                if is_pair && here.overlaps(&self.edges[l as usize]) {
+                    // The edge with the smaller numbers comes first.
+                    let ([[a, b], [c, d]], [f, g]) =
+                        if e < other { ([e, other], [f, g]) } else { ([other, e], [g, f]) };
+                    let (weight, parallel) = skin.edge_weight([k, l]);
+                    found.push(Candidate {
+                        facets: [f.min(g), f.max(g)],
+                        points: [a, b, c, d],
+                        term: PairTerm { kind: PairKind::EdgeEdge, weight, parallel: Some(parallel) },
+                        classes: [f, g].map(|facet| self.class(facet)),
+                        is_inner: false,
+                    });
+                }
+            }
+        }
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::Parallel;
 use nalgebra::Vector3;
-use stoss_geometry::edges_of;
 use stoss_reference_element::FacetNodes;
 
 /// Weight of the vertices and edges against that of the surface, which keeps out what points of integration do not see: corners, and edges that cross.
@@ -41,6 +40,10 @@ pub struct Skin {
     triangle_facet: Vec<u32>,
     edges: Vec<[u32; 2]>,
     edge_facet: Vec<u32>,
+    /// Triangles, vertices and edges of each facet.
+    triangles_of: Lists,
+    vertices_of: Lists,
+    edges_of: Lists,
     edge_area: Vec<f64>,
     edge_square: Vec<f64>,
 }
@@ -83,6 +86,10 @@ impl Skin {
         skin.facets = facets;
         skin.measure(&positions);
         skin.collect_nodes();
+        let count = skin.facets.len();
+        skin.triangles_of = Lists::new(count, &skin.triangle_facet);
+        skin.vertices_of = Lists::new(count, &skin.point_facet[..skin.vertex_count]);
+        skin.edges_of = Lists::new(count, &skin.edge_facet);
         skin
     }
 
@@ -169,6 +176,11 @@ impl Skin {
         self.point_facet.len()
     }
 
+    /// Mean length of the edges of the triangles in the reference.
+    pub fn mean_edge(&self) -> f64 {
+        self.edge_square.iter().map(|square| square.sqrt()).sum::<f64>() / self.edge_square.len().max(1) as f64
+    }
+
     /// Nodes and weights of a point.
     pub fn terms(&self, point: u32) -> &[(u32, f64)] {
         &self.terms[self.starts[point as usize] as usize..self.starts[point as usize + 1] as usize]
@@ -204,9 +216,30 @@ impl Skin {
         &self.edges
     }
 
-    /// The facet that a point belongs to; of a vertex the first one around it.
-    pub fn facet_of_point(&self, point: u32) -> u32 {
-        self.point_facet[point as usize]
+    /// The triangles of a facet.
+    pub fn triangles_of(&self, facet: u32) -> &[u32] {
+        self.triangles_of.of(facet)
+    }
+
+    /// The vertices that belong to a facet: its centre, and those of which it is the first facet.
+    pub fn vertices_of(&self, facet: u32) -> &[u32] {
+        self.vertices_of.of(facet)
+    }
+
+    /// The edges that belong to a facet: those of which it is the first facet.
+    pub fn edges_of(&self, facet: u32) -> &[u32] {
+        self.edges_of.of(facet)
+    }
+
+    /// The points of integration of a triangle.
+    pub fn inner_points(&self, triangle: u32) -> std::ops::Range<u32> {
+        let first = self.vertex_count as u32 + GAUSS.len() as u32 * triangle;
+        first..first + GAUSS.len() as u32
+    }
+
+    /// Whether a point is one of integration.
+    pub fn is_inner(&self, point: u32) -> bool {
+        point as usize >= self.vertex_count
     }
 
     /// The facet that a triangle belongs to.
@@ -240,5 +273,58 @@ impl Skin {
         let [e, f] = [e as usize, f as usize];
         let weight = 0.25 * GUARD * (self.edge_area[e] + self.edge_area[f]);
         (weight, Parallel::of_edges(self.edge_square[e], self.edge_square[f]))
+    }
+}
+
+/// Lists of numbers, one after the other.
+#[derive(Clone, Debug, Default)]
+struct Lists {
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Lists {
+    /// The items of each of `count` owners, ascending.
+    fn new(count: usize, owners: &[u32]) -> Self {
+        let mut starts = vec![0u32; count + 1];
+        owners.iter().for_each(|&owner| starts[owner as usize + 1] += 1);
+        (0..count).for_each(|k| starts[k + 1] += starts[k]);
+        let mut next = starts.clone();
+        let mut items = vec![0; owners.len()];
+        for (item, &owner) in owners.iter().enumerate() {
+            items[next[owner as usize] as usize] = item as u32;
+            next[owner as usize] += 1;
+        }
+        Self { starts, items }
+    }
+
+    fn of(&self, owner: u32) -> &[u32] {
+        &self.items[self.starts[owner as usize] as usize..self.starts[owner as usize + 1] as usize]
+    }
+}
+
+/// All edges of triangles, each once, with the smaller number first; sorted.
+fn edges_of(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(sides).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_of_two_triangles() {
+        assert_eq!(edges_of(&[[2, 0, 1], [1, 3, 2]]), [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]);
+        assert!(edges_of(&[]).is_empty());
+    }
+
+    #[test]
+    fn lists_of_owners() {
+        let lists = Lists::new(3, &[2, 0, 2]);
+        assert_eq!([0, 1, 2].map(|owner| lists.of(owner).to_vec()), [vec![1], vec![], vec![0, 2]]);
     }
 }

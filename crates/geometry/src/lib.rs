@@ -8,24 +8,24 @@
 //!   closest point on the closed patch;
 //! * [`closest`]: distance of vertices, edges and triangles, with the weights of the closest points; [`safe_fraction`]: how far
 //!   a pair of them may move without contact;
-//! * [`Aabb`], [`BoundingVolumeTree`]: boxes, overlap and nearest-first queries without allocation; [`CandidateSearch`]: which
-//!   vertices, triangles and edges may come near each other in a step.
+//! * [`Aabb`], [`MovingBox`], [`BoundingVolumeTree`]: boxes at rest and in motion, overlap, pairs, and nearest-first
+//!   queries without allocation.
 
 mod aabb;
 mod advancement;
-mod candidates;
 mod closest;
 mod patch;
 mod polynomial;
 mod primitive_distance;
 mod project;
 mod tree;
+mod volume;
 
 pub use aabb::Aabb;
 pub use advancement::safe_fraction;
-pub use candidates::{CandidatePair, CandidateSearch, edges_of};
 pub use closest::{ClosestPoint, PatchFeature};
 pub use patch::{Patch, SurfaceFrame};
 pub use primitive_distance::{ClosestPair, FreeDirections, PairFeature, PairKind, closest, combine};
 pub use project::Projection;
 pub use tree::BoundingVolumeTree;
+pub use volume::{MovingBox, Volume};

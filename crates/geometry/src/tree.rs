@@ -1,4 +1,4 @@
-//! A bounding-volume tree over boxes.
+//! A bounding-volume tree over boxes, at rest or in motion.
 //!
 //! Built once by splitting at the median, so that its depth is bounded by the logarithm of the number of boxes; when the boxes
 //! move, [`BoundingVolumeTree::refit`] keeps the structure and renews the volumes. Structure and order of visits depend on
@@ -6,7 +6,7 @@
 //!
 //! It is not a spatial hash and does not rebalance: after a large rearrangement, build a new one.
 
-use crate::Aabb;
+use crate::{Aabb, Volume};
 use nalgebra::Vector3;
 
 /// Largest number of boxes in a leaf. Leaves of two to four are equally fast here; one doubles the memory.
@@ -16,8 +16,8 @@ const LEAF_SIZE: usize = 4;
 const STACK: usize = 40;
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    volume: Aabb,
+struct Node<V> {
+    volume: V,
     /// Leaf: first position in `order`. Inner node: index of the second child; the first follows the node itself.
     start: u32,
     /// Number of boxes of a leaf, zero for an inner node.
@@ -28,16 +28,22 @@ struct Node {
 ///
 /// Structure and order of visits depend on nothing but the boxes. Queries and refits do not allocate. After a large
 /// rearrangement of the boxes build a new tree: a refit does not rebalance.
-#[derive(Clone, Debug, Default)]
-pub struct BoundingVolumeTree {
-    nodes: Vec<Node>,
+#[derive(Clone, Debug)]
+pub struct BoundingVolumeTree<V = Aabb> {
+    nodes: Vec<Node<V>>,
     order: Vec<u32>,
-    boxes: Vec<Aabb>,
+    boxes: Vec<V>,
 }
 
-impl BoundingVolumeTree {
+impl<V> Default for BoundingVolumeTree<V> {
+    fn default() -> Self {
+        Self { nodes: Vec::new(), order: Vec::new(), boxes: Vec::new() }
+    }
+}
+
+impl<V: Volume> BoundingVolumeTree<V> {
     /// Builds a tree over `boxes`; item `i` is box `i`. No boxes give an empty tree.
-    pub fn build(boxes: &[Aabb]) -> Self {
+    pub fn build(boxes: &[V]) -> Self {
         let mut tree = Self {
             nodes: Vec::with_capacity(boxes.len().max(1)),
             order: (0..boxes.len() as u32).collect(),
@@ -61,18 +67,18 @@ impl BoundingVolumeTree {
     }
 
     /// Box of an item.
-    pub fn item_box(&self, item: usize) -> &Aabb {
+    pub fn item_box(&self, item: usize) -> &V {
         &self.boxes[item]
     }
 
     /// Box around all items.
-    pub fn bounds(&self) -> Aabb {
-        self.nodes.first().map_or_else(Aabb::empty, |n| n.volume)
+    pub fn bounds(&self) -> V {
+        self.nodes.first().map_or_else(V::empty, |n| n.volume)
     }
 
     fn split(&mut self, begin: usize, end: usize) {
         let here = self.nodes.len();
-        self.nodes.push(Node { volume: Aabb::empty(), start: begin as u32, count: (end - begin) as u32 });
+        self.nodes.push(Node { volume: V::empty(), start: begin as u32, count: (end - begin) as u32 });
         if end - begin <= LEAF_SIZE {
             return;
         }
@@ -99,7 +105,7 @@ impl BoundingVolumeTree {
     }
 
     /// Renews all volumes after the boxes moved; `box_of(item)` gives the new box. No allocation.
-    pub fn refit(&mut self, box_of: impl FnMut(usize) -> Aabb) {
+    pub fn refit(&mut self, box_of: impl FnMut(usize) -> V) {
         let items = 0..self.boxes.len();
         for (slot, new) in self.boxes.iter_mut().zip(items.map(box_of)) {
             *slot = new;
@@ -117,13 +123,13 @@ impl BoundingVolumeTree {
             } else {
                 self.order[start..start + count as usize]
                     .iter()
-                    .fold(Aabb::empty(), |b, &item| b.union(&self.boxes[item as usize]))
+                    .fold(V::empty(), |b, &item| b.union(&self.boxes[item as usize]))
             };
         }
     }
 
     /// Visits every item whose box overlaps `region`, in a fixed order.
-    pub fn query(&self, region: &Aabb, mut visit: impl FnMut(usize)) {
+    pub fn query(&self, region: &V, mut visit: impl FnMut(usize)) {
         let mut stack = [0u32; STACK];
         let mut waiting = usize::from(!self.nodes.is_empty());
         while waiting > 0 {
@@ -147,6 +153,75 @@ impl BoundingVolumeTree {
         }
     }
 
+    /// Visits every pair of an item of this tree and an item of `other` whose boxes overlap, in a fixed order.
+    pub fn pairs(&self, other: &Self, visit: &mut impl FnMut(usize, usize)) {
+        if !self.is_empty() && !other.is_empty() {
+            self.descend(0, other, 0, visit);
+        }
+    }
+
+    /// Visits every item with itself, and every pair of two items whose boxes overlap once, in a fixed order.
+    pub fn own_pairs(&self, visit: &mut impl FnMut(usize, usize)) {
+        if !self.is_empty() {
+            self.descend_within(0, visit);
+        }
+    }
+
+    fn items(&self, node: &Node<V>) -> &[u32] {
+        &self.order[node.start as usize..(node.start + node.count) as usize]
+    }
+
+    /// Children of a node; of a leaf the leaf.
+    fn children(&self, i: usize) -> ([usize; 2], usize) {
+        let node = &self.nodes[i];
+        if node.count == 0 { ([i + 1, node.start as usize], 2) } else { ([i, i], 1) }
+    }
+
+    fn descend(&self, i: usize, other: &Self, j: usize, visit: &mut impl FnMut(usize, usize)) {
+        let (a, b) = (&self.nodes[i], &other.nodes[j]);
+        if !a.volume.overlaps(&b.volume) {
+            return;
+        }
+        if a.count > 0 && b.count > 0 {
+            for &k in self.items(a) {
+                for &l in other.items(b) {
+                    if self.boxes[k as usize].overlaps(&other.boxes[l as usize]) {
+                        visit(k as usize, l as usize);
+                    }
+                }
+            }
+            return;
+        }
+        let ((first, m), (second, n)) = (self.children(i), other.children(j));
+        for &k in &first[..m] {
+            for &l in &second[..n] {
+                self.descend(k, other, l, visit);
+            }
+        }
+    }
+
+    fn descend_within(&self, i: usize, visit: &mut impl FnMut(usize, usize)) {
+        let node = &self.nodes[i];
+        if node.count == 0 {
+            let [first, second] = self.children(i).0;
+            self.descend_within(first, visit);
+            self.descend_within(second, visit);
+            self.descend(first, self, second, visit);
+            return;
+        }
+        let items = self.items(node);
+        for (n, &k) in items.iter().enumerate() {
+            visit(k as usize, k as usize);
+            for &l in &items[n + 1..] {
+                if self.boxes[k as usize].overlaps(&self.boxes[l as usize]) {
+                    visit(k as usize, l as usize);
+                }
+            }
+        }
+    }
+}
+
+impl BoundingVolumeTree {
     /// Visits items near `x`, the nearest volumes first, and skips what cannot matter.
     ///
     /// `bound` is a distance. `visit(item, bound)` returns the new bound (a smaller one when the item turned out to be near, else the

@@ -8,6 +8,3 @@ mod distance;
 
 #[path = "primitives/advancement.rs"]
 mod advancement;
-
-#[path = "primitives/candidates.rs"]
-mod candidates;

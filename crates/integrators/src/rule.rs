@@ -139,6 +139,15 @@ impl StepRule {
         self.force.weight + self.history.filter(|history| history.force).map_or(0.0, |history| history.weight)
     }
 
+    /// Whether constraint forces are those of the end of the step, or do the work of their energy, and nothing else is added to them: only then can a potential keep
+    /// surfaces apart that is infinite where they meet.
+    pub fn carries_barriers(&self) -> bool {
+        let ConstraintTerm { rule, weight } = self.constraint;
+        matches!(rule, GradientRule::EndPoint | GradientRule::DiscreteGradient)
+            && weight == 1.0
+            && self.history.is_none()
+    }
+
     /// True if the step has a mass term.
     pub fn has_inertia(&self) -> bool {
         self.inertia != Combination::default()

@@ -23,6 +23,18 @@ named! {
 }
 
 named! {
+    /// What keeps the two bodies of a contact apart where the method does not see them: edges on edges, beyond rims, sides that are not named.
+    #[derive(Default)]
+    Edges {
+        /// Nothing: the method acts alone.
+        #[default]
+        Method = "method",
+        /// General contact, of surfaces half a thickness inside the bodies, so that it has nothing to do as long as the method keeps the gaps.
+        General = "general",
+    }
+}
+
+named! {
     /// How much of the system of coordinate augmentation is eliminated (formulation §5.1-5.3). The result is the same.
     Reduction {
         /// Nothing: pressure, two coordinates and two multipliers for each slave node.
@@ -239,9 +251,18 @@ pub struct Contact {
     /// each other.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nearness: Option<f64>,
+    /// What the method does not see: `method` (nothing acts there) or `general`, which switches `[general_contact]` on for the two bodies as well.
+    #[serde(default, skip_serializing_if = "Edges::is_method")]
+    pub edges: Edges,
     /// Friction; none if left out. Not with the modified constraint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
+}
+
+impl Edges {
+    fn is_method(&self) -> bool {
+        *self == Self::Method
+    }
 }
 
 impl Contact {

@@ -201,6 +201,11 @@ impl Integrator {
             stoss_integrators::entry(&self.scheme).ok_or_else(|| SchemeError::Unknown { name: self.scheme.clone() })?;
         entry.with(self.parameters.iter().map(|(name, value)| (name.as_str(), *value)))
     }
+
+    /// Whether general contact can be integrated with the scheme; false for one that is unknown.
+    pub fn carries_general_contact(&self) -> bool {
+        self.make().is_ok_and(|scheme| scheme.rule(1.0).carries_barriers())
+    }
 }
 
 #[cfg(feature = "schema")]

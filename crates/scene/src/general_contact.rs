@@ -4,11 +4,18 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[general_contact]`: contact of everything with everything, without slave and master. Facets that a `[[contact]]` or a `[[tie]]` pairs are left out for each other.
+/// `[general_contact]`: contact of everything with everything, without slave and master. It is on by default where several parts have surfaces, no pair is named with `[[contact]]`, and
+/// the scheme carries it. Facets that a `[[contact]]` or a `[[tie]]` pairs are left out for each other, and parts that a joint connects.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GeneralContact {
+    /// `false` switches it off.
+    #[serde(default = "GeneralContact::yes", skip_serializing_if = "GeneralContact::is_yes")]
+    pub enabled: bool,
+    /// The scene does not mention it.
+    #[serde(skip)]
+    pub by_default: bool,
     /// Thickness of the layer on the surfaces, a length: forces begin at this distance. By default 0.04 of the shortest edge of a facet, or half of the smallest distance of two parts of
     /// the surface of a body that are no neighbours, if that is less.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -62,11 +69,17 @@ impl GeneralContact {
     fn yes() -> bool {
         true
     }
+
+    fn is_yes(yes: &bool) -> bool {
+        *yes
+    }
 }
 
 impl Default for GeneralContact {
     fn default() -> Self {
         Self {
+            enabled: true,
+            by_default: false,
             thickness: None,
             stiffness: 1.0,
             friction: 0.0,

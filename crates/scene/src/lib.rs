@@ -48,7 +48,7 @@ mod watch;
 pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
 pub use body::{Body, Damping, Mass, Rotation, Rotations};
 pub use conditions::{
-    BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Enforcement, Integrals, Load, LoadKind,
+    BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Edges, Enforcement, Integrals, Load, LoadKind,
     PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table, split_set,
 };
 pub use coupling::Coupling;
@@ -144,7 +144,7 @@ pub struct Scene {
     /// `[[contact]]`.
     #[serde(default, rename = "contact", skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<Contact>,
-    /// `[general_contact]`.
+    /// `[general_contact]`; see [`Scene::general_contact`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub general_contact: Option<GeneralContact>,
     /// `[[tie]]`.
@@ -188,6 +188,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// General contact, if it is on.
+    pub fn general_contact(&self) -> Option<&GeneralContact> {
+        self.general_contact.as_ref().filter(|table| table.enabled)
+    }
+
     /// Name of the file, as it was given to [`parse`].
     pub fn file(&self) -> &str {
         &self.source.file

@@ -280,7 +280,7 @@ fn next_stage(schedule: &Schedule, simulation: &mut Simulation) -> Result<bool, 
 
 /// How many pressures, further unknowns of contact and tie multipliers there may be.
 fn constraint_unknowns(built: &Built, slots: usize) -> String {
-    let pressures: u64 = built.contacts.iter().map(|contact| contact.slots).sum();
+    let pressures: u64 = built.contacts.iter().map(|contact| contact.slots * contact.unknowns_per_slot.min(1)).sum();
     let all: u64 = built.contacts.iter().map(|contact| contact.slots * contact.unknowns_per_slot).sum();
     let mut text = format!(", up to {pressures} contact pressures");
     if all > pressures {

@@ -6,8 +6,8 @@ use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name, contact_reference, is_line, meshed_part, set_reference};
 use crate::{
-    BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Enforcement, Integrals, Kind, Load, LoadKind,
-    Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
+    BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, Integrals, Kind, Load,
+    LoadKind, Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -181,6 +181,14 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         mortar_only(n)?;
         n.not_negative()
     });
+    let edges = table.default("edges", Edges::default(), |n| {
+        let edges = n.choice(Edges::NAMES, Edges::from_name)?;
+        let sets = [&slave, &master].into_iter().flatten().flatten().chain(between.iter().flatten().flatten());
+        if edges == Edges::General && sets.clone().any(|set| is_line(set, world)) {
+            return n.fail("needs facets on both sides: beams and strings have none", "remove it");
+        }
+        Some(edges)
+    });
     let normals: Option<Option<()>> = table.optional("normals", |n| {
         n.fail(
             "is no option any more: normals are the means of the facets around a node, on each side of a sharp edge",
@@ -229,6 +237,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         integrals: integrals?,
         closing: closing?,
         nearness: nearness?,
+        edges: edges?,
         friction: friction?,
     })
 }

@@ -9,7 +9,7 @@ use super::{
     support, sweep, tie,
 };
 use crate::source::Source;
-use crate::{Beam, Body, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene};
+use crate::{Beam, Body, Edges, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeValue;
 
@@ -51,7 +51,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         probes: Vec::new(),
         probes_complete: true,
         has_contact: !contact_tables.is_empty(),
-        has_general_contact: root.has("general_contact"),
+        has_general_contact: false,
         has_tie: !tie_tables.is_empty(),
         own_friction: &own_laws.friction,
         sets,
@@ -135,6 +135,21 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let supports: Vec<_> =
         root.tables("support").iter().map(|table| support::support(table.as_ref()?, &world)).collect();
 
+    let mut unique = Unique::new("stage");
+    let stages = event::stages(&stage_tables, &world, time.as_ref(), has_gravity);
+    for (table, stage) in stage_tables.iter().zip(&stages) {
+        unique.check(table.as_ref(), "name", stage.as_ref().map(|stage| stage.name.as_str()));
+    }
+
+    let written = root.optional("general_contact", |n| general_contact::general_contact(n, &world));
+    let general_contact = written.map(|written| {
+        let schemes = time.iter().filter_map(|time| time.integrator.as_ref());
+        let schemes = schemes.chain(stages.iter().flatten().filter_map(|stage| stage.integrator.as_ref()));
+        let is_asked_for = contacts.iter().flatten().any(|contact| contact.edges == Edges::General);
+        written.or_else(|| general_contact::by_default(&world, is_asked_for, schemes))
+    });
+    world.has_general_contact = general_contact.as_ref().is_none_or(|table| table.as_ref().is_some_and(|t| t.enabled));
+
     let mut unique = Unique::new("probe");
     let mut probes = Vec::new();
     for table in root.tables("probe") {
@@ -152,13 +167,6 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         unique.check(table.as_ref(), "name", event.as_ref().map(|event| event.name.as_str()));
         events.push(event);
     }
-    let mut unique = Unique::new("stage");
-    let stages = event::stages(&stage_tables, &world, time.as_ref(), has_gravity);
-    for (table, stage) in stage_tables.iter().zip(&stages) {
-        unique.check(table.as_ref(), "name", stage.as_ref().map(|stage| stage.name.as_str()));
-    }
-
-    let general_contact = root.optional("general_contact", |n| general_contact::general_contact(n, &world));
     let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
     let watch = root.default("watch", crate::Watch::default(), results::watch);
     let expect = root.optional("expect", |n| results::expect(n, &world));

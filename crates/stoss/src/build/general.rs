@@ -1,10 +1,11 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
 use super::condition::resolve;
+use super::general_schemes::{connected, sorted};
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, FrictionPlan, Placed, Problems};
-use crate::scene::{GeneralContact as Table, Kind, Parameter, Scene};
+use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
 use crate::solver::{ContactPair, Coupling, Model, short};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
@@ -38,8 +39,30 @@ pub(super) fn general(
     ties: &Ties,
     model: &mut Model,
     problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
 ) -> Option<ContactPlan> {
-    let table = scene.general_contact.as_ref()?;
+    let table = scene.general_contact()?;
+    let before = problems.list.len();
+    let plan = contact(scene, table, placed, ties, model, problems, warnings);
+    if table.by_default {
+        for problem in &mut problems.list[before..] {
+            problem.message +=
+                " (general contact is on by default where several bodies are there and no pair is named)";
+            problem.remedy += ", or switch it off: [general_contact] enabled = false";
+        }
+    }
+    plan
+}
+
+fn contact(
+    scene: &Scene,
+    table: &Table,
+    placed: &[Placed],
+    ties: &Ties,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) -> Option<ContactPlan> {
     let before = problems.list.len();
     let skins = facets(scene, placed, table, ties, problems);
     if problems.list.len() > before {
@@ -55,8 +78,12 @@ pub(super) fn general(
         );
         return None;
     }
-    let rules = interactions(placed, table, model, &classes, &apart, problems)?;
-    let (skin, thickness) = skin(table, placed, model, &rules, facets, problems)?;
+    let rules = interactions(scene, placed, table, model, &classes, &apart, warnings);
+    if table.by_default && rules.is_empty() {
+        return None;
+    }
+    let inner = inner_pairs(scene, placed);
+    let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems)?;
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
     let fastest = model.velocity.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max);
@@ -111,6 +138,7 @@ fn skin(
     model: &Model,
     rules: &Interactions,
     facets: Vec<SkinFacet>,
+    inner: impl Iterator<Item = [u32; 2]>,
     problems: &mut Problems<'_>,
 ) -> Option<(Skin, f64)> {
     let key = || "general_contact".to_owned();
@@ -156,23 +184,23 @@ fn skin(
         let apart = between.iter().map(|(_, nearest)| nearest.distance).filter(|&d| d >= TOUCH * thickness);
         thickness = apart.fold(thickness, f64::min);
     }
+    let touching = between.iter().filter(|(_, nearest)| nearest.distance < thickness);
     let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
-    for ([a, b], nearest) in between.iter().filter(|(_, nearest)| nearest.distance < thickness) {
-        let rigid = [*a, *b].map(|body| placed[body as usize].mesh().is_none());
+    for pair in touching.map(|(pair, _)| **pair).chain(inner) {
+        let rigid = pair.map(|body| placed[body as usize].mesh().is_none());
         if rigid == [true; 2] {
             let message = format!(
-                "the rigid bodies `{}` and `{}` touch at the start, near {}: surfaces below those of rigid bodies are not available",
-                name(*a),
-                name(*b),
-                point(nearest.place, edge)
+                "the rigid bodies `{}` and `{}` touch at the start: surfaces below those of rigid bodies are not available",
+                name(pair[0]),
+                name(pair[1]),
             );
             problems.add(key(), "", message, format!("leave a gap of {thickness:.3e} between them"));
             return None;
         }
-        for (k, body) in [a, b].into_iter().enumerate().filter(|(k, _)| !rigid[*k]) {
+        for (k, body) in pair.into_iter().enumerate().filter(|(k, _)| !rigid[*k]) {
             // Of a rigid body and a deformable one the latter goes all of the way.
             let part = if rigid[1 - k] { 1.0 } else { 0.5 };
-            let depth = depth.entry(*body).or_insert(0.0);
+            let depth = depth.entry(body).or_insert(0.0);
             *depth = depth.max(part * thickness);
         }
     }
@@ -294,16 +322,7 @@ fn facets(scene: &Scene, placed: &[Placed], table: &Table, ties: &Ties, problems
         found
     };
     let (included, excluded) = (find("include", &table.include), find("exclude", &table.exclude));
-    // Sides of named contacts and of ties, two by two.
-    let mut sides: Vec<BTreeSet<FacetNodes>> = Vec::new();
-    let mut ignored = Problems { scene, list: Vec::new() };
-    for contact in &scene.contacts {
-        for set in contact.surfaces() {
-            let facets = resolve(placed, "", set, &mut ignored, Placed::facets_of);
-            sides.push(facets.map(|(_, facets)| facets.into_iter().collect()).unwrap_or_default());
-        }
-    }
-    sides.extend(ties.surfaces.iter().flatten().cloned());
+    let sides = sides(scene, placed, ties);
     let mut known: BTreeMap<(usize, Vec<usize>), u32> = BTreeMap::new();
     let (mut list, mut classes) = (Vec::new(), Vec::new());
     for (p, part) in placed.iter().enumerate() {
@@ -311,7 +330,7 @@ fn facets(scene: &Scene, placed: &[Placed], table: &Table, ties: &Ties, problems
             if !(table.include.is_empty() || included.contains(&nodes)) || excluded.contains(&nodes) {
                 continue;
             }
-            let on: Vec<usize> = (0..sides.len()).filter(|&s| sides[s].contains(&nodes)).collect();
+            let on: Vec<usize> = (0..sides.len()).filter(|&s| sides[s].has(&nodes)).collect();
             let next = classes.len() as u32;
             let class = *known.entry((p, on)).or_insert(next);
             if class == next {
@@ -332,46 +351,89 @@ fn facets(scene: &Scene, placed: &[Placed], table: &Table, ties: &Ties, problems
     Classes { facets: list, classes, apart }
 }
 
+/// A side of a named contact or of a tie.
+enum Side {
+    Contact(BTreeSet<FacetNodes>),
+    /// Facets around it meet those around the other side, for ever: they belong to it as well, told by their nodes.
+    Tie(BTreeSet<u32>),
+}
+
+impl Side {
+    fn has(&self, facet: &FacetNodes) -> bool {
+        match self {
+            Self::Contact(facets) => facets.contains(facet),
+            Self::Tie(nodes) => facet.iter().any(|node| nodes.contains(node)),
+        }
+    }
+}
+
+/// Pairs of bodies whose contact leaves its edges to general contact: their surfaces go inside.
+fn inner_pairs(scene: &Scene, placed: &[Placed]) -> impl Iterator<Item = [u32; 2]> {
+    let contacts = scene.contacts.iter().filter(|contact| contact.edges == Edges::General);
+    contacts.filter_map(|contact| {
+        let part = |set: &str| super::placed::index(placed, split_set(set)?.0).map(|part| part as u32);
+        let [a, b] = contact.surfaces();
+        Some([part(a)?, part(b)?])
+    })
+}
+
+/// Both sides of contacts that are not left to general contact, and of ties, two by two.
+fn sides(scene: &Scene, placed: &[Placed], ties: &Ties) -> Vec<Side> {
+    let mut ignored = Problems { scene, list: Vec::new() };
+    let mut sides = Vec::new();
+    for contact in scene.contacts.iter().filter(|contact| contact.edges == Edges::Method) {
+        for set in contact.surfaces() {
+            let facets = resolve(placed, "", set, &mut ignored, Placed::facets_of);
+            sides.push(Side::Contact(facets.map(|(_, facets)| facets.into_iter().collect()).unwrap_or_default()));
+        }
+    }
+    let nodes = |facets: &BTreeSet<FacetNodes>| Side::Tie(facets.iter().flatten().copied().collect());
+    sides.extend(ties.surfaces.iter().flatten().map(nodes));
+    sides
+}
+
+/// Who acts on whom, and how.
 fn interactions(
+    scene: &Scene,
     placed: &[Placed],
     table: &Table,
     model: &Model,
     classes: &[usize],
     apart: &BTreeSet<[u32; 2]>,
-    problems: &mut Problems<'_>,
-) -> Option<Interactions> {
+    warnings: &mut Vec<String>,
+) -> Interactions {
     let is_rigid = |part: usize| placed[part].mesh().is_none();
+    let is_held = |part: usize| is_rigid(part) && scene.rigids.iter().any(|r| r.name == placed[part].name && r.fixed);
+    let connected = connected(scene);
     let bodies: Vec<(u32, bool)> = classes.iter().map(|&part| (part as u32, is_rigid(part))).collect();
     let mut rules = Interactions::none(&bodies);
-    let before = problems.list.len();
+    let mut unknown = BTreeSet::new();
     for (a, &p) in classes.iter().enumerate() {
         for (b, &q) in classes.iter().enumerate().skip(a) {
             let (a, b) = (a as u32, b as u32);
             if apart.contains(&[a, b]) || p == q && (!table.with_itself || is_rigid(p)) {
                 continue;
             }
-            let names = [&placed[p].name, &placed[q].name];
-            let own = table.pairs.iter().find(|pair| {
-                let [s, t] = &pair.between;
-                [s, t] == names || [t, s] == names
-            });
-            let softer = young(model, p).min(young(model, q));
-            let modulus = own.and_then(|own| own.modulus).unwrap_or(table.stiffness * softer);
-            if !modulus.is_finite() {
-                let message = format!(
-                    "`{}` and `{}` are rigid: nothing tells how stiff the layer between them is",
-                    names[0], names[1]
-                );
-                let remedy = format!(
-                    "add to [general_contact]: pairs = [{{ between = [\"{}\", \"{}\"], modulus = 1e6 }}] with a pressure",
-                    names[0], names[1]
-                );
-                problems.add("general_contact".into(), "", message, remedy);
+            let names = [&placed[p].name[..], &placed[q].name[..]];
+            let own = table.pairs.iter().find(|pair| sorted([&pair.between[0], &pair.between[1]]) == sorted(names));
+            if own.is_none() && connected.contains(&sorted(names)) {
                 continue;
             }
-            let friction = own.and_then(|own| own.friction).unwrap_or(table.friction);
-            rules.set(a, b, Some(Interaction { modulus, friction }));
+            let softer = young(model, p).min(young(model, q));
+            let modulus = own.and_then(|own| own.modulus).unwrap_or(table.stiffness * softer);
+            if modulus.is_finite() {
+                let friction = own.and_then(|own| own.friction).unwrap_or(table.friction);
+                rules.set(a, b, Some(Interaction { modulus, friction }));
+            } else if !(is_held(p) && is_held(q)) {
+                unknown.insert(sorted(names));
+            }
         }
     }
-    (problems.list.len() == before).then_some(rules)
+    for [a, b] in unknown {
+        warnings.push(format!(
+            "general_contact: the rigid bodies `{a}` and `{b}` pass through each other, because nothing tells how stiff the layer between them is; add to [general_contact]: \
+             pairs = [{{ between = [\"{a}\", \"{b}\"], modulus = 1e6 }}] with a pressure"
+        ));
+    }
+    rules
 }

@@ -11,6 +11,7 @@ mod extreme;
 mod friction;
 #[cfg(feature = "general")]
 mod general;
+mod general_schemes;
 mod law;
 mod mesh_files;
 mod missing;
@@ -61,7 +62,7 @@ pub(crate) use plausible::{DENSITY, MODULUS};
 use schedule::Named;
 use std::collections::BTreeMap;
 use std::path::Path;
-use stoss_integrators::{GradientRule, SCHEMES, Scheme};
+use stoss_integrators::{SCHEMES, Scheme};
 use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver, SolverOptions};
 use stoss_newton::{LineSearch, NewtonOptions};
 
@@ -163,7 +164,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
         #[cfg(feature = "general")]
-        plans.extend(general::general(scene, &placed, &ties, &mut model, &mut problems));
+        plans.extend(general::general(scene, &placed, &ties, &mut model, &mut problems, &mut warnings));
         multibody::constraints(scene, &placed, &mut parts, &mut model, &mut problems, &mut warnings);
         if problems.list.is_empty() {
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
@@ -178,7 +179,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     }
     let schedule = Schedule::new(scene, &names, &probes, &mut problems);
     let scheme = scheme(scene, &mut problems);
-    refuse_schemes(scene, &mut problems);
+    general_schemes::check(scene, &placed, &mut problems, &mut warnings);
     if let Some(errors) = SceneErrors::new(problems.list, scene.text()) {
         return Err(errors);
     }
@@ -283,39 +284,6 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
     }
 }
 
-/// Refuses schemes, of the scene and of its stages, that do not carry general contact.
-fn refuse_schemes(scene: &Scene, problems: &mut Problems<'_>) {
-    if scene.general_contact.is_none() {
-        return;
-    }
-    let of_stages = scene.stages.iter().enumerate();
-    let of_stages =
-        of_stages.filter_map(|(s, stage)| Some((format!("stage[{s}].integrator.scheme"), stage.integrator.as_ref()?)));
-    let own = scene.time.integrator.iter().map(|integrator| ("time.integrator.scheme".to_owned(), integrator));
-    for (key, integrator) in own.chain(of_stages) {
-        if integrator.make().is_ok_and(|scheme| !carries_general_contact(&*scheme)) {
-            let able: Vec<&str> = SCHEMES
-                .iter()
-                .filter(|entry| entry.with([]).is_ok_and(|scheme| carries_general_contact(&*scheme)))
-                .map(|entry| entry.name)
-                .collect();
-            problems.add(
-                key,
-                &integrator.scheme,
-                "has no general contact: forces of the middle or of the start of a step do not keep surfaces apart",
-                format!("choose one of {}, or name pairs with [[contact]]", able.join(", ")),
-            );
-        }
-    }
-}
-
-/// Whether contact forces of a scheme belong to the end of a step or do the work of its energy, and nothing else is added to them.
-fn carries_general_contact(scheme: &dyn Scheme) -> bool {
-    let rule = scheme.rule(1.0);
-    let at_the_end_or_exact = matches!(rule.constraint.rule, GradientRule::EndPoint | GradientRule::DiscreteGradient);
-    at_the_end_or_exact && rule.constraint.weight == 1.0 && rule.history.is_none()
-}
-
 fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
     let default = NewtonOptions::default();
     let solver = &scene.solver;
@@ -339,13 +307,13 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
                 Kind::Dynamic => default.round_off_level,
             },
             absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
-            max_iterations: solver.max_iterations.unwrap_or(match scene.general_contact {
+            max_iterations: solver.max_iterations.unwrap_or(match general_contact(scene) {
                 Some(_) => GENERAL_ITERATIONS,
                 None => default.max_iterations,
             }),
             polish: if solver.polish == Some(false) { 0 } else { default.polish },
             line_search: match (scene.header.kind, LineSearch::backtracking()) {
-                _ if scene.general_contact.is_some() => LineSearch::Best { reduction: 0.5, max_reductions: 5 },
+                _ if general_contact(scene).is_some() => LineSearch::Best { reduction: 0.5, max_reductions: 5 },
                 (Kind::Dynamic, LineSearch::Backtracking { max_growth, reduction, max_reductions, .. }) => {
                     LineSearch::Backtracking { max_growth, small: SMALL_RESIDUAL, reduction, max_reductions }
                 }
@@ -359,6 +327,11 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
         },
         solver: linear_solver(solver.linear, solver.factors),
     }
+}
+
+/// General contact of a scene, where it is built in.
+pub(crate) fn general_contact(scene: &Scene) -> Option<&crate::scene::GeneralContact> {
+    scene.general_contact().filter(|_| cfg!(feature = "general"))
 }
 
 fn linear_solver(choice: LinearChoice, factors: Factors) -> Box<dyn LinearSolver> {

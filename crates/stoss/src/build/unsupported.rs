@@ -9,7 +9,8 @@ pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
 
 /// General contact needs the feature `general`.
 fn general(scene: &Scene) -> Option<Problem> {
-    (scene.general_contact.is_some() && !cfg!(feature = "general")).then(|| {
+    let is_wanted = scene.general_contact().is_some_and(|table| !table.by_default);
+    (is_wanted && !cfg!(feature = "general")).then(|| {
         let message = "this build of Stoss has no general contact";
         Problem::at(scene, "general_contact", "", message, "build it with the cargo feature `general`")
     })

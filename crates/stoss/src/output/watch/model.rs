@@ -17,7 +17,8 @@ pub(crate) fn contact_bodies(scene: &Scene, drawing: &Drawing) -> Vec<Option<[us
         let [a, b] = contact.surfaces();
         Some([body(a)?, body(b)?])
     });
-    let count = if scene.general_contact.is_some() { scene.bodies.len() + drawing.surfaces.len() } else { 0 };
+    let count =
+        if crate::build::general_contact(scene).is_some() { scene.bodies.len() + drawing.surfaces.len() } else { 0 };
     named.chain((0..count).flat_map(|a| (a..count).map(move |b| Some([a, b])))).collect()
 }
 

@@ -1,0 +1,72 @@
+//! Whether schemes carry general contact, and warnings where bodies have no contact at all.
+
+use super::{Placed, Problems, general_contact};
+use crate::scene::{Integrator, Scene, split_set};
+use std::collections::BTreeSet;
+use stoss_integrators::{SCHEMES, SchemeEntry};
+use stoss_mesh::BOUNDARY;
+
+/// Refuses schemes, of the scene and of its stages, that do not carry general contact, and warns where several bodies have none.
+pub(super) fn check(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_>, warnings: &mut Vec<String>) {
+    let of_stages = scene.stages.iter().enumerate();
+    let of_stages =
+        of_stages.filter_map(|(s, stage)| Some((format!("stage[{s}].integrator.scheme"), stage.integrator.as_ref()?)));
+    let own = scene.time.integrator.iter().map(|integrator| ("time.integrator.scheme".to_owned(), integrator));
+    let mut unable = own.chain(of_stages).filter(|(_, integrator)| !integrator.carries_general_contact());
+    if general_contact(scene).is_some() {
+        for (key, Integrator { scheme, .. }) in unable {
+            let message =
+                "has no general contact: forces of the middle or of the start of a step do not keep surfaces apart";
+            problems.add(key, scheme, message, format!("choose one of {}, or name pairs with [[contact]]", able()));
+        }
+    } else if scene.contacts.is_empty() && scene.general_contact.as_ref().is_none_or(|table| table.enabled) {
+        let Some([a, b]) = free_pair(scene, placed) else { return };
+        let reason = match unable.next() {
+            Some((_, Integrator { scheme, .. })) => {
+                format!("`{scheme}` has no general contact; choose one of {}", able())
+            }
+            None => "this build of Stoss has no general contact; build it with the cargo feature `general`".to_owned(),
+        };
+        warnings.push(format!(
+            "`{a}` and `{b}` have no contact and pass through each other: no [[contact]] names them, and {reason}, name pairs, or tell that this is meant by `[general_contact] enabled = false`"
+        ));
+    }
+}
+
+/// Schemes that carry general contact.
+fn able() -> String {
+    let able = |entry: &&SchemeEntry| entry.with([]).is_ok_and(|scheme| scheme.rule(1.0).carries_barriers());
+    SCHEMES.iter().filter(able).map(|entry| entry.name).collect::<Vec<_>>().join(", ")
+}
+
+/// Two parts with surfaces, one of them deformable, that nothing connects.
+fn free_pair<'a>(scene: &Scene, placed: &'a [Placed]) -> Option<[&'a str; 2]> {
+    let connected = connected(scene);
+    let has_surface = |part: &&Placed| part.facets_of(BOUNDARY).is_ok_and(|facets| !facets.is_empty());
+    let parts: Vec<&Placed> = placed.iter().filter(has_surface).collect();
+    let tied = scene.ties.iter().map(|tie| [&tie.slave, &tie.master].map(|set| owner(set)));
+    let tied: Vec<[&str; 2]> = tied.collect();
+    parts.iter().enumerate().find_map(|(k, a)| {
+        let other = parts[k + 1..].iter().find(|b| {
+            let pair = [&a.name[..], &b.name[..]];
+            let is_tied = tied.iter().any(|&[s, t]| [s, t] == pair || [t, s] == pair);
+            (a.mesh().is_some() || b.mesh().is_some()) && !is_tied && !connected.contains(&sorted(pair))
+        });
+        other.map(|b| [&a.name[..], &b.name[..]])
+    })
+}
+
+/// Pairs of parts that a joint connects, in alphabetic order.
+pub(super) fn connected(scene: &Scene) -> BTreeSet<[&str; 2]> {
+    scene.joints.iter().map(|joint| sorted(joint.between.each_ref().map(|side| owner(side)))).collect()
+}
+
+/// Two names in alphabetic order.
+pub(super) fn sorted([a, b]: [&str; 2]) -> [&str; 2] {
+    if a < b { [a, b] } else { [b, a] }
+}
+
+/// The part of a set, or the name itself.
+fn owner(set: &str) -> &str {
+    split_set(set).map_or(set, |(part, _)| part)
+}
