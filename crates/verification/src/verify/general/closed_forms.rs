@@ -56,7 +56,7 @@ fn impulse(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         reference[k] = impulses(&launched.run)?[0];
     }
     let layers: &[(f64, f64)] = if bench.quick {
-        &[(0.02, 0.025), (0.005, 0.025), (0.00125, 0.0125)]
+        &[(0.02, 0.025), (0.005, 0.025), (0.00125, 0.00625)]
     } else {
         &[(0.02, 0.0125), (0.01, 0.0125), (0.005, 0.0125), (0.0025, 0.0125), (0.00125, 0.00625)]
     };
@@ -88,11 +88,11 @@ fn of_hertz(force: f64) -> [f64; 2] {
     [a, 2.0 * force / (PI * a)]
 }
 
-/// A quarter of a cylinder is pressed onto a rigid plane; the layer is thinner than the indentation by a factor of 10 and more.
+/// A quarter of a cylinder is pressed onto a rigid plane, from a gap of a little more than the thickness; the layer is thinner than the indentation by a factor of 10 and more.
 fn cylinder(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     const LENGTH: f64 = 0.01;
     const DEPTH: f64 = 0.0009;
-    let cases: &[(u32, f64)] = if bench.quick { &[(5, 2e-5)] } else { &[(5, 2e-5), (10, 1e-4), (10, 2e-5)] };
+    let cases: &[(u32, f64)] = if bench.quick { &[(10, 2e-5)] } else { &[(5, 2e-5), (10, 1e-4), (10, 2e-5)] };
     for &(elements, thickness) in cases {
         let name = format!("Hertz, {elements} elements over the half width, thickness {thickness}");
         let scaled = |n: u32| (n * elements).div_ceil(10);
@@ -105,7 +105,7 @@ fn cylinder(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let scene = Scene::equilibria(4, "")
             .watched(1)
             .body(Body::generated("cylinder", &mesh, LENGTH * 0.25 * PI).young(1000.0))
-            .obstacle("plane", "shape = { kind = \"plane\", size = [2.0, 2.0] }", [0.5, 0.0, -1.0])
+            .obstacle("plane", "shape = { kind = \"plane\", size = [2.0, 2.0] }", [0.5, 0.0, -1.0 - 1.2 * thickness])
             .fixed("cylinder.all", &["y"])
             .fixed("cylinder.left", &["x"])
             .also(&format!(
@@ -121,7 +121,7 @@ fn cylinder(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let [a, pressure] = of_hertz(2.0 * force.abs() / LENGTH);
         let found = 0.75 * PI * (moment / force).abs();
         let largest = last("max_pressure")?;
-        let bound = if elements == 10 && thickness < 5e-5 || bench.quick { Bound::AtMost(HERTZ) } else { Bound::Told };
+        let bound = if elements == 10 && thickness < 5e-5 { Bound::AtMost(HERTZ) } else { Bound::Told };
         let note = format!("a = {a:.5}, found {found:.5}; p0 = {pressure:.3}, found {largest:.3}");
         let row = |quantity: &str, error: f64| Check::new(&name, quantity, error.abs(), bound).noted(note.clone());
         findings.checks.push(row("half width over the closed form, less one", found / a - 1.0));

@@ -17,8 +17,8 @@ const THICKNESS: f64 = 0.02;
 /// Deviation from the uniform pressure on matching meshes, points of integration alone.
 const UNIFORM: f64 = 1e-3;
 
-/// What guards may add to a node at a given gap.
-const GUARDS: f64 = 0.55;
+/// What guards may add to a node at a given gap, the most at corners.
+const GUARDS: f64 = 0.6;
 
 /// Deviation of the stress in the elements below the surface, of blocks that are pressed together.
 const SPREAD: f64 = 0.15;
@@ -103,15 +103,13 @@ fn without_guards(faces: &Faces) -> Vec<f64> {
     let (skin, q) = (faces.contact.skin(), &faces.q);
     let layer = Layer::new(1.0, THICKNESS);
     let mut force = vec![0.0; q.len() / 3];
+    let is_lower = |point: u32| skin.terms(point).iter().all(|&(node, _)| (node as usize) < faces.lower);
     for p in skin.vertex_count() as u32..skin.point_count() as u32 {
-        for (t, triangle) in skin.triangles().iter().enumerate() {
-            let body = |facet: u32| skin.facets()[facet as usize].class;
+        for triangle in skin.triangles() {
             let points = [p, triangle[0], triangle[1], triangle[2]];
             let x = points.map(|point| skin.at(point, q));
             let pair = closest(PairKind::VertexTriangle, &x);
-            if body(skin.facet_of_point(p)) == body(skin.facet_of_triangle(t as u32))
-                || !layer.is_inside(pair.distance_squared)
-            {
+            if is_lower(p) == is_lower(triangle[0]) || !layer.is_inside(pair.distance_squared) {
                 continue;
             }
             let gap: f64 = x.iter().zip(pair.weights).map(|(x, c)| c * x[2]).sum();
@@ -236,9 +234,10 @@ fn pressed(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             let last =
                 |column: &str| -> Outcome<f64> { Ok(*probes.column(column)?.last().ok_or("probes.csv has no row")?) };
             let (force, exact) = (last("force.z")?, closed_form(CLOSING, thickness));
-            // Skins of half a thickness are not loaded: bodies of the height 1 are stiffer by that.
-            let bound = Bound::AtMost(0.75 * thickness);
-            let note = format!("{force:.6}; two bars with the layer between them: {exact:.6}");
+            // Forces enter half a thickness below the surface by functions that are linear in an element: the work of a uniform stress is less by that part
+            // of the height twice, in force and in displacement. So bodies of the height 1 are stiffer by a thickness; guards add to it.
+            let bound = Bound::AtMost(1.25 * thickness);
+            let note = format!("1.25 thicknesses; {force:.6}; two bars with the layer between them: {exact:.6}");
             let row = Check::new(&name, "force over the closed form, less one", (force / exact - 1.0).abs(), bound);
             findings.checks.push(row.noted(note));
             let stresses: Vec<f64> =
