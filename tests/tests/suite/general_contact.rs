@@ -220,86 +220,6 @@ fn scenes_that_cannot_start_are_refused() {
     assert_eq!(named, "");
 }
 
-/// Names of the contacts of a scene, and its warnings.
-fn built(text: &str) -> (Vec<String>, Vec<String>) {
-    let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
-    let built = stoss::build::build(&scene, std::path::Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"));
-    (built.contacts.into_iter().map(|contact| contact.name).collect(), built.warnings)
-}
-
-#[test]
-fn it_is_the_default_where_no_pair_is_named() {
-    let two = cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1)
-        + &cube("b", [0.0, 0.0, 1.5], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1);
-    let free = |scheme: &str, more: &str| built(&(head(scheme, 0.1, 1.0) + &two + more));
-    assert_eq!(free("energy-momentum", ""), (vec!["general".to_owned()], Vec::new()));
-    assert_eq!(free("energy-momentum", "[general_contact]\nenabled = false\n"), (Vec::new(), Vec::new()));
-    // A scheme that does not carry it: a warning, unless it is meant.
-    let (contacts, warnings) = free("midpoint", "");
-    assert!(contacts.is_empty());
-    assert!(warnings.len() == 1 && warnings[0].contains("`a` and `b` have no contact"), "{warnings:?}");
-    assert_eq!(free("midpoint", "[general_contact]\nenabled = false\n"), (Vec::new(), Vec::new()));
-    // One body, and a named pair.
-    let one = head("energy-momentum", 0.1, 1.0) + &cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1);
-    assert_eq!(built(&one).0, Vec::<String>::new());
-    let named = "[[contact]]\nmethod = \"nts\"\nslave = \"a.boundary\"\nmaster = \"b.boundary\"\n";
-    assert_eq!(free("energy-momentum", named).0, ["a.boundary/b.boundary"]);
-    assert_eq!(
-        free("energy-momentum", &format!("{named}edges = \"general\"\n")).0,
-        ["a.boundary/b.boundary", "general"]
-    );
-    // A joint between the two is enough to hold them.
-    let joint = "[[joint]]\nname = \"j\"\nkind = \"ball\"\nbetween = [\"a.all\", \"b.all\"]\nat = [0, 0, 0.75]\n";
-    assert_eq!(free("energy-momentum", joint).0, Vec::<String>::new());
-    let meant = format!("{joint}[general_contact]\npairs = [{{ between = [\"b\", \"a\"] }}]\nself = false\n");
-    assert_eq!(free("energy-momentum", &meant).0, ["general"]);
-}
-
-/// Facets around the rim of a tie meet those of the other side, and stay there.
-#[test]
-fn tied_bodies_are_not_in_contact_at_their_rims() {
-    let block = |name: &str, min: [f64; 3], max: [f64; 3], n: u32| {
-        format!(
-            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = {min:?}, max = {max:?}, divisions = [{n}, {n}, {n}] }}\n{MATERIAL}\nvelocity = [0.0, 0.0, 0.1]\n"
-        )
-    };
-    let text = head("energy-momentum", 0.1, 1.0)
-        + &block("small", [0.2, 0.2, 1.0], [0.7, 0.7, 1.5], 2)
-        + &block("large", [0.0; 3], [1.0; 3], 3)
-        + "[[tie]]\nslave = \"small.bottom\"\nmaster = \"large.top\"\n";
-    let course = run(&text);
-    assert_eq!(course.touched, 0);
-    assert!(ledger(&course.totals) < 1e-12);
-}
-
-/// Two rods that cross with their edges ahead: no node comes into a facet. Node-to-surface contact lets them pass; what it leaves to general contact does not.
-#[test]
-fn edges_of_a_named_contact_are_left_to_general_contact() {
-    let rod = |name: &str, half: [f64; 3], axis: [f64; 3], z: f64, speed: f64| {
-        let divisions = half.map(|h| if h > 0.5 { 5 } else { 1 });
-        format!(
-            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = {:?}, max = {half:?}, divisions = {divisions:?} }}\n{MATERIAL}\n\
-             rotation = {{ axis = {axis:?}, degrees = 45.0 }}\nposition = [0.0, 0.0, {z:?}]\nvelocity = [0.0, 0.0, {speed:?}]\n",
-            half.map(|h| -h)
-        )
-    };
-    let scene = |edges: &str| {
-        head("energy-momentum", 0.02, 3.0)
-            + &rod("lower", [1.0, 0.2, 0.2], [1.0, 0.0, 0.0], 0.0, 0.15)
-            + &rod("upper", [0.2, 1.0, 0.2], [0.0, 1.0, 0.0], 0.6, -0.15)
-            + "[[contact]]\nmethod = \"nts\"\nslave = \"upper.boundary\"\nmaster = \"lower.boundary\"\n"
-            + edges
-    };
-    let above = |course: &Course| {
-        let q = &course.simulation.state().q;
-        let mean = |nodes: std::ops::Range<usize>| nodes.map(|n| q[3 * n + 2]).sum::<f64>() / 24.0;
-        mean(24..48) - mean(0..24)
-    };
-    let (passed, stopped) = (run(&scene("")), run(&scene("edges = \"general\"\n")));
-    assert!(above(&passed) < 0.0, "{}", above(&passed));
-    assert!(above(&stopped) > 0.6, "{}", above(&stopped));
-    assert!(ledger(&stopped.totals) < 1e-11, "{:e}", ledger(&stopped.totals));
-
 /// A static run to its end, with the linear solutions of each step. No equilibrium is unstable.
 fn statics(text: &str) -> (Simulation, Vec<u32>) {
     let mut simulation = simulation(text);
@@ -393,4 +313,85 @@ fn a_stack_settles_and_stays() {
         println!("{contact}: {worst:e}");
         assert!(worst < if contact.contains("friction") { 5e-3 } else { 1e-9 }, "{contact}: {worst:e}");
     }
+}
+
+/// Names of the contacts of a scene, and its warnings.
+fn contacts_of(text: &str) -> (Vec<String>, Vec<String>) {
+    let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+    let built = stoss::build::build(&scene, std::path::Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    (built.contacts.into_iter().map(|contact| contact.name).collect(), built.warnings)
+}
+
+#[test]
+fn it_is_the_default_where_no_pair_is_named() {
+    let two = cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1)
+        + &cube("b", [0.0, 0.0, 1.5], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1);
+    let free = |scheme: &str, more: &str| contacts_of(&(head(scheme, 0.1, 1.0) + &two + more));
+    assert_eq!(free("energy-momentum", ""), (vec!["general".to_owned()], Vec::new()));
+    assert_eq!(free("energy-momentum", "[general_contact]\nenabled = false\n"), (Vec::new(), Vec::new()));
+    // A scheme that does not carry it: a warning, unless it is meant.
+    let (contacts, warnings) = free("midpoint", "");
+    assert!(contacts.is_empty());
+    assert!(warnings.len() == 1 && warnings[0].contains("`a` and `b` have no contact"), "{warnings:?}");
+    assert_eq!(free("midpoint", "[general_contact]\nenabled = false\n"), (Vec::new(), Vec::new()));
+    // One body, and a named pair.
+    let one = head("energy-momentum", 0.1, 1.0) + &cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1);
+    assert_eq!(contacts_of(&one).0, Vec::<String>::new());
+    let named = "[[contact]]\nmethod = \"nts\"\nslave = \"a.boundary\"\nmaster = \"b.boundary\"\n";
+    assert_eq!(free("energy-momentum", named).0, ["a.boundary/b.boundary"]);
+    assert_eq!(
+        free("energy-momentum", &format!("{named}edges = \"general\"\n")).0,
+        ["a.boundary/b.boundary", "general"]
+    );
+    // A joint between the two is enough to hold them.
+    let joint = "[[joint]]\nname = \"j\"\nkind = \"ball\"\nbetween = [\"a.all\", \"b.all\"]\nat = [0, 0, 0.75]\n";
+    assert_eq!(free("energy-momentum", joint).0, Vec::<String>::new());
+    let meant = format!("{joint}[general_contact]\npairs = [{{ between = [\"b\", \"a\"] }}]\nself = false\n");
+    assert_eq!(free("energy-momentum", &meant).0, ["general"]);
+}
+
+/// Facets around the rim of a tie meet those of the other side, and stay there.
+#[test]
+fn tied_bodies_are_not_in_contact_at_their_rims() {
+    let block = |name: &str, min: [f64; 3], max: [f64; 3], n: u32| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = {min:?}, max = {max:?}, divisions = [{n}, {n}, {n}] }}\n{MATERIAL}\nvelocity = [0.0, 0.0, 0.1]\n"
+        )
+    };
+    let text = head("energy-momentum", 0.1, 1.0)
+        + &block("small", [0.2, 0.2, 1.0], [0.7, 0.7, 1.5], 2)
+        + &block("large", [0.0; 3], [1.0; 3], 3)
+        + "[[tie]]\nslave = \"small.bottom\"\nmaster = \"large.top\"\n";
+    let course = run(&text);
+    assert_eq!(course.touched, 0);
+    assert!(ledger(&course.totals) < 1e-12);
+}
+
+/// Two rods that cross with their edges ahead: no node comes into a facet. Node-to-surface contact lets them pass; what it leaves to general contact does not.
+#[test]
+fn edges_of_a_named_contact_are_left_to_general_contact() {
+    let rod = |name: &str, half: [f64; 3], axis: [f64; 3], z: f64, speed: f64| {
+        let divisions = half.map(|h| if h > 0.5 { 5 } else { 1 });
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = {:?}, max = {half:?}, divisions = {divisions:?} }}\n{MATERIAL}\n\
+             rotation = {{ axis = {axis:?}, degrees = 45.0 }}\nposition = [0.0, 0.0, {z:?}]\nvelocity = [0.0, 0.0, {speed:?}]\n",
+            half.map(|h| -h)
+        )
+    };
+    let scene = |edges: &str| {
+        head("energy-momentum", 0.02, 3.0)
+            + &rod("lower", [1.0, 0.2, 0.2], [1.0, 0.0, 0.0], 0.0, 0.15)
+            + &rod("upper", [0.2, 1.0, 0.2], [0.0, 1.0, 0.0], 0.6, -0.15)
+            + "[[contact]]\nmethod = \"nts\"\nslave = \"upper.boundary\"\nmaster = \"lower.boundary\"\n"
+            + edges
+    };
+    let above = |course: &Course| {
+        let q = &course.simulation.state().q;
+        let mean = |nodes: std::ops::Range<usize>| nodes.map(|n| q[3 * n + 2]).sum::<f64>() / 24.0;
+        mean(24..48) - mean(0..24)
+    };
+    let (passed, stopped) = (run(&scene("")), run(&scene("edges = \"general\"\n")));
+    assert!(above(&passed) < 0.0, "{}", above(&passed));
+    assert!(above(&stopped) > 0.6, "{}", above(&stopped));
+    assert!(ledger(&stopped.totals) < 1e-11, "{:e}", ledger(&stopped.totals));
 }

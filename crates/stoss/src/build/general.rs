@@ -144,7 +144,10 @@ fn skin(
     let key = || "general_contact".to_owned();
     let name = |body: u32| &placed[body as usize].name;
     let skin = Skin::new(facets.clone(), &model.reference, &|_| None);
-    let edge = shortest_edge(&skin, &model.reference);
+    // Facets of rigid bodies may be slivers, and much smaller than what they touch: they count only where there is nothing else.
+    let of_deformable = |class: u32| placed[rules.body(class) as usize].mesh().is_some();
+    let edge = Some(shortest_edge(&skin, &model.reference, of_deformable)).filter(|edge| edge.is_finite());
+    let edge = edge.unwrap_or_else(|| shortest_edge(&skin, &model.reference, |_| true));
     let default = THICKNESS * edge;
     let look = first_look(&skin, rules, &model.reference, table.thickness.unwrap_or(default).max(2.0 * default));
     if let Some(&([f, g], place)) = look.crossings.first() {
@@ -287,11 +290,12 @@ fn point(x: [f64; 3], edge: f64) -> String {
     format!("({x}, {y}, {z})")
 }
 
-fn shortest_edge(skin: &Skin, reference: &[f64]) -> f64 {
+/// The shortest edge of facets of these classes; infinite if there are none.
+fn shortest_edge(skin: &Skin, reference: &[f64], takes_part: impl Fn(u32) -> bool) -> f64 {
     let at = |node: u32, i: usize| reference[3 * node as usize + i];
     let length = |a: u32, b: u32| (0..3).map(|i| (at(a, i) - at(b, i)).powi(2)).sum::<f64>();
     let mut shortest = f64::INFINITY;
-    for facet in skin.facets() {
+    for facet in skin.facets().iter().filter(|facet| takes_part(facet.class)) {
         for &[i, j] in facet.nodes.kind().sides() {
             shortest = shortest.min(length(facet.nodes[i], facet.nodes[j]));
         }

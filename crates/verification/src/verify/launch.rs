@@ -28,6 +28,18 @@ pub struct Launched {
 
 /// Writes a scene with the files that it refers to into a folder below that of `verify`, and runs it there.
 pub fn launch(bench: &Bench, home: &str, name: &str, scene: &str, files: &[(String, String)]) -> Outcome<Launched> {
+    launch_within(bench, home, name, scene, files, LIMIT)
+}
+
+/// The same with another time limit.
+pub fn launch_within(
+    bench: &Bench,
+    home: &str,
+    name: &str,
+    scene: &str,
+    files: &[(String, String)],
+    limit: Duration,
+) -> Outcome<Launched> {
     let home = bench.folder.join(home);
     let path = home.join(format!("{name}.toml"));
     write(&path, scene)?;
@@ -40,12 +52,19 @@ pub fn launch(bench: &Bench, home: &str, name: &str, scene: &str, files: &[(Stri
     }
     let log = folder.with_extension("log");
     let program = bench.program()?.executable();
-    let (ending, hung) = run(bench, program, &path, &folder, &log)?;
+    let (ending, hung) = run(bench, program, &path, &folder, &log, limit)?;
     let run = Run { name: name.to_owned(), folder, ending, until: None };
     Ok(Launched { run, hung, log: read(&log)? })
 }
 
-fn run(bench: &Bench, program: &Path, scene: &Path, out: &PathBuf, log: &Path) -> Outcome<(Ending, bool)> {
+fn run(
+    bench: &Bench,
+    program: &Path,
+    scene: &Path,
+    out: &PathBuf,
+    log: &Path,
+    limit: Duration,
+) -> Outcome<(Ending, bool)> {
     let words = File::create(log)?;
     let mut command = bench.workspace.process(program);
     command.arg("run").arg(scene).arg("--out").arg(out).args(["--threads", "1", "--quiet"]);
@@ -57,7 +76,7 @@ fn run(bench: &Bench, program: &Path, scene: &Path, out: &PathBuf, log: &Path) -
         if let Some(status) = child.try_wait()? {
             return Ok((Ending { code: status.code(), seconds }, false));
         }
-        if start.elapsed() > LIMIT {
+        if start.elapsed() > limit {
             child.kill()?;
             child.wait()?;
             return Ok((Ending { code: None, seconds }, true));

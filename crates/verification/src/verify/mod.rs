@@ -11,6 +11,7 @@ mod derivatives;
 mod facade;
 mod figures;
 mod friction;
+mod general;
 mod launch;
 mod laws;
 mod lean;
@@ -68,6 +69,7 @@ const SUITES: &[&dyn Suite] = &[
     &segmentation::Segmentation,
     &patch::Patch,
     &friction::Friction,
+    &general::General,
     &mortar::Mortar,
     &multibody::Multibody,
     &convergence::Convergence,

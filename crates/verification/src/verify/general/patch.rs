@@ -1,0 +1,277 @@
+//! Two flat faces: how uniform the pressure of the layer is at a given gap, and in blocks that are pressed together.
+
+use stoss_contact::{ContactRule, LocalContribution, Potential, StepConfiguration};
+use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interaction, Interactions, Layer, Skin, SkinFacet};
+use stoss_geometry::{PairKind, closest};
+use stoss_reference_element::FacetNodes;
+
+use super::judge::run;
+use super::scene::{Body, Scene};
+use crate::verify::check::{Bound, Check};
+use crate::verify::report::{Grid, Section};
+use crate::verify::{Bench, Findings};
+use crate::workspace::Outcome;
+
+const THICKNESS: f64 = 0.02;
+
+/// Deviation from the uniform pressure on matching meshes, points of integration alone.
+const UNIFORM: f64 = 1e-3;
+
+/// What guards may add to a node at a given gap, the most at corners.
+const GUARDS: f64 = 0.6;
+
+/// Deviation of the stress in the elements below the surface, of blocks that are pressed together.
+const SPREAD: f64 = 0.15;
+
+/// Both parts.
+pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
+    given_gap(findings)?;
+    pressed(bench, findings)
+}
+
+/// Two blocks of the height 1 with their faces half a thickness apart, the upper one shifted along x and y.
+struct Faces {
+    contact: GeneralContact,
+    q: Vec<f64>,
+    lower: usize,
+}
+
+/// Appends a block of `n` x `n` x 1 elements; facets are outward.
+fn block(facets: &mut Vec<SkinFacet>, q: &mut Vec<f64>, n: u32, from: [f64; 3], class: u32) {
+    let (first, counts) = (q.len() as u32 / 3, [n, n, 1]);
+    let node = |i: [u32; 3]| first + i[0] + (n + 1) * (i[1] + (n + 1) * i[2]);
+    for k in 0..=1 {
+        for j in 0..=n {
+            for i in 0..=n {
+                q.extend([from[0] + f64::from(i) / f64::from(n), from[1] + f64::from(j) / f64::from(n)]);
+                q.push(from[2] + f64::from(k));
+            }
+        }
+    }
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for side in [0, counts[axis]] {
+            for a in 0..counts[u] {
+                for b in 0..counts[v] {
+                    let at = |da: u32, db: u32| {
+                        let mut i = [0; 3];
+                        (i[axis], i[u], i[v]) = (side, a + da, b + db);
+                        node(i)
+                    };
+                    let mut corners = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+                    if side == 0 {
+                        corners.reverse();
+                    }
+                    facets.push(SkinFacet { nodes: FacetNodes::from(corners), class });
+                }
+            }
+        }
+    }
+}
+
+fn faces(n: [u32; 2], shift: f64) -> Outcome<Faces> {
+    let (mut facets, mut q) = (Vec::new(), Vec::new());
+    block(&mut facets, &mut q, n[0], [0.0, 0.0, -1.0], 0);
+    let lower = q.len() / 3;
+    block(&mut facets, &mut q, n[1], [shift, shift, 0.5 * THICKNESS], 1);
+    let mut rules = Interactions::none(&[(0, false), (1, false)]);
+    rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0 }));
+    let skin = Skin::new(facets, &q, &|_| None);
+    let options = GeneralOptions { thickness: THICKNESS, damping: 0.0, slip_velocity: 1.0 };
+    Ok(Faces { contact: GeneralContact::new("faces", skin, rules, options)?, q, lower })
+}
+
+/// Forces along z on the nodes, guards included.
+fn with_guards(faces: &mut Faces) -> Outcome<Vec<f64>> {
+    let Faces { contact, q, .. } = faces;
+    let mut force = vec![0.0; q.len() / 3];
+    contact.set_rule(ContactRule::EndPoint, 1.0);
+    contact.set_velocity(&vec![0.0; q.len()]);
+    contact.begin_step(q, 0.0)?;
+    contact.renew(q)?;
+    let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+    contact.assemble(step, false, &mut |local: &LocalContribution| {
+        for (k, &node) in local.nodes.iter().enumerate() {
+            force[node as usize] += local.residual[3 * k + 2];
+        }
+    })?;
+    Ok(force)
+}
+
+/// The same of points of integration alone, as the sum over all of them and all triangles.
+fn without_guards(faces: &Faces) -> Vec<f64> {
+    let (skin, q) = (faces.contact.skin(), &faces.q);
+    let layer = Layer::new(1.0, THICKNESS);
+    let mut force = vec![0.0; q.len() / 3];
+    let is_lower = |point: u32| skin.terms(point).iter().all(|&(node, _)| (node as usize) < faces.lower);
+    for p in skin.vertex_count() as u32..skin.point_count() as u32 {
+        for triangle in skin.triangles() {
+            let points = [p, triangle[0], triangle[1], triangle[2]];
+            let x = points.map(|point| skin.at(point, q));
+            let pair = closest(PairKind::VertexTriangle, &x);
+            if is_lower(p) == is_lower(triangle[0]) || !layer.is_inside(pair.distance_squared) {
+                continue;
+            }
+            let gap: f64 = x.iter().zip(pair.weights).map(|(x, c)| c * x[2]).sum();
+            let [_, slope, _] = layer.evaluate(pair.distance_squared);
+            for (point, c) in points.into_iter().zip(pair.weights) {
+                for &(node, weight) in skin.terms(point) {
+                    force[node as usize] += skin.point_weight(p, 0.5) * slope * 2.0 * c * gap * weight;
+                }
+            }
+        }
+    }
+    force
+}
+
+/// Smallest and largest force of a node of the lower face over that of a uniform pressure.
+fn ratios(faces: &Faces, force: &[f64], n: u32) -> [f64; 2] {
+    // Half of the thickness: 3/5 (1 - y)^2 (1 + 2 y) / y^2 with y = 1/2.
+    let pressure = 0.6 * 0.25 * 2.0 / 0.25;
+    let mut range = [f64::INFINITY, 0.0_f64];
+    for node in (0..faces.lower).filter(|&node| faces.q[3 * node + 2].abs() < 1e-12) {
+        let part = |x: f64| if x.abs() < 1e-9 || (x - 1.0).abs() < 1e-9 { 0.5 } else { 1.0 } / f64::from(n);
+        let area = part(faces.q[3 * node]) * part(faces.q[3 * node + 1]);
+        let ratio = force[node] / (pressure * area);
+        range = [range[0].min(ratio), range[1].max(ratio)];
+    }
+    range
+}
+
+fn given_gap(findings: &mut Findings) -> Outcome<()> {
+    let mut rows = Vec::new();
+    for (n, shift) in [([2, 2], 0.0), ([3, 3], 0.0), ([2, 3], 0.0), ([2, 5], 0.037), ([4, 5], 0.037)] {
+        let mut faces = faces(n, shift)?;
+        let all = with_guards(&mut faces)?;
+        let (with, without) = (ratios(&faces, &all, n[0]), ratios(&faces, &without_guards(&faces), n[0]));
+        let case = format!(
+            "patch at a given gap, {0} x {0} below {1} x {1}{2}",
+            n[0],
+            n[1],
+            if shift > 0.0 { ", shifted" } else { "" }
+        );
+        let range = |[low, high]: [f64; 2]| format!("{low:.3} to {high:.3}");
+        let note = format!("without guards {}, with guards {}", range(without), range(with));
+        let off = |[low, high]: [f64; 2]| (1.0 - low).max(high - 1.0);
+        let bound = if n[0] == n[1] { Bound::AtMost(UNIFORM) } else { Bound::Told };
+        let quantity = "points of integration alone: largest deviation from the uniform pressure";
+        findings.checks.push(Check::new(&case, quantity, off(without), bound).noted(note.clone()));
+        let quantity = "with guards: largest deviation from the uniform pressure";
+        findings.checks.push(Check::new(&case, quantity, off(with), Bound::AtMost(GUARDS)).noted(note));
+        rows.push(vec![case, range(without), range(with)]);
+    }
+    let head = ["meshes", "points of integration alone", "with guards"].map(str::to_owned).to_vec();
+    let caption =
+        "Force of a node of the lower face over that of a uniform pressure; faces half a thickness apart".into();
+    let table = Grid { caption, head, rows };
+    findings.sections.push(Section { title: "Uniform pressure".into(), figures: Vec::new(), tables: vec![table] });
+    Ok(())
+}
+
+/// Pressure of the layer at an overlap of the bodies, whose surfaces are a thickness apart where they touch.
+fn layer_pressure(overlap: f64, thickness: f64) -> f64 {
+    let y = 1.0 - overlap / thickness;
+    if overlap <= 0.0 {
+        return 0.0;
+    }
+    let a = 1.0 - y;
+    if y > 0.0 { 0.6 * a * a * (1.0 + 2.0 * y) / (y * y) } else { f64::INFINITY }
+}
+
+/// Pressure of a bar of the scene's material (E = 1, nu = 0.3) at a stretch along it, sides free.
+fn bar_pressure(stretch: f64) -> f64 {
+    let (mu, lambda) = (1.0 / 2.6, 0.3 / (1.3 * 0.4));
+    let logarithm = |side: f64| (side * side * stretch).ln();
+    let (mut low, mut high) = (0.5, 2.0);
+    for _ in 0..100 {
+        let side = 0.5 * (low + high);
+        if mu * (side * side - 1.0) + lambda * logarithm(side) > 0.0 { high = side } else { low = side }
+    }
+    -(mu * (stretch - 1.0 / stretch) + lambda * logarithm(low) / stretch)
+}
+
+/// Force on two bars of the length and area 1 that are pressed together by `closing`, with the layer between them.
+fn closed_form(closing: f64, thickness: f64) -> f64 {
+    let (mut low, mut high) = (1.0 - 0.5 * closing, 1.0);
+    for _ in 0..200 {
+        let stretch = 0.5 * (low + high);
+        let overlap = closing - 2.0 * (1.0 - stretch);
+        if layer_pressure(overlap, thickness) > bar_pressure(stretch) { high = stretch } else { low = stretch }
+    }
+    bar_pressure(low)
+}
+
+/// Two blocks that touch are pressed together by a twentieth of their height between plates without friction.
+fn pressed(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
+    const CLOSING: f64 = 0.1;
+    let meshes: &[[u32; 2]] = if bench.quick { &[[2, 2], [2, 3]] } else { &[[2, 2], [2, 3], [2, 5]] };
+    for &[n, m] in meshes {
+        for thickness in [0.02, 0.005] {
+            let name = format!("patch, {n} x {n} x {n} pressed by {m} x {m} x {m}, thickness {thickness}");
+            let body = |name: &'static str, n: u32, z: f64| Body::block(name, [1.0; 3], [n; 3]).at([0.5, 0.5, z]);
+            let mut scene = Scene::equilibria(2, "").body(body("lower", n, -0.5)).body(body("upper", m, 0.5));
+            for body in ["lower", "upper"] {
+                scene = scene.fixed(&format!("{body}.left"), &["x"]).fixed(&format!("{body}.front"), &["y"]);
+            }
+            scene = scene.fixed("lower.bottom", &["z"]).probe("force", "lower.bottom", "reaction").also(&format!(
+                "\n[[prescribe]]\nset = \"upper.top\"\ncomponents = [\"z\"]\ndisplacement = {{ table = [[0.0, 0.0], [1.0, -{CLOSING:?}]] }}\n"
+            ));
+            let middles = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+            let cells: Vec<[u32; 2]> = (0..n).flat_map(|i| (0..n).map(move |j| [i, j])).collect();
+            for &[i, j] in &cells {
+                let at = [middles(i), middles(j), -0.5 / f64::from(n)];
+                scene = scene.also(&format!(
+                    "\n[[probe]]\nname = \"s{i}-{j}\"\nbody = \"lower\"\npoint = {at:?}\nquantity = \"cauchy_stress\"\n"
+                ));
+            }
+            let scene = scene.general(&format!("thickness = {thickness:?}"));
+            let launched = run(bench, &name, &scene)?;
+            findings.checks.push(launched.run.completed(0));
+            if !launched.run.succeeded() {
+                continue;
+            }
+            let probes = launched.run.table("probes.csv")?;
+            let last =
+                |column: &str| -> Outcome<f64> { Ok(*probes.column(column)?.last().ok_or("probes.csv has no row")?) };
+            let (force, exact) = (last("force.z")?, closed_form(CLOSING, thickness));
+            // Forces enter half a thickness below the surface by functions that are linear in an element: the work of a uniform stress is less by that part
+            // of the height twice, in force and in displacement. So bodies of the height 1 are stiffer by a thickness; guards add to it.
+            let bound = Bound::AtMost(1.25 * thickness);
+            let note = format!("1.25 thicknesses; {force:.6}; two bars with the layer between them: {exact:.6}");
+            let row = Check::new(&name, "force over the closed form, less one", (force / exact - 1.0).abs(), bound);
+            findings.checks.push(row.noted(note));
+            let stresses: Vec<f64> =
+                cells.iter().map(|[i, j]| last(&format!("s{i}-{j}.zz"))).collect::<Outcome<_>>()?;
+            let mean = stresses.iter().sum::<f64>() / stresses.len() as f64;
+            let spread = stresses.iter().map(|s| (s / mean - 1.0).abs()).fold(0.0, f64::max);
+            let quantity = "stress in the elements below the surface: deviation from its mean";
+            findings.checks.push(Check::new(&name, quantity, spread, Bound::AtMost(SPREAD)));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_is_that_of_a_spring_for_small_strains() {
+        // Two bars of stiffness 1 in series: 1/2; the layer is stiff against a small closing only beyond it.
+        assert!((bar_pressure(1.0 - 1e-6) / 1e-6 - 1.0).abs() < 1e-5);
+        let force = closed_form(1e-3, 1e-9);
+        assert!((force / 5e-4 - 1.0).abs() < 2e-3, "{force}");
+        assert_eq!(layer_pressure(-1.0, 1.0), 0.0);
+        assert!((layer_pressure(0.5, 1.0) - 1.2).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_force_that_is_not_uniform_is_noticed() {
+        let faces = faces([2, 2], 0.0).unwrap();
+        let mut force = without_guards(&faces);
+        let [low, high] = ratios(&faces, &force, 2);
+        assert!((low - 1.0).abs() < 1e-12 && (high - 1.0).abs() < 1e-12);
+        force[9] *= 1.5;
+        assert!((ratios(&faces, &force, 2)[1] - 1.5).abs() < 1e-12);
+    }
+}
