@@ -45,10 +45,10 @@ pub fn run(bench: &Bench, name: &str, scene: &Scene) -> Outcome<Launched> {
     Ok(Launched { run: Run { name: name.to_owned(), ..launched.run }, ..launched })
 }
 
-/// Letters, digits and points of a name, with hyphens between its words.
+/// Letters and digits of a name, with hyphens between them.
 fn slug(name: &str) -> String {
     let lower = name.to_lowercase();
-    let words = lower.split(|c: char| !c.is_ascii_alphanumeric() && c != '.').filter(|word| !word.is_empty());
+    let words = lower.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join("-")
 }
 
@@ -131,6 +131,6 @@ mod tests {
 
     #[test]
     fn files_are_called_after_the_case() {
-        assert_eq!(slug("edge on edge, step 0.1"), "edge-on-edge-step-0.1");
+        assert_eq!(slug("edge on edge, step 0.1"), "edge-on-edge-step-0-1");
     }
 }
