@@ -86,6 +86,12 @@ pub const PICTURES: &[Picture] = &[
         gallery: Some(&[]),
         ..report("trebuchet", "Trebuchet", &[3.0, 3.1, 3.28, 3.44])
     },
+    // Pulled apart from the middle: links tighten from the ends inwards.
+    Picture {
+        camera: Camera { azimuth: -75.0, elevation: 30.0 },
+        gallery: Some(&[]),
+        ..report("general-chain", "Chain of ten tori", &[0.0, 4.0, 10.0])
+    },
     tori("tori", "Two tori without friction"),
     tori("tori-friction-01", "Two tori, coefficient of friction 0.1"),
     tori("tori-friction-03", "Two tori, coefficient of friction 0.3"),

@@ -114,11 +114,11 @@ fn has_mortar(scene: &Table) -> bool {
     contacts.is_some_and(|list| list.iter().any(|c| c.get("method").and_then(Value::as_str) == Some("mortar")))
 }
 
-/// Scenes of minutes or hours, which quick mode leaves out: the tori, the ball on a plane, the rotating indenter (suite `mortar` has a short form of it).
+/// Scenes of minutes or hours, which quick mode leaves out: the tori, the chain of ten of them, the ball on a plane, the rotating indenter (suite `mortar` has a short form of it).
 fn is_large(scene: &Path) -> bool {
     scene.file_stem().is_some_and(|name| {
         let name = name.to_string_lossy();
-        ["tori", "hertz-ball", "rotating-indenter"].iter().any(|large| name.starts_with(large))
+        ["tori", "general-chain", "hertz-ball", "rotating-indenter"].iter().any(|large| name.starts_with(large))
     })
 }
 

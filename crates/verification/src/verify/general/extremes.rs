@@ -96,7 +96,7 @@ fn degenerate(quick: bool) -> Vec<(String, Scene)> {
         ("rigid facets with slivers of height 1e-6".to_owned(), approach(slivers(1e-6))),
     ];
     if !quick {
-        cases.push(("two coplanar faces that touch below a third".to_owned(), approach(bridge(0.0))));
+        cases.push(("two coplanar faces that touch below a third".to_owned(), approach(bridge(0.0)).touching(0.02)));
         cases.push(("rigid facets with slivers of height 1e-3".to_owned(), approach(slivers(1e-3))));
         cases.push(("rigid facets with slivers of height 1e-9".to_owned(), approach(slivers(1e-9))));
     }
@@ -124,6 +124,7 @@ fn coincident(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
 fn rest(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     const GRAVITY: f64 = 0.005;
     const STEP: f64 = 0.1;
+    const SLIP: f64 = 1e-4;
     let steps = if bench.quick { 300 } else { 10_000 };
     let name = format!("at rest for {steps} steps");
     let end = 1.0 + STEP * f64::from(steps);
@@ -135,7 +136,7 @@ fn rest(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         .also("\n[[stage]]\nname = \"settle\"\nkind = \"quasi-static\"\nuntil = 1.0\nstep = 0.25\nstabilise = { fraction = 1e-3 }\n")
         .also(&format!("\n[[stage]]\nname = \"rest\"\nkind = \"dynamic\"\nuntil = {end:?}\n"))
         .probe("place", "block.all", "position")
-        .general("friction = 0.3\nslip_velocity = 1e-4");
+        .general(&format!("friction = 0.3\nslip_velocity = {SLIP:?}"));
     // Kinetic energy is almost nothing: the ledger is held against the weight times the thickness of the layer, below.
     let scene = Scene { keeps_energy: false, ..scene };
     let Some(done) = judge(bench, findings, &name, &scene)? else { return Ok(()) };
@@ -157,7 +158,9 @@ fn rest(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let values: Vec<f64> = all.map(|(_, x)| *x).collect();
         let first = values.first().copied().unwrap_or(f64::NAN);
         let drift = values.iter().map(|x| (x - first).abs()).fold(0.0, f64::max) / 0.02;
-        findings.checks.push(Check::new(&name, quantity, drift, Bound::AtMost(0.05)));
+        // Friction creeps, more slowly than the speed of slip below which it falls.
+        let bound = if column == "place.x" { SLIP * STEP * f64::from(steps) / 0.02 } else { 0.05 };
+        findings.checks.push(Check::new(&name, quantity, drift, Bound::AtMost(bound)));
     }
     let contact = done.table("general.csv")?;
     let (time, force) = (contact.column("time")?, contact.column("force_z")?);

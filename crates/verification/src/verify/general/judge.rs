@@ -17,6 +17,9 @@ pub const LEDGER: f64 = 1e-9;
 /// Change of momenta over mass times the speed that belongs to the largest kinetic energy, angular ones with an arm of 1.
 const MOMENTA: f64 = 1e-11;
 
+/// Overlap of the skins of bodies that touch at the start, in thicknesses, at edges.
+const SKINS: f64 = 1.42;
+
 /// Far more than any scene needs.
 const LIMIT: Duration = Duration::from_secs(900);
 
@@ -45,10 +48,10 @@ pub fn run(bench: &Bench, name: &str, scene: &Scene) -> Outcome<Launched> {
     Ok(Launched { run: Run { name: name.to_owned(), ..launched.run }, ..launched })
 }
 
-/// Letters, digits and points of a name, with hyphens between its words.
+/// Letters and digits of a name, with hyphens between them.
 fn slug(name: &str) -> String {
     let lower = name.to_lowercase();
-    let words = lower.split(|c: char| !c.is_ascii_alphanumeric() && c != '.').filter(|word| !word.is_empty());
+    let words = lower.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join("-")
 }
 
@@ -108,7 +111,14 @@ pub fn judge_closely(
         "{steps} steps, {iterations:.1} solutions a step, smallest distance {distance:.2e}, {:.1} s",
         launched.run.ending.seconds
     );
-    row("intersections by the watch", found.intersections, Bound::AtMost(0.0), launched.run.reasons());
+    match scene.skins {
+        None => row("intersections by the watch", found.intersections, Bound::AtMost(0.0), launched.run.reasons()),
+        Some(thickness) => {
+            let depths = launched.run.table("watch.csv")?;
+            let depth = depths.column("depth")?.iter().copied().fold(0.0, f64::max) / thickness;
+            row("deepest node inside a body, thicknesses", depth, Bound::AtMost(SKINS), launched.run.reasons());
+        }
+    }
     let verdict = match launched.run.verdict()?.as_str() {
         "sound" => 0.0,
         "doubtful" => 1.0,
@@ -131,6 +141,6 @@ mod tests {
 
     #[test]
     fn files_are_called_after_the_case() {
-        assert_eq!(slug("edge on edge, step 0.1"), "edge-on-edge-step-0.1");
+        assert_eq!(slug("edge on edge, step 0.1"), "edge-on-edge-step-0-1");
     }
 }

@@ -86,36 +86,79 @@ fn o_ring(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     Ok(())
 }
 
-/// A wedge of 30 degrees to either side flies down into a notch. With the coefficient 1.2 it jams, as 30 degrees are far below its angle of friction; without friction it is thrown out.
-fn wedges(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
-    const HALF: f64 = 30.0;
-    for friction in [1.2, 0.0] {
-        let name = format!("wedge in a notch, friction {friction}");
-        let angle = HALF.to_radians();
-        let (slope, cosine) = (angle.tan(), angle.cos());
-        let body = Body::hexahedra("wedge", "wedge", &wedge(0.1, slope)).young(100.0);
-        let mut scene = Scene::dynamic(0.05, 4.0).watched(1).body(body.at([0.0, 0.0, 0.35]).velocity([0.0, 0.0, -0.5]));
-        for (wall, side) in [("right", 1.0), ("left", -1.0)] {
-            let shape = format!(
-                "shape = {{ kind = \"box\", size = [0.4, 2.0, 3.0] }}\nrotation = {{ axis = [0, 1, 0], degrees = {:?} }}",
-                side * HALF
-            );
-            scene = scene.obstacle(wall, &shape, [side * (slope + 0.2 / cosine), 0.0, 1.0]);
-        }
-        let scene = scene
-            .gravity(0.5)
-            .probe("velocity", "wedge.all", "velocity")
-            .probe("place", "wedge.all", "position")
-            .general(&format!("friction = {friction:?}\nslip_velocity = 0.005"));
-        let Some(done) = judge(bench, findings, &name, &scene)? else { continue };
-        let probes = done.table("probes.csv")?;
-        let (time, speed) = (probes.column("time")?, probes.column("velocity.z")?);
-        let late = time.iter().zip(speed).filter(|(time, _)| **time > 2.0);
-        let fastest = late.map(|(_, speed)| speed.abs()).fold(0.0, f64::max);
-        let bound = if friction > 0.0 { Bound::AtMost(0.15) } else { Bound::AtLeast(0.15) };
-        let note = format!("at the end z = {:.4}, v = {:.4}", last(&done, "place.z")?, last(&done, "velocity.z")?);
-        findings.checks.push(Check::new(&name, "largest mean speed in the second half", fastest, bound).noted(note));
+/// Angle of a wedge and of its notch to either side.
+const HALF: f64 = 30.0;
+
+/// A wedge above a notch of two rigid walls.
+fn notch(scene: Scene, height: f64, velocity: f64) -> Scene {
+    let angle = HALF.to_radians();
+    let (slope, cosine) = (angle.tan(), angle.cos());
+    let body = Body::hexahedra("wedge", "wedge", &wedge(0.1, slope)).young(100.0).at([0.0, 0.0, height]);
+    let body = if velocity > 0.0 { body.velocity([0.0, 0.0, -velocity]) } else { body };
+    let mut scene = scene.watched(1).body(body);
+    for (wall, side) in [("right", 1.0), ("left", -1.0)] {
+        let shape = format!(
+            "shape = {{ kind = \"box\", size = [0.4, 2.0, 3.0] }}\nrotation = {{ axis = [0, 1, 0], degrees = {:?} }}",
+            side * HALF
+        );
+        scene = scene.obstacle(wall, &shape, [side * (slope + 0.2 / cosine), 0.0, 1.0]);
     }
+    scene
+}
+
+/// A wedge with friction: thrown into a notch, and pressed into it by a force that grows and falls again.
+fn wedges(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
+    let thrown = notch(Scene::dynamic(0.05, 4.0), 0.35, 0.5).gravity(0.5);
+    judge(
+        bench,
+        findings,
+        "wedge thrown into a notch, friction 1.2",
+        &thrown.general("friction = 1.2\nslip_velocity = 0.005"),
+    )?;
+    for friction in [0.3, 1.2] {
+        pressed_wedge(bench, findings, friction)?;
+    }
+    Ok(())
+}
+
+/// In equilibrium the walls carry the force: `F/2 = N sin a + T cos a`. With a coefficient far below tan a the wedge slides in at `T = mu N`; beyond it sticks.
+fn pressed_wedge(bench: &Bench, findings: &mut Findings, friction: f64) -> Outcome<()> {
+    const STEPS: u32 = 40;
+    let name = format!("wedge pressed into a notch, friction {friction}");
+    // A gap of 0.005 to the walls.
+    let scene = notch(Scene::equilibria(STEPS, "stabilise = { fraction = 1e-4 }"), 0.1832, 0.0)
+        .also("\n[[load]]\nset = \"wedge.all & z > 1.17 & -0.01 < x < 0.01\"\nforce = { table = [[0.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, -0.3333333333333333], [1.0, 0.0, 0.0, 0.0]] }\n")
+        .fixed("wedge.all & -0.01 < x < 0.01", &["x"])
+        .fixed("wedge.all & -0.01 < y < 0.01", &["y"])
+        .general(&format!("friction = {friction:?}\nslip_velocity = 0.001"));
+    let Some(done) = judge(bench, findings, &name, &scene)? else { return Ok(()) };
+    let text = crate::workspace::read(&done.folder.join("general.csv"))?;
+    // The rows of one wall; both have the same names in every step.
+    let mut lines = text.lines();
+    let head = lines.next().unwrap_or_default();
+    let rows: Vec<&str> = lines.filter(|line| line.contains("wedge,right,")).collect();
+    let table = crate::table::Table::parse(&[&[head], &rows[..]].concat().join("\n"))?;
+    let (sine, cosine) = HALF.to_radians().sin_cos();
+    let forces = table.column("time")?.iter().zip(table.column("force_x")?).zip(table.column("force_z")?);
+    let states: Vec<[f64; 3]> =
+        forces.map(|((&time, x), z)| [time, z * sine - x * cosine, x * sine + z * cosine]).collect();
+    let load = |time: f64| 0.5 * (1.0 - (2.0 * time - 1.0).abs());
+    let (mut balance, mut bound, mut sliding) = (0.0_f64, 0.0_f64, f64::NAN);
+    for &[time, normal, tangential] in states.iter().filter(|[time, ..]| (0.2..0.9).contains(time)) {
+        balance = balance.max(((normal * sine + tangential * cosine) / load(time) - 1.0).abs());
+        bound = bound.max((tangential / normal).abs());
+        if time < 0.5 {
+            sliding = tangential / normal;
+        }
+    }
+    let mut row = |quantity: &str, measured: f64, bound: Bound| {
+        findings.checks.push(Check::new(&name, quantity, measured, bound).noted(format!("{} states", states.len())));
+    };
+    row("what a wall carries over half of the force, less one", balance, Bound::AtMost(1e-3));
+    row("largest friction over the normal force", bound, Bound::AtMost(friction * (1.0 + 1e-9)));
+    let slides = Bound::Near { value: friction, tolerance: 0.05 * friction };
+    let quantity = "friction over the normal force while the load grows";
+    row(quantity, sliding, if friction < HALF.to_radians().tan() { slides } else { Bound::Told });
     Ok(())
 }
 
