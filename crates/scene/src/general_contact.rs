@@ -1,8 +1,21 @@
 //! The table `[general_contact]`.
 
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+named! {
+    /// What becomes of bodies that lie in each other at the start.
+    #[derive(Default)]
+    Initial {
+        /// They are refused.
+        #[default]
+        Refuse = "refuse",
+        /// Bodies that may be moved are moved apart before the start, without stress.
+        Separate = "separate",
+    }
+}
 
 /// `[general_contact]`: contact of everything with everything, without slave and master. Facets that a `[[contact]]` or a `[[tie]]` pairs are left out for each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +41,9 @@ pub struct GeneralContact {
     /// Whether a body is in contact with itself.
     #[serde(default = "GeneralContact::yes", rename = "self")]
     pub with_itself: bool,
+    /// What becomes of bodies that lie in each other at the start.
+    #[serde(default)]
+    pub initial: Initial,
     /// What takes part: names of parts, and sets of them (`part.set`); by default all bodies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub include: Vec<String>,
@@ -73,6 +89,7 @@ impl Default for GeneralContact {
             slip_velocity: None,
             damping: 0.0,
             with_itself: true,
+            initial: Initial::default(),
             include: Vec::new(),
             exclude: Vec::new(),
             pairs: Vec::new(),

@@ -280,7 +280,9 @@ fn next_stage(schedule: &Schedule, simulation: &mut Simulation) -> Result<bool, 
 
 /// How many pressures, further unknowns of contact and tie multipliers there may be.
 fn constraint_unknowns(built: &Built, slots: usize) -> String {
-    let pressures: u64 = built.contacts.iter().map(|contact| contact.slots).sum();
+    // General contact has points, and no unknowns.
+    let with_unknowns = built.contacts.iter().filter(|contact| contact.unknowns_per_slot > 0);
+    let pressures: u64 = with_unknowns.map(|contact| contact.slots).sum();
     let all: u64 = built.contacts.iter().map(|contact| contact.slots * contact.unknowns_per_slot).sum();
     let mut text = format!(", up to {pressures} contact pressures");
     if all > pressures {

@@ -2,7 +2,7 @@
 
 use super::node::{Node, is_name};
 use super::world::{World, part_name, surface_reference};
-use crate::{GeneralContact, GeneralPair};
+use crate::{GeneralContact, GeneralPair, Initial};
 
 pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<GeneralContact> {
     let table = node.table()?;
@@ -15,6 +15,7 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
     let slip_velocity = table.optional("slip_velocity", Node::positive);
     let damping = table.default("damping", plain.damping, Node::not_negative);
     let with_itself = table.default("self", plain.with_itself, Node::boolean);
+    let initial = table.default("initial", plain.initial, |n| n.choice(Initial::NAMES, Initial::from_name));
     let surfaces = |n: &Node<'_>| n.list(|n| surface(n, world));
     let include = table.default("include", Vec::new(), surfaces);
     let exclude = table.default("exclude", Vec::new(), surfaces);
@@ -27,6 +28,7 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
         slip_velocity: slip_velocity?,
         damping: damping?,
         with_itself: with_itself?,
+        initial: initial?,
         include: include?,
         exclude: exclude?,
         pairs: pairs?,

@@ -1,6 +1,8 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
 use super::condition::resolve;
+use super::rigid_inset::{Frame, fits};
+use super::separate;
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, FrictionPlan, Placed, Problems};
@@ -8,7 +10,7 @@ use crate::scene::{GeneralContact as Table, Kind, Parameter, Scene};
 use crate::solver::{ContactPair, Coupling, Model, short};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
-    GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, first_look, mitre,
+    GeneralContact, GeneralOptions, Interaction, Interactions, Relation, Skin, SkinFacet, first_look, mitre,
 };
 use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
@@ -17,7 +19,7 @@ use stoss_reference_element::FacetNodes;
 pub(super) const NAME: &str = "general";
 
 /// Thickness of the layer in parts of the shortest edge, where the scene leaves it open.
-const THICKNESS: f64 = 0.04;
+pub(super) const THICKNESS: f64 = 0.04;
 
 /// Thinnest layer that is made, in parts of the shortest edge.
 const THINNEST: f64 = 1e-4;
@@ -121,15 +123,28 @@ fn skin(
     let look = first_look(&skin, rules, &model.reference, table.thickness.unwrap_or(default).max(2.0 * default));
     if let Some(&([f, g], place)) = look.crossings.first() {
         let [a, b] = [f, g].map(|facet| rules.body(skin.facets()[facet as usize].class));
-        let (what, remedy) = if a == b {
-            (format!("the surface of `{}` goes through itself", name(a)), "mend the mesh, or set `self = false`")
+        let (what, deep, remedy) = if a == b {
+            let what = format!("the surface of `{}` goes through itself", name(a));
+            (what, None, "mend the mesh, or set `self = false`")
         } else {
             let what = format!("`{}` and `{}` lie in each other", name(a), name(b));
-            (what, "move one of them, or leave one of them out by `exclude`")
+            let remedy = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
+            (what, separate::depth(&skin, rules, model, placed, [a, b]), remedy)
         };
-        let message =
-            format!("{what} at the start, near {}; {} pairs of facets cross", point(place, edge), look.crossings.len());
+        let deep = deep.map_or(String::new(), |deep| format!(", {deep}"));
+        let (place, count) = (point(place, edge), look.crossings.len());
+        let message = format!("{what} at the start, near {place}{deep}; {count} pairs of facets cross");
         problems.add(key(), "", message, remedy);
+        return None;
+    }
+    if let Some(([a, b], relation)) = separate::inside(&skin, rules, model) {
+        let message = match separate::depth(&skin, rules, model, placed, [a, b]) {
+            Some(deep) if relation == Relation::Cross => {
+                format!("`{}` and `{}` lie in each other at the start, {deep}", name(a), name(b))
+            }
+            _ => format!("one of `{}` and `{}` lies inside the other at the start", name(a), name(b)),
+        };
+        problems.add(key(), "", message, "move one of them, or leave one of them out by `exclude`");
         return None;
     }
     let itself = look.nearest.iter().filter(|([a, b], _)| a == b);
@@ -157,11 +172,16 @@ fn skin(
         thickness = apart.fold(thickness, f64::min);
     }
     let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
+    let mut frames: BTreeMap<u32, Option<Frame>> = BTreeMap::new();
     for ([a, b], nearest) in between.iter().filter(|(_, nearest)| nearest.distance < thickness) {
-        let rigid = [*a, *b].map(|body| placed[body as usize].mesh().is_none());
-        if rigid == [true; 2] {
+        // Without points below the surface.
+        let flat = [*a, *b].map(|body| {
+            let frame = || Frame::of(&facets_of(&facets, rules, body), &model.reference);
+            placed[body as usize].mesh().is_none() && frames.entry(body).or_insert_with(frame).is_none()
+        });
+        if flat == [true; 2] {
             let message = format!(
-                "the rigid bodies `{}` and `{}` touch at the start, near {}: surfaces below those of rigid bodies are not available",
+                "the rigid bodies `{}` and `{}` touch at the start, near {}, and neither has an inside into which its surface could be put: they are flat or not closed",
                 name(*a),
                 name(*b),
                 point(nearest.place, edge)
@@ -169,9 +189,9 @@ fn skin(
             problems.add(key(), "", message, format!("leave a gap of {thickness:.3e} between them"));
             return None;
         }
-        for (k, body) in [a, b].into_iter().enumerate().filter(|(k, _)| !rigid[*k]) {
-            // Of a rigid body and a deformable one the latter goes all of the way.
-            let part = if rigid[1 - k] { 1.0 } else { 0.5 };
+        for (k, body) in [a, b].into_iter().enumerate().filter(|(k, _)| !flat[*k]) {
+            // Opposite a flat one the other body goes all of the way.
+            let part = if flat[1 - k] { 1.0 } else { 0.5 };
             let depth = depth.entry(*body).or_insert(0.0);
             *depth = depth.max(part * thickness);
         }
@@ -182,7 +202,8 @@ fn skin(
     let mut places = BTreeMap::new();
     for (&body, &depth) in &depth {
         let part = &placed[body as usize];
-        if let Err((node, reason)) = inset(&skin, rules, model, body, depth, &mut places) {
+        let frame = frames.get(&body).and_then(Option::as_ref);
+        if let Err((node, reason)) = inset(&skin, rules, model, body, frame, depth, &mut places) {
             let at = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
             let message = format!(
                 "`{}` touches another body at the start, and its surface cannot be put {depth:.3e} inside near {}: {reason}",
@@ -221,6 +242,7 @@ fn inset(
     rules: &Interactions,
     model: &Model,
     body: u32,
+    frame: Option<&Frame>,
     depth: f64,
     places: &mut BTreeMap<u32, Vec<(u32, f64)>>,
 ) -> Result<(), (u32, String)> {
@@ -239,27 +261,44 @@ fn inset(
             }
         }
     }
-    let solid = &model.bodies[body as usize].solid;
+    let first = normals.keys().next().copied();
     for (node, normals) in normals {
         let m = mitre(&normals).ok_or_else(|| (node, "facets there face each other".to_owned()))?;
         let k = 3 * node as usize;
         let at = std::array::from_fn(|i| model.reference[k + i] - depth * m[i]);
         let outside = || (node, "the body is too thin there".to_owned());
+        if let Some(frame) = frame {
+            places.insert(node, frame.terms(at));
+            continue;
+        }
+        let solid = &model.bodies[body as usize].solid;
         let point = solid.material_point(&model.reference, at).ok_or_else(outside)?;
         let shape = stoss_reference_element::hex8::shape(point.natural);
         let corners = &solid.connectivity()[point.element];
         places.insert(node, corners.iter().copied().zip(shape).collect());
     }
-    Ok(())
+    let place = |node: u32| places.get(&node).cloned();
+    match first {
+        Some(node)
+            if frame.is_some() && !fits(&facets_of(skin.facets(), rules, body), &model.reference, depth, &place) =>
+        {
+            Err((node, "the body is too thin".to_owned()))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn facets_of(facets: &[SkinFacet], rules: &Interactions, body: u32) -> Vec<SkinFacet> {
+    facets.iter().filter(|facet| rules.body(facet.class) == body).copied().collect()
 }
 
 /// A place, with the digits that an edge of this length has.
-fn point(x: [f64; 3], edge: f64) -> String {
+pub(super) fn point(x: [f64; 3], edge: f64) -> String {
     let [x, y, z] = x.map(|x| short(x, edge));
     format!("({x}, {y}, {z})")
 }
 
-fn shortest_edge(skin: &Skin, reference: &[f64]) -> f64 {
+pub(super) fn shortest_edge(skin: &Skin, reference: &[f64]) -> f64 {
     let at = |node: u32, i: usize| reference[3 * node as usize + i];
     let length = |a: u32, b: u32| (0..3).map(|i| (at(a, i) - at(b, i)).powi(2)).sum::<f64>();
     let mut shortest = f64::INFINITY;
@@ -272,15 +311,21 @@ fn shortest_edge(skin: &Skin, reference: &[f64]) -> f64 {
 }
 
 /// Facets that take part, with classes: parts of bodies that named contacts and ties pair differently.
-struct Classes {
-    facets: Vec<SkinFacet>,
+pub(super) struct Classes {
+    pub facets: Vec<SkinFacet>,
     /// Part of each class.
-    classes: Vec<usize>,
+    pub classes: Vec<usize>,
     /// Classes that a named contact or a tie pairs.
-    apart: BTreeSet<[u32; 2]>,
+    pub apart: BTreeSet<[u32; 2]>,
 }
 
-fn facets(scene: &Scene, placed: &[Placed], table: &Table, ties: &Ties, problems: &mut Problems<'_>) -> Classes {
+pub(super) fn facets(
+    scene: &Scene,
+    placed: &[Placed],
+    table: &Table,
+    ties: &Ties,
+    problems: &mut Problems<'_>,
+) -> Classes {
     let mut find = |key: &str, sets: &[String]| -> BTreeSet<FacetNodes> {
         let mut found = BTreeSet::new();
         for (k, name) in sets.iter().enumerate() {
@@ -332,7 +377,7 @@ fn facets(scene: &Scene, placed: &[Placed], table: &Table, ties: &Ties, problems
     Classes { facets: list, classes, apart }
 }
 
-fn interactions(
+pub(super) fn interactions(
     placed: &[Placed],
     table: &Table,
     model: &Model,
