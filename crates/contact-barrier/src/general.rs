@@ -6,9 +6,9 @@ use crate::{Friction, Interactions, Layer, PairStart, Skin, StepForce, Tangent};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_contact::{
-    BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration,
+    BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration, SurfaceNode,
 };
-use stoss_geometry::closest;
+use stoss_geometry::{PairKind, closest};
 
 /// No start of a pair is known.
 const NONE: u32 = u32::MAX;
@@ -184,9 +184,90 @@ impl GeneralContact {
         nodes.dedup();
     }
 
+    /// Forces at the surface nodes in the step, and distances at its end.
+    fn surface(&self) -> Surface {
+        let n = self.skin.surface_nodes().len();
+        let zero = || vec![Vector3::zeros(); n];
+        let in_contact = vec![false; self.skin.facets().len()];
+        let mut surface = Surface { normal: zero(), friction: zero(), distance: vec![f64::INFINITY; n], in_contact };
+        for &k in &self.active {
+            let candidate = &self.proximity.candidates[k as usize];
+            let StepForce { barrier, friction } = self.force(k, None);
+            if candidate.is_inner {
+                candidate.facets.iter().for_each(|&facet| surface.in_contact[facet as usize] = true);
+            }
+            for i in 0..4 {
+                self.skin.shares(candidate.points[i], 1.0, &mut |k, share| {
+                    surface.normal[k] -= barrier.gradient[i] * share;
+                    surface.friction[k] -= friction.gradient[i] * share;
+                });
+            }
+        }
+        for candidate in &self.proximity.candidates {
+            let point = candidate.points[0] as usize;
+            if candidate.term.kind == PairKind::VertexTriangle && point < n {
+                let distance = closest(candidate.term.kind, &candidate.of(&self.x)).distance_squared.sqrt();
+                surface.distance[point] = surface.distance[point].min(distance);
+            }
+        }
+        surface
+    }
+
     fn place(skin: &Skin, q: &[f64], x: &mut Vec<Vector3<f64>>) {
         x.clear();
         x.extend((0..skin.point_count() as u32).map(|p| skin.at(p, q)));
+    }
+}
+
+/// Forces at the places of [`Skin::surface_nodes`] and what they are spread over.
+struct Surface {
+    normal: Vec<Vector3<f64>>,
+    friction: Vec<Vector3<f64>>,
+    distance: Vec<f64>,
+    /// Facets with a point of integration that acts or is acted on.
+    in_contact: Vec<bool>,
+}
+
+/// Vectors of the current areas that belong to the surface nodes, of facets in contact and of all, with their sizes.
+struct Areas {
+    vectors: [Vec<Vector3<f64>>; 2],
+    sizes: [Vec<f64>; 2],
+}
+
+impl Areas {
+    fn of(skin: &Skin, q: &[f64], in_contact: &[bool]) -> Self {
+        let n = skin.surface_nodes().len();
+        let mut areas =
+            Self { vectors: [(); 2].map(|()| vec![Vector3::zeros(); n]), sizes: [(); 2].map(|()| vec![0.0; n]) };
+        let node = |k: usize| {
+            let at = 3 * skin.surface_nodes()[k] as usize;
+            Vector3::new(q[at], q[at + 1], q[at + 2])
+        };
+        let position = |vertex: u32| {
+            let mut x = Vector3::zeros();
+            skin.shares(vertex, 1.0, &mut |k, share| x += node(k) * share);
+            x
+        };
+        for (t, corners) in skin.triangles().iter().enumerate() {
+            let [a, b, c] = corners.map(position);
+            let third = (b - a).cross(&(c - a)) / 6.0;
+            let (size, acts) = (third.norm(), in_contact[skin.facet_of_triangle(t as u32) as usize]);
+            for &corner in corners {
+                skin.shares(corner, 1.0, &mut |k, share| {
+                    for kind in usize::from(!acts)..2 {
+                        areas.vectors[kind][k] += third * share;
+                        areas.sizes[kind][k] += size * share;
+                    }
+                });
+            }
+        }
+        areas
+    }
+
+    /// Area and normal of a surface node.
+    fn at(&self, k: usize) -> (f64, Vector3<f64>) {
+        let kind = usize::from(self.sizes[0][k] == 0.0);
+        (self.sizes[kind][k], self.vectors[kind][k].try_normalize(0.0).unwrap_or_default())
     }
 }
 
@@ -400,16 +481,7 @@ impl Potential for GeneralContact {
             let StepForce { barrier, friction } = self.force(k, None);
             let [a, b] = candidate.classes.map(|class| self.rules.body(class));
             let bodies = [a.min(b), a.max(b)];
-            let pair = list.entry(bodies).or_insert(BodyPair {
-                bodies,
-                active: 0,
-                distance: f64::INFINITY,
-                pressure: 0.0,
-                area: 0.0,
-                force: [0.0; 3],
-                moment: [0.0; 3],
-                friction_work: 0.0,
-            });
+            let pair = list.entry(bodies).or_insert(BodyPair::none(bodies));
             let x = candidate.of(&self.x);
             let distance = closest(candidate.term.kind, &x).distance_squared.sqrt();
             pair.distance = pair.distance.min(distance);
@@ -441,5 +513,31 @@ impl Potential for GeneralContact {
             }
         }
         list.into_values().collect()
+    }
+
+    fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {
+        let surface = self.surface();
+        let areas = Areas::of(&self.skin, q_np1, &surface.in_contact);
+        let mut list = Vec::new();
+        for (k, &node) in self.skin.surface_nodes().iter().enumerate() {
+            let (normal, friction, distance) = (surface.normal[k], surface.friction[k], surface.distance[k]);
+            if distance.is_infinite() && normal == Vector3::zeros() && friction == Vector3::zeros() {
+                continue;
+            }
+            let (area, outward) = areas.at(k);
+            let friction = (friction - outward * outward.dot(&friction)) / area;
+            list.push(SurfaceNode {
+                node,
+                pressure: -normal.dot(&outward) / area,
+                friction: friction.into(),
+                distance,
+                area,
+            });
+        }
+        list
+    }
+
+    fn has_friction(&self) -> bool {
+        self.rules.has_friction()
     }
 }

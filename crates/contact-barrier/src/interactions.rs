@@ -36,6 +36,25 @@ impl Interactions {
         self.table[a as usize * self.bodies.len() + b as usize].as_ref()
     }
 
+    /// The same between different bodies alone: none acts on itself.
+    pub fn between_bodies(&self) -> Self {
+        let (mut all, n) = (self.clone(), self.bodies.len());
+        for (k, entry) in all.table.iter_mut().enumerate() {
+            if self.bodies[k / n] == self.bodies[k % n] {
+                *entry = None;
+            }
+        }
+        all
+    }
+
+    /// Pairs of different bodies that act on each other, the smaller number first, ascending.
+    pub fn body_pairs(&self) -> Vec<[u32; 2]> {
+        let n = self.bodies.len();
+        let pair = |k: usize| [self.bodies[k / n], self.bodies[k % n]];
+        let acting = (0..n * n).filter(|&k| self.table[k].is_some()).map(pair).filter(|[a, b]| a < b);
+        acting.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+    }
+
     /// Body of a class.
     pub fn body(&self, class: u32) -> u32 {
         self.bodies[class as usize]

@@ -10,6 +10,7 @@
 //! * [`Skin`]: vertices, edges, triangles and points of integration of all bodies, with their weights;
 //! * [`Interactions`]: who acts on whom, how stiff, with which friction;
 //! * [`first_look`]: surfaces that cross before the first step, and the smallest distances;
+//! * [`Overlaps`]: bodies that lie in each other, and how far they have to be moved;
 //! * [`GeneralContact`]: the sum, as a potential of the solver, with the collision detection that keeps iterates from passing through each other.
 //!
 //! Signs: a `gradient` is that of an energy, to be added to a residual; the force on the nodes is minus it.
@@ -18,6 +19,7 @@ mod general;
 mod inset;
 mod interactions;
 mod layer;
+mod overlap;
 mod pair;
 mod parallel;
 mod proximity;
@@ -31,6 +33,7 @@ pub use general::{GeneralContact, GeneralOptions};
 pub use inset::mitre;
 pub use interactions::{Interaction, Interactions};
 pub use layer::Layer;
+pub use overlap::{Overlaps, Relation, Separation};
 pub use pair::{PairForce, PairStart, PairTerm, StepForce};
 pub use parallel::Parallel;
 pub use skin::{Skin, SkinFacet};

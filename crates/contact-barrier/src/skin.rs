@@ -28,6 +28,8 @@ pub struct Skin {
     starts: Vec<u32>,
     terms: Vec<(u32, f64)>,
     vertex_count: usize,
+    /// Nodes of the first vertices, ascending; the centres of quadrilaterals come behind them.
+    nodes: Vec<u32>,
     /// Facet by which a point is found: that of a point of integration, one of those around a vertex.
     point_facet: Vec<u32>,
     /// Reference area that belongs to a point.
@@ -82,6 +84,7 @@ impl Skin {
             }
         }
         skin.vertex_count = positions.len();
+        skin.nodes = nodes;
         skin.edges = edges_of(&skin.triangles);
         skin.facets = facets;
         skin.measure(&positions);
@@ -169,6 +172,30 @@ impl Skin {
     /// Number of vertices, the centres of quadrilaterals among them; they come first among the points.
     pub fn vertex_count(&self) -> usize {
         self.vertex_count
+    }
+
+    /// Nodes of the facets, ascending: node `k` belongs to vertex `k`.
+    pub fn surface_nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Hands out the places among [`Self::surface_nodes`] at which a point lies in the undeformed surface, with their shares, of sum one: other than [`Self::terms`] they know nothing of vertices below the surface.
+    pub fn shares(&self, point: u32, share: f64, visit: &mut dyn FnMut(usize, f64)) {
+        if (point as usize) < self.nodes.len() {
+            visit(point as usize, share);
+        } else if (point as usize) < self.vertex_count {
+            let nodes = &self.facets[self.point_facet[point as usize] as usize].nodes;
+            for node in nodes.iter() {
+                // cannot fail: these are the nodes of the facets.
+                visit(self.nodes.binary_search(node).unwrap_or_default(), share / nodes.len() as f64);
+            }
+        } else {
+            let inner = point as usize - self.vertex_count;
+            let corners = self.triangles[inner / GAUSS.len()];
+            for (corner, part) in corners.into_iter().zip(GAUSS[inner % GAUSS.len()]) {
+                self.shares(corner, share * part, visit);
+            }
+        }
     }
 
     /// Number of points: vertices and points of integration.

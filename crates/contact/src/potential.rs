@@ -25,6 +25,37 @@ pub struct BodyPair {
     pub friction_work: f64,
 }
 
+impl BodyPair {
+    /// Of two bodies that do nothing to each other.
+    pub fn none(bodies: [u32; 2]) -> Self {
+        Self {
+            bodies,
+            active: 0,
+            distance: f64::INFINITY,
+            pressure: 0.0,
+            area: 0.0,
+            force: [0.0; 3],
+            moment: [0.0; 3],
+            friction_work: 0.0,
+        }
+    }
+}
+
+/// What acts at a node of a surface in a step, of potentials that act between surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceNode {
+    /// The node.
+    pub node: u32,
+    /// Normal force over the area, positive in compression.
+    pub pressure: f64,
+    /// Friction on the surface over the area, tangential.
+    pub friction: [f64; 3],
+    /// Distance to the nearest other surface at the end of the step (infinite if none was looked at).
+    pub distance: f64,
+    /// Current area of the facets in contact that belongs to the node; of all facets around it where none is, as at corners and edges.
+    pub area: f64,
+}
+
 /// Forces that have an energy `V(q)` and no multiplier: penalties, barriers.
 ///
 /// # Protocol
@@ -99,6 +130,14 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     /// What bodies do to each other at the end of the step, those that do; nothing from potentials that do not act between bodies.
     fn body_pairs(&self) -> Vec<BodyPair> {
         Vec::new()
+    }
+    /// What acts at the nodes of surfaces in the step to `q_np1`, nodes ascending; those where nothing acts and nothing is near may be missing.
+    fn surface_nodes(&self, _q_np1: &[f64]) -> Vec<SurfaceNode> {
+        Vec::new()
+    }
+    /// Whether there is friction.
+    fn has_friction(&self) -> bool {
+        false
     }
     /// The step to `q_np1` was accepted.
     fn commit(&mut self, _q_np1: &[f64]) {}

@@ -1,8 +1,21 @@
 //! The table `[general_contact]`.
 
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+named! {
+    /// What becomes of bodies that lie in each other at the start.
+    #[derive(Default)]
+    Initial {
+        /// They are refused.
+        #[default]
+        Refuse = "refuse",
+        /// Bodies that may be moved are moved apart before the start, without stress.
+        Separate = "separate",
+    }
+}
 
 /// `[general_contact]`: contact of everything with everything, without slave and master. It is on by default where several parts have surfaces, no pair is named with `[[contact]]`, and
 /// the scheme carries it. Facets that a `[[contact]]` or a `[[tie]]` pairs are left out for each other, and parts that a joint connects.
@@ -35,6 +48,9 @@ pub struct GeneralContact {
     /// Whether a body is in contact with itself.
     #[serde(default = "GeneralContact::yes", rename = "self")]
     pub with_itself: bool,
+    /// What becomes of bodies that lie in each other at the start.
+    #[serde(default)]
+    pub initial: Initial,
     /// What takes part: names of parts, and sets of them (`part.set`); by default all bodies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub include: Vec<String>,
@@ -86,6 +102,7 @@ impl Default for GeneralContact {
             slip_velocity: None,
             damping: 0.0,
             with_itself: true,
+            initial: Initial::default(),
             include: Vec::new(),
             exclude: Vec::new(),
             pairs: Vec::new(),

@@ -60,7 +60,7 @@ pub use friction::{
 pub use general::{
     Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time,
 };
-pub use general_contact::{GeneralContact, GeneralPair};
+pub use general_contact::{GeneralContact, GeneralPair, Initial};
 pub use gravity::Gravity;
 pub use joint::{
     ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension,

@@ -216,9 +216,9 @@ named! {
         LogarithmicStrain = "logarithmic_strain",
         /// Force of the supports on each node, zero where nothing is prescribed. Has to be named.
         Reaction = "reaction",
-        /// Contact pressure on slave nodes.
+        /// Contact pressure on slave nodes; of general contact on all surfaces, as a mean since the last frame.
         ContactPressure = "contact_pressure",
-        /// Gap of slave nodes.
+        /// Gap of slave nodes; of general contact the distance to the nearest other surface.
         Gap = "gap",
         /// Of slave nodes: 0 open, 1 sticks, 2 slides (also without friction); where a node has several constraints, the largest.
         ContactStatus = "contact_status",

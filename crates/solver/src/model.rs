@@ -5,7 +5,7 @@ use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, T
 use std::ops::Range;
 use stoss_contact::{
     Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
-    LocalContribution, Potential, Report, SlotReport, StepConfiguration, WithoutSlots,
+    LocalContribution, Potential, Report, SlotReport, StepConfiguration, SurfaceNode, WithoutSlots,
 };
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_part::Part;
@@ -141,6 +141,21 @@ impl Coupling {
     /// What bodies do to each other by a potential at the end of a step.
     pub(crate) fn body_pairs(&self) -> Vec<BodyPair> {
         if let Self::Potential(of) = self { of.0.body_pairs() } else { Vec::new() }
+    }
+
+    /// What acts at surface nodes by a potential in the step to `q_np1`.
+    pub(crate) fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {
+        if let Self::Potential(of) = self { of.0.surface_nodes(q_np1) } else { Vec::new() }
+    }
+
+    /// Whether it is contact with friction.
+    pub fn has_friction(&self) -> bool {
+        match self {
+            Self::Contact(method) => method.has_friction(),
+            Self::Bilateral(_) => false,
+            Self::Potential(of) => of.0.has_friction(),
+            Self::Off(silent) => silent.0.has_friction(),
+        }
     }
 
     /// What it carries from step to step; nothing for a potential.

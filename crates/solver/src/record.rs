@@ -2,7 +2,7 @@
 
 use crate::Balance;
 use serde::{Deserialize, Serialize};
-use stoss_contact::{BodyPair, Coverage};
+use stoss_contact::{BodyPair, Coverage, SurfaceNode};
 
 /// One row of the Newton history.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,6 +77,8 @@ pub struct ContactSummary {
     pub pairs: Vec<PairSummary>,
     /// What bodies do to each other by general contact, those that do.
     pub bodies: Vec<BodyPair>,
+    /// What general contact does at surface nodes, ascending; those where nothing acts and nothing is near may be missing.
+    pub surface: Vec<SurfaceNode>,
 }
 
 /// One contact pair at the end of a step.

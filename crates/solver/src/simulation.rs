@@ -427,6 +427,10 @@ impl Simulation {
     pub fn released(&self) -> &[Release] {
         &self.released
     }
+    /// Whether the stage is one of statics, without velocities.
+    pub fn is_static(&self) -> bool {
+        self.scheme.is_none()
+    }
     /// True at the end of the stage, which is the end of the run if no other stage begins.
     pub fn finished(&self) -> bool {
         self.clock.finished()

@@ -3,6 +3,7 @@
 use crate::support::{drift, simulation};
 use std::path::Path;
 use stoss::build::{Built, build};
+use stoss::run::{RunOptions, run_scene};
 use stoss::solver::Simulation;
 
 const MATERIAL: &str = "material = { law = \"neo-hooke\", young = 1.0, poisson = 0.3 }\ndensity = 1.0";
@@ -394,4 +395,249 @@ fn edges_of_a_named_contact_are_left_to_general_contact() {
     assert!(above(&passed) < 0.0, "{}", above(&passed));
     assert!(above(&stopped) > 0.6, "{}", above(&stopped));
     assert!(ledger(&stopped.totals) < 1e-11, "{:e}", ledger(&stopped.totals));
+}
+
+/// Two blocks with matching meshes that are pressed onto each other without friction.
+fn pressed(gap: f64) -> String {
+    let body = |name: &str, low: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = [0.0, 0.0, {low:?}], max = [1.0, 1.0, {:?}], divisions = [3, 3, 2] }}\n\
+             material = {{ law = \"neo-hooke\", young = 1.0, poisson = 0.0 }}\n",
+            low + 1.0
+        )
+    };
+    let hold = |set: &str, components: &str, to: &str| {
+        format!("[[prescribe]]\nset = \"{set}\"\ncomponents = [{components}]\n{to}\n")
+    };
+    "[scene]\ntitle = \"press\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.25\n".to_owned()
+        + &body("a", 0.0)
+        + &body("b", 1.0 + gap)
+        + &hold("a.bottom", "\"x\", \"y\", \"z\"", "fixed = true")
+        + &hold(
+            "b.top",
+            "\"x\", \"y\", \"z\"",
+            &format!("displacement = {{ table = [[0, 0, 0, 0], [1, 0, 0, {:?}]] }}", -0.05 - gap),
+        )
+        + "[general_contact]\nthickness = 0.01\n"
+}
+
+/// Pressures at surface nodes are uniform up to what vertices and edges add, and times their areas they are the force.
+#[test]
+fn a_uniform_press_has_a_uniform_pressure_at_nodes() {
+    for gap in [0.0, 0.02] {
+        let mut simulation = simulation(&pressed(gap));
+        let mut record = None;
+        while !simulation.finished() {
+            record = Some(simulation.advance().unwrap_or_else(|e| panic!("{e}")));
+        }
+        let contact = record.unwrap().contact.unwrap();
+        let force = contact.bodies[0].force[2];
+        assert!(force < -0.02, "{force}");
+        for body in [0..48, 48..96] {
+            let x = &simulation.model().reference;
+            let at_interface = |node: u32| (x[3 * node as usize + 2] - 1.0).abs() < 0.03;
+            let own = || contact.surface.iter().filter(|n| body.contains(&n.node));
+            let nodes: Vec<_> = own().filter(|n| at_interface(n.node)).collect();
+            assert_eq!(nodes.len(), 16);
+            let area: f64 = nodes.iter().map(|n| n.area).sum();
+            let sum: f64 = nodes.iter().map(|n| n.pressure * n.area).sum();
+            let mean = sum / area;
+            let spread = nodes.iter().map(|n| (n.pressure / mean - 1.0).abs()).fold(0.0, f64::max);
+            let beside = own().filter(|n| !at_interface(n.node)).map(|n| n.pressure.abs() / mean).fold(0.0, f64::max);
+            assert!((sum / -force - 1.0).abs() < 1e-7, "{gap}: {sum} {force}");
+            assert!((area - 1.0).abs() < 1e-3, "{gap}: {area}");
+            // Vertices and edges add 10 to 50 % at a given distance; here the bodies choose it.
+            assert!(spread < 0.05 && beside < 1e-5, "{gap}: {spread} {beside}");
+            assert!(nodes.iter().all(|n| n.distance > 0.0 && n.distance < 0.01 && n.friction == [0.0; 3]));
+        }
+    }
+}
+
+fn try_build(text: &str) -> Result<stoss::build::Built, String> {
+    let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+    stoss::build::build(&scene, std::path::Path::new(".")).map_err(|e| e.to_string())
+}
+
+fn ball(name: &str, at: [f64; 3], radius: f64) -> String {
+    format!(
+        "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"ball\", radius = {radius:?}, divisions = [2, 2, 2] }}\nposition = {at:?}\n{MATERIAL}\n"
+    )
+}
+
+#[test]
+fn the_depth_of_a_crossing_is_told() {
+    let plain = |x: f64, y: f64, z: f64| {
+        head("energy-momentum", 0.1, 1.0)
+            + &cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2)
+            + &cube("b", [x, y, z], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2)
+            + "[general_contact]\n"
+    };
+    let error = try_build(&plain(0.2, 0.1, 0.9)).unwrap_err();
+    assert!(error.contains("1.000e-1 deep (so far `a` would have to be moved along (0, 0, -1))"), "{error}");
+    let error = try_build(&plain(-0.97, 0.2, 0.3)).unwrap_err();
+    assert!(error.contains("3.000e-2 deep (so far `a` would have to be moved along (1, 0, 0))"), "{error}");
+    let small = cube("b", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2).replace("0.5", "0.1");
+    let text = head("energy-momentum", 0.1, 1.0) + &cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2) + &small;
+    let error = try_build(&(text + "[general_contact]\n")).unwrap_err();
+    assert!(error.contains("lies inside"), "{error}");
+}
+
+/// Means of the places of the nodes of bodies with so many nodes.
+fn places(simulation: &Simulation, nodes: &[usize]) -> Vec<[f64; 3]> {
+    let q = &simulation.state().q;
+    let mut first = 0;
+    let mut list = Vec::new();
+    for &n in nodes {
+        list.push(std::array::from_fn(|i| (first..first + n).map(|k| q[3 * k + i]).sum::<f64>() / n as f64));
+        first += n;
+    }
+    list
+}
+
+#[test]
+fn bodies_that_lie_in_each_other_are_separated() {
+    let contact = "[general_contact]\nthickness = 0.01\ninitial = \"separate\"\n";
+    let upright = |name: &str, at: [f64; 3]| cube(name, at, [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2);
+    let fixed = "[[prescribe]]\nset = \"a.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
+    let gap = 0.0101;
+    // Two free blocks share the way, and nothing acts; the first of three in a row is fixed.
+    let text = head("energy-momentum", 0.1, 0.5) + &upright("a", [0.0; 3]) + &upright("b", [0.2, 0.1, 0.95]) + contact;
+    let mut built = try_build(&text).unwrap();
+    let [a, b] = places(&built.simulation, &[27, 27])[..] else { panic!() };
+    let half = 0.5 * (0.05 + gap);
+    assert!((a[2] + half).abs() < 1e-5 && (b[2] - 0.95 - half).abs() < 1e-5, "{a:?} {b:?}");
+    assert!((b[0] - 0.2).abs() < 1e-12 && a[0].abs() < 1e-12);
+    assert!(built.bodies.iter().any(|line| line.starts_with("b: moved by 3.005e-2")), "{:?}", built.bodies);
+    assert!(built.simulation.balance().total().abs() < 1e-25);
+    while !built.simulation.finished() {
+        let record = built.simulation.advance().unwrap();
+        assert!(record.balance.strain < 1e-25 && record.contact.unwrap().bodies.is_empty());
+    }
+    let row = upright("a", [0.0; 3]) + &upright("b", [0.0, 0.05, 0.97]) + &upright("c", [0.1, 0.0, 1.92]);
+    let built = try_build(&(head("energy-momentum", 0.1, 1.0) + &row + fixed + contact)).unwrap();
+    let [a, b, c] = places(&built.simulation, &[27, 27, 27])[..] else { panic!() };
+    assert!(a.iter().all(|x| x.abs() < 1e-12));
+    assert!((b[2] - 1.0 - gap).abs() < 1e-5 && (c[2] - 2.0 - 2.0 * gap).abs() < 2e-5, "{b:?} {c:?}");
+    // A small ball in a block that stands: the ball goes.
+    let text = head("energy-momentum", 0.1, 1.0) + &upright("a", [0.0; 3]) + &ball("s", [0.1, 0.07, 0.77], 0.3) + fixed;
+    let built = try_build(&(text.clone() + contact)).unwrap();
+    let nodes = built.simulation.model().node_count() - 27;
+    let before = try_build(&(text.replace("0.77]", "0.9]") + contact)).unwrap();
+    let [s, o] = [&built, &before].map(|built| places(&built.simulation, &[27, nodes])[1]);
+    assert!((s[2] - o[2] + 0.9 - 0.8 - gap).abs() < 1e-4 && (s[0] - o[0]).hypot(s[1] - o[1]) < 1e-6, "{s:?} {o:?}");
+}
+
+#[test]
+fn bodies_that_cannot_be_separated_are_refused() {
+    let contact = "[general_contact]\ninitial = \"separate\"\n";
+    let upright = |name: &str, at: [f64; 3]| cube(name, at, [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2);
+    let fixed = |body: &str| {
+        format!("[[prescribe]]\nset = \"{body}.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n")
+    };
+    let two = |z: f64| head("energy-momentum", 0.1, 1.0) + &upright("a", [0.0; 3]) + &upright("b", [0.0, 0.0, z]);
+    let both = try_build(&(two(0.95) + &fixed("a") + &fixed("b") + contact)).unwrap_err();
+    assert!(both.contains("neither may be moved") && both.contains("has prescribed motion"), "{both}");
+    let deep = try_build(&(two(0.6) + &fixed("a") + contact)).unwrap_err();
+    assert!(deep.contains("too deep"), "{deep}");
+    // Between two fixed ones there is no room.
+    let between = upright("c", [0.0, 0.0, 1.9]);
+    let squeezed = try_build(&(two(0.95) + &between + &fixed("a") + &fixed("c") + contact)).unwrap_err();
+    assert!(squeezed.contains("there is no room") && !squeezed.contains("deep"), "{squeezed}");
+}
+
+/// Columns of the rows of `general.csv` of this step, numbers alone.
+fn row(folder: &Path, step: u64) -> Vec<f64> {
+    let text = std::fs::read_to_string(folder.join("out/general.csv")).unwrap();
+    let line = text.lines().find(|line| line.starts_with(&format!("{step},"))).unwrap_or_else(|| panic!("{text}"));
+    line.split(',').filter_map(|cell| cell.parse().ok()).collect()
+}
+
+/// The layer rings under a block that gravity pulls on suddenly: the mean of the force from frame to frame is its weight, and that of frames is the same.
+#[test]
+fn means_between_frames_are_the_weight() {
+    let text = head("energy-momentum", 0.1, 20.0)
+        + "[gravity]\nacceleration = [0.0, 0.0, -0.002]\n"
+        + &STACK.replace("MATERIAL", MATERIAL).replace("[3, 3, 2]", "[2, 2, 2]")
+        + "[[prescribe]]\nset = \"a.all\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n[general_contact]\n[output]\nevery = 100\n\
+           [[probe]]\nname = \"p\"\nbody = \"b\"\nquantity = \"linear_momentum\"\n";
+    let run = |folder: &Path, until: Option<f64>, resume: bool| {
+        let path = folder.join("scene.toml");
+        std::fs::write(&path, &text).unwrap();
+        let options = RunOptions { out: folder.join("out"), until, resume, ..RunOptions::default() };
+        run_scene(&path, &options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
+    };
+    let whole = tempfile::tempdir().unwrap();
+    run(whole.path(), None, false);
+    let probes = std::fs::read_to_string(whole.path().join("out/probes.csv")).unwrap();
+    let momentum: Vec<f64> = probes.lines().skip(1).map(|l| l.split(',').nth(4).unwrap().parse().unwrap()).collect();
+    for step in [100, 200] {
+        let row = row(whole.path(), step);
+        // Behind step and time: active, distance, pressure, area, force, moment, work, mean force.
+        assert_eq!(row.len(), 16);
+        let mean = row[15];
+        let expected = -(0.002 + (momentum[step as usize] - momentum[step as usize - 100]) / 10.0);
+        assert!((mean / expected - 1.0).abs() < 1e-8, "{mean:e} {expected:e}");
+        assert!((mean / -0.002 - 1.0).abs() < 0.15, "{mean:e}");
+        // Mean pressures of the frame times the areas of the nodes.
+        let frame = whole.path().join(format!("out/frames/frame_{step:06}.vtu"));
+        let frame = stoss::mesh_io::read_vtu(&frame).unwrap();
+        let pressure = &frame.point_field("contact_pressure").unwrap().values;
+        let gap = &frame.point_field("gap").unwrap().values;
+        let mut sum = 0.0;
+        for (k, x) in frame.points.iter().enumerate().skip(27).filter(|(_, x)| x[2] == 1.0) {
+            let share = |x: f64| if x.abs() == 0.5 { 0.25 } else { 0.5 };
+            sum += pressure[k] * share(x[0]) * share(x[1]);
+            assert!(gap[k].is_finite());
+        }
+        assert!((sum / -mean - 1.0).abs() < 0.02, "{sum:e} {mean:e}");
+        assert!(frame.point_field("friction_traction").is_none() && frame.point_field("slip").is_none());
+    }
+    // In single steps it is far from that.
+    let all = std::fs::read_to_string(whole.path().join("out/general.csv")).unwrap();
+    let forces = all.lines().skip(1).filter_map(|line| line.split(',').nth(10)?.parse::<f64>().ok());
+    assert!(forces.fold(0.0_f64, |worst, force| worst.max((force / -0.002 - 1.0).abs())) > 0.3);
+    // A run that was interrupted between two frames has the same.
+    let broken = tempfile::tempdir().unwrap();
+    run(broken.path(), Some(13.0), false);
+    run(broken.path(), None, true);
+    let [one, other] = [&whole, &broken].map(|f| std::fs::read(f.path().join("out/general.csv")).unwrap());
+    assert!(one == other);
+    let [one, other] = [&whole, &broken].map(|f| std::fs::read(f.path().join("out/frames/frame_000200.vtu")).unwrap());
+    assert!(one == other);
+}
+
+/// Rigid bodies that touch: surfaces inside them, no force at the start, the weight on average, an exact balance.
+#[test]
+fn rigid_bodies_that_touch_start_without_force() {
+    let solid = "[[body]]\nname = \"box\"\nmesh = { generator = \"block\", min = [-0.2, -0.2, 0.0], max = [0.2, 0.2, 0.2], divisions = [2, 2, 1] }\n\
+         material = { law = \"neo-hooke\", young = 1e6, poisson = 0.3 }\ndensity = 1000.0\n";
+    let rigid = "[[rigid]]\nname = \"box\"\nshape = { kind = \"box\", size = [0.4, 0.4, 0.2], divisions = [2, 2, 1] }\nposition = [0.0, 0.0, 0.1]\ndensity = 1000.0\n";
+    let floor = "[[rigid]]\nname = \"floor\"\nshape = { kind = \"box\", size = [2.0, 2.0, 0.2] }\nfixed = true\nposition = [0.0, 0.0, -0.1]\n";
+    let contact = "[general_contact]\nthickness = 0.008\npairs = [{ between = [\"floor\", \"box\"], modulus = 1e6 }]\n";
+    for body in [rigid, solid] {
+        let text = head("energy-momentum", 0.0025, 0.5)
+            + "[gravity]\nacceleration = [0.0, 0.0, -10.0]\n"
+            + floor
+            + body
+            + contact;
+        let mut simulation = simulation(&text);
+        assert!(simulation.balance().contact < 1e-20);
+        let start = simulation.balance().total();
+        let (mut impulse, mut kinetic, mut worst, mut nearest) = (0.0, 0.0_f64, 0.0_f64, f64::INFINITY);
+        while !simulation.finished() {
+            let record = simulation.advance().unwrap();
+            let bodies = &record.contact.as_ref().unwrap().bodies;
+            impulse += bodies.iter().map(|pair| pair.force[2].abs()).sum::<f64>() * record.dt;
+            nearest = bodies.iter().map(|pair| pair.distance).fold(nearest, f64::min);
+            kinetic = kinetic.max(record.balance.kinetic);
+            worst = worst.max((record.balance.total() - start).abs());
+        }
+        assert!(worst < 1e-9 * kinetic, "{worst:e} of {kinetic:e}");
+        assert!((impulse / 160.0 - 1.0).abs() < 0.05, "{impulse}");
+        assert!((0.004..0.008).contains(&nearest), "{nearest}");
+    }
+    // Too thin for that.
+    let thin = rigid.replace("0.4, 0.2], divisions", "0.4, 0.007], divisions").replace("0.1]", "0.0035]");
+    let error = try_build(&(head("energy-momentum", 0.0025, 0.5) + floor + &thin + contact)).unwrap_err();
+    assert!(error.contains("too thin"), "{error}");
 }

@@ -2,7 +2,7 @@
 
 use super::node::{Node, is_name};
 use super::world::{World, part_name, surface_reference};
-use crate::{GeneralContact, GeneralPair, Integrator, PartKind};
+use crate::{GeneralContact, GeneralPair, Initial, Integrator, PartKind};
 
 /// General contact of a scene that does not mention it: on if a contact leaves its edges to it, or if there are several parts with surfaces, one of them deformable, no pair is named, and all schemes
 /// carry it.
@@ -30,6 +30,7 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
     let slip_velocity = table.optional("slip_velocity", Node::positive);
     let damping = table.default("damping", plain.damping, Node::not_negative);
     let with_itself = table.default("self", plain.with_itself, Node::boolean);
+    let initial = table.default("initial", plain.initial, |n| n.choice(Initial::NAMES, Initial::from_name));
     let surfaces = |n: &Node<'_>| n.list(|n| surface(n, world));
     let include = table.default("include", Vec::new(), surfaces);
     let exclude = table.default("exclude", Vec::new(), surfaces);
@@ -44,6 +45,7 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
         slip_velocity: slip_velocity?,
         damping: damping?,
         with_itself: with_itself?,
+        initial: initial?,
         include: include?,
         exclude: exclude?,
         pairs: pairs?,

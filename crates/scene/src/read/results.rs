@@ -295,10 +295,9 @@ fn fields(node: &Node<'_>, world: &World<'_>) -> Option<Vec<Field>> {
         if field == Field::Velocity && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("does not exist in a quasi-static scene", "remove it");
         }
-        if matches!(field, Field::ContactPressure | Field::Gap) && !world.has_contact {
-            let remedy =
-                "remove it or add a [[contact]]; general contact has no such field, its pressures are in general.csv";
-            return n.fail("needs contact by pairs, and the scene has none", remedy);
+        if matches!(field, Field::ContactPressure | Field::Gap) && !(world.has_contact || world.has_general_contact) {
+            let remedy = "remove it, or add a [[contact]] or [general_contact]";
+            return n.fail("needs contact, and the scene has none", remedy);
         }
         if field == Field::Reaction && !world.has_support {
             return n.fail("needs prescribed motion, and the scene has none", "remove it or add a [[prescribe]]");

@@ -55,6 +55,7 @@ impl Simulation {
                 of_pair.area += body.area;
             }
             summary.bodies.extend(bodies);
+            summary.surface.extend(self.timings.measure(Phase::Contact, || pair.method.surface_nodes(q)));
             let reports = self.timings.measure(Phase::Search, || pair.method.report(q))?;
             for (slot, report) in reports.iter().enumerate() {
                 is_slave[report.node as usize] = true;

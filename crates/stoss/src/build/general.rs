@@ -2,6 +2,8 @@
 
 use super::condition::resolve;
 use super::general_schemes::{connected, sorted};
+use super::rigid_inset::{Frame, fits};
+use super::separate;
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, FrictionPlan, Placed, Problems};
@@ -9,7 +11,7 @@ use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split
 use crate::solver::{ContactPair, Coupling, Model, short};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
-    GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, first_look, mitre,
+    GeneralContact, GeneralOptions, Interaction, Interactions, Relation, Skin, SkinFacet, first_look, mitre,
 };
 use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
@@ -18,7 +20,7 @@ use stoss_reference_element::FacetNodes;
 pub(super) const NAME: &str = "general";
 
 /// Thickness of the layer in parts of the shortest edge, where the scene leaves it open.
-const THICKNESS: f64 = 0.04;
+pub(super) const THICKNESS: f64 = 0.04;
 
 /// Thinnest layer that is made, in parts of the shortest edge.
 const THINNEST: f64 = 1e-4;
@@ -144,23 +146,33 @@ fn skin(
     let key = || "general_contact".to_owned();
     let name = |body: u32| &placed[body as usize].name;
     let skin = Skin::new(facets.clone(), &model.reference, &|_| None);
-    // Facets of rigid bodies may be slivers, and much smaller than what they touch: they count only where there is nothing else.
-    let of_deformable = |class: u32| placed[rules.body(class) as usize].mesh().is_some();
-    let edge = Some(shortest_edge(&skin, &model.reference, of_deformable)).filter(|edge| edge.is_finite());
-    let edge = edge.unwrap_or_else(|| shortest_edge(&skin, &model.reference, |_| true));
+    let edge = shortest_edge(&skin, rules, placed, &model.reference);
     let default = THICKNESS * edge;
     let look = first_look(&skin, rules, &model.reference, table.thickness.unwrap_or(default).max(2.0 * default));
     if let Some(&([f, g], place)) = look.crossings.first() {
         let [a, b] = [f, g].map(|facet| rules.body(skin.facets()[facet as usize].class));
-        let (what, remedy) = if a == b {
-            (format!("the surface of `{}` goes through itself", name(a)), "mend the mesh, or set `self = false`")
+        let (what, deep, remedy) = if a == b {
+            let what = format!("the surface of `{}` goes through itself", name(a));
+            (what, None, "mend the mesh, or set `self = false`")
         } else {
             let what = format!("`{}` and `{}` lie in each other", name(a), name(b));
-            (what, "move one of them, or leave one of them out by `exclude`")
+            let remedy = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
+            (what, separate::depth(&skin, rules, model, placed, [a, b]), remedy)
         };
-        let message =
-            format!("{what} at the start, near {}; {} pairs of facets cross", point(place, edge), look.crossings.len());
+        let deep = deep.map_or(String::new(), |deep| format!(", {deep}"));
+        let (place, count) = (point(place, edge), look.crossings.len());
+        let message = format!("{what} at the start, near {place}{deep}; {count} pairs of facets cross");
         problems.add(key(), "", message, remedy);
+        return None;
+    }
+    if let Some(([a, b], relation)) = separate::inside(&skin, rules, model) {
+        let message = match separate::depth(&skin, rules, model, placed, [a, b]) {
+            Some(deep) if relation == Relation::Cross => {
+                format!("`{}` and `{}` lie in each other at the start, {deep}", name(a), name(b))
+            }
+            _ => format!("one of `{}` and `{}` lies inside the other at the start", name(a), name(b)),
+        };
+        problems.add(key(), "", message, "move one of them, or leave one of them out by `exclude`");
         return None;
     }
     let itself = look.nearest.iter().filter(|([a, b], _)| a == b);
@@ -189,20 +201,25 @@ fn skin(
     }
     let touching = between.iter().filter(|(_, nearest)| nearest.distance < thickness);
     let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
+    let mut frames: BTreeMap<u32, Option<Frame>> = BTreeMap::new();
     for pair in touching.map(|(pair, _)| **pair).chain(inner) {
-        let rigid = pair.map(|body| placed[body as usize].mesh().is_none());
-        if rigid == [true; 2] {
+        // Without points below the surface.
+        let flat = pair.map(|body| {
+            let frame = || Frame::of(&facets_of(&facets, rules, body), &model.reference);
+            placed[body as usize].mesh().is_none() && frames.entry(body).or_insert_with(frame).is_none()
+        });
+        if flat == [true; 2] {
             let message = format!(
-                "the rigid bodies `{}` and `{}` touch at the start: surfaces below those of rigid bodies are not available",
+                "the rigid bodies `{}` and `{}` touch at the start, and neither has an inside into which its surface could be put: they are flat or not closed",
                 name(pair[0]),
                 name(pair[1]),
             );
             problems.add(key(), "", message, format!("leave a gap of {thickness:.3e} between them"));
             return None;
         }
-        for (k, body) in pair.into_iter().enumerate().filter(|(k, _)| !rigid[*k]) {
-            // Of a rigid body and a deformable one the latter goes all of the way.
-            let part = if rigid[1 - k] { 1.0 } else { 0.5 };
+        for (k, body) in pair.into_iter().enumerate().filter(|(k, _)| !flat[*k]) {
+            // Opposite a flat one the other body goes all of the way.
+            let part = if flat[1 - k] { 1.0 } else { 0.5 };
             let depth = depth.entry(body).or_insert(0.0);
             *depth = depth.max(part * thickness);
         }
@@ -213,7 +230,8 @@ fn skin(
     let mut places = BTreeMap::new();
     for (&body, &depth) in &depth {
         let part = &placed[body as usize];
-        if let Err((node, reason)) = inset(&skin, rules, model, body, depth, &mut places) {
+        let frame = frames.get(&body).and_then(Option::as_ref);
+        if let Err((node, reason)) = inset(&skin, rules, model, body, frame, depth, &mut places) {
             let at = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
             let message = format!(
                 "`{}` touches another body at the start, and its surface cannot be put {depth:.3e} inside near {}: {reason}",
@@ -252,6 +270,7 @@ fn inset(
     rules: &Interactions,
     model: &Model,
     body: u32,
+    frame: Option<&Frame>,
     depth: f64,
     places: &mut BTreeMap<u32, Vec<(u32, f64)>>,
 ) -> Result<(), (u32, String)> {
@@ -270,49 +289,74 @@ fn inset(
             }
         }
     }
-    let solid = &model.bodies[body as usize].solid;
+    let first = normals.keys().next().copied();
     for (node, normals) in normals {
         let m = mitre(&normals).ok_or_else(|| (node, "facets there face each other".to_owned()))?;
         let k = 3 * node as usize;
         let at = std::array::from_fn(|i| model.reference[k + i] - depth * m[i]);
         let outside = || (node, "the body is too thin there".to_owned());
+        if let Some(frame) = frame {
+            places.insert(node, frame.terms(at));
+            continue;
+        }
+        let solid = &model.bodies[body as usize].solid;
         let point = solid.material_point(&model.reference, at).ok_or_else(outside)?;
         let shape = stoss_reference_element::hex8::shape(point.natural);
         let corners = &solid.connectivity()[point.element];
         places.insert(node, corners.iter().copied().zip(shape).collect());
     }
-    Ok(())
+    let place = |node: u32| places.get(&node).cloned();
+    match first {
+        Some(node)
+            if frame.is_some() && !fits(&facets_of(skin.facets(), rules, body), &model.reference, depth, &place) =>
+        {
+            Err((node, "the body is too thin".to_owned()))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn facets_of(facets: &[SkinFacet], rules: &Interactions, body: u32) -> Vec<SkinFacet> {
+    facets.iter().filter(|facet| rules.body(facet.class) == body).copied().collect()
 }
 
 /// A place, with the digits that an edge of this length has.
-fn point(x: [f64; 3], edge: f64) -> String {
+pub(super) fn point(x: [f64; 3], edge: f64) -> String {
     let [x, y, z] = x.map(|x| short(x, edge));
     format!("({x}, {y}, {z})")
 }
 
-/// The shortest edge of facets of these classes; infinite if there are none.
-fn shortest_edge(skin: &Skin, reference: &[f64], takes_part: impl Fn(u32) -> bool) -> f64 {
+/// The shortest edge of facets of deformable bodies. Facets of rigid ones may be slivers, and much smaller than what they touch: they count only where there is nothing else.
+pub(super) fn shortest_edge(skin: &Skin, rules: &Interactions, placed: &[Placed], reference: &[f64]) -> f64 {
     let at = |node: u32, i: usize| reference[3 * node as usize + i];
     let length = |a: u32, b: u32| (0..3).map(|i| (at(a, i) - at(b, i)).powi(2)).sum::<f64>();
-    let mut shortest = f64::INFINITY;
-    for facet in skin.facets().iter().filter(|facet| takes_part(facet.class)) {
+    let mut shortest = [f64::INFINITY; 2];
+    for facet in skin.facets() {
+        let rigid = usize::from(placed[rules.body(facet.class) as usize].mesh().is_none());
         for &[i, j] in facet.nodes.kind().sides() {
-            shortest = shortest.min(length(facet.nodes[i], facet.nodes[j]));
+            shortest[rigid] = shortest[rigid].min(length(facet.nodes[i], facet.nodes[j]));
         }
     }
-    shortest.sqrt()
+    let [deformable, rigid] = shortest;
+    if deformable.is_finite() { deformable.sqrt() } else { rigid.sqrt() }
 }
 
 /// Facets that take part, with classes: parts of bodies that named contacts and ties pair differently.
-struct Classes {
-    facets: Vec<SkinFacet>,
+pub(super) struct Classes {
+    pub facets: Vec<SkinFacet>,
     /// Part of each class.
-    classes: Vec<usize>,
+    pub classes: Vec<usize>,
     /// Classes that a named contact or a tie pairs.
-    apart: BTreeSet<[u32; 2]>,
+    pub apart: BTreeSet<[u32; 2]>,
 }
 
-fn facets(scene: &Scene, placed: &[Placed], table: &Table, ties: &Ties, problems: &mut Problems<'_>) -> Classes {
+pub(super) fn facets(
+    scene: &Scene,
+    placed: &[Placed],
+    table: &Table,
+    ties: &Ties,
+    problems: &mut Problems<'_>,
+) -> Classes {
     let mut find = |key: &str, sets: &[String]| -> BTreeSet<FacetNodes> {
         let mut found = BTreeSet::new();
         for (k, name) in sets.iter().enumerate() {
@@ -397,7 +441,7 @@ fn sides(scene: &Scene, placed: &[Placed], ties: &Ties) -> Vec<Side> {
 }
 
 /// Who acts on whom, and how.
-fn interactions(
+pub(super) fn interactions(
     scene: &Scene,
     placed: &[Placed],
     table: &Table,

@@ -32,7 +32,11 @@ mod placed;
 mod plan;
 mod plausible;
 mod probe;
+#[cfg(feature = "general")]
+mod rigid_inset;
 mod schedule;
+#[cfg(feature = "general")]
+mod separate;
 mod sets;
 mod supports;
 mod tie;
@@ -159,12 +163,16 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         let rigid = |item: &crate::scene::Prescribe| multibody::prescribe_rigid(item, &parts);
         condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
         let mut ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
+        #[cfg(feature = "general")]
+        let apart = separate::separate(scene, &mut placed, &ties, &mut model, &mut problems, &mut bodies);
         condition::loads(scene, &placed, &mut model, &mut problems);
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
         #[cfg(feature = "general")]
-        plans.extend(general::general(scene, &placed, &ties, &mut model, &mut problems, &mut warnings));
+        if apart {
+            plans.extend(general::general(scene, &placed, &ties, &mut model, &mut problems, &mut warnings));
+        }
         multibody::constraints(scene, &placed, &mut parts, &mut model, &mut problems, &mut warnings);
         if problems.list.is_empty() {
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);

@@ -4,6 +4,7 @@ use super::drift::Drifts;
 use super::earlier::{self, Overwrite};
 use super::identity::SceneIdentity;
 use super::lock::FolderLock;
+use super::means::Means;
 use super::rows::{PROBES, Tables};
 use super::settings::FolderSettings;
 use super::table::CsvTable;
@@ -33,6 +34,8 @@ struct Memo {
     max_equations: u64,
     /// Frictional work so far of each contact of the model.
     friction_work: Vec<f64>,
+    /// General contact since the last frame.
+    means: Means,
 }
 
 /// An open folder of results.
@@ -72,6 +75,7 @@ impl ResultFolder {
             max_iterations: 0,
             max_equations: simulation.equations() as u64,
             friction_work: vec![0.0; simulation.model().contacts.len()],
+            means: Means::default(),
         };
         let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
         let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
@@ -179,11 +183,15 @@ impl ResultFolder {
         let mut time = PhaseTime::default();
         time.measure(|| -> Result<(), OutputError> {
             self.watch.observe(simulation, record, &mut self.watched)?;
-            self.write_rows(simulation, record)?;
-            if self.memo.frames.is_due(&self.settings.frames, record.step, record.time, record.dt)
-                || simulation.finished()
-            {
+            if let Some(contact) = &record.contact {
+                self.memo.means.add(contact, record.dt, simulation.is_static());
+            }
+            let is_due = self.memo.frames.is_due(&self.settings.frames, record.step, record.time, record.dt)
+                || simulation.finished();
+            self.write_rows(simulation, record, is_due)?;
+            if is_due {
                 self.write_frame(simulation)?;
+                self.memo.means.clear();
             }
             Ok(())
         })?;
@@ -197,8 +205,9 @@ impl ResultFolder {
         Ok(())
     }
 
-    fn write_rows(&mut self, simulation: &Simulation, record: &StepRecord) -> Result<(), OutputError> {
-        self.tables.write(&self.settings, simulation, record, &mut self.memo.friction_work)?;
+    fn write_rows(&mut self, simulation: &Simulation, record: &StepRecord, has_frame: bool) -> Result<(), OutputError> {
+        let Memo { friction_work, means, .. } = &mut self.memo;
+        self.tables.write(&self.settings, simulation, record, friction_work, means, has_frame)?;
         let b = &record.balance;
         // What one scheme loses is no drift of the next.
         let promised = |stage: u32| self.settings.promises.get(stage as usize - 1);
@@ -220,7 +229,8 @@ impl ResultFolder {
     }
 
     fn write_frame(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
-        self.memo.frames.write(&self.path, simulation, self.settings.fields.as_deref(), &self.settings.drawing)
+        let Memo { frames, means, .. } = &mut self.memo;
+        frames.write(&self.path, simulation, means, self.settings.fields.as_deref(), &self.settings.drawing)
     }
 
     /// Whether the watch has found that the run is wrong, in a run that is to stop then.

@@ -3,6 +3,7 @@
 //! Points are all vectors of the model but directions, in their order. Cells are the hexahedra of the solids, then the facets of rigid bodies, then the
 //! lines of beams and strings, then single points; the cell field `body` counts the solids and goes on with surfaces, lines and points in this order.
 
+use super::means::Means;
 use super::{Drawing, OutputError};
 use crate::points::Points;
 use crate::scene::Field as SceneField;
@@ -25,7 +26,7 @@ const CONTACT_FIELDS: [SceneField; 5] = [
     SceneField::Slip,
 ];
 
-/// What contact has at the nodes, zero away from slave nodes; empty in scenes without contact, the last two without friction.
+/// What contact has at the nodes, zero away from slave nodes and from what general contact acts on; empty in scenes without contact, the last two without friction, the last one without friction of pairs.
 #[derive(Default)]
 struct ContactFields {
     pressure: Vec<f64>,
@@ -37,19 +38,20 @@ struct ContactFields {
 }
 
 impl ContactFields {
-    fn of(simulation: &Simulation) -> Result<Self, OutputError> {
+    fn of(simulation: &Simulation, means: &Means) -> Result<Self, OutputError> {
         let model = simulation.model();
         let nodes = model.node_count();
-        if !model.has_unilateral_contact() {
+        if !model.has_contact_pairs() {
             return Ok(Self::default());
         }
         let zeros = || vec![0.0; nodes];
         let mut fields =
             Self { pressure: zeros(), gap: vec![f64::NAN; nodes], status: zeros(), friction: zeros(), slip: zeros() };
-        let mut has_friction = false;
+        let (mut has_friction, mut has_slip) = (false, false);
         for (c, pair) in model.contacts.iter().enumerate() {
+            has_friction |= pair.method.has_friction();
             let Some(method) = pair.method.as_contact() else { continue };
-            has_friction |= method.has_friction();
+            has_slip |= method.has_friction();
             for (slot, report) in simulation.contact_report(c)?.iter().enumerate() {
                 let node = report.node as usize;
                 fields.pressure[node] += simulation.pressures()[c][slot] * report.per_current_area;
@@ -69,8 +71,19 @@ impl ContactFields {
                 }
             }
         }
+        for (node, pressure, friction, distance) in means.nodes() {
+            let node = node as usize;
+            fields.pressure[node] += pressure;
+            fields.friction[node] += friction;
+            fields.gap[node] = distance.map_or(fields.gap[node], |distance| fields.gap[node].min(distance));
+            if pressure != 0.0 {
+                fields.status[node] = 2.0;
+            }
+        }
         if !has_friction {
             fields.friction.clear();
+        }
+        if !has_slip {
             fields.slip.clear();
         }
         Ok(fields)
@@ -142,18 +155,20 @@ impl SolidFields {
 }
 
 /// Writes one frame as a VTU file (atomically).
-pub(crate) fn write(
+pub(super) fn write(
     path: &Path,
     simulation: &Simulation,
+    means: &Means,
     fields: Option<&[SceneField]>,
     drawing: &Drawing,
 ) -> Result<(), OutputError> {
-    with(simulation, fields, drawing, |frame| write_vtu(path, frame))
+    with(simulation, means, fields, drawing, |frame| write_vtu(path, frame))
 }
 
 /// Makes a frame and hands it to `store`.
 pub(super) fn with(
     simulation: &Simulation,
+    means: &Means,
     fields: Option<&[SceneField]>,
     drawing: &Drawing,
     store: impl FnOnce(&VtuFrame) -> Result<(), MeshIoError>,
@@ -172,8 +187,11 @@ pub(super) fn with(
     let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
     let want = |field| wanted(fields, field);
     let solid = SolidFields::of(simulation, want)?;
-    let contact =
-        if CONTACT_FIELDS.into_iter().any(want) { ContactFields::of(simulation)? } else { ContactFields::default() };
+    let contact = if CONTACT_FIELDS.into_iter().any(want) {
+        ContactFields::of(simulation, means)?
+    } else {
+        ContactFields::default()
+    };
     let candidates: [(SceneField, &str, usize, &[f64]); 14] = [
         (SceneField::Displacement, "displacement", 3, &displacement),
         (SceneField::Velocity, "velocity", 3, &state.v),

@@ -1,5 +1,6 @@
 //! Which steps have a frame, and the frames of a folder: one VTU file each and the collection that names them, or all in one VTKHDF file.
 
+use super::means::Means;
 use super::{Drawing, OutputError, frame, hdf};
 use crate::scene::{Field, FrameFormat, Frames};
 use serde::{Deserialize, Serialize};
@@ -60,6 +61,7 @@ impl Log {
         &mut self,
         folder: &Path,
         simulation: &Simulation,
+        means: &Means,
         fields: Option<&[Field]>,
         drawing: &Drawing,
     ) -> Result<(), OutputError> {
@@ -68,12 +70,12 @@ impl Log {
             FrameFormat::Vtu => {
                 let files = folder.join("frames");
                 std::fs::create_dir_all(&files).map_err(OutputError::io(&files))?;
-                frame::write(&files.join(frame::name(step)), simulation, fields, drawing)?;
+                frame::write(&files.join(frame::name(step)), simulation, means, fields, drawing)?;
             }
             FrameFormat::Vtkhdf => {
                 let file = folder.join(ALL);
                 let store = if self.written.is_empty() { hdf::create } else { hdf::append };
-                frame::with(simulation, fields, drawing, |frame| store(&file, frame, step))?;
+                frame::with(simulation, means, fields, drawing, |frame| store(&file, frame, step))?;
             }
         }
         self.written.push((simulation.state().time, step));

@@ -12,6 +12,7 @@ mod frames;
 mod hdf;
 mod identity;
 mod lock;
+mod means;
 mod promises;
 mod rows;
 mod settings;

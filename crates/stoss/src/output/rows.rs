@@ -1,11 +1,12 @@
 //! The tables of a run: their columns, and what a step adds to each.
 
 use super::OutputError;
+use super::means::Means;
 use super::settings::FolderSettings;
 use super::table::CsvTable;
 use crate::build::{JointPlace, Probe};
 use std::collections::BTreeMap;
-use stoss_solver::{Simulation, StepRecord};
+use stoss_solver::{BodyPair, Simulation, StepRecord};
 
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
 /// Columns that follow where there is contact.
@@ -28,10 +29,10 @@ const PAIR_FRICTION: &str = "friction_work";
 /// Columns of general contact in the same table: it has no slave.
 const GENERAL: [&str; 4] = ["active", "min_gap", "max_pressure", "area"];
 
-/// Table of general contact: a row for every pair of bodies that act on each other; force and moment about the origin on the first one.
+/// Table of general contact: a row for every pair of bodies that act on each other, with a frame also for those that have since the last one; forces and moment about the origin on the first one.
 const BODIES: &str = "general.csv";
 const BODY_PAIR: &str = "step,time,first,second,active,min_distance,max_pressure,area,\
-force_x,force_y,force_z,moment_x,moment_y,moment_z,friction_work";
+force_x,force_y,force_z,moment_x,moment_y,moment_z,friction_work,mean_force_x,mean_force_y,mean_force_z";
 
 /// Table of the joints: forces and moments on the second side, angle in degrees or displacement, what acts along that.
 const JOINTS: &str = "joints.csv";
@@ -144,7 +145,7 @@ impl Tables {
         self.probes.is_some()
     }
 
-    /// Writes the rows of a completed step. `friction_work` is the frictional work so far of each contact of the model, to which that of the step is added.
+    /// Writes the rows of a completed step. `friction_work` is the frictional work so far of each contact of the model, to which that of the step is added; `means` has what general contact did since the last frame, this step included.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -154,6 +155,8 @@ impl Tables {
         simulation: &Simulation,
         record: &StepRecord,
         friction_work: &mut [f64],
+        means: &Means,
+        has_frame: bool,
     ) -> Result<(), OutputError> {
         let b = &record.balance;
         self.balance
@@ -214,13 +217,18 @@ impl Tables {
             table.end_row()?;
         }
         if let (Some(table), Some(c)) = (&mut self.bodies, &record.contact) {
-            for pair in &c.bodies {
+            for (bodies, mean) in means.pairs() {
+                let pair = c.bodies.iter().find(|pair| pair.bodies == bodies);
+                if pair.is_none() && !has_frame {
+                    continue;
+                }
+                let pair = pair.copied().unwrap_or(BodyPair::none(bodies));
                 table.integer(record.step).number(record.time);
-                for body in pair.bodies {
+                for body in bodies {
                     table.text(&settings.parts[body as usize]);
                 }
                 table.integer(pair.active as u64).numbers(&[pair.distance, pair.pressure, pair.area]);
-                table.numbers(&pair.force).numbers(&pair.moment).number(pair.friction_work);
+                table.numbers(&pair.force).numbers(&pair.moment).number(pair.friction_work).numbers(&mean);
                 table.end_row()?;
             }
         }

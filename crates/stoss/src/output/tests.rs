@@ -1,5 +1,6 @@
 //! Frames and watch of a model with solids and rigid bodies, made by hand.
 
+use super::means::Means;
 use super::watch::{contact_bodies, judge_start};
 use super::{Drawing, DrawnLine, DrawnPoint, DrawnSurface, changed_by, frame, promises};
 use crate::points::Points;
@@ -119,7 +120,8 @@ fields = ["displacement", "principal_stresses", "deformation_gradient", "green_l
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtu");
     let read = |simulation: &Simulation| {
-        frame::write(&path, simulation, scene.output.fields.as_deref(), &Drawing::default()).unwrap();
+        frame::write(&path, simulation, &Means::default(), scene.output.fields.as_deref(), &Drawing::default())
+            .unwrap();
         read_vtu(&path).unwrap()
     };
     let start = read(&simulation);
@@ -180,7 +182,7 @@ fn a_frame_of_solids_is_that_of_the_plain_writer() {
     simulation.advance().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtu");
-    frame::write(&path, &simulation, None, &Drawing::default()).unwrap();
+    frame::write(&path, &simulation, &Means::default(), None, &Drawing::default()).unwrap();
     let (model, state) = (simulation.model(), simulation.state());
     let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
     let hexahedra: Vec<[u32; 8]> = model.bodies.iter().flat_map(|b| b.solid.connectivity().to_vec()).collect();
@@ -229,7 +231,7 @@ fn a_frame_has_surfaces_lines_and_points() {
     let simulation = simulation(model);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtu");
-    frame::write(&path, &simulation, None, &drawing).unwrap();
+    frame::write(&path, &simulation, &Means::default(), None, &drawing).unwrap();
     let data = read_vtu(&path).unwrap();
     // One place and four corners, twelve nodes, one place and four corners.
     assert_eq!(data.points.len(), 22);
@@ -243,7 +245,7 @@ fn a_frame_has_surfaces_lines_and_points() {
     assert!((0..22).all(|k| von_mises[k].is_nan() != (5..17).contains(&k)), "{von_mises:?}");
     // A direction is no point of a drawing.
     let wrong = Drawing { points: vec![DrawnPoint { name: "d".into(), node: single + 1 }], ..Drawing::default() };
-    assert!(frame::write(&path, &simulation, None, &wrong).is_err());
+    assert!(frame::write(&path, &simulation, &Means::default(), None, &wrong).is_err());
 }
 
 /// A plate in a block is found, and named; one that lies on the block is sound.

@@ -1,0 +1,237 @@
+//! Bodies that lie in each other at the start: how deep, and `initial = "separate"`, which moves them apart.
+
+use super::general::{self, Classes};
+use super::tie::Ties;
+use super::{Placed, Problems};
+use crate::scene::{Initial, Scene, split_set};
+use crate::solver::Model;
+use stoss_contact_barrier::{Interactions, Overlaps, Relation, Separation, Skin};
+use stoss_tensor::Vector3;
+
+/// A body is moved by no more than this part of the smallest extent of the box around it.
+const FARTHEST: f64 = 0.25;
+
+/// The gap that is left, in thicknesses of the layer: no force and no inset surfaces.
+const GAP: f64 = 1.01;
+
+/// Rounds of finding who lies in whom.
+const ROUNDS: usize = 50;
+
+/// Sweeps over the conditions of a round.
+const SWEEPS: usize = 10_000;
+
+/// Gaps are kept up to this part.
+const TOLERANCE: f64 = 1e-9;
+
+/// In words, how deep two bodies lie in each other.
+pub(super) fn depth(
+    skin: &Skin,
+    rules: &Interactions,
+    model: &Model,
+    placed: &[Placed],
+    [a, b]: [u32; 2],
+) -> Option<String> {
+    let overlaps = Overlaps::new(skin, rules, &model.reference);
+    let limit = overlaps.extents(a)[0].min(overlaps.extents(b)[0]);
+    let Separation { direction, length } = overlaps.separation([a, b], &Vector3::zeros(), 0.0, limit)?;
+    let by = general::point(direction.into(), 1.0);
+    let name = &placed[a as usize].name;
+    Some(format!("{} deep (so far `{name}` would have to be moved along {by})", format_length(length)))
+}
+
+/// Two bodies of which one lies in the other although no edge goes through a facet: wholly, or with common planes.
+pub(super) fn inside(skin: &Skin, rules: &Interactions, model: &Model) -> Option<([u32; 2], Relation)> {
+    let overlaps = Overlaps::new(skin, rules, &model.reference);
+    let relation = |pair| (pair, overlaps.relation(pair, &Vector3::zeros(), 0.0));
+    rules.body_pairs().into_iter().map(relation).find(|(_, relation)| !matches!(relation, Relation::Apart(_)))
+}
+
+/// A length as in other messages.
+fn format_length(length: f64) -> String {
+    format!("{length:.3e}")
+}
+
+/// The surfaces of two bodies, one moved against the other, have to keep a distance along a direction.
+struct Condition {
+    bodies: [u32; 2],
+    direction: Vector3,
+    least: f64,
+}
+
+/// Moves bodies that lie in each other apart, if the scene asks for it: meshes and reference positions, so no stress arises. `lines` get what was done. False if that failed,
+/// with a problem: bodies that may not be moved, or not so far.
+pub(super) fn separate(
+    scene: &Scene,
+    placed: &mut [Placed],
+    ties: &Ties,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    lines: &mut Vec<String>,
+) -> bool {
+    let wanted = scene.general_contact().filter(|table| table.initial == Initial::Separate);
+    let Some(table) = wanted else { return true };
+    // What is wrong with the table is reported where the contact is made.
+    let mut ignored = Problems { scene, list: Vec::new() };
+    let Classes { facets, classes, apart } = general::facets(scene, placed, table, ties, &mut ignored);
+    let rules = general::interactions(scene, placed, table, model, &classes, &apart, &mut Vec::new());
+    if facets.is_empty() || !ignored.list.is_empty() {
+        return true;
+    }
+    let skin = Skin::new(facets, &model.reference, &|_| None);
+    let edge = general::shortest_edge(&skin, &rules, placed, &model.reference);
+    let gap = GAP * table.thickness.unwrap_or(general::THICKNESS * edge);
+    let moves = match motions(scene, placed, model, &skin, &rules, gap) {
+        Ok(moves) => moves,
+        Err((message, remedy)) => {
+            problems.add("general_contact.initial".into(), table.initial, message, remedy);
+            return false;
+        }
+    };
+    for (p, by) in moves.iter().enumerate().filter(|(_, by)| **by != Vector3::zeros()) {
+        let part = &mut placed[p];
+        let super::placed::Shape::Solid { mesh, .. } = &mut part.shape else { continue };
+        if let Err(error) = mesh.transform(None, (*by).into()) {
+            problems.add("general_contact.initial".into(), table.initial, error.to_string(), "mend the mesh");
+            return false;
+        }
+        let (first, count) = (part.first_node as usize, mesh.nodes.len());
+        model.reference[3 * first..3 * (first + count)].copy_from_slice(mesh.nodes.as_flattened());
+        let message = "to be free of what it lay in";
+        let size = format_length(by.norm());
+        lines.push(format!("{}: moved by {size}, {}, {message}", part.name, general::point((*by).into(), edge)));
+    }
+    true
+}
+
+/// Motions of all parts, the least ones in the sense of mass times squared motion, volumes in place of masses.
+fn motions(
+    scene: &Scene,
+    placed: &[Placed],
+    model: &Model,
+    skin: &Skin,
+    rules: &Interactions,
+    gap: f64,
+) -> Result<Vec<Vector3>, (String, String)> {
+    let overlaps = Overlaps::new(skin, rules, &model.reference);
+    let name = |body: u32| &placed[body as usize].name;
+    let holds: Vec<Option<&str>> = (0..placed.len()).map(|p| hold(scene, placed, model, p)).collect();
+    // How easily a body moves: one over its volume.
+    let volume = |p: usize| {
+        model.bodies.iter().find(|body| body.nodes.start == placed[p].first_node).map(|body| body.solid.volume())
+    };
+    let ease: Vec<f64> = (0..placed.len())
+        .map(|p| volume(p).filter(|_| holds[p].is_none()).map_or(0.0, |volume| 1.0 / volume))
+        .collect();
+    let farthest = |body: u32| match ease[body as usize] > 0.0 {
+        true => FARTHEST * overlaps.extents(body)[1],
+        false => 0.0,
+    };
+    let mut moves = vec![Vector3::zeros(); placed.len()];
+    let mut conditions: Vec<Condition> = Vec::new();
+    for _ in 0..ROUNDS {
+        let known = conditions.len();
+        for bodies in rules.body_pairs() {
+            let [a, b] = bodies;
+            let shift: Vector3 = moves[a as usize] - moves[b as usize];
+            match overlaps.relation(bodies, &shift, gap / GAP) {
+                Relation::Cross => {}
+                // What was near each other and was not moved stays so.
+                Relation::Apart(Some(_)) if shift != Vector3::zeros() => {}
+                Relation::Apart(_) => continue,
+                Relation::Inside => {
+                    let message = format!("`{}` and `{}`: one lies wholly inside the other", name(a), name(b));
+                    return Err((message, "move one of them".into()));
+                }
+            }
+            if let [Some(first), Some(second)] = [holds[a as usize], holds[b as usize]] {
+                let message = format!(
+                    "`{}` and `{}` lie in each other, and neither may be moved: the first {first}, the second {second}",
+                    name(a),
+                    name(b)
+                );
+                return Err((message, "mend the scene there".into()));
+            }
+            let limit = farthest(a) + farthest(b);
+            let found = overlaps.separation(bodies, &shift, gap, limit).ok_or_else(|| {
+                let message = format!(
+                    "`{}` and `{}` lie too deep in each other: no motion of less than {}, a quarter of the smallest extent of what may be moved, takes them apart",
+                    name(a),
+                    name(b),
+                    format_length(limit)
+                );
+                (message, "move one of them".to_owned())
+            })?;
+            let Separation { direction, length } = found;
+            conditions.push(Condition { bodies, direction, least: direction.dot(&shift) + length });
+        }
+        if conditions.len() == known {
+            return Ok(moves);
+        }
+        if let Some([a, b]) = least_motions(&conditions, &ease, gap, &mut moves) {
+            let message = format!("there is no room for `{}` and `{}` between what may not be moved", name(a), name(b));
+            return Err((message, "move bodies apart in the scene".into()));
+        }
+        for (p, by) in moves.iter().enumerate() {
+            let most = farthest(p as u32);
+            if by.norm() > most * (1.0 + TOLERANCE) {
+                let message = format!(
+                    "`{}` would have to be moved by {}, more than {}, a quarter of its smallest extent",
+                    placed[p].name,
+                    format_length(by.norm()),
+                    format_length(most)
+                );
+                return Err((message, "move it, or what it lies in".into()));
+            }
+        }
+    }
+    let message = format!("after {ROUNDS} rounds some bodies still lie in each other");
+    Err((message, "move bodies apart in the scene".into()))
+}
+
+/// The least motions that fulfil all conditions, by coordinate ascent in their multipliers (Hildreth); two bodies whose condition is not fulfilled, if they contradict each other.
+fn least_motions(conditions: &[Condition], ease: &[f64], gap: f64, moves: &mut [Vector3]) -> Option<[u32; 2]> {
+    moves.iter_mut().for_each(|by| *by = Vector3::zeros());
+    let mut multipliers = vec![0.0_f64; conditions.len()];
+    let mut worst = (0.0, None);
+    for _ in 0..SWEEPS {
+        worst = (0.0, None);
+        for (condition, multiplier) in conditions.iter().zip(&mut multipliers) {
+            let [a, b] = condition.bodies.map(|body| body as usize);
+            let ease = [ease[a], ease[b]];
+            let lack = condition.least - condition.direction.dot(&(moves[a] - moves[b]));
+            let change = (lack / (ease[0] + ease[1])).max(-*multiplier);
+            *multiplier += change;
+            moves[a] += condition.direction * (change * ease[0]);
+            moves[b] -= condition.direction * (change * ease[1]);
+            let moved = (change * (ease[0] + ease[1])).abs();
+            if moved > worst.0 {
+                worst = (moved, Some(condition.bodies));
+            }
+        }
+        if worst.0 <= TOLERANCE * gap {
+            return None;
+        }
+    }
+    worst.1
+}
+
+/// Why a part may not be moved, as the end of a sentence; nothing if it may.
+fn hold(scene: &Scene, placed: &[Placed], model: &Model, p: usize) -> Option<&'static str> {
+    let Some(mesh) = placed[p].mesh() else { return Some("is rigid") };
+    let nodes = placed[p].first_node..placed[p].first_node + mesh.nodes.len() as u32;
+    let is_own = |set: &str| split_set(set).is_some_and(|(part, _)| part == placed[p].name);
+    let joined = scene.joints.iter().map(|joint| &joint.between).chain(scene.springs.iter().map(|s| &s.between));
+    if model.prescriptions.iter().flat_map(|item| &item.nodes).any(|node| nodes.contains(node)) {
+        Some("has prescribed motion")
+    } else if scene.supports.iter().any(|support| is_own(&support.set)) {
+        Some("has a support")
+    } else if scene.ties.iter().any(|tie| is_own(&tie.slave) || is_own(&tie.master)) {
+        Some("is tied")
+    } else if joined.flatten().any(|side| is_own(side)) {
+        Some("has a joint or a spring")
+    } else if scene.contacts.iter().any(|contact| contact.surfaces().iter().any(|set| is_own(set))) {
+        Some("has a named contact")
+    } else {
+        None
+    }
+}
