@@ -267,15 +267,10 @@ fn a_uniform_press_has_a_uniform_pressure_at_nodes() {
             let mean = sum / area;
             let spread = nodes.iter().map(|n| (n.pressure / mean - 1.0).abs()).fold(0.0, f64::max);
             let beside = own().filter(|n| !at_interface(n.node)).map(|n| n.pressure.abs() / mean).fold(0.0, f64::max);
-            eprintln!(
-                "gap {gap}: sum {:e}, area {:e}, spread {spread:e}, beside {beside:e}",
-                sum / -force - 1.0,
-                area - 1.0
-            );
-            assert!((sum / -force - 1.0).abs() < 1e-4, "{gap}: {sum} {force}");
+            assert!((sum / -force - 1.0).abs() < 1e-7, "{gap}: {sum} {force}");
             assert!((area - 1.0).abs() < 1e-3, "{gap}: {area}");
             // Vertices and edges add 10 to 50 % at a given distance; here the bodies choose it.
-            assert!(spread < 0.1 && beside < 1e-2, "{gap}: {spread} {beside}");
+            assert!(spread < 0.05 && beside < 1e-5, "{gap}: {spread} {beside}");
             assert!(nodes.iter().all(|n| n.distance > 0.0 && n.distance < 0.01 && n.friction == [0.0; 3]));
         }
     }
@@ -383,10 +378,10 @@ fn row(folder: &Path, step: u64) -> Vec<f64> {
 /// The layer rings under a block that gravity pulls on suddenly: the mean of the force from frame to frame is its weight, and that of frames is the same.
 #[test]
 fn means_between_frames_are_the_weight() {
-    let text = head("energy-momentum", 0.1, 60.0)
+    let text = head("energy-momentum", 0.1, 20.0)
         + "[gravity]\nacceleration = [0.0, 0.0, -0.002]\n"
         + &STACK.replace("MATERIAL", MATERIAL).replace("[3, 3, 2]", "[2, 2, 2]")
-        + "[[prescribe]]\nset = \"a.all\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n[general_contact]\n[output]\nevery = 200\n\
+        + "[[prescribe]]\nset = \"a.all\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n[general_contact]\n[output]\nevery = 100\n\
            [[probe]]\nname = \"p\"\nbody = \"b\"\nquantity = \"linear_momentum\"\n";
     let run = |folder: &Path, until: Option<f64>, resume: bool| {
         let path = folder.join("scene.toml");
@@ -398,14 +393,14 @@ fn means_between_frames_are_the_weight() {
     run(whole.path(), None, false);
     let probes = std::fs::read_to_string(whole.path().join("out/probes.csv")).unwrap();
     let momentum: Vec<f64> = probes.lines().skip(1).map(|l| l.split(',').nth(4).unwrap().parse().unwrap()).collect();
-    for step in [200, 400, 600] {
+    for step in [100, 200] {
         let row = row(whole.path(), step);
         // Behind step and time: active, distance, pressure, area, force, moment, work, mean force.
         assert_eq!(row.len(), 16);
         let mean = row[15];
-        let expected = -(0.002 + (momentum[step as usize] - momentum[step as usize - 200]) / 20.0);
+        let expected = -(0.002 + (momentum[step as usize] - momentum[step as usize - 100]) / 10.0);
         assert!((mean / expected - 1.0).abs() < 1e-8, "{mean:e} {expected:e}");
-        assert!((mean / -0.002 - 1.0).abs() < 0.08, "{mean:e}");
+        assert!((mean / -0.002 - 1.0).abs() < 0.15, "{mean:e}");
         // Mean pressures of the frame times the areas of the nodes.
         let frame = whole.path().join(format!("out/frames/frame_{step:06}.vtu"));
         let frame = stoss::mesh_io::read_vtu(&frame).unwrap();
@@ -426,11 +421,11 @@ fn means_between_frames_are_the_weight() {
     assert!(forces.fold(0.0_f64, |worst, force| worst.max((force / -0.002 - 1.0).abs())) > 0.3);
     // A run that was interrupted between two frames has the same.
     let broken = tempfile::tempdir().unwrap();
-    run(broken.path(), Some(33.0), false);
+    run(broken.path(), Some(13.0), false);
     run(broken.path(), None, true);
     let [one, other] = [&whole, &broken].map(|f| std::fs::read(f.path().join("out/general.csv")).unwrap());
     assert!(one == other);
-    let [one, other] = [&whole, &broken].map(|f| std::fs::read(f.path().join("out/frames/frame_000400.vtu")).unwrap());
+    let [one, other] = [&whole, &broken].map(|f| std::fs::read(f.path().join("out/frames/frame_000200.vtu")).unwrap());
     assert!(one == other);
 }
 
@@ -460,7 +455,6 @@ fn rigid_bodies_that_touch_start_without_force() {
             kinetic = kinetic.max(record.balance.kinetic);
             worst = worst.max((record.balance.total() - start).abs());
         }
-        eprintln!("{worst:e} of {kinetic:e}, {impulse}, {nearest:e}");
         assert!(worst < 1e-9 * kinetic, "{worst:e} of {kinetic:e}");
         assert!((impulse / 160.0 - 1.0).abs() < 0.05, "{impulse}");
         assert!((0.004..0.008).contains(&nearest), "{nearest}");
