@@ -193,7 +193,7 @@ fn the_force_of_a_press_is_that_of_mortar_contact() {
 fn scenes_that_cannot_start_are_refused() {
     let problems = |text: &str| {
         let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
-        let errors = stoss::build::build(&scene, std::path::Path::new(".")).err();
+        let errors = stoss::build::build(&scene, Path::new(".")).err();
         errors.map(|e| e.to_string()).unwrap_or_default()
     };
     let two = |z: f64| {
