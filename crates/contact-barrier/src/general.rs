@@ -371,6 +371,10 @@ impl Potential for GeneralContact {
         fraction
     }
 
+    fn acts(&self) -> bool {
+        !self.active.is_empty()
+    }
+
     fn keeps_apart(&self) -> bool {
         true
     }

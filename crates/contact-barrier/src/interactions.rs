@@ -1,5 +1,7 @@
 //! Which facets act on each other, and how.
 
+use std::collections::BTreeSet;
+
 /// How the facets of two classes act on each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interaction {
@@ -47,12 +49,14 @@ impl Interactions {
         all
     }
 
-    /// Pairs of different bodies that act on each other, the smaller number first, ascending.
+    /// Pairs of different bodies of which all surfaces act on each other, the smaller number first, ascending.
     pub fn body_pairs(&self) -> Vec<[u32; 2]> {
         let n = self.bodies.len();
         let pair = |k: usize| [self.bodies[k / n], self.bodies[k % n]];
-        let acting = (0..n * n).filter(|&k| self.table[k].is_some()).map(pair).filter(|[a, b]| a < b);
-        acting.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+        let of = |acts: bool| -> BTreeSet<[u32; 2]> {
+            (0..n * n).filter(|&k| self.table[k].is_some() == acts).map(pair).filter(|[a, b]| a < b).collect()
+        };
+        of(true).difference(&of(false)).copied().collect()
     }
 
     /// Body of a class.

@@ -106,6 +106,11 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     fn keeps_apart(&self) -> bool {
         false
     }
+
+    /// Whether anything acts, at the start of the step or at the iterate that was seen last. True by default.
+    fn acts(&self) -> bool {
+        true
+    }
     /// Part of the motion from `q` by `increment` (`3 * nodes` each), at most 1, on which surfaces stay apart.
     fn longest_step(&mut self, _q: &[f64], _increment: &[f64]) -> f64 {
         1.0

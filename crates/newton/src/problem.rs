@@ -51,6 +51,12 @@ pub trait NewtonProblem {
         self.solve()
     }
 
+    /// Whether forces at the iterate may grow out of all proportion along the way, so that [`crate::LineSearch::Best`] is worth its price; if not, that is [`crate::LineSearch::backtracking`].
+    /// True by default.
+    fn is_steep(&self) -> bool {
+        true
+    }
+
     /// The potential at the iterate that was evaluated last, if the problem has one. It may be another one after each solution, as long as its gradient where it was solved is the residual.
     /// None by default.
     ///

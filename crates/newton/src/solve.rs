@@ -148,7 +148,11 @@ impl Course<'_> {
                 return Ok(StopReason::MaxIterations);
             }
             solves += 1;
-            let downhill = matches!(o.line_search, LineSearch::Best { .. });
+            let line_search = match o.line_search {
+                LineSearch::Best { .. } if !problem.is_steep() => LineSearch::backtracking(),
+                chosen => chosen,
+            };
+            let downhill = matches!(line_search, LineSearch::Best { .. });
             let increment = if downhill { problem.solve_downhill() } else { problem.solve() }?;
             if !increment.is_finite() {
                 return Ok(StopReason::NotFinite);
@@ -159,7 +163,7 @@ impl Course<'_> {
             let hill =
                 at_start.map(|at_start| Hill { at_start, slope: problem.slope() }).filter(|hill| hill.slope <= 0.0);
             let first = problem.longest_step()?.min(if self.cycles() { SHORT_STEP } else { 1.0 });
-            let (length, lower) = match self.step(problem, previous, first, hill)? {
+            let (length, lower) = match self.step(problem, line_search, previous, (first, hill))? {
                 Step::Taken { norms: new, length, lower } => {
                     norms = new;
                     (length, lower)
@@ -262,18 +266,18 @@ impl Course<'_> {
     fn step<P: NewtonProblem>(
         &self,
         problem: &mut P,
+        line_search: LineSearch,
         previous: Norms,
-        first: f64,
-        hill: Option<Hill>,
+        (first, hill): (f64, Option<Hill>),
     ) -> Result<Step, P::Error> {
-        if let (Some(hill), LineSearch::Best { reduction, max_reductions }) = (hill, self.options.line_search) {
+        if let (Some(hill), LineSearch::Best { reduction, max_reductions }) = (hill, line_search) {
             return self.descend(problem, previous, (first, reduction, max_reductions), hill);
         }
         let full = match problem.update(first) {
             Ok(()) => assemble(problem),
             Err(error) => Err(error),
         };
-        let (max_growth, small, reduction, max_reductions, take_best) = match self.options.line_search {
+        let (max_growth, small, reduction, max_reductions, take_best) = match line_search {
             LineSearch::Backtracking { max_growth, small, reduction, max_reductions } => {
                 (max_growth, small, reduction, max_reductions, false)
             }

@@ -210,6 +210,11 @@ impl Coupling {
         }
     }
 
+    /// Whether it is a potential that acts, see [`Potential::acts`].
+    pub(crate) fn acts(&self) -> bool {
+        matches!(self, Self::Potential(of) if of.0.acts())
+    }
+
     /// Whether it limits motions, see [`Potential::keeps_apart`].
     pub(crate) fn keeps_apart(&self) -> bool {
         matches!(self, Self::Potential(of) if of.0.keeps_apart())

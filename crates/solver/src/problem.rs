@@ -545,6 +545,10 @@ impl NewtonProblem for StepProblem<'_> {
         self.keep_base()
     }
 
+    fn is_steep(&self) -> bool {
+        self.model.contacts.iter().any(|pair| pair.method.acts())
+    }
+
     fn solve_downhill(&mut self) -> Result<f64, StepError> {
         if !self.has_potential() {
             return self.solve();

@@ -193,7 +193,7 @@ fn the_force_of_a_press_is_that_of_mortar_contact() {
 fn scenes_that_cannot_start_are_refused() {
     let problems = |text: &str| {
         let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
-        let errors = stoss::build::build(&scene, Path::new(".")).err();
+        let errors = build(&scene, Path::new(".")).err();
         errors.map(|e| e.to_string()).unwrap_or_default()
     };
     let two = |z: f64| {
@@ -319,7 +319,7 @@ fn a_stack_settles_and_stays() {
 /// Names of the contacts of a scene, and its warnings.
 fn contacts_of(text: &str) -> (Vec<String>, Vec<String>) {
     let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
-    let built = stoss::build::build(&scene, std::path::Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let built = build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"));
     (built.contacts.into_iter().map(|contact| contact.name).collect(), built.warnings)
 }
 
@@ -453,9 +453,9 @@ fn a_uniform_press_has_a_uniform_pressure_at_nodes() {
     }
 }
 
-fn try_build(text: &str) -> Result<stoss::build::Built, String> {
+fn try_build(text: &str) -> Result<Built, String> {
     let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
-    stoss::build::build(&scene, std::path::Path::new(".")).map_err(|e| e.to_string())
+    build(&scene, Path::new(".")).map_err(|e| e.to_string())
 }
 
 fn ball(name: &str, at: [f64; 3], radius: f64) -> String {
