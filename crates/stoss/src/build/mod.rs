@@ -12,6 +12,8 @@ mod friction;
 #[cfg(feature = "general")]
 mod general;
 mod general_schemes;
+#[cfg(feature = "general")]
+mod interacting;
 mod law;
 mod mesh_files;
 mod missing;

@@ -1,6 +1,6 @@
 //! Bodies that lie in each other at the start: how deep, and `initial = "separate"`, which moves them apart.
 
-use super::general::{self, Classes};
+use super::interacting::{self, Classes};
 use super::tie::Ties;
 use super::{Placed, Problems};
 use crate::scene::{Initial, Scene, split_set};
@@ -34,7 +34,7 @@ pub(super) fn depth(
     let overlaps = Overlaps::new(skin, rules, &model.reference);
     let limit = overlaps.extents(a)[0].min(overlaps.extents(b)[0]);
     let Separation { direction, length } = overlaps.separation([a, b], &Vector3::zeros(), 0.0, limit)?;
-    let by = general::point(direction.into(), 1.0);
+    let by = interacting::point(direction.into(), 1.0);
     let name = &placed[a as usize].name;
     Some(format!("{} deep (so far `{name}` would have to be moved along {by})", format_length(length)))
 }
@@ -72,14 +72,14 @@ pub(super) fn separate(
     let Some(table) = wanted else { return true };
     // What is wrong with the table is reported where the contact is made.
     let mut ignored = Problems { scene, list: Vec::new() };
-    let Classes { facets, classes, apart } = general::facets(scene, placed, table, ties, &mut ignored);
-    let rules = general::interactions(scene, placed, table, model, &classes, &apart, &mut Vec::new());
+    let Classes { facets, classes, apart } = interacting::facets(scene, placed, table, ties, &mut ignored);
+    let rules = interacting::interactions(scene, placed, table, model, &classes, &apart, &mut Vec::new());
     if facets.is_empty() || !ignored.list.is_empty() {
         return true;
     }
     let skin = Skin::new(facets, &model.reference, &|_| None);
-    let edge = general::shortest_edge(&skin, &rules, placed, &model.reference);
-    let gap = GAP * table.thickness.unwrap_or(general::THICKNESS * edge);
+    let edge = interacting::shortest_edge(&skin, &rules, placed, &model.reference);
+    let gap = GAP * table.thickness.unwrap_or(interacting::THICKNESS * edge);
     let moves = match motions(scene, placed, model, &skin, &rules, gap) {
         Ok(moves) => moves,
         Err((message, remedy)) => {
@@ -98,7 +98,7 @@ pub(super) fn separate(
         model.reference[3 * first..3 * (first + count)].copy_from_slice(mesh.nodes.as_flattened());
         let message = "to be free of what it lay in";
         let size = format_length(by.norm());
-        lines.push(format!("{}: moved by {size}, {}, {message}", part.name, general::point((*by).into(), edge)));
+        lines.push(format!("{}: moved by {size}, {}, {message}", part.name, interacting::point((*by).into(), edge)));
     }
     true
 }
