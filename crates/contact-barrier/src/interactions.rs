@@ -74,9 +74,10 @@ impl Interactions {
         }
     }
 
-    /// Whether nothing acts on anything.
-    pub fn is_empty(&self) -> bool {
-        self.table.iter().all(Option::is_none)
+    /// Whether any two different bodies act on each other.
+    pub fn acts_between_bodies(&self) -> bool {
+        let n = self.bodies.len();
+        (0..n * n).any(|k| self.table[k].is_some() && self.bodies[k / n] != self.bodies[k % n])
     }
 
     /// Whether anything has friction.

@@ -74,7 +74,8 @@ fn contact(
         return None;
     }
     let rules = interactions(scene, placed, table, model, &classes, &apart, warnings);
-    if table.by_default && rules.is_empty() {
+    // Nobody has asked for bodies in contact with themselves alone.
+    if table.by_default && !rules.acts_between_bodies() {
         return None;
     }
     let inner = inner_pairs(scene, placed);
