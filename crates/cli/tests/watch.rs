@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// A block falls into another one; no contact is named.
+/// A block falls into another one; there is no contact.
 const SCENE: &str = r#"[scene]
 title = "nothing named"
 kind = "dynamic"
@@ -25,6 +25,9 @@ name = "lower"
 mesh = { generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [2, 2, 2] }
 material = { law = "neo-hooke", lambda = 1300.0, mu = 865.0 }
 density = 10.0
+
+[general_contact]
+enabled = false
 
 [output]
 checkpoint_every = 3

@@ -1,5 +1,6 @@
 //! The table `[general_contact]`.
 
+use crate::Integrator;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -26,9 +27,6 @@ pub struct GeneralContact {
     /// `false` switches it off.
     #[serde(default = "GeneralContact::yes", skip_serializing_if = "GeneralContact::is_yes")]
     pub enabled: bool,
-    /// The scene does not mention it.
-    #[serde(skip)]
-    pub by_default: bool,
     /// Thickness of the layer on the surfaces, a length: forces begin at this distance. By default 0.04 of the shortest edge of a facet, or half of the smallest distance of two parts of
     /// the surface of a body that are no neighbours, if that is less.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -95,7 +93,6 @@ impl Default for GeneralContact {
     fn default() -> Self {
         Self {
             enabled: true,
-            by_default: false,
             thickness: None,
             stiffness: 1.0,
             friction: 0.0,
@@ -108,4 +105,14 @@ impl Default for GeneralContact {
             pairs: Vec::new(),
         }
     }
+}
+
+/// Whether a scene that does not mention general contact has it: no pair is named, several parts have surfaces, some of them deformable, and all schemes carry it.
+pub(crate) fn is_default<'a>(
+    names_pairs: bool,
+    surfaces: usize,
+    deformable: usize,
+    mut schemes: impl Iterator<Item = &'a Integrator>,
+) -> bool {
+    !names_pairs && surfaces > 1 && deformable > 0 && schemes.all(Integrator::carries_general_contact)
 }

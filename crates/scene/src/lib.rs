@@ -188,9 +188,18 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// General contact, if it is on.
-    pub fn general_contact(&self) -> Option<&GeneralContact> {
-        self.general_contact.as_ref().filter(|table| table.enabled)
+    /// General contact, if it is on: as the scene has it; as it is by default if a contact leaves its edges to it, or if no pair is named, several parts have surfaces, some of them
+    /// deformable, and all schemes carry it.
+    pub fn general_contact(&self) -> Option<GeneralContact> {
+        if let Some(table) = &self.general_contact {
+            return table.enabled.then(|| table.clone());
+        }
+        let has_surface = |rigid: &&Rigid| rigid.shape.is_some() || rigid.mesh.is_some() || rigid.surface.is_some();
+        let surfaces = self.bodies.len() + self.rigids.iter().filter(has_surface).count();
+        let schemes = self.time.integrator.iter().chain(self.stages.iter().filter_map(|s| s.integrator.as_ref()));
+        let is_on = self.contacts.iter().any(|contact| contact.edges == Edges::General)
+            || general_contact::is_default(!self.contacts.is_empty(), surfaces, self.bodies.len(), schemes);
+        is_on.then(GeneralContact::default)
     }
 
     /// Name of the file, as it was given to [`parse`].

@@ -33,10 +33,11 @@ fixed = true
 
 const EMS: &str = "integrator = { scheme = \"energy-momentum\" }";
 const CONTACT: &str = "[[contact]]\nmethod = \"nts\"\nslave = \"a.bottom\"\nmaster = \"b.top\"\n";
+const NO_CONTACT: &str = "[general_contact]\nenabled = false\n";
 
 #[test]
 fn dynamics_without_contact_has_mass_and_no_contact() {
-    let plan = simulation(&scene("dynamic", EMS, "density = 1", "")).plan();
+    let plan = simulation(&scene("dynamic", EMS, "density = 1", NO_CONTACT)).plan();
     assert!(plan.mass_matrix);
     assert!(!plan.contact_search);
     assert_eq!(plan.slots, 0);
@@ -48,7 +49,7 @@ fn dynamics_without_contact_has_mass_and_no_contact() {
 
 #[test]
 fn statics_has_no_mass() {
-    let simulation = simulation(&scene("quasi-static", "", "", ""));
+    let simulation = simulation(&scene("quasi-static", "", "", NO_CONTACT));
     let plan = simulation.plan();
     assert!(!plan.mass_matrix);
     assert!(!plan.contact_search);
@@ -61,6 +62,6 @@ fn contact_adds_one_slot_a_slave_node() {
     let plan = simulation(&scene("dynamic", EMS, "density = 1", CONTACT)).plan();
     assert!(plan.contact_search);
     assert_eq!(plan.slots, 9);
-    let without = simulation(&scene("dynamic", EMS, "density = 1", "")).plan();
+    let without = simulation(&scene("dynamic", EMS, "density = 1", NO_CONTACT)).plan();
     assert_eq!(plan.matrix_entries, without.matrix_entries, "open contact must not fill the matrix");
 }

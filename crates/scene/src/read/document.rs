@@ -8,6 +8,7 @@ use super::{
     beam, body, conditions, event, general, general_contact, joint, parameters, prescribe, results, rigid, string,
     support, sweep, tie,
 };
+use crate::general_contact::is_default;
 use crate::source::Source;
 use crate::{Beam, Body, Edges, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene};
 use std::collections::{BTreeMap, BTreeSet};
@@ -141,14 +142,19 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         unique.check(table.as_ref(), "name", stage.as_ref().map(|stage| stage.name.as_str()));
     }
 
-    let written = root.optional("general_contact", |n| general_contact::general_contact(n, &world));
-    let general_contact = written.map(|written| {
-        let schemes = time.iter().filter_map(|time| time.integrator.as_ref());
-        let schemes = schemes.chain(stages.iter().flatten().filter_map(|stage| stage.integrator.as_ref()));
-        let is_asked_for = contacts.iter().flatten().any(|contact| contact.edges == Edges::General);
-        written.or_else(|| general_contact::by_default(&world, is_asked_for, schemes))
-    });
-    world.has_general_contact = general_contact.as_ref().is_none_or(|table| table.as_ref().is_some_and(|t| t.enabled));
+    let general_contact = root.optional("general_contact", |n| general_contact::general_contact(n, &world));
+    let schemes = time.iter().filter_map(|time| time.integrator.as_ref());
+    let schemes = schemes.chain(stages.iter().flatten().filter_map(|stage| stage.integrator.as_ref()));
+    let surfaces = world.parts.iter().filter(|part| part.has_surface).count();
+    let deformable = world.parts.iter().filter(|part| part.kind == PartKind::Body).count();
+    world.has_general_contact = match &general_contact {
+        None => true,
+        Some(Some(table)) => table.enabled,
+        Some(None) => {
+            contacts.iter().flatten().any(|contact| contact.edges == Edges::General)
+                || is_default(world.has_contact, surfaces, deformable, schemes)
+        }
+    };
 
     let mut unique = Unique::new("probe");
     let mut probes = Vec::new();

@@ -2,21 +2,7 @@
 
 use super::node::{Node, is_name};
 use super::world::{World, part_name, surface_reference};
-use crate::{GeneralContact, GeneralPair, Initial, Integrator, PartKind};
-
-/// General contact of a scene that does not mention it: on if a contact leaves its edges to it, or if there are several parts with surfaces, one of them deformable, no pair is named, and all schemes
-/// carry it.
-pub(super) fn by_default<'a>(
-    world: &World<'_>,
-    is_asked_for: bool,
-    mut schemes: impl Iterator<Item = &'a Integrator>,
-) -> Option<GeneralContact> {
-    let surfaces = world.parts.iter().filter(|part| part.has_surface).count();
-    let is_deformable = world.parts.iter().any(|part| part.kind == PartKind::Body);
-    let is_wanted =
-        !world.has_contact && surfaces > 1 && is_deformable && schemes.all(Integrator::carries_general_contact);
-    (is_asked_for || is_wanted).then(|| GeneralContact { by_default: !is_asked_for, ..GeneralContact::default() })
-}
+use crate::{GeneralContact, GeneralPair, Initial};
 
 pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<GeneralContact> {
     let table = node.table()?;
@@ -38,7 +24,6 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
     table.finish();
     Some(GeneralContact {
         enabled: enabled?,
-        by_default: false,
         thickness: thickness?.flatten(),
         stiffness: stiffness?,
         friction: friction?,

@@ -36,10 +36,10 @@ pub(super) fn general(
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) -> Option<ContactPlan> {
-    let table = scene.general_contact()?;
+    let table = &scene.general_contact()?;
     let before = problems.list.len();
     let plan = contact(scene, table, placed, ties, model, problems, warnings);
-    if table.by_default {
+    if is_default(scene) {
         for problem in &mut problems.list[before..] {
             problem.message +=
                 " (general contact is on by default where several bodies are there and no pair is named)";
@@ -75,7 +75,7 @@ fn contact(
     }
     let rules = interactions(scene, placed, table, model, &classes, &apart, warnings);
     // Nobody has asked for bodies in contact with themselves alone.
-    if table.by_default && !rules.acts_between_bodies() {
+    if is_default(scene) && !rules.acts_between_bodies() {
         return None;
     }
     let inner = inner_pairs(scene, placed);
@@ -125,6 +125,11 @@ fn contact(
             slip: None,
         }),
     })
+}
+
+/// Whether nobody has asked for general contact.
+fn is_default(scene: &Scene) -> bool {
+    scene.general_contact.is_none() && scene.contacts.is_empty()
 }
 
 /// The skin, inset where bodies are nearer than the layer is thick, and that thickness.

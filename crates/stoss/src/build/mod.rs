@@ -340,7 +340,7 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
 }
 
 /// General contact of a scene, where it is built in.
-pub(crate) fn general_contact(scene: &Scene) -> Option<&crate::scene::GeneralContact> {
+pub(crate) fn general_contact(scene: &Scene) -> Option<crate::scene::GeneralContact> {
     scene.general_contact().filter(|_| cfg!(feature = "general"))
 }
 

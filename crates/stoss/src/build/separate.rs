@@ -68,7 +68,7 @@ pub(super) fn separate(
     problems: &mut Problems<'_>,
     lines: &mut Vec<String>,
 ) -> bool {
-    let wanted = scene.general_contact().filter(|table| table.initial == Initial::Separate);
+    let wanted = scene.general_contact.as_ref().filter(|table| table.enabled && table.initial == Initial::Separate);
     let Some(table) = wanted else { return true };
     // What is wrong with the table is reported where the contact is made.
     let mut ignored = Problems { scene, list: Vec::new() };

@@ -9,7 +9,7 @@ pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
 
 /// General contact needs the feature `general`.
 fn general(scene: &Scene) -> Option<Problem> {
-    let is_wanted = scene.general_contact().is_some_and(|table| !table.by_default);
+    let is_wanted = scene.general_contact.as_ref().is_some_and(|table| table.enabled);
     (is_wanted && !cfg!(feature = "general")).then(|| {
         let message = "this build of Stoss has no general contact";
         Problem::at(scene, "general_contact", "", message, "build it with the cargo feature `general`")
