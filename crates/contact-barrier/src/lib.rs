@@ -36,7 +36,7 @@ pub use layer::Layer;
 pub use overlap::{Overlaps, Relation, Separation};
 pub use pair::{PairForce, PairStart, PairTerm, StepForce};
 pub use parallel::Parallel;
-pub use skin::{Skin, SkinFacet};
+pub use skin::{Skin, SkinFacet, is_closed};
 pub use slip::{Friction, FrictionForce};
 pub use start::{FirstLook, Nearest, first_look};
 pub use tangent::Tangent;

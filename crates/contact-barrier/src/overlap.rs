@@ -1,8 +1,8 @@
 //! Bodies that lie in each other: how far one has to be moved to be free of the other.
 
-use crate::{Interactions, Skin, SkinFacet, first_look};
+use crate::{Interactions, Skin, SkinFacet, first_look, is_closed};
 use nalgebra::Vector3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use stoss_geometry::Aabb;
 
 /// Directions that are tried.
@@ -111,7 +111,7 @@ impl<'a> Overlaps<'a> {
     /// The bodies of a skin at the positions `q`.
     pub fn new(skin: &Skin, rules: &Interactions, q: &'a [f64]) -> Self {
         let mut bodies: BTreeMap<u32, Surface> = BTreeMap::new();
-        let mut edges: BTreeMap<u32, BTreeSet<[u32; 2]>> = BTreeMap::new();
+        let mut triangles: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
         let body = |facet: u32| rules.body(skin.facets()[facet as usize].class);
         for (f, facet) in skin.facets().iter().enumerate() {
             bodies.entry(body(f as u32)).or_default().facets.push(*facet);
@@ -122,11 +122,10 @@ impl<'a> Overlaps<'a> {
             let surface = bodies.entry(body).or_default();
             surface.triangles.push(corners);
             surface.bounds = Some(surface.bounds().union(&Aabb::from_points(&corners)));
-            let [a, b, c] = *triangle;
-            edges.entry(body).or_default().extend([[a, b], [b, c], [c, a]]);
+            triangles.entry(body).or_default().push(*triangle);
         }
         for (body, surface) in &mut bodies {
-            surface.is_closed = edges[body].iter().all(|&[a, b]| edges[body].contains(&[b, a]));
+            surface.is_closed = is_closed(&triangles[body]);
         }
         Self { q, rules: rules.between_bodies(), bodies }
     }

@@ -2,6 +2,7 @@
 
 use crate::Parallel;
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 use stoss_reference_element::FacetNodes;
 
 /// Weight of the vertices and edges against that of the surface, which keeps out what points of integration do not see: corners, and edges that cross.
@@ -328,6 +329,12 @@ impl Lists {
     fn of(&self, owner: u32) -> &[u32] {
         &self.items[self.starts[owner as usize] as usize..self.starts[owner as usize + 1] as usize]
     }
+}
+
+/// Whether triangles enclose a volume: each side is met once in either direction.
+pub fn is_closed(triangles: &[[u32; 3]]) -> bool {
+    let sides: BTreeSet<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+    sides.iter().all(|&[a, b]| sides.contains(&[b, a]))
 }
 
 /// All edges of triangles, each once, with the smaller number first; sorted.

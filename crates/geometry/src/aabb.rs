@@ -22,11 +22,6 @@ impl Aabb {
         points.into_iter().fold(Self::empty(), |b, p| Self { min: b.min.inf(p), max: b.max.sup(p) })
     }
 
-    /// The box around a point that moves along the straight line from `start` to `end`, grown by `distance`.
-    pub fn swept(start: &Vector3<f64>, end: &Vector3<f64>, distance: f64) -> Self {
-        Self { min: start.inf(end), max: start.sup(end) }.inflated(distance)
-    }
-
     /// The smallest box around both.
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.inf(&other.min), max: self.max.sup(&other.max) }

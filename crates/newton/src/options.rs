@@ -36,6 +36,11 @@ impl LineSearch {
     pub fn backtracking() -> Self {
         Self::Backtracking { max_growth: 10.0, small: 0.0, reduction: 0.5, max_reductions: 8 }
     }
+
+    /// Halving, at most 5 times, down to the smallest potential or residual.
+    pub fn best() -> Self {
+        Self::Best { reduction: 0.5, max_reductions: 5 }
+    }
 }
 
 /// Settings of the iteration. Norms are those of the problem.

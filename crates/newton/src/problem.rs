@@ -1,5 +1,7 @@
 //! The trait of a problem `R(q) = 0`.
 
+use crate::LineSearch;
+
 /// Size of the residual, and what it is to be compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualNorms {
@@ -51,10 +53,10 @@ pub trait NewtonProblem {
         self.solve()
     }
 
-    /// Whether forces at the iterate may grow out of all proportion along the way, so that [`crate::LineSearch::Best`] is worth its price; if not, that is [`crate::LineSearch::backtracking`].
-    /// True by default.
-    fn is_steep(&self) -> bool {
-        true
+    /// The line search of the next iteration, where the options have `chosen`: [`crate::LineSearch::Best`] is worth its price where forces may grow out of all proportion along the way.
+    /// `chosen` by default.
+    fn line_search(&self, chosen: LineSearch) -> LineSearch {
+        chosen
     }
 
     /// The potential at the iterate that was evaluated last, if the problem has one. It may be another one after each solution, as long as its gradient where it was solved is the residual.

@@ -148,10 +148,7 @@ impl Course<'_> {
                 return Ok(StopReason::MaxIterations);
             }
             solves += 1;
-            let line_search = match o.line_search {
-                LineSearch::Best { .. } if !problem.is_steep() => LineSearch::backtracking(),
-                chosen => chosen,
-            };
+            let line_search = problem.line_search(o.line_search);
             let downhill = matches!(line_search, LineSearch::Best { .. });
             let increment = if downhill { problem.solve_downhill() } else { problem.solve() }?;
             if !increment.is_finite() {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
 use stoss_integrators::{Buffers, ForceRule, Step, evaluate};
 use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
-use stoss_newton::{NewtonProblem, Potential, ResidualNorms};
+use stoss_newton::{LineSearch, NewtonProblem, Potential, ResidualNorms};
 
 /// Motions below this fraction of an edge length in a step are not resolved relative to themselves: the forces that they
 /// need are the smallest scale that the residual is measured against. Without it a free, unstressed flight, whose
@@ -545,8 +545,9 @@ impl NewtonProblem for StepProblem<'_> {
         self.keep_base()
     }
 
-    fn is_steep(&self) -> bool {
-        self.model.contacts.iter().any(|pair| pair.method.acts())
+    fn line_search(&self, chosen: LineSearch) -> LineSearch {
+        let is_steep = self.model.contacts.iter().any(|pair| pair.method.acts());
+        if is_steep && chosen != LineSearch::Off { LineSearch::best() } else { chosen }
     }
 
     fn solve_downhill(&mut self) -> Result<f64, StepError> {

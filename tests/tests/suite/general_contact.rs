@@ -357,11 +357,13 @@ fn it_is_the_default_where_no_pair_is_named() {
 fn tied_bodies_are_not_in_contact_at_their_rims() {
     let block = |name: &str, min: [f64; 3], max: [f64; 3], n: u32| {
         format!(
-            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = {min:?}, max = {max:?}, divisions = [{n}, {n}, {n}] }}\n{MATERIAL}\nvelocity = [0.0, 0.0, 0.1]\n"
+            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = {min:?}, max = {max:?}, divisions = [{n}, {n}, {n}] }}\n{MATERIAL}\n"
         )
     };
     let text = head("energy-momentum", 0.1, 1.0)
         + &block("small", [0.2, 0.2, 1.0], [0.7, 0.7, 1.5], 2)
+        // Its sides lean over: the angles at the rim close.
+        + "velocity = [0.3, 0.0, -0.2]\n"
         + &block("large", [0.0; 3], [1.0; 3], 3)
         + "[[tie]]\nslave = \"small.bottom\"\nmaster = \"large.top\"\n";
     let course = run(&text);
@@ -479,9 +481,9 @@ fn the_depth_of_a_crossing_is_told() {
             + "[general_contact]\n"
     };
     let error = try_build(&plain(0.2, 0.1, 0.9)).unwrap_err();
-    assert!(error.contains("1.000e-1 deep (so far `a` would have to be moved along (0, 0, -1))"), "{error}");
+    assert!(error.contains("1.000e-1 deep (the way out of `a` is along (0, 0, -1))"), "{error}");
     let error = try_build(&plain(-0.97, 0.2, 0.3)).unwrap_err();
-    assert!(error.contains("3.000e-2 deep (so far `a` would have to be moved along (1, 0, 0))"), "{error}");
+    assert!(error.contains("3.000e-2 deep (the way out of `a` is along (1, 0, 0))"), "{error}");
     let small = cube("b", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2).replace("0.5", "0.1");
     let text = head("energy-momentum", 0.1, 1.0) + &cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2) + &small;
     let error = try_build(&(text + "[general_contact]\n")).unwrap_err();

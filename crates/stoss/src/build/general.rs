@@ -27,6 +27,9 @@ const ROUND_OFF: f64 = 1e-6;
 /// Speed of slip below which friction falls, in parts of the largest speed at the start.
 const SLIP: f64 = 0.01;
 
+/// What helps bodies that lie in each other.
+const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
+
 /// Adds general contact to the model if the scene has it.
 pub(super) fn general(
     scene: &Scene,
@@ -155,8 +158,7 @@ fn skin(
             (what, None, "mend the mesh, or set `self = false`")
         } else {
             let what = format!("`{}` and `{}` lie in each other", name(a), name(b));
-            let remedy = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
-            (what, separate::depth(&skin, rules, model, placed, [a, b]), remedy)
+            (what, separate::depth(&skin, rules, model, placed, [a, b]), PART)
         };
         let deep = deep.map_or(String::new(), |deep| format!(", {deep}"));
         let (place, count) = (point(place, edge), look.crossings.len());
@@ -165,13 +167,16 @@ fn skin(
         return None;
     }
     if let Some(([a, b], relation)) = separate::inside(&skin, rules, model) {
-        let message = match separate::depth(&skin, rules, model, placed, [a, b]) {
+        let (message, remedy) = match separate::depth(&skin, rules, model, placed, [a, b]) {
             Some(deep) if relation == Relation::Cross => {
-                format!("`{}` and `{}` lie in each other at the start, {deep}", name(a), name(b))
+                (format!("`{}` and `{}` lie in each other at the start, {deep}", name(a), name(b)), PART)
             }
-            _ => format!("one of `{}` and `{}` lies inside the other at the start", name(a), name(b)),
+            _ => {
+                let message = format!("one of `{}` and `{}` lies inside the other at the start", name(a), name(b));
+                (message, "move one of them, or leave one of them out by `exclude`")
+            }
         };
-        problems.add(key(), "", message, "move one of them, or leave one of them out by `exclude`");
+        problems.add(key(), "", message, remedy);
         return None;
     }
     let itself = look.nearest.iter().filter(|([a, b], _)| a == b);

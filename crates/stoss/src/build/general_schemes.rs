@@ -41,18 +41,15 @@ fn able() -> String {
 
 /// Two parts with surfaces, one of them deformable, that nothing connects.
 fn free_pair<'a>(scene: &Scene, placed: &'a [Placed]) -> Option<[&'a str; 2]> {
-    let connected = connected(scene);
+    let ties = scene.ties.iter().map(|tie| sorted([owner(&tie.slave), owner(&tie.master)]));
+    let connected: BTreeSet<[&str; 2]> = connected(scene).into_iter().chain(ties).collect();
     let has_surface = |part: &&Placed| part.facets_of(BOUNDARY).is_ok_and(|facets| !facets.is_empty());
     let parts: Vec<&Placed> = placed.iter().filter(has_surface).collect();
-    let tied = scene.ties.iter().map(|tie| [&tie.slave, &tie.master].map(|set| owner(set)));
-    let tied: Vec<[&str; 2]> = tied.collect();
     parts.iter().enumerate().find_map(|(k, a)| {
-        let other = parts[k + 1..].iter().find(|b| {
-            let pair = [&a.name[..], &b.name[..]];
-            let is_tied = tied.iter().any(|&[s, t]| [s, t] == pair || [t, s] == pair);
-            (a.mesh().is_some() || b.mesh().is_some()) && !is_tied && !connected.contains(&sorted(pair))
-        });
-        other.map(|b| [&a.name[..], &b.name[..]])
+        let is_free = |b: &&&Placed| {
+            (a.mesh().is_some() || b.mesh().is_some()) && !connected.contains(&sorted([&a.name, &b.name]))
+        };
+        parts[k + 1..].iter().find(is_free).map(|b| [&a.name[..], &b.name[..]])
     })
 }
 

@@ -323,7 +323,6 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             }),
             polish: if solver.polish == Some(false) { 0 } else { default.polish },
             line_search: match (scene.header.kind, LineSearch::backtracking()) {
-                _ if general_contact(scene).is_some() => LineSearch::Best { reduction: 0.5, max_reductions: 5 },
                 (Kind::Dynamic, LineSearch::Backtracking { max_growth, reduction, max_reductions, .. }) => {
                     LineSearch::Backtracking { max_growth, small: SMALL_RESIDUAL, reduction, max_reductions }
                 }

@@ -1,6 +1,6 @@
 //! Surfaces a little below those of rigid bodies: their points are affine combinations of four nodes of the surface.
 
-use stoss_contact_barrier::{Interaction, Interactions, Skin, SkinFacet, first_look};
+use stoss_contact_barrier::{Interaction, Interactions, Skin, SkinFacet, first_look, is_closed};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::Matrix3;
 
@@ -26,9 +26,7 @@ impl Frame {
     /// Nodes of these facets that are far apart. `None` of a surface that is flat, or not closed and thus without an inside.
     pub fn of(facets: &[SkinFacet], reference: &[f64]) -> Option<Self> {
         let skin = Skin::new(facets.to_vec(), reference, &|_| None);
-        let sides: std::collections::BTreeSet<[u32; 2]> =
-            skin.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-        if !sides.iter().all(|&[a, b]| sides.contains(&[b, a])) {
+        if !is_closed(skin.triangles()) {
             return None;
         }
         let nodes = skin.surface_nodes();

@@ -36,7 +36,7 @@ pub(super) fn depth(
     let Separation { direction, length } = overlaps.separation([a, b], &Vector3::zeros(), 0.0, limit)?;
     let by = interacting::point(direction.into(), 1.0);
     let name = &placed[a as usize].name;
-    Some(format!("{} deep (so far `{name}` would have to be moved along {by})", format_length(length)))
+    Some(format!("{} deep (the way out of `{name}` is along {by})", format_length(length)))
 }
 
 /// Two bodies of which one lies in the other although no edge goes through a facet: wholly, or with common planes.
