@@ -58,6 +58,17 @@ pub(super) fn connected(scene: &Scene) -> BTreeSet<[&str; 2]> {
     scene.joints.iter().map(|joint| sorted(joint.between.each_ref().map(|side| owner(side)))).collect()
 }
 
+/// Whether general contact keeps two parts apart.
+pub(crate) fn keeps_apart(scene: &Scene, [a, b]: [&str; 2]) -> bool {
+    let Some(table) = general_contact(scene) else { return false };
+    let takes_part = |part: &str| {
+        let is_included = table.include.is_empty() || table.include.iter().any(|set| owner(set) == part);
+        is_included && !table.exclude.iter().any(|set| set == part)
+    };
+    let is_named = table.pairs.iter().any(|pair| sorted([&pair.between[0], &pair.between[1]]) == sorted([a, b]));
+    takes_part(a) && takes_part(b) && (is_named || !connected(scene).contains(&sorted([a, b])))
+}
+
 /// Two names in alphabetic order.
 pub(super) fn sorted([a, b]: [&str; 2]) -> [&str; 2] {
     if a < b { [a, b] } else { [b, a] }
@@ -66,4 +77,40 @@ pub(super) fn sorted([a, b]: [&str; 2]) -> [&str; 2] {
 /// The part of a set, or the name itself.
 fn owner(set: &str) -> &str {
     split_set(set).map_or(set, |(part, _)| part)
+}
+
+#[cfg(all(test, feature = "general"))]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+
+    #[test]
+    fn who_is_kept_apart() {
+        let body = |name: &str| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = [0, 0, 0], max = [1, 1, 1], divisions = [1, 1, 1] }}\n\
+                 material = {{ law = \"neo-hooke\", young = 1, poisson = 0.3 }}\n"
+            )
+        };
+        let head = "[scene]\ntitle = \"t\"\nkind = \"quasi-static\"\n[time]\nend = 1\nstep = 1\n";
+        let between = |more: &str| {
+            let text = format!("{head}{}{}{more}", body("a"), body("b"));
+            let scene = parse(&text, "t.toml").unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(keeps_apart(&scene, ["a", "b"]), keeps_apart(&scene, ["b", "a"]));
+            keeps_apart(&scene, ["a", "b"])
+        };
+        let joint = "[[joint]]\nname = \"j\"\nkind = \"ball\"\nbetween = [\"a.all\", \"b.all\"]\nat = [0, 0, 0]\n";
+        for (more, acts) in [
+            ("", true),
+            ("[general_contact]\nenabled = false\n", false),
+            ("[general_contact]\nexclude = [\"b\"]\n", false),
+            ("[general_contact]\nexclude = [\"b.top\"]\n", true),
+            ("[general_contact]\ninclude = [\"a\"]\n", false),
+            ("[general_contact]\ninclude = [\"a\", \"b.top\"]\n", true),
+            (joint, false),
+        ] {
+            assert_eq!(between(more), acts, "{more}");
+        }
+        assert!(between(&format!("{joint}[general_contact]\npairs = [{{ between = [\"b\", \"a\"] }}]\n")));
+    }
 }

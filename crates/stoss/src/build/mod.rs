@@ -11,7 +11,7 @@ mod extreme;
 mod friction;
 #[cfg(feature = "general")]
 mod general;
-mod general_schemes;
+pub(crate) mod general_schemes;
 #[cfg(feature = "general")]
 mod interacting;
 mod law;

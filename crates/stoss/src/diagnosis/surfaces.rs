@@ -2,6 +2,7 @@
 
 use super::case::Case;
 use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
+use crate::build::general_schemes::keeps_apart;
 use crate::scene::split_set;
 use stoss_reference_element::FacetNodes;
 use stoss_watch::{Finding as Seen, FindingKind, Level};
@@ -231,7 +232,8 @@ pub(super) fn missing_contact(case: &Case<'_>) -> Vec<Finding> {
     let mut list = Vec::new();
     for (seen, names) in inside(case).filter(|(seen, _)| seen.step > 0) {
         let is_known = done.iter().any(|other| other.contains(&names[0]) && other.contains(&names[1]));
-        if is_known || contact_between(case, &names).is_some() {
+        let has_contact = contact_between(case, &names).is_some() || keeps_apart(case.scene, [&names[0], &names[1]]);
+        if is_known || has_contact {
             continue;
         }
         let mut remedies = Vec::new();
