@@ -79,7 +79,8 @@ fn owner(set: &str) -> &str {
     split_set(set).map_or(set, |(part, _)| part)
 }
 
-#[cfg(all(test, feature = "general"))]
+#[cfg(feature = "general")]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::parse;
