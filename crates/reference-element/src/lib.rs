@@ -1,21 +1,19 @@
 //! Cells, shape functions, quadrature: everything about an element that does not depend on where its nodes are.
 //!
-//! * [`hex8`]: the trilinear hexahedron: vertices, shape functions and gradients, outward facets;
-//! * [`quad4`]: the bilinear quadrilateral, which is the facet of the hexahedron;
-//! * [`tri3`]: the linear triangle;
-//! * [`FacetKind`], [`Nodal`]: facets as data, for surfaces of any mixture of kinds;
-//! * [`quadrature`]: Gauss rules on the line, the square and the cube as constants;
-//! * [`triangle`]: Gauss rules on the triangle, for the pieces of clipped facets;
-//! * [`CellKind`]: the list of cells.
+//! * [`CellKind`], [`CellTable`]: the cells as data: hex8, hex20, hex27, tet4, tet10, wedge6, wedge15;
+//! * [`FaceKind`], [`FaceNodes`]: the faces of cells: tri3, quad4, tri6, quad8, quad9;
+//! * [`FacetKind`], [`Nodal`]: the linear facets of contact surfaces as data, for surfaces of any mixture of kinds;
+//! * [`hex8`], [`quad4`], [`tri3`]: the linear ones with arrays of their own size;
+//! * [`quadrature`]: Gauss rules on the line, the square, the cube, the tetrahedron and the wedge as constants;
+//! * [`triangle`]: Gauss rules on the triangle, for the pieces of clipped facets.
 //!
 //! # What it is not
 //! No physical coordinates, no Jacobians, no materials: see `stoss-mesh` for geometry and `stoss-fe-solid` for integrals.
 //! All functions take and return plain arrays; nothing here allocates.
 //!
 //! # How to add a cell
-//! Write `src/<cell>.rs` with the five items that [`hex8`] has (`VERTICES`, `FACETS`, `shape`, `shape_gradient`, and the
-//! facet's own cell), add a variant to [`CellKind`] (its exhaustive matches then fail to compile in every place that needs a
-//! line), and add one call of the battery in `tests/battery.rs`.
+//! Write its [`CellTable`] in `src/cells/`, add a variant to [`CellKind`] and a line to `CellKind::table`; the battery in `tests/battery.rs` runs
+//! over all kinds. `docs/how-to-add/element.md` does so for a cell.
 //!
 //! # How to add a kind of facet
 //! Write `src/<facet>.rs` as [`quad4`], add a variant to [`FacetKind`] with its data, raise [`MAX_NODES`] if it has more nodes, and add it to the
@@ -23,6 +21,8 @@
 //! node-to-surface contact.
 
 mod cell;
+mod cells;
+mod face;
 mod facet;
 pub mod hex8;
 pub mod quad4;
@@ -30,5 +30,6 @@ pub mod quadrature;
 pub mod tri3;
 pub mod triangle;
 
-pub use cell::CellKind;
+pub use cell::{CellKind, CellTable, Face, Family, Integration, MAX_CELL_NODES, Rule, Shape, ShapeGradient};
+pub use face::{FaceGradient, FaceKind, FaceNodes, FaceShape, MAX_FACE_NODES};
 pub use facet::{FacetKind, FacetNodes, MAX_NODES, Nodal};

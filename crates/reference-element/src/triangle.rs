@@ -57,7 +57,7 @@ const FOUR: [([f64; 2], f64); 4] = [
 
 const ROOT_15: f64 = 3.872_983_346_207_417;
 
-const SEVEN: [([f64; 2], f64); 7] = {
+pub(crate) const SEVEN: [([f64; 2], f64); 7] = {
     let (a, wa) = ((6.0 - ROOT_15) / 21.0, (155.0 - ROOT_15) / 2400.0);
     let (b, wb) = ((6.0 + ROOT_15) / 21.0, (155.0 + ROOT_15) / 2400.0);
     [

@@ -1,8 +1,8 @@
-//! The battery of a cell: partition of unity, Kronecker property, reproduction of linear fields, gradients against
-//! differences, outward facets that close the cell; exactness of the quadrature rules.
+//! The battery of the linear cells and facets with arrays of their own: partition of unity, Kronecker property, reproduction of linear
+//! fields, gradients against differences; exactness of the quadrature rules. That of all cells as data is in `cells.rs`.
 
 use proptest::prelude::*;
-use stoss_reference_element::{CellKind, FacetKind, Nodal, hex8, quad4, quadrature, tri3};
+use stoss_reference_element::{FacetKind, Nodal, hex8, quad4, quadrature, tri3};
 
 /// Shape functions of a cell with points of any dimension.
 struct Cell<const D: usize, const N: usize> {
@@ -143,49 +143,6 @@ proptest! {
         let b = quad4::shape_gradient([xi[0], xi[1] + 0.5]);
         for (i, m) in quad4::mixed_derivative().into_iter().enumerate() {
             prop_assert!((b[i][0] - a[i][0] - m).abs() < 1e-15);
-        }
-    }
-
-    /// On a facet the shape functions of the cell's other nodes vanish, those of the facet's nodes are the facet's own.
-    #[test]
-    fn trace_of_hex8_on_a_facet_is_quad4(facet in 0usize..6, xi in prop::array::uniform2(-1.0..1.0f64)) {
-        let nodes = hex8::FACETS[facet];
-        let n2 = quad4::shape(xi);
-        let point: [f64; 3] = std::array::from_fn(|d| (0..4).map(|i| n2[i] * hex8::VERTICES[nodes[i]][d]).sum());
-        let n3 = hex8::shape(point);
-        for i in 0..8 {
-            let expected = nodes.iter().position(|&n| n == i).map_or(0.0, |k| n2[k]);
-            prop_assert!((n3[i] - expected).abs() < 1e-15);
-        }
-    }
-}
-
-#[test]
-fn facets_are_outward_and_close_the_cell() {
-    for kind in CellKind::ALL {
-        let vertices = kind.vertices();
-        assert_eq!(vertices.len(), kind.node_count());
-        assert_eq!(kind.facets().len(), kind.facet_count());
-        let mut edges = std::collections::BTreeMap::new();
-        for facet in kind.facets() {
-            assert_eq!(facet.len(), kind.facet_kind().node_count());
-            let x = facet.map(|n| vertices[n]);
-            let dn = quad4::shape_gradient([0.3, -0.2]);
-            let tangent = |k: usize| -> [f64; 3] { std::array::from_fn(|d| (0..4).map(|i| dn[i][k] * x[i][d]).sum()) };
-            let (a, b) = (tangent(0), tangent(1));
-            let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-            // the cell's centre is the origin
-            let out: f64 = (0..3).map(|d| normal[d] * x.iter().map(|p| p[d]).sum::<f64>()).sum();
-            assert!(out > 0.0, "facet {facet:?} points inward");
-            for i in 0..4 {
-                *edges.entry((facet[i], facet[(i + 1) % 4])).or_insert(0) += 1;
-            }
-        }
-        // a closed oriented surface: each edge occurs once in each direction
-        assert_eq!(edges.len(), 24);
-        for (&(a, b), &count) in &edges {
-            assert_eq!(count, 1);
-            assert_eq!(edges.get(&(b, a)), Some(&1));
         }
     }
 }
