@@ -2,9 +2,7 @@
 
 use std::collections::HashMap;
 
-use stoss_reference_element::quadrature::GAUSS_HEX_2;
-
-use crate::quality::{EDGES, det, distance, edge_range, jacobian};
+use crate::quality::{distance, edge_range, first_not_positive};
 use crate::{Facet, FacetIndex, Mesh, MeshError, SetKind};
 
 /// Two nodes are one if they are closer than this times the shortest edge of the mesh. Files with 6 digits of an element
@@ -68,10 +66,11 @@ impl Mesh {
 
     /// No edge without a length: two nodes of an element at the same place.
     fn check_edges(&self) -> Result<(), MeshError> {
-        for nodes in &self.elements {
-            let x = nodes.map(|n| self.nodes[n as usize]);
+        for e in 0..self.elements.len() {
+            let (nodes, x) = (&self.elements[e], self.element_coordinates(e as u32));
             let longest = edge_range(&x).1;
-            for [a, b] in EDGES {
+            for &[a, b] in self.elements.kind(e).edges() {
+                let [a, b] = [usize::from(a), usize::from(b)];
                 let distance = distance(x[a], x[b]);
                 if distance <= NO_LENGTH * longest {
                     let (first, second) = (nodes[a].min(nodes[b]), nodes[a].max(nodes[b]));
@@ -97,17 +96,13 @@ impl Mesh {
         if let Some(n) = self.nodes.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
             return Err(MeshError::NonFiniteNode { node: n as u32, coordinates: self.nodes[n] });
         }
-        for (e, &nodes) in self.elements.iter().enumerate() {
+        for (e, nodes) in self.elements.iter().enumerate() {
             let element = e as u32;
-            if let Some(i) = (1..8).find(|&i| nodes[..i].contains(&nodes[i])) {
-                return Err(MeshError::RepeatedNode { element, nodes, node: nodes[i] });
+            if let Some(i) = (1..nodes.len()).find(|&i| nodes[..i].contains(&nodes[i])) {
+                return Err(MeshError::RepeatedNode { element, nodes: nodes.to_vec(), node: nodes[i] });
             }
-            let x = self.element_coordinates(element);
-            for (point, (xi, _)) in GAUSS_HEX_2.into_iter().enumerate() {
-                let jacobian = det(&jacobian(&x, xi));
-                if jacobian.is_nan() || jacobian <= 0.0 {
-                    return Err(MeshError::InvertedElement { element, nodes, point, jacobian });
-                }
+            if let Some((point, jacobian)) = first_not_positive(&self.element_coordinates(element)) {
+                return Err(MeshError::InvertedElement { element, nodes: nodes.to_vec(), point, jacobian });
             }
         }
         Ok(())
@@ -115,7 +110,7 @@ impl Mesh {
 
     fn check_unused(&self) -> Result<(), MeshError> {
         let mut used = vec![false; self.nodes.len()];
-        for nodes in &self.elements {
+        for nodes in self.elements.iter() {
             for &n in nodes {
                 used[n as usize] = true;
             }
@@ -194,7 +189,7 @@ impl Mesh {
             }
             n
         }
-        for nodes in &self.elements {
+        for nodes in self.elements.iter() {
             for &n in &nodes[1..] {
                 let (a, b) = (root(&mut parent, nodes[0]), root(&mut parent, n));
                 parent[a.max(b) as usize] = a.min(b);
@@ -207,8 +202,18 @@ impl Mesh {
         for group in FacetIndex::new(&self.elements).groups() {
             for (i, (_, a)) in group.iter().enumerate() {
                 if let Some((_, b)) = group[i + 1..].iter().find(|(_, b)| a.same_side(b)) {
-                    return Err(MeshError::OverlappingElements { elements: [a.element, b.element], nodes: a.nodes });
+                    return Err(MeshError::OverlappingElements {
+                        elements: [a.element, b.element],
+                        nodes: a.nodes.to_vec(),
+                    });
                 }
+            }
+            if let [(_, a), (_, b)] = group
+                && (a.nodes.len() != b.nodes.len() || !a.nodes.iter().all(|n| b.nodes.contains(n)))
+            {
+                let elements = [a.element, b.element];
+                let kinds = elements.map(|e| self.elements.kind(e as usize).name()).join(", ");
+                return Err(MeshError::NonMatchingFacet { elements, kinds, nodes: a.nodes.to_vec() });
             }
         }
         Ok(())
@@ -231,13 +236,15 @@ impl Mesh {
         for (name, set) in &self.facet_sets {
             for facet in set {
                 range(name, SetKind::Elements, facet.element, self.elements.len())?;
-                let exists = facet.local < 6 && *facet == self.facet(facet.element, facet.local as usize);
+                let count = self.elements.kind(facet.element as usize).faces().len();
+                let exists = (facet.local as usize) < count
+                    && *facet == self.facet(facet.element, facet.local as usize);
                 if !exists {
                     return Err(MeshError::SetOutOfRange {
                         name: name.clone(),
                         kind: SetKind::Facets,
                         index: u32::from(facet.local),
-                        count: 6,
+                        count,
                     });
                 }
             }

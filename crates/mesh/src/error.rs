@@ -21,6 +21,24 @@ impl std::fmt::Display for SetKind {
     }
 }
 
+/// A point of an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ElementPoint {
+    /// A point of the rule for its stiffness.
+    Gauss(usize),
+    /// A node, counted in the element.
+    Node(usize),
+}
+
+impl std::fmt::Display for ElementPoint {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            ElementPoint::Gauss(point) => write!(f, "Gauss point {point}"),
+            ElementPoint::Node(node) => write!(f, "its node {node}"),
+        }
+    }
+}
+
 /// Why a mesh cannot be made or used. Node and element numbers count from 0 in the order of the mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -114,28 +132,28 @@ pub enum MeshError {
     },
     /// An element uses a node twice.
     #[error(
-        "element {element} with nodes {nodes:?} uses node {node} twice: collapsed hexahedra are not supported, use 8 different nodes"
+        "element {element} with nodes {nodes:?} uses node {node} twice: collapsed elements are not supported, all nodes must differ"
     )]
     RepeatedNode {
         /// The element.
         element: u32,
         /// Its nodes.
-        nodes: [u32; 8],
+        nodes: Vec<u32>,
         /// The node that occurs twice.
         node: u32,
     },
-    /// The Jacobian determinant of an element is not positive at a Gauss point.
+    /// The Jacobian determinant of an element is not positive at a Gauss point, or at a node of a quadratic element.
     #[error(
-        "element {element} with nodes {nodes:?} has det J = {jacobian:e} at Gauss point {point}: it is inverted or degenerate; \
-         check the order of its nodes (bottom counter-clockwise seen from the top, then top)"
+        "element {element} with nodes {nodes:?} has det J = {jacobian:e} at {point}: it is inverted or degenerate; \
+         check the order of its nodes (bottom counter-clockwise seen from the top, then top) and that nodes on edges lie near their middles"
     )]
     InvertedElement {
         /// The element.
         element: u32,
         /// Its nodes.
-        nodes: [u32; 8],
-        /// The point of the 2 x 2 x 2 rule.
-        point: usize,
+        nodes: Vec<u32>,
+        /// Where.
+        point: ElementPoint,
         /// `det J` there (a volume per reference volume).
         jacobian: f64,
     },
@@ -205,13 +223,26 @@ pub enum MeshError {
         /// The volume (length to the third power).
         volume: f64,
     },
+    /// Elements that share the corners of a facet but not the nodes on its edges.
+    #[error(
+        "elements {elements:?} ({kinds}) share the corners of the facet with nodes {nodes:?} but not its other nodes: use linear or quadratic \
+         elements on both sides"
+    )]
+    NonMatchingFacet {
+        /// The elements.
+        elements: [u32; 2],
+        /// Their kinds.
+        kinds: String,
+        /// The facet's nodes in the first.
+        nodes: Vec<u32>,
+    },
     /// Elements that overlap: a facet shared by more than two, or by two on the same side of it.
     #[error("elements {elements:?} lie on the same side of the facet with nodes {nodes:?}: they overlap, remove one")]
     OverlappingElements {
         /// The elements.
         elements: [u32; 2],
         /// The facet's nodes.
-        nodes: [u32; 4],
+        nodes: Vec<u32>,
     },
 }
 

@@ -1,7 +1,7 @@
-//! Hexahedral meshes: nodes, connectivity, named sets, boundary facets, generators, quality; surfaces and mass
+//! Meshes of hexahedra, tetrahedra and wedges: nodes, connectivity, named sets, boundary facets, generators, quality; surfaces and mass
 //! properties of rigid bodies.
 //!
-//! * [`Mesh`], [`Facet`]: the data, sets by name, boundary facets, rigid placement;
+//! * [`Mesh`], [`Elements`], [`Facet`]: the data, sets by name, boundary facets, rigid placement;
 //! * [`Region`]: sets from a box or a plane;
 //! * [`generate`]: block, hexahedron, indenter, hollow ball, hollow torus, ball, cylinder, L-shaped block;
 //! * [`SurfaceMesh`]: triangles and quadrilaterals without a volume mesh, with its generators in [`surface`];
@@ -21,6 +21,7 @@
 //! ```
 
 mod check;
+mod elements;
 mod error;
 mod facet;
 pub mod generate;
@@ -31,10 +32,11 @@ pub mod surface;
 mod transform;
 
 pub use check::Coincident;
-pub use error::{MeshError, SetKind};
+pub use elements::{CellBlock, Elements};
+pub use error::{ElementPoint, MeshError, SetKind};
 pub use facet::{Facet, FacetIndex};
 pub use mesh::{ALL, BOUNDARY, Mesh};
-pub use quality::QualityReport;
+pub use quality::{ElementCoordinates, QualityReport};
 pub use region::Region;
 pub use surface::{MassProperties, SurfaceMesh};
 pub use transform::Rotation;

@@ -2,14 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::{Facet, FacetIndex, MeshError, SetKind};
+use crate::{ElementCoordinates, Elements, Facet, FacetIndex, MeshError, SetKind};
 
 /// Name of the automatic set of all nodes and elements.
 pub const ALL: &str = "all";
 /// Name of the automatic set of all boundary facets.
 pub const BOUNDARY: &str = "boundary";
 
-/// A mesh of 8-node hexahedra with named sets.
+/// A mesh with named sets.
 ///
 /// All sets are sorted and hold nothing twice. A facet set gives a node set of the same name, an element set too, see
 /// [`Mesh::nodes_of`]. The names [`ALL`] and [`BOUNDARY`] always exist; a set of this name in the maps goes before them.
@@ -17,8 +17,8 @@ pub const BOUNDARY: &str = "boundary";
 pub struct Mesh {
     /// Coordinates of the nodes in the reference configuration (lengths).
     pub nodes: Vec<[f64; 3]>,
-    /// Nodes of the elements in the order of `hex8`.
-    pub elements: Vec<[u32; 8]>,
+    /// Kinds and nodes of the elements.
+    pub elements: Elements,
     /// Named sets of nodes.
     pub node_sets: BTreeMap<String, Vec<u32>>,
     /// Named sets of facets.
@@ -41,26 +41,28 @@ impl Mesh {
     ///
     /// # Errors
     /// [`MeshError::NodeOutOfRange`].
-    pub fn new(nodes: Vec<[f64; 3]>, elements: Vec<[u32; 8]>) -> Result<Mesh, MeshError> {
-        let mesh = Mesh { nodes, elements, ..Mesh::default() };
+    pub fn new(nodes: Vec<[f64; 3]>, elements: impl Into<Elements>) -> Result<Mesh, MeshError> {
+        let mesh = Mesh { nodes, elements: elements.into(), ..Mesh::default() };
         mesh.check_node_numbers()?;
         Ok(mesh)
     }
 
-    /// Facet `local` (0 to 5) of an element, outward.
+    /// Facet `local` of an element, outward.
     ///
     /// # Panics
     /// If the element or the facet does not exist; this is a programming error.
     pub fn facet(&self, element: u32, local: usize) -> Facet {
-        Facet::of_element(element, &self.elements[element as usize], local)
+        let e = element as usize;
+        Facet::of_element(element, self.elements.kind(e), &self.elements[e], local)
     }
 
     /// Coordinates of an element's nodes.
     ///
     /// # Panics
     /// If the element does not exist; this is a programming error.
-    pub fn element_coordinates(&self, element: u32) -> [[f64; 3]; 8] {
-        self.elements[element as usize].map(|n| self.nodes[n as usize])
+    pub fn element_coordinates(&self, element: u32) -> ElementCoordinates {
+        let e = element as usize;
+        ElementCoordinates::new(self.elements.kind(e), &self.elements[e], &self.nodes)
     }
 
     /// All facets, searchable by nodes.
@@ -181,7 +183,7 @@ impl Mesh {
         let mut new_element = vec![UNUSED; self.elements.len()];
         for (new, &e) in elements.iter().enumerate() {
             new_element[e as usize] = new as u32;
-            for n in self.elements[e as usize] {
+            for &n in &self.elements[e as usize] {
                 new_node[n as usize] = 0;
             }
         }
@@ -192,7 +194,11 @@ impl Mesh {
                 nodes.push(self.nodes[n]);
             }
         }
-        let kept = elements.iter().map(|&e| self.elements[e as usize].map(|n| new_node[n as usize])).collect();
+        let mut kept = Elements::new();
+        for &e in &elements {
+            let renumbered: Vec<u32> = self.elements[e as usize].iter().map(|&n| new_node[n as usize]).collect();
+            kept.push(self.elements.kind(e as usize), &renumbered);
+        }
         let mut part = Mesh::new(nodes, kept)?;
         let renumber = |set: &Vec<u32>, new: &[u32]| -> Vec<u32> {
             set.iter().map(|&i| new[i as usize]).filter(|&i| i != UNUSED).collect()
@@ -218,7 +224,7 @@ impl Mesh {
     }
 
     fn element_nodes(&self, elements: &[u32]) -> Vec<u32> {
-        sorted_unique(elements.iter().flat_map(|&e| self.elements[e as usize]).collect())
+        sorted_unique(elements.iter().flat_map(|&e| &self.elements[e as usize]).copied().collect())
     }
 
     fn unknown(&self, name: &str) -> MeshError {
@@ -231,7 +237,7 @@ fn wrong(name: &str, has: SetKind, wanted: SetKind) -> MeshError {
 }
 
 fn facet_nodes(facets: &[Facet]) -> Vec<u32> {
-    sorted_unique(facets.iter().flat_map(|f| f.nodes).collect())
+    sorted_unique(facets.iter().flat_map(|f| f.nodes.iter().copied()).collect())
 }
 
 fn sorted_unique(mut values: Vec<u32>) -> Vec<u32> {

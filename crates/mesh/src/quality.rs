@@ -1,20 +1,82 @@
 //! Jacobians of the elements and the quality report.
 
-use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
+use std::ops::Deref;
 
-use crate::Mesh;
+use stoss_reference_element::{CellKind, Family, Integration, MAX_CELL_NODES};
 
-/// Edges of the hexahedron as pairs of local nodes.
-pub(crate) const EDGES: [[usize; 2]; 12] =
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+use crate::{ElementPoint, Mesh};
+
+/// Places of the nodes of one element, a slice of as many as it has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ElementCoordinates {
+    kind: CellKind,
+    /// Zeros beyond the nodes.
+    places: [[f64; 3]; MAX_CELL_NODES],
+}
+
+impl ElementCoordinates {
+    /// Of an element with these nodes.
+    pub(crate) fn new(kind: CellKind, element: &[u32], nodes: &[[f64; 3]]) -> Self {
+        let mut places = [[0.0; 3]; MAX_CELL_NODES];
+        for (x, &n) in places.iter_mut().zip(element) {
+            *x = nodes[n as usize];
+        }
+        Self { kind, places }
+    }
+
+    /// Kind of the element.
+    pub fn kind(&self) -> CellKind {
+        self.kind
+    }
+
+    /// With other places.
+    pub(crate) fn map(mut self, place: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        self.places[..self.kind.node_count()].iter_mut().for_each(|x| *x = place(*x));
+        self
+    }
+
+    /// The place of the natural coordinates `xi`.
+    pub fn at(&self, xi: [f64; 3]) -> [f64; 3] {
+        let n = (self.kind.table().shape)(xi);
+        std::array::from_fn(|i| self.iter().zip(n).map(|(x, n)| n * x[i]).sum())
+    }
+
+    /// `J = sum_I X_I (x) grad N_I` (formulation §3.2) at natural coordinates: row the spatial, column the natural direction.
+    pub fn jacobian(&self, xi: [f64; 3]) -> [[f64; 3]; 3] {
+        let dn = (self.kind.table().shape_gradient)(xi);
+        std::array::from_fn(|i| std::array::from_fn(|k| self.iter().zip(dn).map(|(x, dn)| x[i] * dn[k]).sum()))
+    }
+}
+
+impl Deref for ElementCoordinates {
+    type Target = [[f64; 3]];
+    fn deref(&self) -> &[[f64; 3]] {
+        &self.places[..self.kind.node_count()]
+    }
+}
+
+/// The first point of an element at which `det J` is not positive: Gauss points, and of quadratic elements the nodes, which they invert at first.
+pub(crate) fn first_not_positive(x: &ElementCoordinates) -> Option<(ElementPoint, f64)> {
+    let gauss = gauss_points(x.kind).enumerate().map(|(g, (xi, _))| (ElementPoint::Gauss(g), xi));
+    let nodes = x.kind.table().nodes.iter().enumerate().filter(|_| x.kind.is_quadratic());
+    gauss
+        .chain(nodes.map(|(n, &xi)| (ElementPoint::Node(n), xi)))
+        .map(|(point, xi)| (point, det(&x.jacobian(xi))))
+        .find(|(_, jacobian)| jacobian.is_nan() || *jacobian <= 0.0)
+}
+
+/// Points and weights of the rule for the stiffness.
+fn gauss_points(kind: CellKind) -> impl Iterator<Item = ([f64; 3], f64)> {
+    kind.rule(Integration::Full).unwrap_or_default().iter().copied()
+}
 
 /// What [`Mesh::quality`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QualityReport {
     /// Number of elements.
     pub elements: usize,
-    /// Smallest scaled Jacobian `det J / (|J e1| |J e2| |J e3|)` over Gauss points and vertices of all elements: 1 for a box,
-    /// 0 or less for a degenerate or inverted element.
+    /// Smallest scaled Jacobian `det J / (|J e1| |J e2| |J e3|)` over Gauss points and nodes of all elements, relative to a box, or a tetrahedron or wedge
+    /// with equal edges: 1 for these, 0 or less for a degenerate or inverted element. `e` are the edges' directions at a corner.
     pub min_scaled_jacobian: f64,
     /// The element that has it.
     pub worst_element: u32,
@@ -22,20 +84,14 @@ pub struct QualityReport {
     pub max_aspect_ratio: f64,
     /// The element that has it.
     pub slenderest_element: u32,
-    /// Number of elements with `det J <= 0` at a Gauss point.
+    /// Number of elements with `det J <= 0` at a Gauss point, or at a node of a quadratic element.
     pub inverted_elements: usize,
     /// Length of the shortest edge.
     pub min_edge: f64,
     /// Length of the longest edge.
     pub max_edge: f64,
-    /// Volume of the mesh by the 2 x 2 x 2 rule (exact: `det J` has degree 2 in each coordinate).
+    /// Volume of the mesh by the rule of the mass (exact for hex8, whose `det J` has degree 2 in each coordinate, and for straight edges).
     pub volume: f64,
-}
-
-/// `J = sum_I X_I (x) grad N_I` (formulation §3.2) at natural coordinates: row the spatial, column the natural direction.
-pub(crate) fn jacobian(x: &[[f64; 3]; 8], xi: [f64; 3]) -> [[f64; 3]; 3] {
-    let dn = hex8::shape_gradient(xi);
-    std::array::from_fn(|i| std::array::from_fn(|k| (0..8).map(|a| x[a][i] * dn[a][k]).sum()))
 }
 
 /// Determinant of a 3 x 3 matrix.
@@ -44,9 +100,27 @@ pub(crate) fn det(m: &[[f64; 3]; 3]) -> f64 {
         + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
 }
 
-fn scaled(j: &[[f64; 3]; 3], det: f64) -> f64 {
-    let lengths: f64 = (0..3).map(|k| (0..3).map(|i| j[i][k] * j[i][k]).sum::<f64>().sqrt()).product();
-    if lengths > 0.0 { det / lengths } else { 0.0 }
+/// `det J` over the lengths of the tangents that meet at the corner nearest to the point, times the factor that makes it 1 for equal edges.
+fn scaled(family: Family, j: &[[f64; 3]; 3], xi: [f64; 3], det: f64) -> f64 {
+    let column = |k: usize| -> [f64; 3] { [j[0][k], j[1][k], j[2][k]] };
+    let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let difference = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| j[i][a] - j[i][b]) };
+    // Tangents along the edges of the simplex in the first `d` directions at its corner nearest to the point.
+    let simplex = |d: usize| -> Vec<[f64; 3]> {
+        let rest = 1.0 - xi[..d].iter().sum::<f64>();
+        let nearest = (0..d).max_by(|&a, &b| xi[a].total_cmp(&xi[b])).filter(|&a| xi[a] > rest);
+        match nearest {
+            None => (0..d).map(column).collect(),
+            Some(a) => (0..d).map(|k| if k == a { column(a) } else { difference(k, a) }).collect(),
+        }
+    };
+    let (tangents, factor) = match family {
+        Family::Hexahedron => ((0..3).map(column).collect(), 1.0),
+        Family::Tetrahedron => (simplex(3), 2f64.sqrt()),
+        Family::Wedge => (simplex(2).into_iter().chain([column(2)]).collect::<Vec<_>>(), 2.0 / 3f64.sqrt()),
+    };
+    let lengths: f64 = tangents.into_iter().map(length).product();
+    if lengths > 0.0 { factor * det / lengths } else { 0.0 }
 }
 
 /// Distance of two points.
@@ -54,10 +128,10 @@ pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
 }
 
-/// Shortest and longest edge of an element.
-pub(crate) fn edge_range(x: &[[f64; 3]; 8]) -> (f64, f64) {
-    EDGES.iter().fold((f64::INFINITY, 0.0_f64), |(min, max), &[a, b]| {
-        let d = distance(x[a], x[b]);
+/// Shortest and longest edge of an element, between corners.
+pub(crate) fn edge_range(x: &ElementCoordinates) -> (f64, f64) {
+    x.kind.edges().iter().fold((f64::INFINITY, 0.0_f64), |(min, max), &[a, b]| {
+        let d = distance(x[usize::from(a)], x[usize::from(b)]);
         (min.min(d), max.max(d))
     })
 }
@@ -79,19 +153,14 @@ impl Mesh {
         for e in 0..self.elements.len() as u32 {
             let x = self.element_coordinates(e);
             let mut smallest = f64::INFINITY;
-            let mut inverted = false;
-            for (xi, weight) in GAUSS_HEX_2 {
-                let j = jacobian(&x, xi);
-                let d = det(&j);
-                inverted |= d.is_nan() || d <= 0.0;
-                smallest = smallest.min(scaled(&j, d));
-                report.volume += d * weight;
+            let table = x.kind.table();
+            let points = gauss_points(x.kind).map(|(xi, _)| xi).chain(table.nodes.iter().copied());
+            for xi in points {
+                let j = x.jacobian(xi);
+                smallest = smallest.min(scaled(table.family, &j, xi, det(&j)));
             }
-            for xi in hex8::VERTICES {
-                let j = jacobian(&x, xi);
-                smallest = smallest.min(scaled(&j, det(&j)));
-            }
-            report.inverted_elements += usize::from(inverted);
+            report.volume += table.mass.iter().map(|&(xi, weight)| det(&x.jacobian(xi)) * weight).sum::<f64>();
+            report.inverted_elements += usize::from(first_not_positive(&x).is_some());
             if smallest < report.min_scaled_jacobian {
                 (report.min_scaled_jacobian, report.worst_element) = (smallest, e);
             }

@@ -14,7 +14,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// Area vector of a facet: half the cross product of its diagonals (exact for a bilinear patch).
 fn area_vector(mesh: &Mesh, facet: &Facet) -> [f64; 3] {
-    let x = facet.nodes.map(|n| mesh.nodes[n as usize]);
+    let x: Vec<_> = facet.nodes.iter().map(|&n| mesh.nodes[n as usize]).collect();
     let d = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| 0.5 * (x[a][i] - x[b][i])) };
     let c = cross(d(2, 0), d(3, 1));
     c.map(|c| 2.0 * c)
@@ -38,7 +38,7 @@ fn battery(mesh: &Mesh) {
     // volume = 1/3 int x . n dA; over a bilinear patch by the 2 x 2 rule, exactly
     let mut volume = 0.0;
     for f in &boundary {
-        let x = f.nodes.map(|n| mesh.nodes[n as usize]);
+        let x: Vec<_> = f.nodes.iter().map(|&n| mesh.nodes[n as usize]).collect();
         for (xi, w) in stoss_reference_element::quadrature::GAUSS_QUAD_2 {
             let n = stoss_reference_element::quad4::shape(xi);
             let dn = stoss_reference_element::quad4::shape_gradient(xi);

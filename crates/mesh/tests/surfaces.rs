@@ -305,10 +305,10 @@ fn boundary_of_a_mesh() {
     let mut mesh = HollowBall { inner_diameter: 1.0, outer_diameter: 2.0, divisions: [3, 3] }.generate().unwrap();
     // an unused node in front, so that numbers change, and a set with a facet between two elements
     mesh.nodes.insert(0, [9.0; 3]);
-    mesh.elements.iter_mut().flatten().for_each(|n| *n += 1);
+    mesh.elements.nodes_mut().for_each(|n| *n += 1);
     mesh.facet_sets.values_mut().flatten().for_each(|f| f.nodes = f.nodes.map(|n| n + 1));
     let (inner, outer) = (mesh.facet(0, 1), mesh.facet_sets["outer"][0]);
-    assert_eq!(mesh.facet_index().find(inner.nodes).len(), 2);
+    assert_eq!(mesh.facet_index().find(&inner.nodes).len(), 2);
     mesh.facet_sets.insert("mixed".into(), vec![inner, outer]);
     mesh.facet_sets.insert("hidden".into(), vec![inner]);
     mesh.node_sets.insert("nodes".into(), vec![1]);
@@ -328,11 +328,11 @@ fn boundary_of_a_mesh() {
     let mixed = surface.facets_of("mixed").unwrap();
     assert_eq!(mixed.len(), 1);
     let x = surface.facet_coordinates(mixed[0]);
-    assert_eq!(x[..], outer.nodes.map(|n| mesh.nodes[n as usize]));
+    assert_eq!(x[..], *outer.nodes.iter().map(|&n| mesh.nodes[n as usize]).collect::<Vec<_>>());
     assert!((surface.volume().unwrap() / mesh.quality().volume - 1.0).abs() < 1e-13);
 
     assert_eq!(SurfaceMesh::from_mesh(&Mesh::default()), Err(MeshError::NoElements));
-    let bad = Mesh { elements: vec![[0, 1, 2, 3, 4, 5, 6, 7]], ..Mesh::default() };
+    let bad = Mesh { elements: vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(), ..Mesh::default() };
     assert!(matches!(SurfaceMesh::from_mesh(&bad), Err(MeshError::NodeOutOfRange { .. })));
 }
 

@@ -44,7 +44,7 @@ impl HollowBall {
         for l in 0..layers {
             let (below, above) = ((l * count) as u32, ((l + 1) * count) as u32);
             for q in &quads {
-                mesh.elements.push(std::array::from_fn(|i| if i < 4 { below + q[i] } else { above + q[i - 4] }));
+                mesh.elements.push_hex8(std::array::from_fn(|i| if i < 4 { below + q[i] } else { above + q[i - 4] }));
             }
         }
         let (first, last) = (quads.len() as u32, mesh.elements.len() as u32);

@@ -212,7 +212,7 @@ impl Lines {
                 let [di, dj] = RING[a % 4];
                 number(&mut mesh, [i + di, j + dj, k + a / 4], 0)
             });
-            mesh.elements.push(nodes);
+            mesh.elements.push_hex8(nodes);
         }
         for axis in (0..3).filter(|&axis| round[axis]) {
             // u, v, axis are right-handed, and the layers go outwards along the axis.
@@ -225,14 +225,14 @@ impl Lines {
                         (lattice[axis], lattice[u], lattice[v]) = (divisions[axis], i + di, j + dj);
                         number(&mut mesh, lattice, layer + a / 4)
                     });
-                    mesh.elements.push(nodes);
+                    mesh.elements.push_hex8(nodes);
                 }
             }
         }
         for x in &mut mesh.nodes {
             x[2] = 0.0 - x[2];
         }
-        mesh.elements.iter_mut().for_each(|nodes| *nodes = reflected(*nodes));
+        mesh.elements = mesh.elements.iter().map(|nodes| reflected(nodes, |n| n)).collect();
         mesh
     }
 }
@@ -263,12 +263,12 @@ fn refined(n: usize, uniform: usize, size: f64) -> Result<Vec<f64>, MeshError> {
     Ok(s)
 }
 
-/// The nodes of a reflected element in the order that makes it positive.
-fn reflected(nodes: [u32; 8]) -> [u32; 8] {
-    [1, 0, 3, 2, 5, 4, 7, 6].map(|i| nodes[i])
+/// The images of the nodes of a reflected hexahedron in the order that makes it positive.
+fn reflected(nodes: &[u32], image: impl Fn(u32) -> u32) -> [u32; 8] {
+    [1, 0, 3, 2, 5, 4, 7, 6].map(|i| image(nodes[i]))
 }
 
-fn on(facet: &[u32; 4], is: impl Fn(usize) -> bool) -> bool {
+fn on(facet: &[u32], is: impl Fn(usize) -> bool) -> bool {
     facet.iter().all(|&n| is(n as usize))
 }
 
@@ -276,7 +276,7 @@ fn on(facet: &[u32; 4], is: impl Fn(usize) -> bool) -> bool {
 fn cut(
     mut mesh: Mesh,
     axes: &[usize],
-    name: impl Fn(&[[f64; 3]], &[u32; 4]) -> &'static str,
+    name: impl Fn(&[[f64; 3]], &[u32]) -> &'static str,
 ) -> Result<Mesh, MeshError> {
     for &axis in axes {
         let image: Vec<u32> = (0..mesh.nodes.len())
@@ -290,8 +290,8 @@ fn cut(
                 mesh.nodes.len() as u32 - 1
             })
             .collect();
-        let images: Vec<[u32; 8]> = mesh.elements.iter().map(|e| reflected(e.map(|n| image[n as usize]))).collect();
-        mesh.elements.extend(images);
+        let images: Vec<[u32; 8]> = mesh.elements.iter().map(|e| reflected(e, |n| image[n as usize])).collect();
+        images.into_iter().for_each(|nodes| mesh.elements.push_hex8(nodes));
     }
     for facet in mesh.boundary_facets() {
         let set = name(&mesh.nodes, &facet.nodes);

@@ -60,7 +60,7 @@ impl HollowTorus {
         for k in 0..nw {
             for j in 0..nt {
                 for i in 0..nr {
-                    mesh.elements.push([
+                    mesh.elements.push_hex8([
                         number(i, j, k),
                         number(i + 1, j, k),
                         number(i + 1, j + 1, k),

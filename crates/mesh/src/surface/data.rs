@@ -33,7 +33,7 @@ impl SurfaceMesh {
         Ok(surface)
     }
 
-    /// The boundary of a hexahedral mesh: its boundary facets in the order of [`Mesh::boundary_facets`], the nodes that
+    /// The boundary of a mesh: the pieces of its boundary facets in the order of [`Mesh::boundary_facets`], the nodes that
     /// they use in their old order, and the facet sets. Of a set the facets between two elements are left out; a set
     /// without any other is dropped.
     ///
@@ -47,13 +47,19 @@ impl SurfaceMesh {
         let boundary = mesh.boundary_facets();
         let mut surface = SurfaceMesh {
             nodes: mesh.nodes.clone(),
-            facets: boundary.iter().map(|f| f.nodes.into()).collect(),
+            facets: boundary.iter().flat_map(|f| f.nodes.pieces()).collect(),
             facet_sets: BTreeMap::new(),
         };
         surface.drop_unused_nodes();
+        // The pieces of boundary facet `f` are `first_piece[f]..first_piece[f + 1]`.
+        let mut first_piece = vec![0u32];
+        for facet in &boundary {
+            first_piece.push(first_piece[first_piece.len() - 1] + facet.nodes.pieces().count() as u32);
+        }
         for (name, set) in &mesh.facet_sets {
             let number = |f: &Facet| boundary.binary_search_by_key(&(f.element, f.local), |b| (b.element, b.local));
-            let facets: BTreeSet<u32> = set.iter().filter_map(|f| number(f).ok()).map(|f| f as u32).collect();
+            let numbers = set.iter().filter_map(|f| number(f).ok());
+            let facets: BTreeSet<u32> = numbers.flat_map(|f| first_piece[f]..first_piece[f + 1]).collect();
             if !facets.is_empty() {
                 surface.facet_sets.insert(name.clone(), facets.into_iter().collect());
             }

@@ -2,25 +2,27 @@
 
 use std::f64::consts::PI;
 
-use stoss_reference_element::hex8;
-use stoss_reference_element::quadrature::gauss_line;
+use stoss_reference_element::{CellKind, Family, Rule, quadrature};
 
 use super::SurfaceMesh;
 use super::revolution::tip_radius;
 use crate::error::parameter;
 use crate::generate::validate;
-use crate::quality::{det, jacobian};
+use crate::quality::det;
 use crate::{Mesh, MeshError};
 
 /// Largest part of the trace by which a tensor of inertia may violate symmetry or positivity of its Euler tensor: that
 /// of numbers typed in with six digits.
 const INERTIA_TOLERANCE: f64 = 1e-6;
 
-/// Three points are exact to degree 5.
-const RULE: &[(f64, f64)] = match gauss_line(3) {
-    Some(rule) => rule,
-    None => &[],
-};
+/// Points of degree 5 in all cells.
+fn rule(kind: CellKind) -> Rule {
+    match kind.table().family {
+        Family::Hexahedron => &quadrature::GAUSS_HEX_3,
+        Family::Tetrahedron => &quadrature::TET_14,
+        Family::Wedge => &quadrature::WEDGE_21,
+    }
+}
 
 /// Inertia of a rigid body with constant density `rho`, in the axes in which its shape is given:
 ///
@@ -56,8 +58,8 @@ impl MassProperties {
         surface.moments()?.properties(density)
     }
 
-    /// Of a mesh of hexahedra. `det J x x^T` has degree 4 in each natural coordinate, so that the rule of 3 x 3 x 3
-    /// points is exact for every trilinear hexahedron.
+    /// Of a mesh. `det J x x^T` has degree 4 in each natural coordinate of a trilinear hexahedron, so that the rule of 3 x 3 x 3
+    /// points is exact for it; the rules of the other cells are exact for straight edges.
     ///
     /// # Errors
     /// [`MeshError::Parameter`] (density), [`MeshError::NoElements`], [`MeshError::NodeOutOfRange`], [`MeshError::Volume`].
@@ -70,13 +72,8 @@ impl MassProperties {
         let mut moments = Moments::about(mean(&mesh.nodes));
         for element in 0..mesh.elements.len() as u32 {
             let x = mesh.element_coordinates(element).map(|p| moments.relative(p));
-            for (&(xi, u), &(eta, v), &(zeta, w)) in
-                RULE.iter().flat_map(|a| RULE.iter().flat_map(move |b| RULE.iter().map(move |c| (a, b, c))))
-            {
-                let at = [xi, eta, zeta];
-                let n = hex8::shape(at);
-                let p: [f64; 3] = std::array::from_fn(|i| (0..8).map(|k| n[k] * x[k][i]).sum());
-                moments.add_point(p, u * v * w * det(&jacobian(&x, at)));
+            for &(xi, weight) in rule(x.kind()) {
+                moments.add_point(x.at(xi), weight * det(&x.jacobian(xi)));
             }
         }
         moments.properties(density)
