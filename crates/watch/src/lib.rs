@@ -35,6 +35,7 @@ pub use solids::SolidObservation;
 pub use verdict::{Judge, Limits, Verdict};
 
 use std::ops::Range;
+use stoss_mesh::Elements;
 
 /// A body.
 #[derive(Clone, Debug)]
@@ -50,8 +51,8 @@ pub struct WatchBody {
 /// What a body consists of.
 #[derive(Clone, Debug)]
 pub enum WatchShape {
-    /// Global node numbers of each hexahedron: the bottom counter-clockwise seen from the top, then the top.
-    Hexahedra(Vec<[u32; 8]>),
+    /// Elements with global node numbers.
+    Solid(Elements),
     /// The surface of a rigid body.
     Surface {
         /// Its facets.
@@ -82,10 +83,10 @@ impl WatchFacet {
 
 impl WatchBody {
     /// Its elements; none of a rigid body.
-    pub(crate) fn hexahedra(&self) -> &[[u32; 8]] {
+    pub(crate) fn elements(&self) -> Option<&Elements> {
         match &self.shape {
-            WatchShape::Hexahedra(hexahedra) => hexahedra,
-            WatchShape::Surface { .. } => &[],
+            WatchShape::Solid(elements) => Some(elements),
+            WatchShape::Surface { .. } => None,
         }
     }
 }

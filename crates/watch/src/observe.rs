@@ -1,13 +1,14 @@
 //! The watch: one look at a state, or at two states in a row.
 
 use crate::pairs::{Inside, TOUCHING, overlap};
-use crate::solids::{self, SolidObservation, scaled_jacobian};
-use crate::surface::{Surface, inside_hexahedron, nearest_point};
+use crate::solids::{Shapes, SolidObservation};
+use crate::surface::{Surface, inside_element, nearest_point};
 use crate::sweep::{Sweep, passages};
 use crate::{WatchBody, WatchError, WatchFacet, WatchModel, WatchShape};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
+use stoss_mesh::Elements;
 
 /// Facets for which every step can be looked at; with more of them the watch looks less often.
 const FACETS_EVERY_STEP: usize = 4000;
@@ -80,8 +81,7 @@ pub struct Watch {
     skins: Vec<Skin>,
     /// Nodes of ties, by pairs of bodies in both orders.
     tied: Vec<([usize; 2], BTreeSet<u32>)>,
-    /// Scaled Jacobian of every element in the reference.
-    rest: Vec<f64>,
+    shapes: Shapes,
     placed: bool,
     inside: Vec<bool>,
 }
@@ -95,7 +95,7 @@ impl Watch {
         let nodes = model.reference.len() / 3;
         for body in &model.bodies {
             let all: Vec<&[u32]> = match &body.shape {
-                WatchShape::Hexahedra(hexahedra) => hexahedra.iter().map(|corners| corners.as_slice()).collect(),
+                WatchShape::Solid(elements) => elements.iter().collect(),
                 WatchShape::Surface { facets, .. } => facets.iter().map(WatchFacet::corners).collect(),
             };
             for (element, corners) in all.into_iter().enumerate() {
@@ -105,11 +105,11 @@ impl Watch {
             }
         }
         let surface = |body: &WatchBody| match &body.shape {
-            WatchShape::Hexahedra(hexahedra) => Surface::of_hexahedra(hexahedra),
+            WatchShape::Solid(elements) => Surface::of_elements(elements),
             WatchShape::Surface { facets, is_closed } => Surface::of_facets(facets, *is_closed, &model.reference),
         };
         let surfaces: Vec<Surface> = model.bodies.iter().map(surface).collect();
-        let skins = model.bodies.iter().zip(&surfaces).map(|(body, surface)| Skin::new(body.hexahedra(), surface));
+        let skins = model.bodies.iter().zip(&surfaces).map(|(body, surface)| Skin::new(body.elements(), surface));
         let skins = skins.collect();
         let both = |tie: &crate::TiedPair| {
             let nodes: BTreeSet<u32> = tie.nodes.iter().copied().collect();
@@ -117,10 +117,8 @@ impl Watch {
             [([a, b], nodes.clone()), ([b, a], nodes)]
         };
         let tied = model.ties.iter().flat_map(both).collect();
-        let corner = |node: u32| Vector3::from_column_slice(&model.reference[3 * node as usize..3 * node as usize + 3]);
-        let elements = model.bodies.iter().flat_map(WatchBody::hexahedra);
-        let rest = elements.map(|hexahedron| scaled_jacobian(&hexahedron.map(corner))).collect();
-        Ok(Self { model, surfaces, skins, tied, rest, placed: false, inside: Vec::new() })
+        let shapes = Shapes::new(&model);
+        Ok(Self { model, surfaces, skins, tied, shapes, placed: false, inside: Vec::new() })
     }
 
     /// How many steps there should be from one look to the next. It follows from the number of facets alone, so that verdicts repeat:
@@ -132,7 +130,7 @@ impl Watch {
 
     /// The elements and positions of a state `q` (three a node).
     pub fn solids(&self, q: &[f64]) -> SolidObservation {
-        solids::observe(&self.model, &self.rest, q)
+        self.shapes.observe(&self.model, q)
     }
 
     /// The geometry of a state `q` (three a node), and what passed through a body since the state `previous`. Positions that are no finite
@@ -196,24 +194,27 @@ impl Watch {
 
     /// Nodes and centres of faces of a body inside elements of its own that share no node with the elements around it.
     fn own(&mut self, b: usize, q: &[f64], seen: &mut Observation) {
-        let hexahedra = self.model.bodies[b].hexahedra();
-        if hexahedra.is_empty() {
-            return;
-        }
-        let corner = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
+        let Some(all) = self.model.bodies[b].elements() else { return };
+        let place = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
         let skin = &mut self.skins[b];
         let elements = &skin.elements;
-        skin.tree.refit(|k| Aabb::from_points(&hexahedra[elements[k] as usize].map(corner)));
+        skin.tree.refit(|k| bounds(all[elements[k] as usize].iter().map(|&node| place(node))));
         let (skin, surface) = (&self.skins[b], &self.surfaces[b]);
         let mut deepest: Option<Inside> = None;
+        let mut places = Vec::new();
         for (k, x) in surface.points.iter().enumerate() {
             let corners = surface.nodes_of(k as u32);
             let near = |node: &u32| corners.iter().any(|&c| skin.around[c as usize].binary_search(node).is_ok());
             let mut hit = false;
             skin.tree.query(&Aabb::from_points([x]), |s| {
                 let element = skin.elements[s];
-                let hexahedron = &hexahedra[element as usize];
-                if hit || hexahedron.iter().any(near) || !inside_hexahedron(&hexahedron.map(corner), x) {
+                let nodes = &all[element as usize];
+                if hit || nodes.iter().any(near) {
+                    return;
+                }
+                places.clear();
+                places.extend(nodes.iter().map(|&node| place(node)));
+                if !inside_element(all.kind(element as usize), &places, x) {
                     return;
                 }
                 // The nearest face of that element on the outside; it has one.
@@ -262,16 +263,20 @@ fn touches(surface: &Surface, point: u32, nodes: &BTreeSet<u32>) -> bool {
     surface.nodes_of(point).iter().any(|&corner| nodes.contains(&surface.nodes[corner as usize]))
 }
 
+fn bounds(points: impl Iterator<Item = Vector3<f64>>) -> Aabb {
+    points.fold(Aabb::empty(), |bounds, x| bounds.union(&Aabb::from_points([&x])))
+}
+
 impl Skin {
-    fn new(hexahedra: &[[u32; 8]], surface: &Surface) -> Self {
+    fn new(all: Option<&Elements>, surface: &Surface) -> Self {
         let mut elements = surface.elements.clone();
         elements.sort_unstable();
         elements.dedup();
         let mut around = vec![Vec::new(); surface.nodes.len()];
-        for hexahedron in hexahedra {
-            for node in hexahedron {
+        for element in all.into_iter().flat_map(Elements::iter) {
+            for node in element {
                 if let Ok(k) = surface.nodes.binary_search(node) {
-                    around[k].extend_from_slice(hexahedron);
+                    around[k].extend_from_slice(element);
                 }
             }
         }

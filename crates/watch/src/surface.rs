@@ -3,11 +3,10 @@
 use crate::WatchFacet;
 use nalgebra::Vector3;
 use robust::{Coord3D, orient3d};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
-
-/// Faces of a hexahedron, seen counter-clockwise from outside.
-const FACES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+use stoss_mesh::{Elements, FacetIndex};
+use stoss_reference_element::CellKind;
 
 /// Directions of rays, tried in turn: along an axis but for a little, so that they meet neither edges nor nodes of regular meshes.
 const DIRECTIONS: [[f64; 3]; 6] = [
@@ -107,15 +106,15 @@ impl Facet {
 /// A point inside of a body, behind a facet.
 #[derive(Clone, Copy, Debug)]
 enum Inner {
-    /// Centre of the element of these nodes.
-    Element([u32; 8]),
+    /// Mean of so many corners of an element, from this place in `core_corners` on.
+    Element(u32, u32),
     /// So far behind the centre of the facet: in a rigid body it is always the same point.
     Behind(f64),
     /// Mean of the nodes.
     Middle,
 }
 
-/// A surface of triangles and quadrilaterals; of the latter each is four triangles about its centre. That of hexahedra is closed.
+/// A surface of triangles and quadrilaterals; of the latter each is four triangles about its centre. That of a solid is closed.
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// Global numbers of the nodes on it.
@@ -136,7 +135,9 @@ pub struct Surface {
     pub elements: Vec<u32>,
     /// Points inside, with a facet before each.
     inner: Vec<(Inner, u32)>,
-    /// Their present positions.
+    /// Global numbers of the corners of the elements that have such a point.
+    core_corners: Vec<u32>,
+    /// The present positions of the points inside.
     cores: Vec<Vector3<f64>>,
     /// Edges of the triangles, as places in `points`, each once.
     pub edges: Vec<[u32; 2]>,
@@ -149,25 +150,21 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The outside of hexahedra: faces that belong to one of them only.
-    pub fn of_hexahedra(hexahedra: &[[u32; 8]]) -> Self {
-        let mut seen: HashMap<[u32; 4], (u32, u32)> = HashMap::new();
-        let corners = |e: usize, f: usize| FACES[f].map(|k| hexahedra[e][k]);
-        for e in 0..hexahedra.len() {
-            for f in 0..6 {
-                let mut key = corners(e, f);
-                key.sort_unstable();
-                seen.entry(key).and_modify(|entry| entry.1 += 1).or_insert(((6 * e + f) as u32, 1));
-            }
-        }
-        let mut faces: Vec<u32> = seen.into_values().filter(|&(_, count)| count == 1).map(|(face, _)| face).collect();
-        faces.sort_unstable();
-        let quads: Vec<[u32; 4]> = faces.iter().map(|&face| corners(face as usize / 6, face as usize % 6)).collect();
-        let elements: Vec<u32> = faces.iter().map(|face| face / 6).collect();
+    /// The outside of a solid: the faces that belong to one element only, quadratic ones in pieces.
+    pub fn of_elements(all: &Elements) -> Self {
+        let boundary = FacetIndex::new(all).boundary();
+        let pieces: Vec<_> =
+            boundary.iter().flat_map(|facet| facet.nodes.pieces().map(|piece| (piece, facet.element))).collect();
+        let elements: Vec<u32> = pieces.iter().map(|(_, element)| *element).collect();
+        let mut surface = Self::of(pieces.iter().map(|(piece, _)| &piece[..]));
         // Each element once, with the first of its faces; they are in the order of the elements.
-        let first = (0..elements.len()).filter(|&k| k == 0 || elements[k] != elements[k - 1]);
-        let inner = first.map(|k| (Inner::Element(hexahedra[elements[k] as usize]), k as u32)).collect();
-        let mut surface = Self::of(quads.iter().map(|quad| quad.as_slice()));
+        let mut inner = Vec::new();
+        for k in (0..elements.len()).filter(|&k| k == 0 || elements[k] != elements[k - 1]) {
+            let element = elements[k] as usize;
+            let corners = &all[element][..all.kind(element).table().corners];
+            inner.push((Inner::Element(surface.core_corners.len() as u32, corners.len() as u32), k as u32));
+            surface.core_corners.extend_from_slice(corners);
+        }
         surface.cores_at(inner);
         Self { elements, ..surface }
     }
@@ -228,6 +225,7 @@ impl Surface {
             triangles,
             elements: Vec::new(),
             inner: Vec::new(),
+            core_corners: Vec::new(),
             cores: Vec::new(),
             edges,
             tree: BoundingVolumeTree::build(&boxes),
@@ -271,7 +269,10 @@ impl Surface {
         }
         for k in 0..self.inner.len() {
             self.cores[k] = match self.inner[k] {
-                (Inner::Element(nodes), _) => nodes.iter().fold(Vector3::zeros(), |sum, &node| sum + at(node)) / 8.0,
+                (Inner::Element(first, count), _) => {
+                    let corners = &self.core_corners[first as usize..(first + count) as usize];
+                    corners.iter().fold(Vector3::zeros(), |sum, &node| sum + at(node)) / f64::from(count)
+                }
                 (Inner::Behind(depth), f) => self.behind(f as usize, depth),
                 (Inner::Middle, _) => self.middle(),
             };
@@ -338,7 +339,7 @@ impl Surface {
         self.corners(triangle).map(|k| &self.points[k as usize])
     }
 
-    /// The element behind a triangle; only of hexahedra.
+    /// The element behind a triangle; only of a solid.
     pub fn element(&self, triangle: usize) -> Option<u32> {
         self.elements.get(self.triangles[triangle].1 as usize).copied()
     }
@@ -409,9 +410,9 @@ impl Surface {
     }
 }
 
-/// Whether a point is inside a hexahedron, its faces taken as four triangles each; not if it is on its surface.
-pub fn inside_hexahedron(corners: &[Vector3<f64>; 8], x: &Vector3<f64>) -> bool {
-    let bounds = Aabb::from_points(corners);
+/// Whether a point is inside an element: linear pieces of its faces, of quadrilaterals four triangles about their centres; not if it is on its surface.
+pub fn inside_element(kind: CellKind, nodes: &[Vector3<f64>], x: &Vector3<f64>) -> bool {
+    let bounds = Aabb::from_points(nodes);
     if !bounds.contains(x) {
         return false;
     }
@@ -419,13 +420,19 @@ pub fn inside_hexahedron(corners: &[Vector3<f64>; 8], x: &Vector3<f64>) -> bool 
     'ray: for direction in DIRECTIONS {
         let end = x + Vector3::from(direction) * (2.0 * size);
         let mut winding = 0;
-        for face in FACES {
-            let centre = face.iter().fold(Vector3::zeros(), |sum, &k| sum + corners[k]) / 4.0;
-            for k in 0..4 {
-                match meeting(x, &end, [&corners[face[k]], &corners[face[(k + 1) % 4]], &centre]) {
-                    Meeting::None => {}
-                    Meeting::Through(way) => winding += way,
-                    Meeting::Degenerate => continue 'ray,
+        for face in kind.faces() {
+            for piece in face.kind.pieces() {
+                let corner = |k: usize| &nodes[usize::from(face.nodes[usize::from(piece[k % piece.len()])])];
+                let centre = (0..piece.len()).fold(Vector3::zeros(), |sum, k| sum + corner(k)) / piece.len() as f64;
+                let about_centre = |k: usize| [corner(k), corner(k + 1), &centre];
+                let (first, rest) = if piece.len() == 3 { ([corner(0), corner(1), corner(2)], 1) } else { (about_centre(0), 4) };
+                for k in 0..rest {
+                    let triangle = if k == 0 { first } else { about_centre(k) };
+                    match meeting(x, &end, triangle) {
+                        Meeting::None => {}
+                        Meeting::Through(way) => winding += way,
+                        Meeting::Degenerate => continue 'ray,
+                    }
                 }
             }
         }
@@ -451,7 +458,7 @@ mod tests {
             .into_iter()
             .map(f64::from)
             .collect();
-        let mut cube = Surface::of_hexahedra(&[[0, 1, 2, 3, 4, 5, 6, 7]]);
+        let mut cube = Surface::of_elements(&vec![[0, 1, 2, 3, 4, 5, 6, 7]].into());
         cube.place(&q, true);
         assert_eq!((cube.facets.len(), cube.nodes.len(), cube.edges.len()), (6, 8, 12 + 24));
         assert!(cube.contains(&Vector3::new(0.5, 0.5, 0.5)) && cube.contains(&Vector3::new(1e-12, 0.5, 0.25)));
@@ -461,7 +468,7 @@ mod tests {
         let (distance, triangle) = cube.nearest(&Vector3::new(0.5, 0.4, 0.8));
         assert!((distance - 0.2).abs() < 1e-15 && cube.triangle(triangle).iter().all(|x| x.z == 1.0));
         let corners: [Vector3<f64>; 8] = std::array::from_fn(|k| Vector3::from_column_slice(&q[3 * k..3 * k + 3]));
-        assert!(inside_hexahedron(&corners, &Vector3::new(0.2, 0.9, 0.5)));
-        assert!(!inside_hexahedron(&corners, &Vector3::new(0.2, 1.0, 0.5)));
+        assert!(inside_element(CellKind::Hex8, &corners, &Vector3::new(0.2, 0.9, 0.5)));
+        assert!(!inside_element(CellKind::Hex8, &corners, &Vector3::new(0.2, 1.0, 0.5)));
     }
 }

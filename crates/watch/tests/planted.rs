@@ -71,7 +71,7 @@ fn model(bodies: &[Block]) -> WatchModel {
         list.push(WatchBody {
             name: format!("b{k}"),
             nodes: nodes.clone(),
-            shape: WatchShape::Hexahedra(body.hexahedra(first)),
+            shape: WatchShape::Solid(body.hexahedra(first).into()),
         });
         first = nodes.end;
     }

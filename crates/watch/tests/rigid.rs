@@ -46,7 +46,7 @@ impl Thing {
     /// One hexahedron.
     fn element(min: [f64; 3], max: [f64; 3]) -> Self {
         let hexahedra = vec![[0, 1, 2, 3, 4, 5, 6, 7]];
-        Self { points: Self::corners(min, max), shape: WatchShape::Hexahedra(hexahedra) }
+        Self { points: Self::corners(min, max), shape: WatchShape::Solid(hexahedra.into()) }
     }
 
     /// A ball about the origin: points between the poles in rings, then the poles.
@@ -103,8 +103,10 @@ impl Thing {
             WatchFacet::Quadrilateral(corners) => WatchFacet::Quadrilateral(corners.map(|k| k + first)),
         };
         match &self.shape {
-            WatchShape::Hexahedra(list) => {
-                WatchShape::Hexahedra(list.iter().map(|nodes| nodes.map(|k| k + first)).collect())
+            WatchShape::Solid(list) => {
+                let mut moved = stoss_mesh::Elements::new();
+                moved.extend(list, |k| k + first);
+                WatchShape::Solid(moved)
             }
             WatchShape::Surface { facets, is_closed } => {
                 WatchShape::Surface { facets: facets.iter().map(facet).collect(), is_closed: *is_closed }
