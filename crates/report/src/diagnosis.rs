@@ -281,14 +281,16 @@ fn camera(grid: &Grid, place: [f64; 3]) -> Camera {
 
 /// The cells around a place: those that are not farther than the nearest [`NEAR`] ones.
 fn around(grid: &Grid, place: [f64; 3]) -> Grid {
-    let middle = |points: &[usize]| -> f64 {
-        let corners = points.iter().map(|&point| crate::paint::deformed(grid, point));
+    let middle = |points: &mut dyn ExactSizeIterator<Item = usize>| -> f64 {
+        let count = points.len().max(1) as f64;
+        let corners = points.map(|point| crate::paint::deformed(grid, point));
         let sum = corners.fold([0.0; 3], |sum, x| std::array::from_fn(|i| sum[i] + x[i]));
-        distance(sum.map(|x| x / points.len().max(1) as f64), place)
+        distance(sum.map(|x| x / count), place)
     };
-    let hexahedra: Vec<f64> = grid.hexahedra.iter().map(|cell| middle(cell)).collect();
-    let facets: Vec<f64> = grid.facets.iter().map(|cell| middle(cell)).collect();
-    let mut all: Vec<f64> = hexahedra.iter().chain(&facets).copied().collect();
+    let elements: Vec<f64> =
+        grid.elements.iter().map(|cell| middle(&mut cell.iter().map(|&node| node as usize))).collect();
+    let facets: Vec<f64> = grid.facets.iter().map(|cell| middle(&mut cell.iter().copied())).collect();
+    let mut all: Vec<f64> = elements.iter().chain(&facets).copied().collect();
     if all.len() <= NEAR {
         return grid.clone();
     }
@@ -303,14 +305,13 @@ fn around(grid: &Grid, place: [f64; 3]) -> Grid {
         }
         is_near
     };
-    let hexahedra_near: Vec<_> =
-        (0..hexahedra.len()).filter(|&k| keep(k, hexahedra[k])).map(|k| grid.hexahedra[k]).collect();
-    let first = hexahedra.len();
+    let elements_near = crate::vtu::chosen(&grid.elements, (0..elements.len()).filter(|&k| keep(k, elements[k])));
+    let first = elements.len();
     let facets_near: Vec<_> =
         (0..facets.len()).filter(|&k| keep(first + k, facets[k])).map(|k| grid.facets[k].clone()).collect();
     Grid {
         points: grid.points.clone(),
-        hexahedra: hexahedra_near,
+        elements: elements_near,
         facets: facets_near,
         lines: Vec::new(),
         vertices: Vec::new(),
@@ -365,10 +366,10 @@ mod tests {
         let corner = |i: usize, y: f64, z: f64| [i as f64, y, z];
         let points = (0..=count)
             .flat_map(|i| [corner(i, 0.0, 0.0), corner(i, 1.0, 0.0), corner(i, 0.0, 1.0), corner(i, 1.0, 1.0)]);
-        let cube = |i: usize| [4 * i, 4 * i + 4, 4 * i + 5, 4 * i + 1, 4 * i + 2, 4 * i + 6, 4 * i + 7, 4 * i + 3];
-        let grid = Grid { points: points.collect(), hexahedra: (0..count).map(cube).collect(), ..Grid::default() };
+        let cube = |i: u32| [4 * i, 4 * i + 4, 4 * i + 5, 4 * i + 1, 4 * i + 2, 4 * i + 6, 4 * i + 7, 4 * i + 3];
+        let grid = Grid { points: points.collect(), elements: (0..count).map(cube).collect(), ..Grid::default() };
         let near = around(&grid, [0.5, 0.5, 0.5]);
-        assert_eq!(near.hexahedra, (0..NEAR).map(cube).collect::<Vec<_>>());
-        assert_eq!(around(&near, [0.5; 3]).hexahedra.len(), NEAR);
+        assert_eq!(near.elements, (0..NEAR as u32).map(cube).collect());
+        assert_eq!(around(&near, [0.5; 3]).elements.len(), NEAR);
     }
 }

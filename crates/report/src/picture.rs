@@ -190,7 +190,7 @@ fn chosen(grid: &Grid, names: &[String], wanted: &[String]) -> Result<Grid, Stri
     if wanted.is_empty() {
         return Ok(grid.clone());
     }
-    let counts = [grid.hexahedra.len(), grid.facets.len(), grid.lines.len(), grid.vertices.len()];
+    let counts = [grid.elements.len(), grid.facets.len(), grid.lines.len(), grid.vertices.len()];
     let total = counts.iter().sum::<usize>();
     let numbers = grid.cell_data.get("body").filter(|array| array.values.len() == total);
     let body_of = |cell: usize| numbers.map_or(0, |numbers| numbers.values[cell].clamp(0.0, 1e6) as usize);
@@ -209,7 +209,7 @@ fn chosen(grid: &Grid, names: &[String], wanted: &[String]) -> Result<Grid, Stri
     let values = (0..total).filter(|&cell| is_chosen(cell)).map(|cell| body_of(cell) as f64).collect();
     Ok(Grid {
         points: grid.points.clone(),
-        hexahedra: of(0).map(|k| grid.hexahedra[k]).collect(),
+        elements: crate::vtu::chosen(&grid.elements, of(0)),
         facets: of(1).map(|k| grid.facets[k].clone()).collect(),
         lines: of(2).map(|k| grid.lines[k].clone()).collect(),
         vertices: of(3).map(|k| grid.vertices[k]).collect(),

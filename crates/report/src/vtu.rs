@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use stoss_mesh::Elements;
 use stoss_mesh_io::{OwnedField, VtuData, read_pvd_from_str, read_vtu, read_vtu_from_str};
 
 use crate::Outcome;
@@ -31,13 +32,13 @@ impl Array {
     }
 }
 
-/// One frame. Cells stand in the order hexahedra, facets, lines, vertices.
+/// One frame. Cells stand in the order elements, facets, lines, vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grid {
     /// Coordinates of the points as stored.
     pub points: Vec<[f64; 3]>,
-    /// Points of each hexahedron in VTK's order.
-    pub hexahedra: Vec<[usize; 8]>,
+    /// Elements of deformable bodies.
+    pub elements: Elements,
     /// Points of each facet of a surface, three or four.
     pub facets: Vec<Vec<usize>>,
     /// Points of each line.
@@ -48,6 +49,13 @@ pub struct Grid {
     pub point_data: BTreeMap<String, Array>,
     /// Arrays on cells by name.
     pub cell_data: BTreeMap<String, Array>,
+}
+
+/// The elements with these numbers.
+pub(crate) fn chosen(elements: &Elements, numbers: impl Iterator<Item = usize>) -> Elements {
+    let mut chosen = Elements::new();
+    numbers.for_each(|k| chosen.push(elements.kind(k), &elements[k]));
+    chosen
 }
 
 impl Grid {
@@ -64,13 +72,13 @@ impl From<VtuData> for Grid {
             fields.into_iter().map(|f| (f.name, Array { components: f.components, values: f.values })).collect()
         };
         Self {
-            hexahedra: data.hexahedra.iter().map(|nodes| nodes.map(|node| node as usize)).collect(),
             facets: data.facets.iter().map(|nodes| indices(nodes)).collect(),
             lines: data.lines.iter().map(|nodes| indices(nodes)).collect(),
             vertices: indices(&data.vertices),
             point_data: arrays(data.point_data),
             cell_data: arrays(data.cell_data),
             points: data.points,
+            elements: data.elements,
         }
     }
 }
@@ -156,8 +164,8 @@ pub(crate) mod tests {
     /// A cube with an array `speed` on the points.
     pub fn cube(speed: &[f64; 8]) -> Grid {
         let point_data = vec![Field { name: "speed", components: 1, values: speed }];
-        let hexahedra = &[[0, 1, 2, 3, 4, 5, 6, 7]];
-        parse(&write(&VtuFrame { points: &CUBE, hexahedra, point_data, ..VtuFrame::default() })).unwrap()
+        let elements = &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into();
+        parse(&write(&VtuFrame { points: &CUBE, elements, point_data, ..VtuFrame::default() })).unwrap()
     }
 
     /// The eight corners of a unit cube in VTK's order.
@@ -176,7 +184,7 @@ pub(crate) mod tests {
     fn a_frame_has_its_cells_and_arrays() {
         let frame = VtuFrame {
             points: &CUBE,
-            hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+            elements: &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(),
             facets: &[[0, 1, 2].into(), [4, 5, 6, 7].into()],
             lines: &[vec![0, 3, 6]],
             vertices: &[5],
@@ -185,7 +193,7 @@ pub(crate) mod tests {
             ..VtuFrame::default()
         };
         let grid = parse(&write(&frame)).unwrap();
-        assert_eq!((&grid.points[..], &grid.hexahedra[..]), (&CUBE[..], &[[0, 1, 2, 3, 4, 5, 6, 7]][..]));
+        assert_eq!((&grid.points[..], grid.elements), (&CUBE[..], vec![[0, 1, 2, 3, 4, 5, 6, 7]].into()));
         assert_eq!(grid.facets, [vec![0, 1, 2], vec![4, 5, 6, 7]]);
         assert_eq!((grid.lines, grid.vertices), (vec![vec![0, 3, 6]], vec![5]));
         assert_eq!(grid.cell_data["body"].values, [0.0, 1.0, 1.0, 2.0, 3.0]);

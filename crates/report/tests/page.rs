@@ -55,7 +55,7 @@ fn fill(folder: &Path) {
         ];
         let data = VtuFrame {
             points: &points,
-            hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+            elements: &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(),
             lines: &[vec![8, 9]],
             vertices: &[10],
             point_data,

@@ -45,7 +45,7 @@ fn a_trebuchet_is_seen_from_the_side() {
     let body: Vec<f64> = [vec![0.0, 1.0], vec![2.0; 6], (3..9).map(f64::from).collect()].concat();
     let frame = VtuFrame {
         points: &points,
-        hexahedra: &[std::array::from_fn(|k| block + k as u32)],
+        elements: &vec![std::array::from_fn(|k| block + k as u32)].into(),
         facets: &[
             [ground, ground + 1, ground + 2, ground + 3].into(),
             side(0),

@@ -38,7 +38,7 @@ fn folder() -> TempDir {
         ];
         let data = VtuFrame {
             points: &POINTS,
-            hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+            elements: &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(),
             facets: &[[8, 9, 10, 11].into()],
             lines: &[vec![12, 13]],
             point_data,
@@ -145,7 +145,7 @@ fn a_frame_without_displacement_says_that_it_is_undeformed() {
         let stress = [1.0; 14];
         let data = VtuFrame {
             points: &POINTS,
-            hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+            elements: &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(),
             point_data: vec![Field { name: "von_mises", components: 1, values: &stress }],
             cell_data: vec![Field { name: "body", components: 1, values: &[0.0] }],
             ..VtuFrame::default()

@@ -57,7 +57,7 @@ fn folder() -> TempDir {
     let field = |name, components, values| Field { name, components, values };
     let frame = VtuFrame {
         points: &points,
-        hexahedra: &cells,
+        elements: &cells.into(),
         facets: &[[plate, plate + 1, plate + 2].into()],
         point_data: vec![
             field("displacement", 3, &way),
@@ -137,7 +137,7 @@ fn contact_fields_are_empty_inside() {
     ];
     let cell_data = vec![Field { name: "body", components: 1, values: &[0.0, 0.0] }];
     let frame =
-        VtuFrame { points: &points, hexahedra: &[cell(0), cell(4)], point_data, cell_data, ..VtuFrame::default() };
+        VtuFrame { points: &points, elements: &vec![cell(0), cell(4)].into(), point_data, cell_data, ..VtuFrame::default() };
     write_vtu(folder.path().join("a.vtu"), &frame).unwrap();
     let collection = "<VTKFile><Collection><DataSet timestep=\"0.5\" file=\"a.vtu\"/></Collection></VTKFile>";
     std::fs::write(folder.path().join("frames.pvd"), collection).unwrap();

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::paint::boundary;
-use crate::vtu::Grid;
+use crate::vtu::{Grid, chosen};
 
 /// A body and where its cells are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -18,7 +18,7 @@ pub struct Body {
     pub points: [usize; 2],
     /// The smallest point of the frames that it uses: nodes are counted from there.
     pub first: usize,
-    /// Whether it is a mesh of hexahedra.
+    /// Whether it is deformable.
     pub is_solid: bool,
 }
 
@@ -59,7 +59,7 @@ impl Numbering {
 
 /// Numbers of cells of a frame.
 fn cells(grid: &Grid) -> [usize; 4] {
-    [grid.hexahedra.len(), grid.facets.len(), grid.lines.len(), grid.vertices.len()]
+    [grid.elements.len(), grid.facets.len(), grid.lines.len(), grid.vertices.len()]
 }
 
 impl Shape {
@@ -77,13 +77,14 @@ impl Shape {
         let mut shape = Self { cells, count: grid.points.len(), ..Self::default() };
         for body in 0..count.min(total) {
             let starts = [shape.facets.len(), shape.segments.len(), shape.points.len()];
-            let hexahedra: Vec<[usize; 8]> = of(0, body).map(|k| grid.hexahedra[k]).collect();
+            let elements = chosen(&grid.elements, of(0, body));
             let facets: Vec<&[usize]> = of(1, body).map(|k| grid.facets[k].as_slice()).collect();
             let lines: Vec<&[usize]> = of(2, body).map(|k| grid.lines[k].as_slice()).collect();
             let points: Vec<usize> = of(3, body).map(|k| grid.vertices[k]).collect();
-            let used = hexahedra.as_flattened().iter().chain(facets.iter().copied().flatten());
-            let Some(&first) = used.chain(lines.iter().copied().flatten()).chain(&points).min() else { continue };
-            let faces = boundary(&hexahedra);
+            let of_elements = elements.iter().flatten().map(|&node| node as usize);
+            let others = facets.iter().chain(&lines).copied().flatten().chain(&points).copied();
+            let Some(first) = of_elements.chain(others).min() else { continue };
+            let faces = boundary(&elements);
             shape.facets.extend(faces.iter().map(|face| face.map(|point| numbering.of(point))));
             let corner = |facet: &[usize], k: usize| facet[k.min(facet.len() - 1)];
             shape.facets.extend(
@@ -96,7 +97,7 @@ impl Shape {
             let ends = [shape.facets.len(), shape.segments.len(), shape.points.len()];
             let [facets, segments, points] = [0, 1, 2].map(|k| [starts[k], ends[k] - starts[k]]);
             let name = names.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
-            shape.bodies.push(Body { name, facets, segments, points, first, is_solid: !hexahedra.is_empty() });
+            shape.bodies.push(Body { name, facets, segments, points, first, is_solid: !elements.is_empty() });
         }
         shape.nodes = numbering.nodes;
         shape

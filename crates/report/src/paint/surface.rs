@@ -1,11 +1,10 @@
 //! What a frame shows in its deformed place: outer surfaces, lines and points, with one number on every corner.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
+
+use stoss_mesh::{Elements, FacetIndex};
 
 use crate::vtu::{Array, Grid};
-
-/// Faces of a hexahedron in VTK's numbering, seen counter-clockwise from outside.
-const FACES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
 /// Corner places and values of a quadrilateral; the last two corners of a triangle are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +31,7 @@ pub struct Line {
 /// What is drawn of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// Faces that belong to one hexahedron only, in the order of the hexahedra, and facets.
+    /// Faces that belong to one element only, in the order of the elements and quadratic ones in pieces, and facets.
     pub quads: Vec<Quad>,
     /// Lines.
     pub lines: Vec<Line>,
@@ -58,7 +57,7 @@ impl Surface {
             is_rigid: false,
             has_back: false,
         };
-        let solids = boundary(&grid.hexahedra).into_iter().map(quad);
+        let solids = boundary(&grid.elements).into_iter().map(quad);
         let open = open_bodies(grid);
         let facets = grid.facets.iter().enumerate().map(|(k, facet)| {
             let corner = |k: usize| facet[k.min(facet.len() - 1)];
@@ -93,7 +92,7 @@ impl Surface {
 
 /// Number of the body of a facet; zero in frames that do not tell.
 fn body_of_facet(grid: &Grid, facet: usize) -> u64 {
-    let number = |bodies: &Array| bodies.values.get(grid.hexahedra.len() + facet).map(|body| *body as u64);
+    let number = |bodies: &Array| bodies.values.get(grid.elements.len() + facet).map(|body| *body as u64);
     grid.cell_data.get("body").and_then(number).unwrap_or(0)
 }
 
@@ -116,20 +115,12 @@ pub(crate) fn deformed(grid: &Grid, point: usize) -> [f64; 3] {
     }
 }
 
-/// Faces that occur once.
-pub fn boundary(hexahedra: &[[usize; 8]]) -> Vec<[usize; 4]> {
-    let faces: Vec<[usize; 4]> =
-        hexahedra.iter().flat_map(|cell| FACES.map(|face| face.map(|corner| cell[corner]))).collect();
-    let key = |face: &[usize; 4]| {
-        let mut key = *face;
-        key.sort_unstable();
-        key
-    };
-    let mut count = BTreeMap::new();
-    for face in &faces {
-        *count.entry(key(face)).or_insert(0) += 1;
-    }
-    faces.into_iter().filter(|face| count[&key(face)] == 1).collect()
+/// Pieces of the faces that only one element has; the last two corners of a triangle are the same.
+pub fn boundary(elements: &Elements) -> Vec<[usize; 4]> {
+    let faces = FacetIndex::new(elements).boundary();
+    let corner = |piece: &[u32], k: usize| piece[k.min(piece.len() - 1)] as usize;
+    let pieces = faces.iter().flat_map(|face| face.nodes.pieces());
+    pieces.map(|piece| [0, 1, 2, 3].map(|k| corner(&piece, k))).collect()
 }
 
 #[cfg(test)]
@@ -137,6 +128,7 @@ mod tests {
     use super::*;
     use crate::paint::camera::{cross, dot};
     use crate::vtu::tests::{CUBE, cube as grid};
+    use stoss_reference_element::CellKind;
 
     fn cube() -> Grid {
         grid(&[1.0; 8])
@@ -159,8 +151,10 @@ mod tests {
 
     #[test]
     fn inner_faces_are_left_out() {
-        let cells = [[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]];
-        assert_eq!(boundary(&cells).len(), 10);
+        let cells = vec![[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]];
+        assert_eq!(boundary(&cells.into()).len(), 10);
+        let tet10 = Elements::of_kind(CellKind::Tet10, (0..10).collect());
+        assert_eq!(boundary(&tet10).len(), 16);
     }
 
     #[test]
@@ -174,9 +168,10 @@ mod tests {
     /// The sides of the cube as facets, one of them as two triangles, and then without that side.
     #[test]
     fn facets_point_outwards_and_open_surfaces_have_a_back() {
-        let mut grid = Grid { hexahedra: Vec::new(), ..cube() };
-        grid.facets = FACES[..5].iter().map(|face| face.to_vec()).collect();
-        let [a, b, c, d] = FACES[5];
+        let faces = boundary(&cube().elements);
+        let mut grid = Grid { elements: Elements::new(), ..cube() };
+        grid.facets = faces[..5].iter().map(|face| face.to_vec()).collect();
+        let [a, b, c, d] = faces[5];
         grid.facets.extend([vec![a, b, c], vec![a, c, d]]);
         let closed = Surface::new(&grid, "speed").unwrap();
         assert!((volume(&closed) - 1.0).abs() < 1e-14);

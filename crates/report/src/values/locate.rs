@@ -1,74 +1,86 @@
-//! Which hexahedra hold a point, and where in them it is.
+//! Which elements hold a point, and where in them it is.
 
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{Aabb, BoundingVolumeTree};
-use stoss_reference_element::hex8;
+use stoss_mesh::Elements;
+use stoss_reference_element::{CellKind, Shape};
 
-/// A point belongs to a cell up to this far outside of `[-1, 1]^3`: points on faces and edges are given in rounded numbers.
+/// A point belongs to a cell up to this far outside, in halves of an edge: points on faces and edges are given in rounded numbers.
 const TOLERANCE: f64 = 1e-8;
 /// Boxes of cells are enlarged by this part of their diagonal, for the same reason.
 const MARGIN: f64 = 1e-7;
+/// Those of quadratic elements by this part.
+const BULGE: f64 = 0.25;
 /// Newton's method converges in five or six iterations where it converges.
 const ITERATIONS: usize = 30;
-/// Iterates stay within this distance of the origin in each coordinate: roots outside of the cell are not sought.
+/// Iterates stay within this distance of the centre in each coordinate: roots outside of the cell are not sought.
 const REACH: f64 = 2.0;
 
 /// A cell that holds a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
-    /// Number of the hexahedron.
+    /// Number of the element.
     pub cell: usize,
-    /// Trilinear shape functions of its nodes at the point.
-    pub weights: [f64; 8],
+    /// Shape functions of its nodes at the point, zero beyond them.
+    pub weights: Shape,
 }
 
-/// Hexahedra at their places, with a search tree.
+/// Elements at their places, with a search tree.
 #[derive(Clone, Debug)]
 pub struct Locator<'a> {
-    cells: &'a [[usize; 8]],
+    elements: &'a Elements,
     places: &'a [[f64; 3]],
     tree: BoundingVolumeTree,
 }
 
 impl<'a> Locator<'a> {
-    /// Of cells and the places of all points; cells without finite places hold nothing.
-    pub fn new(cells: &'a [[usize; 8]], places: &'a [[f64; 3]]) -> Self {
-        let of_cell = |nodes: &[usize; 8]| {
-            let corners = nodes.map(|node| Vector3::from(places[node]));
+    /// Of elements and the places of all points; elements without finite places hold nothing.
+    pub fn new(elements: &'a Elements, places: &'a [[f64; 3]]) -> Self {
+        let of_element = |nodes: &[u32]| {
+            let corners: Vec<_> = nodes.iter().map(|&node| Vector3::from(places[node as usize])).collect();
             if !corners.iter().all(|x| x.iter().all(|x| x.is_finite())) {
                 return Aabb::empty();
             }
+            // Curved edges may bulge out of the box of the nodes by less than half of it.
             let around = Aabb::from_points(&corners);
-            around.inflated(MARGIN * (around.max - around.min).norm())
+            let margin = if nodes.len() > 8 { BULGE } else { MARGIN };
+            around.inflated(margin * (around.max - around.min).norm())
         };
-        let boxes: Vec<Aabb> = cells.iter().map(of_cell).collect();
-        Self { cells, places, tree: BoundingVolumeTree::build(&boxes) }
+        let boxes: Vec<Aabb> = elements.iter().map(of_element).collect();
+        Self { elements, places, tree: BoundingVolumeTree::build(&boxes) }
     }
 
-    /// All cells that hold the point, by rising number.
+    /// All elements that hold the point, by rising number.
     pub fn find(&self, x: [f64; 3], found: &mut Vec<Held>) {
         found.clear();
         let x = Vector3::from(x);
         let point = Aabb { min: x, max: x };
+        let mut corners = Vec::new();
         self.tree.query(&point, |cell| {
-            let corners = self.cells[cell].map(|node| Vector3::from(self.places[node]));
-            found.extend(coordinates(&corners, x).map(|xi| Held { cell, weights: hex8::shape(xi) }));
+            corners.clear();
+            corners.extend(self.elements[cell].iter().map(|&node| Vector3::from(self.places[node as usize])));
+            let kind = self.elements.kind(cell);
+            found.extend(coordinates(kind, &corners, x).map(|xi| Held { cell, weights: (kind.table().shape)(xi) }));
         });
         found.sort_unstable_by_key(|held| held.cell);
     }
 }
 
-/// Natural coordinates of `x` in a trilinear cell, if it is inside: Newton's method for `sum N_I(xi) X_I = x` from the middle, and if that
+/// Natural coordinates of `x` in an element, if it is inside: Newton's method for `sum N_I(xi) X_I = x` from the centre, and if that
 /// finds nothing inside, from the points half way to the nodes.
-fn coordinates(corners: &[Vector3<f64>; 8], x: Vector3<f64>) -> Option<[f64; 3]> {
-    let starts = std::iter::once([0.0; 3]).chain(hex8::VERTICES.map(|vertex| vertex.map(|xi| 0.5 * xi)));
-    starts.filter_map(|start| newton(corners, x, start)).find(|xi| xi.iter().all(|xi| xi.abs() <= 1.0 + TOLERANCE))
+fn coordinates(kind: CellKind, corners: &[Vector3<f64>], x: Vector3<f64>) -> Option<[f64; 3]> {
+    let table = kind.table();
+    let centre = table.family.centre();
+    let half_way = |node: &[f64; 3]| std::array::from_fn(|i| 0.5 * (centre[i] + node[i]));
+    let starts = std::iter::once(centre).chain(table.nodes.iter().map(half_way));
+    starts.filter_map(|start| newton(kind, corners, x, start)).find(|xi| table.family.excess(*xi) <= TOLERANCE)
 }
 
-fn newton(corners: &[Vector3<f64>; 8], x: Vector3<f64>, start: [f64; 3]) -> Option<[f64; 3]> {
+fn newton(kind: CellKind, corners: &[Vector3<f64>], x: Vector3<f64>, start: [f64; 3]) -> Option<[f64; 3]> {
+    let (table, centre) = (kind.table(), kind.table().family.centre());
     let mut xi = start;
     for _ in 0..ITERATIONS {
-        let (shape, gradient) = (hex8::shape(xi), hex8::shape_gradient(xi));
+        let (shape, gradient) = ((table.shape)(xi), (table.shape_gradient)(xi));
         let mut residual = -x;
         let mut jacobian = Matrix3::zeros();
         for (k, corner) in corners.iter().enumerate() {
@@ -76,8 +88,8 @@ fn newton(corners: &[Vector3<f64>; 8], x: Vector3<f64>, start: [f64; 3]) -> Opti
             jacobian += corner * nalgebra::RowVector3::from(gradient[k]);
         }
         let step = jacobian.try_inverse()? * residual;
-        for (xi, step) in xi.iter_mut().zip(step.iter()) {
-            *xi = (*xi - step).clamp(-REACH, REACH);
+        for i in 0..3 {
+            xi[i] = (xi[i] - step[i]).clamp(centre[i] - REACH, centre[i] + REACH);
         }
         // The error after a step is of the order of the square of the step.
         if step.amax() < 1e-10 {
@@ -93,23 +105,38 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// A point made of its natural coordinates in a distorted cell is found there, one beyond a face is not.
+        /// A point made of its natural coordinates in a distorted element is found there, one beyond a face is not.
         #[test]
         fn coordinates_are_found_again(
-            shift in prop::collection::vec(prop::array::uniform3(-0.25..0.25_f64), 8),
+            shift in prop::collection::vec(prop::array::uniform3(-1.0..1.0_f64), 27),
             xi in prop::array::uniform3(-1.0..1.0_f64),
             axis in 0..3_usize,
         ) {
-            let corners: [Vector3<f64>; 8] =
-                std::array::from_fn(|k| Vector3::from(hex8::VERTICES[k]) + Vector3::from(shift[k]));
-            let at = |xi: [f64; 3]| -> Vector3<f64> {
-                hex8::shape(xi).iter().zip(&corners).map(|(n, x)| *n * x).sum()
-            };
-            let found = coordinates(&corners, at(xi)).unwrap();
-            prop_assert!((0..3).all(|i| (found[i] - xi[i]).abs() < 1e-12), "{found:?} {xi:?}");
-            let mut outside = xi;
-            outside[axis] = 1.0_f64.copysign(xi[axis]) * 1.001;
-            prop_assert_eq!(coordinates(&corners, at(outside)), None);
+            for kind in CellKind::ALL {
+                let table = kind.table();
+                // A natural coordinate has a smaller range in a simplex; nodes on edges move less.
+                let size = if kind.is_quadratic() { 0.03 } else if kind == CellKind::Hex8 { 0.25 } else { 0.1 };
+                let corners: Vec<Vector3<f64>> =
+                    table.nodes.iter().zip(&shift).map(|(x, s)| Vector3::from(*x) + size * Vector3::from(*s)).collect();
+                let at = |xi: [f64; 3]| -> Vector3<f64> {
+                    (table.shape)(xi).iter().zip(&corners).map(|(n, x)| *n * x).sum()
+                };
+                let centre = table.family.centre();
+                let inside = |part: f64| std::array::from_fn(|i| centre[i] + part * (table.nodes[axis][i] + xi[i] * (table.nodes[axis + 1][i] - table.nodes[axis][i]) - centre[i]));
+                let inner: [f64; 3] = if kind == CellKind::Hex8 { xi } else { inside(0.5) };
+                prop_assume!(table.family.excess(inner) < 0.0);
+                let found = coordinates(kind, &corners, at(inner)).unwrap();
+                prop_assert!((0..3).all(|i| (found[i] - inner[i]).abs() < 1e-12), "{kind}: {found:?} {inner:?}");
+                // Beyond the boundary on the ray from the centre.
+                let mut part = 1.0;
+                let ray = |part: f64| -> [f64; 3] { std::array::from_fn(|i| centre[i] + part * (inner[i] - centre[i])) };
+                while table.family.excess(ray(part)) < 1e-3 && part < 100.0 {
+                    part *= 1.01;
+                }
+                if part < 100.0 {
+                    prop_assert_eq!(coordinates(kind, &corners, at(ray(part))), None);
+                }
+            }
         }
     }
 
@@ -120,8 +147,9 @@ mod tests {
             .flat_map(|z| [[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]])
             .chain([[f64::NAN; 3]])
             .collect();
-        let cells = [[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11], [0, 1, 2, 3, 4, 5, 6, 12]];
-        let locator = Locator::new(&cells, &places);
+        let cells = vec![[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11], [0, 1, 2, 3, 4, 5, 6, 12]];
+        let elements = cells.into();
+        let locator = Locator::new(&elements, &places);
         let mut found = Vec::new();
         for (x, expected) in [
             ([0.3, 0.4, 1.0], &[0, 1][..]),

@@ -1,6 +1,6 @@
 //! Values of a frame's fields along a line and on a plane section, as tables with comma-separated values.
 //!
-//! Between nodes values are those of the trilinear shape functions of the hexahedron that holds the point. Surfaces, lines and single
+//! Between nodes values are those of the shape functions of the element that holds the point. Surfaces, lines and single
 //! points of a frame have no inside, and no values here.
 
 mod locate;
@@ -9,6 +9,8 @@ mod section;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
+
+use stoss_mesh::{Elements, FacetIndex};
 
 use crate::Outcome;
 use crate::folder::Folder;
@@ -35,23 +37,9 @@ pub fn has_contact(table: &str) -> bool {
     })
 }
 
-/// Facets of hexahedra by the places of their nodes.
-const FACETS: [[usize; 4]; 6] = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-
-fn sorted(mut facet: [usize; 4]) -> [usize; 4] {
-    facet.sort_unstable();
-    facet
-}
-
-/// Facets that only one cell has, by their sorted nodes.
-fn boundary(cells: &[[usize; 8]]) -> BTreeSet<[usize; 4]> {
-    let mut once = BTreeSet::new();
-    for facet in cells.iter().flat_map(|cell| FACETS.map(|places| sorted(places.map(|k| cell[k])))) {
-        if !once.remove(&facet) {
-            once.insert(facet);
-        }
-    }
-    once
+/// Facets that only one element has, as element and number in it.
+fn boundary(elements: &Elements) -> BTreeSet<(u32, u8)> {
+    FacetIndex::new(elements).boundary().iter().map(|facet| (facet.element, facet.local)).collect()
 }
 
 /// Where values are taken.
@@ -119,9 +107,9 @@ pub fn values(path: &Path, options: &Options) -> Outcome<String> {
 fn table(grid: &Grid, bodies: &[String], options: &Options) -> Result<String, String> {
     let fields = chosen(grid, &options.fields)?;
     let places = places(grid, options.configuration)?;
-    let locator = Locator::new(&grid.hexahedra, &places);
+    let locator = Locator::new(&grid.elements, &places);
     let boundary =
-        if fields.iter().any(|(name, _)| CONTACT.contains(name)) { boundary(&grid.hexahedra) } else { BTreeSet::new() };
+        if fields.iter().any(|(name, _)| CONTACT.contains(name)) { boundary(&grid.elements) } else { BTreeSet::new() };
     let mut out = String::new();
     let mut rows = Rows {
         grid,
@@ -147,7 +135,7 @@ fn table(grid: &Grid, bodies: &[String], options: &Options) -> Result<String, St
             }
         }
         Place::Plane { point, normal, spacing } => {
-            let section = section::Section::new(&grid.hexahedra, &places, point, normal, spacing)?;
+            let section = section::Section::new(&grid.elements, &places, point, normal, spacing)?;
             rows.header(&["u", "v"]);
             section.points().for_each(|([u, v], x)| rows.of(&[u, v], x, false));
             if rows.out.lines().nth(1).is_none() {
@@ -160,7 +148,7 @@ fn table(grid: &Grid, bodies: &[String], options: &Options) -> Result<String, St
 
 /// The arrays of these names, all without names.
 fn chosen<'a>(grid: &'a Grid, names: &[String]) -> Result<Vec<(&'a str, &'a Array)>, String> {
-    if grid.hexahedra.is_empty() {
+    if grid.elements.is_empty() {
         return Err("the frame has no deformable bodies: there are no values inside of others".into());
     }
     if names.is_empty() {
@@ -211,7 +199,7 @@ struct Rows<'a> {
     bodies: &'a [String],
     fields: &'a [(&'a str, &'a Array)],
     locator: &'a Locator<'a>,
-    boundary: &'a BTreeSet<[usize; 4]>,
+    boundary: &'a BTreeSet<(u32, u8)>,
     found: Vec<Held>,
     out: &'a mut String,
 }
@@ -238,24 +226,24 @@ impl Rows<'_> {
             self.position(first, x);
             let name = self.bodies.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
             let _ = write!(self.out, "1,{name}"); // cannot fail: a text grows.
-            let nodes = &self.grid.hexahedra[held.cell];
-            let facet = self.facet(nodes, &held.weights);
+            let nodes = &self.grid.elements[held.cell];
+            let facet = self.facet(held);
             for (name, array) in self.fields {
                 for k in 0..array.components {
                     let value: f64 = match facet {
                         _ if !CONTACT.contains(name) => {
-                            nodes.iter().zip(&held.weights).map(|(&n, w)| w * array.row(n)[k]).sum()
+                            nodes.iter().zip(&held.weights).map(|(&n, w)| w * array.row(n as usize)[k]).sum()
                         }
                         None => f64::NAN,
                         Some(facet) if *name == STATUS => {
-                            let nearest =
-                                facet.into_iter().max_by(|&a, &b| held.weights[a].total_cmp(&held.weights[b]));
-                            nearest.map_or(f64::NAN, |n| array.row(nodes[n])[k])
+                            let weight = |n: u8| held.weights[usize::from(n)];
+                            let nearest = facet.iter().max_by(|&&a, &&b| weight(a).total_cmp(&weight(b)));
+                            nearest.map_or(f64::NAN, |&n| array.row(nodes[usize::from(n)] as usize)[k])
                         }
                         // A node without a weight may be without a value, too.
                         Some(facet) => {
-                            let heavy = facet.into_iter().filter(|&n| held.weights[n].abs() > ON);
-                            heavy.map(|n| held.weights[n] * array.row(nodes[n])[k]).sum()
+                            let heavy = facet.iter().map(|&n| usize::from(n)).filter(|&n| held.weights[n].abs() > ON);
+                            heavy.map(|n| held.weights[n] * array.row(nodes[n] as usize)[k]).sum()
                         }
                     };
                     self.out.push(',');
@@ -276,13 +264,15 @@ impl Rows<'_> {
         self.found = found;
     }
 
-    /// The facet on the surface of its body on which a point of a cell is, as places of its nodes.
-    fn facet(&self, nodes: &[usize; 8], weights: &[f64; 8]) -> Option<[usize; 4]> {
-        let is_on = |facet: &&[usize; 4]| {
-            let beyond: f64 = (0..8).filter(|k| !facet.contains(k)).map(|k| weights[k].abs()).sum();
-            beyond <= ON && self.boundary.contains(&sorted(facet.map(|k| nodes[k])))
+    /// The facet on the surface of its body on which a point of an element is, as places of its nodes.
+    fn facet(&self, held: &Held) -> Option<&'static [u8]> {
+        let faces = self.grid.elements.kind(held.cell).faces();
+        let is_on = |local: usize| {
+            let of_others = (0..held.weights.len()).filter(|&k| !faces[local].nodes.contains(&(k as u8)));
+            let beyond: f64 = of_others.map(|k| held.weights[k].abs()).sum();
+            beyond <= ON && self.boundary.contains(&(held.cell as u32, local as u8))
         };
-        FACETS.iter().find(is_on).copied()
+        (0..faces.len()).find(|&local| is_on(local)).map(|local| faces[local].nodes)
     }
 
     fn position(&mut self, first: &[f64], x: [f64; 3]) {

@@ -1,6 +1,7 @@
-//! The points of a square grid on a plane through hexahedra.
+//! The points of a square grid on a plane through elements.
 
 use nalgebra::Vector3;
+use stoss_mesh::Elements;
 
 /// Points of the grid in the longer direction, unless a spacing is given.
 const FINENESS: f64 = 50.0;
@@ -21,7 +22,7 @@ impl Section {
     /// `u` is the first of the axes x, y, z, projected on the plane, which the normal does not nearly have; `v` is across, so that `u`, `v` and the
     /// normal are right-handed.
     pub fn new(
-        cells: &[[usize; 8]],
+        elements: &Elements,
         places: &[[f64; 3]],
         point: [f64; 3],
         normal: [f64; 3],
@@ -39,13 +40,13 @@ impl Section {
         let u = (axis - normal * normal.dot(&axis)).normalize();
         let axes = [u, normal.cross(&u)];
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for cell in cells {
-            let corners = cell.map(|node| Vector3::from(places[node]) - point);
-            let heights = corners.map(|x| normal.dot(&x));
-            let touches = heights.iter().any(|&h| h >= 0.0) && heights.iter().any(|&h| h <= 0.0);
-            for x in corners.iter().filter(|_| touches) {
+        for nodes in elements.iter() {
+            let corners = || nodes.iter().map(|&node| Vector3::from(places[node as usize]) - point);
+            let heights = || corners().map(|x| normal.dot(&x));
+            let touches = heights().any(|h| h >= 0.0) && heights().any(|h| h <= 0.0);
+            for x in corners().filter(|_| touches) {
                 for k in 0..2 {
-                    let along = axes[k].dot(x);
+                    let along = axes[k].dot(&x);
                     (low[k], high[k]) = (low[k].min(along), high[k].max(along));
                 }
             }
