@@ -237,8 +237,8 @@ impl Mesh {
             for facet in set {
                 range(name, SetKind::Elements, facet.element, self.elements.len())?;
                 let count = self.elements.kind(facet.element as usize).faces().len();
-                let exists = (facet.local as usize) < count
-                    && *facet == self.facet(facet.element, facet.local as usize);
+                let exists =
+                    (facet.local as usize) < count && *facet == self.facet(facet.element, facet.local as usize);
                 if !exists {
                     return Err(MeshError::SetOutOfRange {
                         name: name.clone(),

@@ -21,6 +21,7 @@
 //! ```
 
 mod check;
+mod convert;
 mod elements;
 mod error;
 mod facet;

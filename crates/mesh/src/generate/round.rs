@@ -273,11 +273,7 @@ fn on(facet: &[u32], is: impl Fn(usize) -> bool) -> bool {
 }
 
 /// The mesh with its reflections in the coordinate planes with these normals, its boundary named by `name`.
-fn cut(
-    mut mesh: Mesh,
-    axes: &[usize],
-    name: impl Fn(&[[f64; 3]], &[u32]) -> &'static str,
-) -> Result<Mesh, MeshError> {
+fn cut(mut mesh: Mesh, axes: &[usize], name: impl Fn(&[[f64; 3]], &[u32]) -> &'static str) -> Result<Mesh, MeshError> {
     for &axis in axes {
         let image: Vec<u32> = (0..mesh.nodes.len())
             .map(|n| {

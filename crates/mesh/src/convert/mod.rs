@@ -1,0 +1,142 @@
+//! Meshes of other cells: hexahedra and wedges divided into tetrahedra or wedges, linear cells made quadratic.
+//!
+//! Nodes stay where they are and keep their numbers; new ones follow. Boundaries that are curved stay so ([`curve`]). Facet and element sets hold what lies on or in
+//! the old facets and elements; a node set gets the new nodes of edges, faces and elements all of whose corners it has.
+
+mod curve;
+mod divide;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use stoss_reference_element::{CellKind, FaceKind, Family};
+
+use crate::error::parameter;
+use crate::{Elements, Mesh, MeshError};
+
+impl Mesh {
+    /// The mesh with all elements of one kind. Linear hexahedra can become any kind, linear wedges wedges and tetrahedra, linear tetrahedra
+    /// tetrahedra; elements of that kind stay.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] if an element cannot become one of that kind; [`MeshError::InvertedElement`] if a curved boundary turns an element
+    /// inside out.
+    pub fn with_cells(&self, kind: CellKind) -> Result<Mesh, MeshError> {
+        if self.elements.kinds() == [kind] {
+            return Ok(self.clone());
+        }
+        let linear = kind.table().linear;
+        let divided = divide::divided(self, linear, kind)?;
+        if kind == linear { finish(divided) } else { divided.upgraded(&curve::Curves::new(self), |_| kind) }
+    }
+
+    /// The mesh with nodes on the edges of its linear elements: hex20, tet10 and wedge15 in the place of hex8, tet4 and wedge6.
+    ///
+    /// # Errors
+    /// [`MeshError::InvertedElement`] if a curved boundary turns an element inside out.
+    pub fn quadratic(&self) -> Result<Mesh, MeshError> {
+        self.upgraded(&curve::Curves::new(self), |kind| match kind.table().family {
+            _ if kind.is_quadratic() => kind,
+            Family::Hexahedron => CellKind::Hex20,
+            Family::Tetrahedron => CellKind::Tet10,
+            Family::Wedge => CellKind::Wedge15,
+        })
+    }
+
+    /// With linear elements replaced by quadratic ones of these kinds on the same corners.
+    fn upgraded(&self, curves: &curve::Curves, quadratic: impl Fn(CellKind) -> CellKind) -> Result<Mesh, MeshError> {
+        let mut mesh = Mesh { nodes: self.nodes.clone(), ..Mesh::default() };
+        // New nodes by the corners that they lie between.
+        let mut between: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        for (kind, corners) in self.elements.cells() {
+            let quadratic = quadratic(kind);
+            if quadratic == kind {
+                mesh.elements.push(kind, corners);
+                continue;
+            }
+            let mut nodes = corners.to_vec();
+            let mut node = |mesh: &mut Mesh, corners: Vec<u32>, place: &dyn Fn(&[[f64; 3]]) -> [f64; 3]| {
+                let mut key = corners;
+                key.sort_unstable();
+                *between.entry(key).or_insert_with(|| {
+                    let x = place(&mesh.nodes);
+                    mesh.nodes.push(x);
+                    mesh.nodes.len() as u32 - 1
+                })
+            };
+            for [a, b, _] in quadratic.table().edges {
+                let [a, b] = [a, b].map(|&k| corners[usize::from(k)]);
+                nodes.push(node(&mut mesh, vec![a, b], &|x| curves.middle(x, a, b)));
+            }
+            if quadratic == CellKind::Hex27 {
+                // Faces in the order of the nodes 20 to 25, then the centre: where the nodes on the edges put them.
+                for face in [5, 3, 2, 4, 0, 1] {
+                    let face = &quadratic.faces()[face];
+                    let of_face: Vec<u32> = face.nodes[..8].iter().map(|&k| nodes[usize::from(k)]).collect();
+                    let shape = FaceKind::Quad8.shape([0.0; 2]);
+                    let corners = of_face[..4].to_vec();
+                    nodes.push(node(&mut mesh, corners, &|x| sum(x, &of_face, &shape)));
+                }
+                let shape = (CellKind::Hex20.table().shape)([0.0; 3]);
+                let of_edges = nodes[..20].to_vec();
+                nodes.push(node(&mut mesh, corners.to_vec(), &|x| sum(x, &of_edges, &shape)));
+            }
+            mesh.elements.push(quadratic, &nodes);
+        }
+        mesh.element_sets = self.element_sets.clone();
+        for (name, set) in &self.facet_sets {
+            let facets = set.iter().map(|f| mesh.facet(f.element, f.local as usize)).collect();
+            mesh.facet_sets.insert(name.clone(), facets);
+        }
+        for (name, set) in &self.node_sets {
+            let old: BTreeSet<u32> = set.iter().copied().collect();
+            let new = between.iter().filter(|(corners, _)| corners.iter().all(|n| old.contains(n))).map(|(_, &n)| n);
+            let mut all: Vec<u32> = set.iter().copied().chain(new).collect();
+            all.sort_unstable();
+            mesh.node_sets.insert(name.clone(), all);
+        }
+        finish(mesh)
+    }
+}
+
+fn sum(x: &[[f64; 3]], nodes: &[u32], weights: &[f64]) -> [f64; 3] {
+    std::array::from_fn(|i| nodes.iter().zip(weights).map(|(&n, w)| w * x[n as usize][i]).sum())
+}
+
+/// Sorts the facet sets and checks the geometry.
+fn finish(mut mesh: Mesh) -> Result<Mesh, MeshError> {
+    mesh.facet_sets.values_mut().for_each(crate::check::normalise);
+    mesh.check_geometry()?;
+    Ok(mesh)
+}
+
+/// The refusal of an element that cannot become one of a kind.
+fn cannot(element: usize, from: CellKind, to: CellKind) -> MeshError {
+    let can = match from {
+        CellKind::Hex8 => "",
+        CellKind::Wedge6 => ", only wedge6, wedge15, tet4, tet10",
+        CellKind::Tet4 => ", only tet4, tet10",
+        _ => ": only linear elements can be made others",
+    };
+    parameter("cell", to.name(), format!("element {element} is a {from} and cannot become a {to}{can}"))
+}
+
+/// Old elements' children: for each old element the range of the new ones.
+fn restrict(mesh: &Mesh, elements: Elements, first_child: &[u32]) -> Mesh {
+    let mut new = Mesh { nodes: mesh.nodes.clone(), elements, node_sets: mesh.node_sets.clone(), ..Mesh::default() };
+    let children = |e: u32| first_child[e as usize]..first_child[e as usize + 1];
+    for (name, set) in &mesh.element_sets {
+        new.element_sets.insert(name.clone(), set.iter().flat_map(|&e| children(e)).collect());
+    }
+    for (name, set) in &mesh.facet_sets {
+        let mut facets = Vec::new();
+        for old in set {
+            for child in children(old.element) {
+                let faces = new.elements.kind(child as usize).faces().len();
+                let candidates = (0..faces).map(|local| new.facet(child, local));
+                facets.extend(candidates.filter(|f| f.nodes.iter().all(|n| old.nodes.contains(n))));
+            }
+        }
+        new.facet_sets.insert(name.clone(), facets);
+    }
+    new
+}

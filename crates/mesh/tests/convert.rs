@@ -1,0 +1,116 @@
+//! Meshes of other cells: what they must keep, and how well curved boundaries are met.
+
+use stoss_mesh::generate::{Ball, Block, Cylinder, HollowBall, Part};
+use stoss_mesh::{Mesh, MeshError};
+use stoss_reference_element::CellKind;
+
+const KINDS: [CellKind; 6] =
+    [CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Tet10, CellKind::Wedge6, CellKind::Wedge15];
+
+/// `int x . n dA / 3` over the boundary, or over a set.
+fn moment(mesh: &Mesh, facets: &[stoss_mesh::Facet]) -> f64 {
+    let mut sum = 0.0;
+    for facet in facets {
+        let kind = facet.nodes.kind();
+        for &(xi, w) in kind.rule() {
+            let (n, dn) = (kind.shape(xi), kind.shape_gradient(xi));
+            let along = |weight: &dyn Fn(usize) -> f64| -> [f64; 3] {
+                std::array::from_fn(|i| {
+                    facet.nodes.iter().enumerate().map(|(k, &node)| weight(k) * mesh.nodes[node as usize][i]).sum()
+                })
+            };
+            let (x, a, b) = (along(&|k| n[k]), along(&|k| dn[k][0]), along(&|k| dn[k][1]));
+            let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            sum += w * (0..3).map(|i| x[i] * normal[i]).sum::<f64>() / 3.0;
+        }
+    }
+    sum
+}
+
+#[test]
+fn blocks_keep_volume_sets_and_conformity() {
+    let mut block = Block::new([0.0; 3], [2.0, 1.0, 3.0], [3, 2, 2]).generate().unwrap();
+    block.element_sets.insert("first".into(), vec![0]);
+    block
+        .node_sets
+        .insert("edge".into(), block.nodes_in(&stoss_mesh::Region::Box { min: [0.0; 3], max: [0.0, 0.0, 3.0] }));
+    for kind in KINDS {
+        let mesh = block.with_cells(kind).unwrap();
+        mesh.check().unwrap();
+        assert_eq!(mesh.elements.kinds(), [kind]);
+        assert!((mesh.quality().volume - 6.0).abs() < 1e-13, "{kind}");
+        assert!((moment(&mesh, &mesh.boundary_facets()) - 6.0).abs() < 1e-13, "{kind}");
+        // The faces at the origin have no moment; the others have a third of the volume each.
+        for (set, expected) in
+            [("left", 0.0), ("right", 2.0), ("front", 0.0), ("back", 2.0), ("bottom", 0.0), ("top", 2.0)]
+        {
+            let of_set = moment(&mesh, &mesh.facets_of(set).unwrap());
+            assert!((of_set - expected).abs() < 1e-13, "{kind}: {set} {of_set}");
+        }
+        let part = mesh.submesh(&mesh.elements_of("first").unwrap()).unwrap();
+        assert!((part.quality().volume - 0.5).abs() < 1e-14, "{kind}");
+        let expected = if kind.is_quadratic() { 5 } else { 3 };
+        assert_eq!(mesh.nodes_of("edge").unwrap().len(), expected, "{kind}");
+    }
+    assert_eq!(block.with_cells(CellKind::Hex8).unwrap(), block);
+    assert_eq!(block.quadratic().unwrap(), block.with_cells(CellKind::Hex20).unwrap());
+    let tets = block.with_cells(CellKind::Tet4).unwrap();
+    assert_eq!(tets.quadratic().unwrap(), block.with_cells(CellKind::Tet10).unwrap());
+}
+
+/// Largest distance of the nodes of a set from a sphere or a cylinder of radius 1.
+fn off(mesh: &Mesh, set: &str, radius: impl Fn([f64; 3]) -> f64) -> f64 {
+    mesh.nodes_of(set).unwrap().iter().map(|&n| (radius(mesh.nodes[n as usize]) - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Nodes in the middle of edges of a sphere and a cylinder are on it up to fourth order; straight edges would be off by second order.
+#[test]
+fn curved_boundaries_stay_curved() {
+    let sphere = |x: [f64; 3]| x.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let cylinder = |x: [f64; 3]| x[0].hypot(x[2]);
+    let ball = |n: usize| {
+        let part = Part::Quarter;
+        Ball { radius: 1.0, divisions: [n, n, n], part, refinement: None }.generate().unwrap()
+    };
+    let hollow =
+        |n: usize| HollowBall { inner_diameter: 1.0, outer_diameter: 2.0, divisions: [2 * n, n] }.generate().unwrap();
+    let rod = |n: usize| {
+        Cylinder { radius: 1.0, length: 1.0, divisions: [n, n, n, 2], part: Part::Full, refinement: None }
+            .generate()
+            .unwrap()
+    };
+    for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10] {
+        let check = |name: &str, coarse: Mesh, fine: Mesh, radius: &dyn Fn([f64; 3]) -> f64| {
+            let [a, b] = [coarse, fine].map(|mesh| off(&mesh.with_cells(kind).unwrap(), "outer", radius));
+            assert!(a < 1e-3 && b < a / 12.0, "{kind}, {name}: {a:e} {b:e}");
+        };
+        check("ball", ball(2), ball(4), &sphere);
+        check("hollow ball", hollow(2), hollow(4), &sphere);
+        check("cylinder", rod(2), rod(4), &cylinder);
+    }
+    // The flat ends of the cylinder stay flat.
+    let rod = rod(3).with_cells(CellKind::Tet10).unwrap();
+    assert!(
+        rod.nodes_of("front")
+            .unwrap()
+            .iter()
+            .all(|&n| rod.nodes[n as usize][1] == rod.nodes[rod.nodes_of("front").unwrap()[0] as usize][1])
+    );
+    rod.check().unwrap();
+}
+
+#[test]
+fn what_cannot_be_made_is_refused() {
+    let block = Block::with_size([1.0; 3], [1; 3]).generate().unwrap();
+    let tets = block.with_cells(CellKind::Tet10).unwrap();
+    let refused = |mesh: &Mesh, kind: CellKind| match mesh.with_cells(kind) {
+        Err(MeshError::Parameter { parameter: "cell", remedy, .. }) => remedy,
+        other => panic!("{other:?}"),
+    };
+    assert!(refused(&tets, CellKind::Hex8).contains("tet10"));
+    assert!(refused(&block.with_cells(CellKind::Tet4).unwrap(), CellKind::Hex20).contains("only tet4, tet10"));
+    // The blocks of a ball have different third directions.
+    let ball = Ball { radius: 1.0, divisions: [2; 3], part: Part::Quarter, refinement: None }.generate().unwrap();
+    assert!(refused(&ball, CellKind::Wedge6).contains("tetrahedra"));
+    ball.with_cells(CellKind::Tet4).unwrap().check().unwrap();
+}
