@@ -48,6 +48,19 @@ impl ElementCoordinates {
     }
 }
 
+impl ElementCoordinates {
+    /// The smallest scaled Jacobian (see [`QualityReport::min_scaled_jacobian`]) at a node, and the node.
+    pub fn worst_node(&self) -> (f64, usize) {
+        let table = self.kind.table();
+        let at = |xi: [f64; 3]| {
+            let j = self.jacobian(xi);
+            scaled(table.family, &j, xi, det(&j))
+        };
+        let nodes = table.nodes.iter().enumerate().map(|(k, &xi)| (at(xi), k));
+        nodes.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((1.0, 0))
+    }
+}
+
 impl Deref for ElementCoordinates {
     type Target = [[f64; 3]];
     fn deref(&self) -> &[[f64; 3]] {

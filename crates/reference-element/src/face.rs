@@ -307,6 +307,16 @@ impl Deref for FaceNodes {
     }
 }
 
+impl From<FacetNodes> for FaceNodes {
+    fn from(nodes: FacetNodes) -> Self {
+        let kind = match nodes.kind() {
+            FacetKind::Tri3 => FaceKind::Tri3,
+            FacetKind::Quad4 => FaceKind::Quad4,
+        };
+        Self::from_fn(kind, |k| nodes[k])
+    }
+}
+
 impl From<[u32; 4]> for FaceNodes {
     fn from(nodes: [u32; 4]) -> Self {
         Self::from_fn(FaceKind::Quad4, |k| nodes[k])

@@ -158,6 +158,15 @@ fn faces_are_outward_and_close_the_cell() {
             assert!((pieces - area(&corners)).abs() < 1e-14 && (triangles - area(&corners)).abs() < 1e-14);
         }
         assert!((volume - table.family.volume()).abs() < 1e-14, "{kind}: {volume}");
+        let six = table.family.tetrahedra().iter().map(|t| {
+            let [o, a, b, c] = t.map(|k| table.nodes[k]);
+            let [a, b, c] = [a, b, c].map(|x| -> [f64; 3] { std::array::from_fn(|d| x[d] - o[d]) });
+            let n = cross(a, b);
+            let volume = (0..3).map(|d| n[d] * c[d]).sum::<f64>();
+            assert!(volume > 0.0, "{kind}");
+            volume
+        });
+        assert!((six.sum::<f64>() / 6.0 - table.family.volume()).abs() < 1e-14, "{kind}");
         assert!(edges.values().all(|&sum| sum == 0), "{kind}");
         let centre = (table.shape)(table.family.centre());
         let mean = |d: usize| (0..kind.node_count()).map(|i| centre[i] * table.nodes[i][d]).sum::<f64>();

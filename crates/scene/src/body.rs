@@ -11,8 +11,50 @@ named! {
     Mass {
         /// `M_IJ = int rho N_I N_J dV`.
         Consistent = "consistent",
-        /// Row sums of the consistent mass on the diagonal.
+        /// On the diagonal: row sums of the consistent mass, or its diagonal scaled to the mass of each element where row sums are negative (hex20, tet10, wedge15).
         Lumped = "lumped",
+    }
+}
+
+named! {
+    /// Elements that a mesh is turned into.
+    Cell {
+        /// Linear hexahedra.
+        Hex8 = "hex8",
+        /// Quadratic hexahedra with nodes on the edges.
+        Hex20 = "hex20",
+        /// Quadratic hexahedra with nodes on edges, faces and in the middle.
+        Hex27 = "hex27",
+        /// Linear tetrahedra; too stiff in bending and where the material is nearly incompressible.
+        Tet4 = "tet4",
+        /// Quadratic tetrahedra.
+        Tet10 = "tet10",
+        /// Linear wedges.
+        Wedge6 = "wedge6",
+        /// Quadratic wedges.
+        Wedge15 = "wedge15",
+        /// Quadratic elements on the corners of the linear ones: hex20, tet10, wedge15.
+        Quadratic = "quadratic",
+    }
+}
+
+named! {
+    /// Points at which stress and stiffness of an element are taken.
+    Integration {
+        /// As many as each element needs.
+        Full = "full",
+        /// Fewer: 8 of hex20, which then bends without locking and has modes without stiffness; 4 of tet10, which do not see its corners.
+        Reduced = "reduced",
+    }
+}
+
+named! {
+    /// How the volume change of an element is interpolated.
+    Volumetric {
+        /// By the displacements at every point.
+        Displacement = "displacement",
+        /// By means over each element (linear over a hex27), so that nearly incompressible materials do not lock.
+        Mixed = "mixed",
     }
 }
 
@@ -31,6 +73,16 @@ pub struct Body {
     /// Rotation of the mesh, or a list of rotations that are done one after the other.
     #[serde(default, skip_serializing_if = "Rotations::is_empty")]
     pub rotation: Rotations,
+    /// Elements that the mesh is turned into: hexahedra into any, wedges into tetrahedra, linear elements into quadratic ones. Boundaries that are curved stay so.
+    /// The mesh's own if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<Cell>,
+    /// Points at which stress and stiffness are taken: `full` if left out.
+    #[serde(default = "Body::default_integration", skip_serializing_if = "Body::is_full")]
+    pub integration: Integration,
+    /// Interpolation of the volume change: `displacement` if left out; `mixed` for nearly incompressible materials.
+    #[serde(default = "Body::default_volumetric", skip_serializing_if = "Body::is_displacement")]
+    pub volumetric: Volumetric,
     /// Hyperelastic law and its parameters.
     pub material: Material,
     /// Mass per reference volume, positive. Required in dynamic scenes.
@@ -79,6 +131,24 @@ pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 impl Body {
     fn default_mass() -> Mass {
         Mass::Consistent
+    }
+
+    fn default_integration() -> Integration {
+        Integration::Full
+    }
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
+    fn is_full(integration: &Integration) -> bool {
+        *integration == Integration::Full
+    }
+
+    fn default_volumetric() -> Volumetric {
+        Volumetric::Displacement
+    }
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
+    fn is_displacement(volumetric: &Volumetric) -> bool {
+        *volumetric == Volumetric::Displacement
     }
 
     /// Initial velocity of the material point with the placed reference position `x`:

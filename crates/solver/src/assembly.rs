@@ -308,7 +308,7 @@ impl System {
         let components = model.reference.len();
         let mut blocked = vec![true; components];
         for body in &model.bodies {
-            for &node in body.solid.connectivity().iter().flatten() {
+            for &node in body.solid.elements().iter().flatten() {
                 blocked[3 * node as usize..3 * node as usize + 3].fill(false);
             }
         }
@@ -328,7 +328,7 @@ impl System {
         let mut first_stencil = Vec::new();
         for body in &model.bodies {
             first_stencil.push(solids.starts.len());
-            for element in body.solid.connectivity() {
+            for element in body.solid.elements().iter() {
                 solids.push(|out| numbering.node_equations(element, out));
             }
         }

@@ -2,6 +2,7 @@
 
 use crate::Table;
 use stoss_fe_solid::MassMatrix;
+use stoss_reference_element::FaceNodes;
 
 /// A load: nodal patterns of unit magnitude times a function of time, or what depends on the configuration: a pressure that follows the surface, a moment.
 #[derive(Clone, Debug)]
@@ -26,7 +27,7 @@ pub enum LoadKind {
     /// Pressure normal to the current surface, positive inwards (formulation §3.3 (c)).
     FollowerPressure {
         /// Facets, global nodes, numbered outward.
-        facets: Vec<[u32; 4]>,
+        facets: Vec<FaceNodes>,
     },
     /// A moment fixed in space on each of some sets of three directors, as forces on them: those of least norm with this moment, `m x D_k / (2 l^2)` for orthogonal directors of length `l`
     /// (docs/theory/multibody.md#moments). Its work is that of `f . dq`; it has no potential.

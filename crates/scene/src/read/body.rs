@@ -4,7 +4,7 @@ use super::node::Node;
 use super::table::Table;
 use super::world::Setting;
 use super::{material, mesh};
-use crate::{Body, Damping, Mass, Rotation, Rotations};
+use crate::{Body, Cell, Damping, Integration, Mass, Rotation, Rotations, Volumetric};
 use toml::de::DeValue;
 
 /// Keys that have a meaning only with inertia.
@@ -17,6 +17,11 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
         table.required("mesh", "mesh = { generator = \"block\", size = [1, 1, 1], divisions = [4, 4, 4] }", mesh::mesh);
     let position = table.default("position", [0.0; 3], Node::vector);
     let rotation = table.default("rotation", Rotations::default(), rotations);
+    let cell = table.optional("cell", |n| n.choice(Cell::NAMES, Cell::from_name));
+    let integration =
+        table.default("integration", Integration::Full, |n| n.choice(Integration::NAMES, Integration::from_name));
+    let volumetric =
+        table.default("volumetric", Volumetric::Displacement, |n| n.choice(Volumetric::NAMES, Volumetric::from_name));
     let material =
         table.required("material", "material = { law = \"neo-hooke\", young = 2250.0, poisson = 0.3 }", |n| {
             material::material(n, own_laws)
@@ -37,6 +42,9 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
             mesh: mesh?,
             position: position?,
             rotation: rotation?,
+            cell: cell?,
+            integration: integration?,
+            volumetric: volumetric?,
             material: material?,
             density: density?,
             mass: mass?,

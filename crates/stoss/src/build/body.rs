@@ -16,6 +16,7 @@ use stoss_mesh::generate::{
     Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
 };
 use stoss_mesh::{Mesh, MeshError, Region, Rotation};
+use stoss_reference_element::CellKind;
 
 /// Adds all bodies to the model; bodies with problems are left out.
 pub(super) fn bodies(
@@ -176,6 +177,18 @@ fn mesh(
     let body = &scene.bodies[b];
     let key = format!("body[{b}]");
     let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), mesh_files, notes, problems)?;
+    if let Some(cell) = body.cell {
+        let turned = match CellKind::from_name(cell.name()) {
+            Some(kind) => mesh.with_cells(kind),
+            None => mesh.quadratic(),
+        };
+        mesh = turned
+            .map_err(|error| {
+                let remedy = "leave `cell` out, or choose one that the mesh's elements can become";
+                problems.add(format!("{key}.cell"), cell.name(), error.to_string(), remedy);
+            })
+            .ok()?;
+    }
     place(&key, &body.rotation, body.position, problems, |rotation, by| mesh.transform(rotation, by))?;
     if let Err(error) = mesh.check_but_coincident() {
         problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");

@@ -5,9 +5,10 @@ use super::placed::{self, Placed};
 use crate::scene::{LoadKind as SceneLoad, Scene, known, split_set};
 use crate::solver::{AxisRotation, Load, LoadKind, Model, Prescription, Table};
 use stoss_mesh::{MeshError, SetKind};
+use stoss_reference_element::FaceNodes;
 
-/// Facets of a deformable body's set in global node numbers.
-pub(super) fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<[u32; 4]>, MeshError> {
+/// Faces of a deformable body's set in global node numbers.
+pub(super) fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<FaceNodes>, MeshError> {
     let list = placed.mesh().map_or_else(|| Ok(Vec::new()), |mesh| mesh.facets_of(set))?;
     Ok(list.iter().map(|facet| facet.nodes.map(|n| n + placed.first_node)).collect())
 }

@@ -305,9 +305,8 @@ fn inset(
         }
         let solid = &model.bodies[body as usize].solid;
         let point = solid.material_point(&model.reference, at).ok_or_else(outside)?;
-        let shape = stoss_reference_element::hex8::shape(point.natural);
-        let corners = &solid.connectivity()[point.element];
-        places.insert(node, corners.iter().copied().zip(shape).collect());
+        let (kind, nodes) = (solid.elements().kind(point.element), &solid.elements()[point.element]);
+        places.insert(node, nodes.iter().copied().zip((kind.table().shape)(point.natural)).collect());
     }
     let place = |node: u32| places.get(&node).cloned();
     match first {

@@ -3,10 +3,6 @@
 use std::collections::HashMap;
 use stoss_mesh::Mesh;
 
-/// The tetrahedra around the diagonal from the first to the seventh node that a hexahedron is made of.
-const TETRAHEDRA: [[usize; 4]; 6] =
-    [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]];
-
 /// Finds elements of a mesh by place: a grid whose cells are as large as the largest element.
 pub(super) struct Locator<'a> {
     mesh: &'a Mesh,
@@ -40,7 +36,8 @@ impl<'a> Locator<'a> {
         let candidates = self.cells.get(&self.cell(x)).map_or(&[][..], Vec::as_slice);
         candidates.iter().any(|&element| {
             let corners = self.mesh.element_coordinates(element);
-            TETRAHEDRA.iter().any(|tetrahedron| is_inside(x, tetrahedron.map(|k| corners[k])))
+            let tetrahedra = corners.kind().table().family.tetrahedra();
+            tetrahedra.iter().any(|tetrahedron| is_inside(x, tetrahedron.map(|k| corners[k])))
         })
     }
 
@@ -48,7 +45,7 @@ impl<'a> Locator<'a> {
     pub fn centres_of(&self, other: &Mesh) -> usize {
         let centre = |element: u32| {
             let corners = other.element_coordinates(element);
-            std::array::from_fn(|i| corners.iter().map(|x| x[i]).sum::<f64>() / 8.0)
+            std::array::from_fn(|i| corners.iter().map(|x| x[i]).sum::<f64>() / corners.len() as f64)
         };
         (0..other.elements.len() as u32).filter(|&element| self.contains(&centre(element))).count()
     }

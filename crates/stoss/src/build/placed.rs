@@ -44,12 +44,13 @@ impl Placed {
         if let Shape::Solid { mesh, .. } = &self.shape { Some(mesh) } else { None }
     }
 
-    /// Facets of a set in global node numbers, outward.
+    /// Facets of a set in global node numbers, outward; of quadratic faces the linear pieces.
     pub fn facets_of(&self, set: &str) -> Result<Vec<FacetNodes>, MeshError> {
         let first = self.first_node;
         Ok(match &self.shape {
             Shape::Solid { mesh, .. } => {
-                mesh.facets_of(set)?.iter().map(|facet| facet.nodes.map(|n| n + first).into()).collect()
+                let facets = mesh.facets_of(set)?;
+                facets.iter().flat_map(|facet| facet.nodes.map(|n| n + first).pieces().collect::<Vec<_>>()).collect()
             }
             Shape::Surface(surface) => {
                 surface.facets_of(set)?.iter().map(|&f| surface.facets[f as usize].map(|n| n + first)).collect()

@@ -5,9 +5,10 @@ use super::placed::{Placed, Shape, index};
 use crate::scene::{RegionKind, Relation, Scene, SetExpression, SetRegion, known};
 use crate::solver::short;
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
-use stoss_mesh::{Facet, MeshError};
-use stoss_reference_element::FacetNodes;
+use stoss_mesh::{Elements, Facet, MeshError};
+use stoss_reference_element::FaceNodes;
 
 /// Makes the sets of all expressions; returns a line for each with its numbers of nodes and facets, and their area in the reference.
 /// Those that hold nowhere, or name what is not there, are problems.
@@ -128,20 +129,22 @@ const STEP: f64 = 1.0e-3;
 struct Space<'a> {
     placed: &'a Placed,
     positions: &'a [[f64; 3]],
-    facets: Vec<FacetNodes>,
-    elements: &'a [[u32; 8]],
+    facets: Vec<FaceNodes>,
+    elements: Cow<'a, Elements>,
     low: [f64; 3],
     high: [f64; 3],
 }
 
 impl<'a> Space<'a> {
     fn new(placed: &'a Placed) -> Self {
-        let (positions, facets, elements): (&[[f64; 3]], Vec<FacetNodes>, &[[u32; 8]]) = match &placed.shape {
+        let none = || Cow::Owned(Elements::new());
+        let (positions, facets, elements): (&[[f64; 3]], Vec<FaceNodes>, _) = match &placed.shape {
             Shape::Solid { mesh, .. } => {
-                (&mesh.nodes, mesh.boundary_facets().iter().map(|facet| facet.nodes.into()).collect(), &mesh.elements)
+                let facets = mesh.boundary_facets().iter().map(|facet| facet.nodes).collect();
+                (&mesh.nodes, facets, Cow::Borrowed(&mesh.elements))
             }
-            Shape::Surface(surface) => (&surface.nodes, surface.facets.clone(), &[]),
-            Shape::Nodes { positions, .. } => (positions, Vec::new(), &[]),
+            Shape::Surface(surface) => (&surface.nodes, surface.facets.iter().map(|&f| f.into()).collect(), none()),
+            Shape::Nodes { positions, .. } => (positions, Vec::new(), none()),
         };
         let fold = |start: f64, f: fn(f64, f64) -> f64| -> [f64; 3] {
             std::array::from_fn(|i| positions.iter().map(|x| x[i]).fold(start, f))
@@ -294,19 +297,20 @@ impl<'a> Space<'a> {
         if kind == Kind::Facets {
             return places.iter().map(|(_, facet)| facets.contains(facet)).collect();
         }
-        let nodes: BTreeSet<u32> = facets.iter().flat_map(|&f| self.facets[f as usize]).collect();
+        let nodes: BTreeSet<u32> = facets.iter().flat_map(|&f| self.facets[f as usize].iter().copied()).collect();
         places.iter().map(|(node, _)| nodes.contains(node)).collect()
     }
 
     /// Outward unit normal of a facet, at its middle.
-    fn normal(&self, facet: &FacetNodes) -> [f64; 3] {
+    fn normal(&self, facet: &FaceNodes) -> [f64; 3] {
         let n = self.twice_area(facet);
         let length = norm(n);
         n.map(|n| n / length)
     }
 
     /// Outward normal of a facet at its middle, as long as twice the facet's area.
-    fn twice_area(&self, facet: &FacetNodes) -> [f64; 3] {
+    fn twice_area(&self, facet: &FaceNodes) -> [f64; 3] {
+        let facet = facet.linear();
         let x = facet.map(|node| self.positions[node as usize]);
         let last = facet.len() - 1;
         let side = |from: usize, to: usize| -> [f64; 3] { std::array::from_fn(|i| x[to][i] - x[from][i]) };

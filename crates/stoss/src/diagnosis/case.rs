@@ -201,9 +201,8 @@ impl<'a> Case<'a> {
     /// An element of a body of the model.
     pub(super) fn element(&self, body: usize, element: usize) -> Where {
         let solid = &self.model().bodies[body].solid;
-        let corners = solid.connectivity().get(element).copied().unwrap_or_default();
-        let corners = corners.map(|node| self.position(node));
-        let position: [f64; 3] = std::array::from_fn(|i| corners.iter().map(|x| x[i]).sum::<f64>() / 8.0);
+        let nodes: Vec<_> = solid.elements()[element].iter().map(|&node| self.position(node)).collect();
+        let position: [f64; 3] = std::array::from_fn(|i| nodes.iter().map(|x| x[i]).sum::<f64>() / nodes.len() as f64);
         let [x, y, z] = position;
         Where {
             text: format!("element {element} of `{}` at ({x:.4}, {y:.4}, {z:.4})", solid.name()),

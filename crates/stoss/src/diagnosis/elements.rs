@@ -11,23 +11,9 @@ const SLIVER: f64 = 0.05;
 /// Poisson's ratio from which on linear hexahedra lock.
 const LOCKS: f64 = 0.495;
 
-/// Corners with the three corners beside each, right-handed.
-const CORNERS: [[usize; 4]; 8] =
-    [[0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7], [4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]];
-
-/// The smallest scaled Jacobian at the corners of an element, and the corner.
+/// The smallest scaled Jacobian at the nodes of an element, and the node in it.
 fn worst_corner(mesh: &Mesh, element: u32) -> (f64, usize) {
-    let x = mesh.element_coordinates(element);
-    let at = |[o, a, b, c]: [usize; 4]| {
-        let [a, b, c] = [a, b, c].map(|k| -> [f64; 3] { std::array::from_fn(|i| x[k][i] - x[o][i]) });
-        let length = |a: [f64; 3]| a.iter().map(|a| a * a).sum::<f64>().sqrt();
-        let product = a[0] * (b[1] * c[2] - b[2] * c[1])
-            + a[1] * (b[2] * c[0] - b[0] * c[2])
-            + a[2] * (b[0] * c[1] - b[1] * c[0]);
-        product / (length(a) * length(b) * length(c)).max(f64::MIN_POSITIVE)
-    };
-    let corners = CORNERS.iter().enumerate().map(|(k, corner)| (at(*corner), k));
-    corners.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((1.0, 0))
+    mesh.element_coordinates(element).worst_node()
 }
 
 /// An element of the mesh that is nearly degenerate, where a run failed or in a body that is not sound.

@@ -1,6 +1,6 @@
 //! Frames: reference positions, displacement, velocity, stress, strain, reactions, and what contact has at the slave nodes.
 //!
-//! Points are all vectors of the model but directions, in their order. Cells are the hexahedra of the solids, then the facets of rigid bodies, then the
+//! Points are all vectors of the model but directions, in their order. Cells are the elements of the solids, then the facets of rigid bodies, then the
 //! lines of beams and strings, then single points; the cell field `body` counts the solids and goes on with surfaces, lines and points in this order.
 
 use super::means::Means;
@@ -9,6 +9,7 @@ use crate::points::Points;
 use crate::scene::Field as SceneField;
 use std::path::Path;
 use stoss_fe_solid::{SolidBody, SolidError};
+use stoss_mesh::Elements;
 use stoss_mesh_io::{Field, MeshIoError, PvdWriter, VtuFrame, write_vtu};
 use stoss_reference_element::FacetNodes;
 use stoss_solver::{Model, Simulation, StepError};
@@ -178,8 +179,10 @@ pub(super) fn with(
     let points = Points::of(model);
     let drawing = drawing.of_points(&points);
     let reference = points.of_all(&model.reference, 3);
-    let solids = model.bodies.iter().flat_map(|body| body.solid.connectivity());
-    let hexahedra: Vec<[u32; 8]> = solids.map(|nodes| nodes.map(|node| points.place(node))).collect();
+    let mut elements = Elements::new();
+    for body in &model.bodies {
+        elements.extend(body.solid.elements(), |node| points.place(node));
+    }
     let facets: Vec<FacetNodes> = drawing.surfaces.iter().flat_map(|surface| &surface.facets).copied().collect();
     let lines: Vec<Vec<u32>> = drawing.lines.iter().map(|line| line.nodes.clone()).collect();
     let vertices: Vec<u32> = drawing.points.iter().map(|point| point.node).collect();
@@ -214,7 +217,7 @@ pub(super) fn with(
     let frame = VtuFrame {
         // cannot fail: positions have three components.
         points: reference.as_chunks().0,
-        hexahedra: &hexahedra,
+        elements: &elements,
         facets: &facets,
         lines: &lines,
         vertices: &vertices,

@@ -6,6 +6,7 @@ use super::super::placed::Placed;
 use crate::scene::{Scene, SupportPer};
 use crate::solver::Model;
 use std::collections::BTreeMap;
+use stoss_reference_element::FaceNodes;
 use stoss_multibody::{ElasticSupport, SupportedNode};
 
 /// Adds the supports as parts.
@@ -36,11 +37,11 @@ pub(super) fn supports(scene: &Scene, placed: &[Placed], model: &mut Model, prob
 }
 
 /// The part of each node in the reference area of facets: the nodal forces of a unit traction.
-fn areas(facets: &[[u32; 4]], model: &Model, key: &str, problems: &mut Problems<'_>) -> Option<BTreeMap<u32, f64>> {
+fn areas(facets: &[FaceNodes], model: &Model, key: &str, problems: &mut Problems<'_>) -> Option<BTreeMap<u32, f64>> {
     let mut force = vec![0.0; model.reference.len()];
     if let Err(error) = stoss_fe_solid::dead_traction(facets, &model.reference, [1.0, 0.0, 0.0], &mut force) {
         problems.add(key.to_owned(), "", error.to_string(), "mend the mesh or choose another set");
         return None;
     }
-    Some(facets.iter().flatten().map(|&node| (node, force[3 * node as usize])).collect())
+    Some(facets.iter().flat_map(|face| face.iter()).map(|&node| (node, force[3 * node as usize])).collect())
 }

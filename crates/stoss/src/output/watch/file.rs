@@ -4,6 +4,7 @@ use super::model::watched;
 use crate::output::{OutputError, frames};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use stoss_mesh::Elements;
 use stoss_mesh_io::VtuData;
 use stoss_watch::{
     BalanceState, BalanceWatch, Judge, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel, WatchShape,
@@ -29,8 +30,9 @@ struct NamedBody {
     name: String,
     first_node: u32,
     nodes: u32,
-    hexahedra: usize,
-    /// Facets of the surface of a rigid body, which has no hexahedra.
+    #[serde(alias = "hexahedra")]
+    elements: usize,
+    /// Facets of the surface of a rigid body, which has no elements.
     #[serde(default)]
     facets: usize,
     /// Whether that surface encloses no volume.
@@ -48,15 +50,15 @@ impl WatchFile {
     /// Of what is watched.
     pub fn new(model: &WatchModel, limits: Limits, contacts: Vec<[usize; 2]>, balance: Option<BalanceWatch>) -> Self {
         let bodies = model.bodies.iter().map(|body| {
-            let (hexahedra, facets, is_open) = match &body.shape {
-                WatchShape::Hexahedra(hexahedra) => (hexahedra.len(), 0, false),
+            let (elements, facets, is_open) = match &body.shape {
+                WatchShape::Solid(elements) => (elements.len(), 0, false),
                 WatchShape::Surface { facets, is_closed } => (0, facets.len(), !is_closed),
             };
             NamedBody {
                 name: body.name.clone(),
                 first_node: body.nodes.start,
                 nodes: body.nodes.len() as u32,
-                hexahedra,
+                elements,
                 facets,
                 is_open,
             }
@@ -86,14 +88,14 @@ impl WatchFile {
 
     /// Whether a frame has the cells of these bodies.
     fn fits(&self, data: &VtuData) -> bool {
-        let hexahedra: usize = self.bodies.iter().map(|body| body.hexahedra).sum();
+        let elements: usize = self.bodies.iter().map(|body| body.elements).sum();
         let facets: usize = self.bodies.iter().map(|body| body.facets).sum();
-        (data.hexahedra.len(), data.facets.len()) == (hexahedra, facets)
+        (data.elements.len(), data.facets.len()) == (elements, facets)
     }
 
     /// The bodies of a frame, whose elements, and then facets, stand body after body.
     fn model(&self, reference: Vec<f64>, data: &VtuData) -> WatchModel {
-        let (mut hexahedra, mut facets) = (data.hexahedra.iter(), data.facets.iter());
+        let (mut cells, mut facets) = (data.elements.cells(), data.facets.iter());
         let bodies = self.bodies.iter().map(|body| WatchBody {
             name: body.name.clone(),
             nodes: body.first_node..body.first_node + body.nodes,
@@ -101,7 +103,9 @@ impl WatchFile {
                 let facets = facets.by_ref().take(body.facets).map(watched).collect();
                 WatchShape::Surface { facets, is_closed: !body.is_open }
             } else {
-                WatchShape::Hexahedra(hexahedra.by_ref().take(body.hexahedra).copied().collect())
+                let mut elements = Elements::new();
+                cells.by_ref().take(body.elements).for_each(|(kind, nodes)| elements.push(kind, nodes));
+                WatchShape::Solid(elements)
             },
         });
         let bodies = bodies.collect();

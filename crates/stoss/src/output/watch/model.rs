@@ -4,6 +4,7 @@ use crate::output::Drawing;
 use crate::points::Points;
 use crate::scene::{Scene, split_set};
 use std::collections::{BTreeMap, BTreeSet};
+use stoss_mesh::Elements;
 use stoss_reference_element::{FacetKind, FacetNodes};
 use stoss_solver::Model;
 use stoss_watch::{TiedPair, WatchBody, WatchFacet, WatchModel, WatchShape};
@@ -26,11 +27,12 @@ pub(crate) fn contact_bodies(scene: &Scene, drawing: &Drawing) -> Vec<Option<[us
 pub(super) fn model(model: &Model, points: &Points, drawing: &Drawing) -> WatchModel {
     let solids = model.bodies.iter().map(|body| {
         let first = points.place(body.nodes.start);
-        let hexahedra = body.solid.connectivity().iter().map(|nodes| nodes.map(|node| points.place(node)));
+        let mut elements = Elements::new();
+        elements.extend(body.solid.elements(), |node| points.place(node));
         WatchBody {
             name: body.solid.name().to_owned(),
             nodes: first..first + body.nodes.len() as u32,
-            shape: WatchShape::Hexahedra(hexahedra.collect()),
+            shape: WatchShape::Solid(elements),
         }
     });
     let surfaces = drawing.surfaces.iter().map(|surface| WatchBody {
