@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use stoss_reference_element::{CellKind, FacetKind, FacetNodes};
+
 use crate::MeshIoError;
 use crate::contents::{Contents, Source, entry};
 use crate::place::Place;
@@ -12,10 +14,10 @@ struct Numbers {
     nodes: HashMap<u64, u32>,
     elements: HashMap<u64, u32>,
     /// Elements by their nodes, to find those that a file lists once for each group.
-    by_nodes: HashMap<[u32; 8], u32>,
+    by_nodes: HashMap<Box<[u32]>, u32>,
 }
 
-/// Collects nodes, hexahedra and sets. Numbers are unique within a scope; nodes and elements go into the last one.
+/// Collects nodes, elements and sets. Numbers are unique within a scope; nodes and elements go into the last one.
 pub(crate) struct Builder {
     pub contents: Contents,
     scopes: Vec<Numbers>,
@@ -61,20 +63,33 @@ impl Builder {
         found.ok_or_else(|| self.contents.unknown("node", number, place))
     }
 
-    /// Adds a hexahedron and returns its index. An element with the same nodes in the same order is the same element.
-    pub fn hexahedron(&mut self, number: u64, nodes: [u64; 8], kind: &str, place: Place) -> Result<u32, MeshIoError> {
+    /// Adds an element, its nodes in the order of its kind, and returns its index. One with the same nodes in the same order is the same
+    /// element. `name` is what the format calls the type.
+    pub fn element(
+        &mut self,
+        number: u64,
+        kind: CellKind,
+        nodes: &[u64],
+        name: &str,
+        place: Place,
+    ) -> Result<u32, MeshIoError> {
         let scope = self.scopes.len() - 1;
-        let mut local = [0; 8];
-        for i in 0..8 {
-            local[i] = self.node_number(scope, nodes[i], place)?;
-            if nodes[..i].contains(&nodes[i]) {
+        if nodes.len() != kind.node_count() {
+            let remedy = format!("has {} nodes, but a {kind} needs {}", nodes.len(), kind.node_count());
+            return Err(self.contents.error(place, format_args!("element {number}"), remedy));
+        }
+        let mut local = Vec::with_capacity(nodes.len());
+        for (i, node) in nodes.iter().enumerate() {
+            local.push(self.node_number(scope, *node, place)?);
+            if nodes[..i].contains(node) {
                 let remedy = format!(
-                    "element {number} uses this node twice: collapsed hexahedra are not supported, use 8 different nodes"
+                    "element {number} uses this node twice: collapsed elements are not supported, a {kind} has {} different nodes",
+                    nodes.len()
                 );
-                return Err(self.contents.error(place, nodes[i], remedy));
+                return Err(self.contents.error(place, node, remedy));
             }
         }
-        if let Some(&same) = self.last().by_nodes.get(&local) {
+        if let Some(&same) = self.last().by_nodes.get(local.as_slice()) {
             self.last().elements.insert(number, same);
             return Ok(same);
         }
@@ -83,16 +98,16 @@ impl Builder {
             let remedy = format!("element {number} has other nodes in {first}: renumber one of them");
             return Err(self.contents.error(place, number, remedy));
         }
-        let index = self.contents.elements.len() as u32;
+        let index = self.contents.element_source.len() as u32;
+        self.contents.elements.push(kind, &local);
         self.last().elements.insert(number, index);
-        self.last().by_nodes.insert(local, index);
-        self.contents.elements.push(local);
+        self.last().by_nodes.insert(local.into(), index);
         self.contents.element_source.push(Source { number, place });
-        self.contents.count_cell(kind, place);
+        self.contents.count_cell(name, place);
         Ok(index)
     }
 
-    /// Index of an element, if it is a hexahedron.
+    /// Index of an element, if Stoss computes with its type.
     pub fn element_number(&self, scope: usize, number: u64) -> Option<u32> {
         self.scopes[scope].elements.get(&number).copied()
     }
@@ -118,13 +133,14 @@ impl Builder {
         entry(&mut self.contents.element_sets, name).insert(element);
     }
 
-    /// Adds a quadrilateral of scope 0 that must be a facet of a hexahedron.
-    pub fn add_quad(&mut self, name: &str, nodes: [u64; 4], place: Place) -> Result<(), MeshIoError> {
+    /// Adds a face of scope 0 by its three or four corners, which must be those of a facet of an element.
+    pub fn add_face(&mut self, name: &str, corners: &[u64], place: Place) -> Result<(), MeshIoError> {
         let mut local = [0; 4];
-        for i in 0..4 {
-            local[i] = self.node_number(0, nodes[i], place)?;
+        for (local, &corner) in local.iter_mut().zip(corners) {
+            *local = self.node_number(0, corner, place)?;
         }
-        entry(&mut self.contents.quads, name).push((local, place));
+        let kind = if corners.len() == 3 { FacetKind::Tri3 } else { FacetKind::Quad4 };
+        entry(&mut self.contents.faces, name).push((FacetNodes::from_fn(kind, |k| local[k]), place));
         Ok(())
     }
 }

@@ -3,9 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use stoss_mesh::{Facet, FacetIndex, Mesh, MeshError};
+use stoss_mesh::{Elements, Facet, FacetIndex, Mesh, MeshError};
+use stoss_reference_element::FacetNodes;
 
 use crate::MeshIoError;
+use crate::error::remedy;
 use crate::lines::{syntax, unsupported};
 use crate::place::Place;
 
@@ -19,7 +21,7 @@ pub(crate) struct Source {
 /// Something that stands in a file and that Stoss does not compute with.
 #[derive(Debug, Clone)]
 pub(crate) struct Other {
-    /// As in "3 tetrahedra (type 4)", without the number.
+    /// As in "3 pyramids (type 7)", without the number.
     pub what: String,
     pub count: usize,
     pub first: Place,
@@ -29,7 +31,7 @@ pub(crate) struct Other {
     pub remedy: String,
 }
 
-/// Everything that a mesh file says about nodes, hexahedra and sets, before a choice is made and the mesh is checked.
+/// Everything that a mesh file says about nodes, elements and sets, before a choice is made and the mesh is checked.
 ///
 /// [`Contents::mesh`] gives the mesh of the whole file or of one group of elements; [`Contents::survey`] tells about all of it.
 #[derive(Debug, Clone, Default)]
@@ -42,7 +44,7 @@ pub struct Contents {
     pub(crate) binary: bool,
     pub(crate) nodes: Vec<[f64; 3]>,
     pub(crate) node_source: Vec<Source>,
-    pub(crate) elements: Vec<[u32; 8]>,
+    pub(crate) elements: Elements,
     pub(crate) element_source: Vec<Source>,
     /// Types of the cells that are read: how many, and the first.
     pub(crate) cells: BTreeMap<String, (usize, Place)>,
@@ -54,8 +56,8 @@ pub struct Contents {
     pub(crate) node_sets: BTreeMap<String, BTreeSet<u32>>,
     pub(crate) element_sets: BTreeMap<String, BTreeSet<u32>>,
     pub(crate) facet_sets: BTreeMap<String, BTreeSet<(u32, usize)>>,
-    /// Quadrilaterals that must be facets of hexahedra.
-    pub(crate) quads: BTreeMap<String, Vec<([u32; 4], Place)>>,
+    /// Faces, by their corners, that must be facets of elements.
+    pub(crate) faces: BTreeMap<String, Vec<(FacetNodes, Place)>>,
     /// All boundary facets of these elements.
     pub(crate) free_facets: BTreeMap<String, BTreeSet<u32>>,
     /// Names compare without regard to case.
@@ -202,7 +204,7 @@ impl Contents {
             return Ok(found.clone());
         }
         let is = |other: &String| other == name || same(other);
-        let problem = if self.facet_sets.keys().chain(self.quads.keys()).chain(self.free_facets.keys()).any(is) {
+        let problem = if self.facet_sets.keys().chain(self.faces.keys()).chain(self.free_facets.keys()).any(is) {
             format!("{name:?} is a group of facets, and a body needs one of elements")
         } else if self.node_sets.keys().any(is) {
             format!("{name:?} is a group of nodes, and a body needs one of elements")
@@ -221,7 +223,7 @@ impl Contents {
     }
 
     /// The checked mesh of the whole file, or of one group of elements: an instance or a set. Sets are restricted to it; of an
-    /// instance its own sets have no prefix. Nodes that no hexahedron uses are dropped. Two nodes may lie at the same place
+    /// instance its own sets have no prefix. Nodes that no element uses are dropped. Two nodes may lie at the same place
     /// ([`Mesh::coincident_nodes`]), but not two of one element.
     ///
     /// # Errors
@@ -231,7 +233,7 @@ impl Contents {
         self.mesh_of(group, false)
     }
 
-    /// As [`Contents::mesh`], but groups of quadrilaterals between two elements stay sets of facets, of one of the two elements each,
+    /// As [`Contents::mesh`], but groups of faces between two elements stay sets of facets, of one of the two elements each,
     /// for a mesh that is written again. A computation cannot use them: they have no outside.
     ///
     /// # Errors
@@ -255,13 +257,13 @@ impl Contents {
         Ok(mesh)
     }
 
-    /// The hexahedra, whatever else there is, not checked.
-    pub(crate) fn hexahedra(&self) -> Result<Mesh, MeshIoError> {
+    /// The elements that Stoss computes with, whatever else there is, not checked.
+    pub(crate) fn usable(&self) -> Result<Mesh, MeshIoError> {
         self.unchecked(&self.keep(0..self.elements.len() as u32), true, false)
     }
 
-    /// What is wrong with the hexahedra, whatever else there is.
-    pub(crate) fn check_hexahedra(&self) -> Result<(), MeshIoError> {
+    /// What is wrong with the elements that Stoss computes with, whatever else there is.
+    pub(crate) fn check_usable(&self) -> Result<(), MeshIoError> {
         let kept = self.keep(0..self.elements.len() as u32);
         let mesh = self.unchecked(&kept, true, false)?;
         mesh.check_but_coincident().map_err(|problem| self.in_file_numbers(problem, &mesh, &kept))
@@ -305,11 +307,16 @@ impl Contents {
 
     fn unchecked(&self, kept: &Kept, is_part: bool, keeps_inner: bool) -> Result<Mesh, MeshIoError> {
         if kept.old_elements.is_empty() {
-            return Err(MeshIoError::NoHexahedra { path: self.path().to_owned() });
+            return Err(MeshIoError::NoElements { path: self.path().to_owned() });
         }
         let nodes = kept.old_nodes.iter().map(|&n| self.nodes[n as usize]).collect();
-        let elements =
-            kept.old_elements.iter().map(|&e| self.elements[e as usize].map(|n| kept.nodes[n as usize])).collect();
+        let mut elements = Elements::new();
+        let mut renumbered = Vec::new();
+        for &e in &kept.old_elements {
+            renumbered.clear();
+            renumbered.extend(self.elements[e as usize].iter().map(|&n| kept.nodes[n as usize]));
+            elements.push(self.elements.kind(e as usize), &renumbered);
+        }
         let mut mesh =
             Mesh::new(nodes, elements).map_err(|source| MeshIoError::Mesh { path: self.path().to_owned(), source })?;
         let restrict = |set: &BTreeSet<u32>, new: &[u32]| -> Vec<u32> {
@@ -333,9 +340,9 @@ impl Contents {
             let kept_facets = kept_facets.filter(|&(e, _)| e != UNUSED).map(|(e, local)| mesh.facet(e, local));
             entry(&mut facets, name).extend(kept_facets);
         }
-        if !self.quads.is_empty() || !self.free_facets.is_empty() {
+        if !self.faces.is_empty() || !self.free_facets.is_empty() {
             let index = mesh.facet_index();
-            self.match_quads(&index, &kept.nodes, is_part, keeps_inner, &mut mesh, &mut facets)?;
+            self.match_faces(&index, &kept.nodes, is_part, keeps_inner, &mut mesh, &mut facets)?;
             let boundary = if self.free_facets.is_empty() { Vec::new() } else { index.boundary() };
             for (name, elements) in &self.free_facets {
                 let of_set = |f: &&Facet| elements.contains(&kept.old_elements[f.element as usize]);
@@ -347,9 +354,9 @@ impl Contents {
         Ok(mesh)
     }
 
-    /// Quadrilaterals to facets. A group that has a facet between two elements has no outside: it becomes a node set unless `keeps_inner`. Of a part of
-    /// a file the quadrilaterals of the other parts are left out.
-    fn match_quads(
+    /// Faces to facets, by their corners. A group that has a facet between two elements has no outside: it becomes a node set unless `keeps_inner`.
+    /// Of a part of a file the faces of the other parts are left out.
+    fn match_faces(
         &self,
         index: &FacetIndex,
         new: &[u32],
@@ -358,25 +365,29 @@ impl Contents {
         mesh: &mut Mesh,
         facets: &mut BTreeMap<String, BTreeSet<Facet>>,
     ) -> Result<(), MeshIoError> {
-        for (name, quads) in &self.quads {
+        for (name, faces) in &self.faces {
             let mut matched = BTreeSet::new();
             let mut inner = false;
-            for &(nodes, place) in quads {
-                let found = index.find(nodes.map(|n| new[n as usize]));
-                if found.len() == 0 && !is_part {
-                    let numbers = nodes.map(|n| self.node_source[n as usize].number);
+            for (corners, place) in faces {
+                // A corner of another part has no number here, and the index has triangles by three.
+                let own = corners.map(|n| new[n as usize]);
+                let found: Vec<Facet> =
+                    if own.contains(&UNUSED) { Vec::new() } else { index.find(&own).copied().collect() };
+                if found.is_empty() && !is_part {
+                    let numbers = corners.map(|n| self.node_source[n as usize].number);
+                    let shape = if corners.len() == 3 { "triangle" } else { "quadrilateral" };
                     let remedy = format!(
-                        "this quadrilateral of group \"{name}\" is no facet of a hexahedron: mesh the volume behind it with \
-                         hexahedra, or take the surface out of its physical group"
+                        "this {shape} of group \"{name}\" is no facet of an element: mesh the volume behind it, or take the surface out of \
+                         its physical group"
                     );
-                    return Err(self.error(place, format_args!("nodes {numbers:?}"), remedy));
+                    return Err(self.error(*place, format_args!("nodes {:?}", &*numbers), remedy));
                 }
                 let sides = if keeps_inner { 1 } else { found.len() };
                 inner |= !keeps_inner && found.len() > 1;
-                matched.extend(found.take(sides).copied());
+                matched.extend(found.into_iter().take(sides));
             }
             if inner {
-                let nodes: BTreeSet<u32> = matched.iter().flat_map(|f| f.nodes).collect();
+                let nodes: BTreeSet<u32> = matched.iter().flat_map(|f| f.nodes.iter().copied()).collect();
                 mesh.node_sets.insert(name.clone(), nodes.into_iter().collect());
             } else {
                 entry(facets, name).extend(matched);
@@ -389,14 +400,23 @@ impl Contents {
     fn in_file_numbers(&self, problem: MeshError, mesh: &Mesh, kept: &Kept) -> MeshIoError {
         let element = |e: u32| self.element_source[kept.old_elements[e as usize] as usize];
         match problem {
-            MeshError::InvertedElement { element: e, jacobian, .. } => {
+            MeshError::InvertedElement { element: e, nodes, point, jacobian } => {
                 let Source { number, place } = element(e);
                 let nodes =
-                    mesh.elements[e as usize].map(|n| self.node_source[kept.old_nodes[n as usize] as usize].number);
-                let path = self.file(place).to_owned();
-                let error =
-                    MeshIoError::InvertedElement { path, line: place.at as usize, element: number, nodes, jacobian };
+                    nodes.iter().map(|&n| self.node_source[kept.old_nodes[n as usize] as usize].number).collect();
+                let (path, line) = (self.file(place).to_owned(), place.at as usize);
+                let kind = mesh.elements.kind(e as usize);
+                let error = MeshIoError::InvertedElement { path, line, element: number, kind, nodes, point, jacobian };
                 self.with_byte(error, place)
+            }
+            MeshError::NonMatchingFacet { elements, kinds, .. } => {
+                let [a, b] = elements.map(element);
+                let place = a.place.max(b.place);
+                let (path, line) = (self.file(place).to_owned(), place.at as usize);
+                self.with_byte(
+                    MeshIoError::NonMatchingFacet { path, line, elements: [a.number, b.number], kinds },
+                    place,
+                )
             }
             MeshError::OverlappingElements { elements, .. } => {
                 let [a, b] = elements.map(element);
@@ -417,13 +437,19 @@ impl Contents {
         }
         let text = error.to_string();
         let (value, remedy) = match &error {
-            MeshIoError::InvertedElement { element, nodes, jacobian, .. } => (
-                format!("element {element} with nodes {nodes:?} has det J = {jacobian:e} at a Gauss point"),
-                "it is inverted or degenerate; number the bottom counter-clockwise seen from the top, then the top",
+            MeshIoError::InvertedElement { element, kind, nodes, point, jacobian, .. } => (
+                format!(
+                    "element {element} ({kind}) with nodes {nodes:?} has det J = {jacobian:e} at {point}: inverted or degenerate"
+                ),
+                remedy(*kind, *point),
             ),
             MeshIoError::OverlappingElements { elements: [a, b], .. } => {
                 (format!("elements {a} and {b} overlap"), "remove one of them")
             }
+            MeshIoError::NonMatchingFacet { elements: [a, b], kinds, .. } => (
+                format!("elements {a} and {b} ({kinds}) share the corners of a facet but not its other nodes"),
+                "use linear or quadratic elements on both sides",
+            ),
             _ => (text, "mend the mesh"),
         };
         self.error(place, value, remedy)

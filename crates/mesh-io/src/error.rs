@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use stoss_mesh::MeshError;
+use stoss_mesh::{ElementPoint, MeshError};
+use stoss_reference_element::{CellKind, Family};
 
 /// Why a file could not be read or written. Lines count from 1; element and node numbers are those of the file.
 #[derive(Debug, thiserror::Error)]
@@ -81,16 +82,16 @@ pub enum MeshIoError {
         /// Its number or name.
         number: String,
     },
-    /// There are no 8-node hexahedra in the file.
-    #[error("{}: there are no 8-node hexahedra in this file", path.display())]
-    NoHexahedra {
+    /// There are no hexahedra, tetrahedra or wedges in the file.
+    #[error("{}: there are no hexahedra, tetrahedra or wedges in this file", path.display())]
+    NoElements {
         /// The file.
         path: PathBuf,
     },
-    /// The Jacobian determinant of an element is not positive at a Gauss point.
+    /// The Jacobian determinant of an element is not positive at a Gauss point, or at a node of a quadratic element.
     #[error(
-        "{}:{line}: element {element} with nodes {nodes:?} has det J = {jacobian:e} at a Gauss point: it is inverted or degenerate; \
-         number the bottom counter-clockwise seen from the top, then the top", path.display()
+        "{}:{line}: element {element} ({kind}) with nodes {nodes:?} has det J = {jacobian:e} at {point}: it is inverted or degenerate; \
+         {}", path.display(), remedy(*kind, *point)
     )]
     InvertedElement {
         /// The file.
@@ -99,8 +100,12 @@ pub enum MeshIoError {
         line: usize,
         /// The element's number.
         element: u64,
-        /// Its nodes' numbers.
-        nodes: [u64; 8],
+        /// Its kind.
+        kind: CellKind,
+        /// Its nodes' numbers, in the order of the kind.
+        nodes: Vec<u64>,
+        /// Where.
+        point: ElementPoint,
         /// `det J` (a volume per reference volume).
         jacobian: f64,
     },
@@ -113,6 +118,21 @@ pub enum MeshIoError {
         line: usize,
         /// Their numbers.
         elements: [u64; 2],
+    },
+    /// Elements that share the corners of a facet but not the nodes on its edges.
+    #[error(
+        "{}:{line}: elements {} and {} ({kinds}) share the corners of a facet but not its other nodes: use linear or quadratic elements on \
+         both sides", path.display(), elements[0], elements[1]
+    )]
+    NonMatchingFacet {
+        /// The file.
+        path: PathBuf,
+        /// The line of the second element.
+        line: usize,
+        /// Their numbers.
+        elements: [u64; 2],
+        /// Their kinds.
+        kinds: String,
     },
     /// The file has no such group of elements.
     #[error("{}: {problem}; {known}", path.display())]
@@ -140,4 +160,17 @@ pub enum MeshIoError {
         /// What is wrong.
         problem: String,
     },
+}
+
+/// What to do about an element with `det J <= 0` at a point.
+pub(crate) fn remedy(kind: CellKind, point: ElementPoint) -> &'static str {
+    match (point, kind.table().family) {
+        (ElementPoint::Node(_), _) => {
+            "move the nodes on its edges nearer to their middles, or number the nodes in the order of the type"
+        }
+        (_, Family::Tetrahedron) => "number the first three nodes counter-clockwise seen from the fourth",
+        (_, Family::Hexahedron | Family::Wedge) => {
+            "number the bottom counter-clockwise seen from the top, then the top"
+        }
+    }
 }

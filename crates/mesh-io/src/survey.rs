@@ -20,7 +20,7 @@ pub struct CellCount {
     pub read: bool,
 }
 
-/// What is known of the hexahedra of a file or a group.
+/// What is known of the elements of a file or a group that Stoss computes with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshSurvey {
     /// Number of nodes.
@@ -56,7 +56,7 @@ pub struct Survey {
     pub nodes: usize,
     /// All types of cells of the file that have a volume or could be taken for one.
     pub cells: Vec<CellCount>,
-    /// Instances of parts with their number of hexahedra.
+    /// Instances of parts with their number of elements.
     pub instances: BTreeMap<String, usize>,
     /// Groups of elements that Stoss can use by themselves.
     pub usable_groups: Vec<String>,
@@ -90,15 +90,15 @@ impl Contents {
         cells.sort_by_key(|(first, _)| *first);
         let checked = self.mesh(group);
         let mut reasons: Vec<String> = checked.as_ref().err().map(ToString::to_string).into_iter().collect();
-        // What the hexahedra are like is told even if there are others beside them.
+        // What the elements are like is told even if there are others beside them.
         let mesh = match (&checked, group) {
             (Ok(mesh), _) => Some(self.survey_mesh(mesh, group)),
-            (Err(_), None) => self.hexahedra().ok().map(|mesh| self.survey_mesh(&mesh, None)),
+            (Err(_), None) => self.usable().ok().map(|mesh| self.survey_mesh(&mesh, None)),
             (Err(_), Some(_)) => None,
         };
         if checked.is_err()
             && !self.others.is_empty()
-            && let Some(Err(error)) = (!self.elements.is_empty()).then(|| self.check_hexahedra())
+            && let Some(Err(error)) = (!self.elements.is_empty()).then(|| self.check_usable())
         {
             reasons.push(error.to_string());
         }

@@ -1,8 +1,8 @@
 //! VTU: one frame of results as a VTK unstructured grid (XML, version 1.0).
 //!
 //! Arrays are inline, `format="binary"`: base64 of an 8-byte length and the values, little endian, not compressed. Coordinates
-//! and fields are `Float64`, connectivity and offsets `Int64`, cell types `UInt8`. NaN passes through. Cells stand in the order hexahedra
-//! (VTK's type 12), facets (triangles, 5, and quadrilaterals, 9), lines (4), vertices (1).
+//! and fields are `Float64`, connectivity and offsets `Int64`, cell types `UInt8`. NaN passes through. Cells stand in the order elements
+//! (VTK's types 10, 12, 13, 24, 25, 26, 29), facets (5, 9, 22, 23, 28), lines (4), vertices (1). The order of nodes is the same.
 //! The time goes into the field array `TimeValue`, which VTK's XML readers take as the time of the frame.
 //!
 //! Parallel pieces, compression and other cells are not here.
@@ -13,24 +13,15 @@ use std::path::Path;
 use crate::atomic::{self, WriteError};
 use crate::base64::Encoder;
 use crate::{MeshIoError, xml};
-use stoss_reference_element::{FacetKind, FacetNodes};
+use stoss_mesh::CellBlock;
+use stoss_reference_element::FaceNodes;
 
 /// Name of the field array that holds the time.
 pub(crate) const TIME: &str = "TimeValue";
-/// VTK's number of the hexahedron, whose nodes are numbered as those of `hex8`.
-pub(crate) const VTK_HEXAHEDRON: u8 = 12;
 /// VTK's number of a line through any number of points.
 pub(crate) const VTK_POLY_LINE: u8 = 4;
 /// VTK's number of a single point.
 pub(crate) const VTK_VERTEX: u8 = 1;
-
-/// VTK's number of a facet, whose nodes are numbered as ours.
-pub(crate) const fn vtk_facet(kind: FacetKind) -> u8 {
-    match kind {
-        FacetKind::Tri3 => 5,
-        FacetKind::Quad4 => 9,
-    }
-}
 
 /// A named array with a fixed number of components a point or a cell.
 ///
@@ -50,17 +41,17 @@ pub struct Field<'a> {
 pub struct VtuFrame<'a> {
     /// Coordinates of the points. (For deformed pictures write the reference coordinates and a displacement field.)
     pub points: &'a [[f64; 3]],
-    /// Points of the hexahedra in the order of `hex8`.
-    pub hexahedra: &'a [[u32; 8]],
-    /// Points of the facets of surfaces without a volume mesh.
-    pub facets: &'a [FacetNodes],
+    /// Kinds and points of the elements, as [`stoss_mesh::Elements::blocks`] gives them.
+    pub elements: &'a [CellBlock],
+    /// Points of facets, for instance of surfaces without a volume mesh.
+    pub facets: &'a [FaceNodes],
     /// Points of lines from one end to the other, two at least.
     pub lines: &'a [Vec<u32>],
     /// Points that are drawn by themselves.
     pub vertices: &'a [u32],
     /// Fields with one tuple a point.
     pub point_data: Vec<Field<'a>>,
-    /// Fields with one tuple a cell: hexahedra, facets, lines, vertices.
+    /// Fields with one tuple a cell: elements, facets, lines, vertices.
     pub cell_data: Vec<Field<'a>>,
     /// Fields of the frame as a whole, of any number of tuples.
     pub field_data: Vec<Field<'a>>,
@@ -71,16 +62,20 @@ pub struct VtuFrame<'a> {
 impl VtuFrame<'_> {
     /// Number of cells.
     pub fn cell_count(&self) -> usize {
-        self.hexahedra.len() + self.facets.len() + self.lines.len() + self.vertices.len()
+        let elements: usize = self.elements.iter().map(CellBlock::len).sum();
+        elements + self.facets.len() + self.lines.len() + self.vertices.len()
     }
 
     /// Type and points of each cell, in the order of the file.
     pub(crate) fn cells(&self) -> impl Iterator<Item = (u8, &[u32])> + Clone {
-        let hexahedra = self.hexahedra.iter().map(|nodes| (VTK_HEXAHEDRON, nodes.as_slice()));
-        let facets = self.facets.iter().map(|nodes| (vtk_facet(nodes.kind()), &**nodes));
+        let elements = self.elements.iter().flat_map(|block| {
+            let kind = block.kind().table().vtk;
+            block.iter().map(move |nodes| (kind, nodes))
+        });
+        let facets = self.facets.iter().map(|nodes| (nodes.kind().vtk(), &**nodes));
         let lines = self.lines.iter().map(|nodes| (VTK_POLY_LINE, nodes.as_slice()));
         let vertices = self.vertices.iter().map(|node| (VTK_VERTEX, std::slice::from_ref(node)));
-        hexahedra.chain(facets).chain(lines).chain(vertices)
+        elements.chain(facets).chain(lines).chain(vertices)
     }
 
     /// Checks that everything fits together.

@@ -6,9 +6,10 @@
 use std::path::Path;
 
 use crate::lines::syntax;
-use crate::vtu::{TIME, VTK_HEXAHEDRON, VTK_POLY_LINE, VTK_VERTEX, vtk_facet};
+use crate::vtu::{TIME, VTK_POLY_LINE, VTK_VERTEX};
 use crate::{MeshIoError, xml};
-use stoss_reference_element::{FacetKind, FacetNodes};
+use stoss_mesh::Elements;
+use stoss_reference_element::{CellKind, FaceKind, FaceNodes};
 
 /// A named array read from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,17 +27,17 @@ pub struct OwnedField {
 pub struct VtuData {
     /// Coordinates.
     pub points: Vec<[f64; 3]>,
-    /// Points of the hexahedra in the order of `hex8`.
-    pub hexahedra: Vec<[u32; 8]>,
-    /// Points of the facets.
-    pub facets: Vec<FacetNodes>,
+    /// Kinds and points of the elements.
+    pub elements: Elements,
+    /// Kinds and points of the facets.
+    pub facets: Vec<FaceNodes>,
     /// Points of the lines.
     pub lines: Vec<Vec<u32>>,
     /// Single points.
     pub vertices: Vec<u32>,
     /// Fields of the points.
     pub point_data: Vec<OwnedField>,
-    /// Fields of the cells: hexahedra, facets, lines, vertices.
+    /// Fields of the cells: elements, facets, lines, vertices.
     pub cell_data: Vec<OwnedField>,
     /// Fields of the frame.
     pub field_data: Vec<OwnedField>,
@@ -57,17 +58,18 @@ impl VtuData {
             let end = usize::try_from(end).ok()?;
             let cell: Vec<u32> = nodes.get(start..end)?.iter().map(|&n| n as u32).collect();
             start = end;
-            let facet = FacetKind::ALL.into_iter().find(|&facet| vtk_facet(facet) == kind);
-            let (facets, lines) = (self.facets.len(), self.lines.len());
-            match (kind, facet) {
-                (VTK_HEXAHEDRON, _) if facets + lines + self.vertices.len() == 0 => {
-                    self.hexahedra.push(cell.try_into().ok()?);
+            let solid = CellKind::ALL.into_iter().find(|solid| solid.table().vtk == kind);
+            let facet = FaceKind::ALL.into_iter().find(|facet| facet.vtk() == kind);
+            let after_facets = self.lines.len() + self.vertices.len();
+            match (kind, solid, facet) {
+                (_, Some(solid), _) if self.facets.len() + after_facets == 0 && cell.len() == solid.node_count() => {
+                    self.elements.push(solid, &cell);
                 }
-                (_, Some(facet)) if lines + self.vertices.len() == 0 && cell.len() == facet.node_count() => {
-                    self.facets.push(FacetNodes::from_fn(facet, |k| cell[k]));
+                (_, _, Some(facet)) if after_facets == 0 && cell.len() == facet.node_count() => {
+                    self.facets.push(FaceNodes::from_fn(facet, |k| cell[k]));
                 }
-                (VTK_POLY_LINE, _) if self.vertices.is_empty() && cell.len() >= 2 => self.lines.push(cell),
-                (VTK_VERTEX, _) => self.vertices.push(*<&[u32; 1]>::try_from(cell.as_slice()).ok()?.first()?),
+                (VTK_POLY_LINE, ..) if self.vertices.is_empty() && cell.len() >= 2 => self.lines.push(cell),
+                (VTK_VERTEX, ..) => self.vertices.push(*<&[u32; 1]>::try_from(cell.as_slice()).ok()?.first()?),
                 _ => return None,
             }
         }

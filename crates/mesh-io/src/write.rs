@@ -2,10 +2,11 @@
 //!
 //! | extension | nodes and elements | element sets | facet sets | node sets |
 //! |---|---|---|---|---|
-//! | `.msh` | Gmsh MSH 4.1, text | physical volumes | physical surfaces of quadrilaterals | physical points |
-//! | `.inp` | Abaqus, a flat file, C3D8 | `*ELSET` | `*SURFACE, TYPE=ELEMENT` | `*NSET` |
-//! | `.vtu` | VTK unstructured grid | array of the cells, 1 for a member | the same, on quadrilaterals | array of the points |
+//! | `.msh` | Gmsh MSH 4.1, text | physical volumes | physical surfaces | physical points |
+//! | `.inp` | Abaqus, a flat file, C3D8, C3D10 and so on | `*ELSET` | `*SURFACE, TYPE=ELEMENT` | `*NSET` |
+//! | `.vtu` | VTK unstructured grid | array of the cells, 1 for a member | the same, on faces | array of the points |
 //!
+//! Elements of all kinds keep their order in the file.
 //! Numbers have all their digits, so that what is read again is the same.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,6 +16,7 @@ use std::path::Path;
 use stoss_mesh::{Facet, Mesh};
 
 use crate::atomic::{self, WriteError};
+use crate::gmsh::{face_type, theirs};
 use crate::{Field, MeshIoError, VtuFrame, write_vtu};
 
 /// Writes a mesh in the format of the extension: `.msh`, `.inp` or `.vtu`. The file is written under another name first.
@@ -66,13 +68,18 @@ fn check_names(mesh: &Mesh, forbidden: &[char], ignores_case: bool) -> Result<()
 struct Combinations {
     /// All combinations that occur, as numbers of sets.
     all: Vec<Vec<usize>>,
-    /// Runs of things of one combination in their own order: combination, members.
-    runs: Vec<(usize, Vec<u32>)>,
+    /// Runs of things of one combination and one of Gmsh's types in their own order: combination, type, members.
+    runs: Vec<(usize, u32, Vec<u32>)>,
 }
 
 impl Combinations {
-    /// Of `count` things; those in no set are kept or not.
-    fn new<'m>(sets: impl Iterator<Item = &'m Vec<u32>>, count: usize, keep_rest: bool) -> Combinations {
+    /// Of `count` things of types; those in no set are kept or not.
+    fn new<'m>(
+        sets: impl Iterator<Item = &'m Vec<u32>>,
+        count: usize,
+        kind: impl Fn(usize) -> u32,
+        keep_rest: bool,
+    ) -> Combinations {
         let mut of = vec![Vec::new(); count];
         for (s, set) in sets.enumerate() {
             set.iter().for_each(|&i| of[i as usize].push(s));
@@ -84,9 +91,10 @@ impl Combinations {
                 combinations.all.push(sets);
                 combinations.all.len() - 1
             });
+            let kind = kind(i);
             match combinations.runs.last_mut() {
-                Some((last, run)) if *last == number => run.push(i as u32),
-                _ => combinations.runs.push((number, vec![i as u32])),
+                Some((last, of, run)) if (*last, *of) == (number, kind) => run.push(i as u32),
+                _ => combinations.runs.push((number, kind, vec![i as u32])),
             }
         }
         combinations
@@ -111,9 +119,14 @@ fn write_msh(out: &mut impl Write, mesh: &Mesh) -> io::Result<()> {
     let names: [Vec<&String>; 3] =
         [node_names.iter().collect(), mesh.facet_sets.keys().collect(), mesh.element_sets.keys().collect()];
     let entities = [
-        Combinations::new(mesh.node_sets.values(), mesh.nodes.len(), false),
-        Combinations::new(facet_sets.iter(), facets.len(), false),
-        Combinations::new(mesh.element_sets.values(), mesh.elements.len(), true),
+        Combinations::new(mesh.node_sets.values(), mesh.nodes.len(), |_| 15, false),
+        Combinations::new(facet_sets.iter(), facets.len(), |i| face_type(facets[i].nodes.kind()), false),
+        Combinations::new(
+            mesh.element_sets.values(),
+            mesh.elements.len(),
+            |e| mesh.elements.kind(e).table().gmsh,
+            true,
+        ),
     ];
     // Of the dimensions 0, 2 and 3; physical groups are numbered through.
     let dimensions = [0, 2, 3];
@@ -149,19 +162,19 @@ fn write_msh(out: &mut impl Write, mesh: &Mesh) -> io::Result<()> {
     (1..=nodes).try_for_each(|n| writeln!(out, "{n}"))?;
     mesh.nodes.iter().try_for_each(|[x, y, z]| writeln!(out, "{x} {y} {z}"))?;
     let blocks: usize = entities.iter().map(|e| e.runs.len()).sum();
-    let elements: usize = entities.iter().flat_map(|e| &e.runs).map(|(_, run)| run.len()).sum();
+    let elements: usize = entities.iter().flat_map(|e| &e.runs).map(|(.., run)| run.len()).sum();
     writeln!(out, "$EndNodes\n$Elements\n{blocks} {elements} 1 {elements}")?;
     let mut number = 0;
     for k in 0..3 {
-        for (e, members) in &entities[k].runs {
-            writeln!(out, "{} {} {} {}", dimensions[k], e + 1, [15, 3, 5][k], members.len())?;
+        for (e, kind, members) in &entities[k].runs {
+            writeln!(out, "{} {} {} {}", dimensions[k], e + 1, kind, members.len())?;
             for &i in members {
                 number += 1;
                 write!(out, "{number}")?;
-                let nodes: &[u32] = match k {
-                    0 => &[i],
-                    1 => &facets[i as usize].nodes,
-                    _ => &mesh.elements[i as usize],
+                let nodes = match k {
+                    0 => vec![i],
+                    1 => facets[i as usize].nodes.to_vec(),
+                    _ => theirs(mesh.elements.kind(i as usize), &mesh.elements[i as usize]),
                 };
                 nodes.iter().try_for_each(|n| write!(out, " {}", n + 1))?;
                 writeln!(out)?;
@@ -176,11 +189,22 @@ fn write_inp(out: &mut impl Write, mesh: &Mesh) -> io::Result<()> {
     for (n, [x, y, z]) in mesh.nodes.iter().enumerate() {
         writeln!(out, "{}, {x:?}, {y:?}, {z:?}", n + 1)?;
     }
-    writeln!(out, "*ELEMENT, TYPE=C3D8")?;
-    for (e, nodes) in mesh.elements.iter().enumerate() {
-        write!(out, "{}", e + 1)?;
-        nodes.iter().try_for_each(|n| write!(out, ", {}", n + 1))?;
-        writeln!(out)?;
+    for block in mesh.elements.blocks() {
+        let table = block.kind().table();
+        writeln!(out, "*ELEMENT, TYPE={}", table.abaqus[0])?;
+        let mut line = vec![0; 1 + table.nodes.len()];
+        for (e, nodes) in block.iter().enumerate() {
+            line[0] = block.first() as usize + e + 1;
+            for (&n, &i) in nodes.iter().zip(table.from_abaqus) {
+                line[1 + usize::from(i)] = n as usize + 1;
+            }
+            // Abaqus takes 16 numbers a line; a comma at the end says that there are more.
+            for (part, numbers) in line.chunks(16).enumerate() {
+                let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+                write!(out, "{}{}", if part > 0 { ",\n" } else { "" }, numbers.join(", "))?;
+            }
+            writeln!(out)?;
+        }
     }
     for (keyword, sets) in [("NSET", &mesh.node_sets), ("ELSET", &mesh.element_sets)] {
         for (name, set) in sets {
@@ -218,10 +242,10 @@ fn write_grid(path: &Path, mesh: &Mesh) -> Result<(), MeshIoError> {
             (name.as_str(), values)
         })
         .collect();
-    let facets: Vec<_> = facets.iter().map(|f| f.nodes.into()).collect();
+    let facets: Vec<_> = facets.iter().map(|f| f.nodes).collect();
     let frame = VtuFrame {
         points: &mesh.nodes,
-        hexahedra: &mesh.elements,
+        elements: mesh.elements.blocks(),
         facets: &facets,
         point_data: point_arrays.iter().map(|(name, values)| Field { name, components: 1, values }).collect(),
         cell_data: cell_arrays.iter().map(|(name, values)| Field { name, components: 1, values }).collect(),

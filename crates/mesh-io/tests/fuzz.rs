@@ -2,6 +2,7 @@
 //! names the file. It never panics and never hangs.
 
 use proptest::prelude::*;
+use stoss_mesh::Elements;
 use stoss_mesh_io::{
     Field, VtuFrame, read_contents_from_bytes, read_mesh_from_str, read_surface_from_bytes, read_vtu_from_str,
     write_vtu_to,
@@ -29,9 +30,10 @@ const BINARY: [&[u8]; 8] = [
 fn vtu() -> String {
     let points = stoss_reference_element::hex8::VERTICES;
     let values = [1.0; 24];
+    let elements = Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
     let frame = VtuFrame {
         points: &points,
-        hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+        elements: elements.blocks(),
         facets: &[[0, 1, 2].into(), [4, 5, 6, 7].into()],
         lines: &[vec![0, 3, 6]],
         vertices: &[7],
@@ -181,7 +183,7 @@ proptest! {
         let error = if name == "a.vtu" {
             match read_vtu_from_str(name, &damaged) {
                 Ok(data) => {
-                    let cells = data.hexahedra.as_flattened().iter().chain(data.facets.iter().flatten());
+                    let cells = data.elements.iter().flatten().chain(data.facets.iter().flat_map(|facet| facet.iter()));
                     let mut nodes = cells.chain(data.lines.iter().flatten()).chain(&data.vertices);
                     prop_assert!(nodes.all(|&n| (n as usize) < data.points.len()));
                     return Ok(());

@@ -20,7 +20,7 @@ fn cubes(mesh: &Mesh) {
     for e in 0..2 {
         let x = mesh.element_coordinates(e);
         let bottom = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        for (n, x) in x.into_iter().enumerate() {
+        for (n, &x) in x.iter().enumerate() {
             let [a, b] = bottom[n % 4];
             assert_eq!(x, [a + f64::from(e), b, if n < 4 { 0.0 } else { 1.0 }]);
         }
@@ -84,14 +84,16 @@ fn errors_say_what_is_wrong() {
         let error = read(text.replacen(from, to, 1).as_bytes()).unwrap_err().to_string();
         assert!(error.starts_with("part.vtu:") && error.contains(message), "{error}\nfor {message}");
     }
-    // a tetrahedron with four of the points of the second cube
+    // another type with the points of the second cube
     let types = |kind: &str| {
         let start = text.find("Name=\"types\"").unwrap();
         format!("{}{}", &text[..start], text[start..].replacen("12\n12\n9", &format!("12\n{kind}\n9"), 1))
     };
-    let contents = read(types("10").as_bytes()).unwrap();
+    let error = read(types("10").as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("cell 1\": tetrahedra (type 10) need 4 points each, and it has 8"), "{error}");
+    let contents = read(types("14").as_bytes()).unwrap();
     let error = contents.mesh(None).unwrap_err().to_string();
-    assert!(error.contains("1 tetrahedra (type 10)"), "{error}");
+    assert!(error.contains("1 pyramids (type 14)") && error.contains("tie them"), "{error}");
     assert_eq!(contents.mesh(Some("body=1")).unwrap().elements.len(), 1);
     assert!(contents.mesh(Some("body=2")).is_err());
 }

@@ -2,6 +2,7 @@
 #![cfg(feature = "vtkhdf")]
 
 use std::path::Path;
+use stoss_mesh::Elements;
 use stoss_mesh_io::{
     Field, MeshIoError, VtkhdfFile, VtuData, VtuFrame, append_vtkhdf, create_vtkhdf, keep_vtkhdf, read_vtu_from_str,
     write_vtu_to,
@@ -38,9 +39,10 @@ impl Values {
     }
 
     fn write(&self, time: f64, then: impl FnOnce(&VtuFrame) -> Result<(), MeshIoError>) -> Result<(), MeshIoError> {
+        let elements = Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
         then(&VtuFrame {
             points: &POINTS,
-            hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 7]],
+            elements: elements.blocks(),
             facets: &[[0, 1, 2].into(), [4, 5, 6, 7].into()],
             lines: &[vec![8, 9, 1]],
             vertices: &[8],

@@ -2,9 +2,10 @@
 
 use proptest::prelude::*;
 use std::fmt::Write;
+use stoss_mesh::Elements;
 use stoss_mesh::generate::Block;
 use stoss_mesh_io::{Field, MeshIoError, PvdWriter, VtuFrame, read_vtu, read_vtu_from_str, write_vtu, write_vtu_to};
-use stoss_reference_element::FacetNodes;
+use stoss_reference_element::FaceNodes;
 
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|v| v.to_bits()).collect()
@@ -35,7 +36,7 @@ proptest! {
         let (points, cells) = (mesh.nodes.len(), mesh.elements.len());
         let frame = VtuFrame {
             points: &mesh.nodes,
-            hexahedra: &mesh.elements,
+            elements: mesh.elements.blocks(),
             point_data: vec![
                 Field { name: &name, components, values: &seed[..components * points] },
                 Field { name: "gap\n".trim(), components: 1, values: &seed[..points] },
@@ -49,7 +50,7 @@ proptest! {
         prop_assert!(text.is_ascii());
         let data = read_vtu_from_str("frame.vtu", &text).unwrap();
         prop_assert_eq!(&data.points, &mesh.nodes);
-        prop_assert_eq!(&data.hexahedra, &mesh.elements);
+        prop_assert_eq!(&data.elements, &mesh.elements);
         prop_assert_eq!(data.time.map(f64::to_bits), Some(time.to_bits()));
         for (read, written) in [
             (&data.point_data, &frame.point_data),
@@ -70,7 +71,8 @@ proptest! {
 #[test]
 fn structure_of_the_file() {
     let mesh = Block::with_size([1.0; 3], [1; 3]).generate().unwrap();
-    let frame = VtuFrame { points: &mesh.nodes, hexahedra: &mesh.elements, time: Some(1.5), ..VtuFrame::default() };
+    let frame =
+        VtuFrame { points: &mesh.nodes, elements: mesh.elements.blocks(), time: Some(1.5), ..VtuFrame::default() };
     let text = to_string(&frame);
     let order = [
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">",
@@ -157,7 +159,7 @@ fn cells_of_all_kinds_are_written_and_read() {
     let body = [0.0, 1.0, 2.0, 2.0, 3.0, 4.0, 5.0];
     let frame = |body| VtuFrame {
         points: &mesh.nodes,
-        hexahedra: &mesh.elements,
+        elements: mesh.elements.blocks(),
         point_data: vec![Field { name: "u", components: 1, values: &field }],
         cell_data: vec![Field { name: "body", components: 1, values: body }],
         time: Some(0.25),
@@ -165,14 +167,14 @@ fn cells_of_all_kinds_are_written_and_read() {
     };
     assert_eq!(to_string(&frame(&body[..2])), file(&mesh.nodes, &cells, &field, &body[..2]));
 
-    let facets: [FacetNodes; 2] = [[4, 5, 6].into(), [7, 6, 5, 11].into()];
+    let facets: [FaceNodes; 2] = [[4, 5, 6].into(), [7, 6, 5, 11].into()];
     let (lines, vertices) = ([vec![0, 3, 8], vec![9, 10]], [11]);
     let all = VtuFrame { facets: &facets, lines: &lines, vertices: &vertices, ..frame(&body) };
     cells.extend([(5, [4, 5, 6].as_slice()), (9, &[7, 6, 5, 11]), (4, &[0, 3, 8]), (4, &[9, 10]), (1, &[11])]);
     let text = to_string(&all);
     assert_eq!(text, file(&mesh.nodes, &cells, &field, &body));
     let data = read_vtu_from_str("frame.vtu", &text).unwrap();
-    assert_eq!((&data.hexahedra, data.facets.as_slice()), (&mesh.elements, facets.as_slice()));
+    assert_eq!((&data.elements, data.facets.as_slice()), (&mesh.elements, facets.as_slice()));
     assert_eq!((data.lines.as_slice(), data.vertices.as_slice()), (lines.as_slice(), vertices.as_slice()));
     assert_eq!(data.cell_data[0].values, body);
 
@@ -202,11 +204,12 @@ fn cells_of_all_kinds_are_written_and_read() {
 #[test]
 fn data_that_do_not_fit_are_refused() {
     let mesh = Block::with_size([1.0; 3], [1; 3]).generate().unwrap();
-    let good = VtuFrame { points: &mesh.nodes, hexahedra: &mesh.elements, ..VtuFrame::default() };
+    let good = VtuFrame { points: &mesh.nodes, elements: mesh.elements.blocks(), ..VtuFrame::default() };
     let values = [0.0; 24];
     let field = |name: &'static str, components, count: usize| Field { name, components, values: &values[..count] };
+    let out_of_range = Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 8]]);
     let bad = [
-        VtuFrame { hexahedra: &[[0, 1, 2, 3, 4, 5, 6, 8]], ..good.clone() },
+        VtuFrame { elements: out_of_range.blocks(), ..good.clone() },
         VtuFrame { point_data: vec![field("u", 3, 23)], ..good.clone() },
         VtuFrame { point_data: vec![field("u", 0, 0)], ..good.clone() },
         VtuFrame { point_data: vec![field("", 3, 24)], ..good.clone() },
@@ -234,7 +237,8 @@ fn frames_are_replaced_by_renaming() {
     let path = folder.path().join("frame.vtu");
     let write = |n| {
         let mesh = Block::with_size([1.0; 3], [n, 1, 1]).generate().unwrap();
-        write_vtu(&path, &VtuFrame { points: &mesh.nodes, hexahedra: &mesh.elements, ..VtuFrame::default() }).unwrap();
+        write_vtu(&path, &VtuFrame { points: &mesh.nodes, elements: mesh.elements.blocks(), ..VtuFrame::default() })
+            .unwrap();
     };
     write(1);
     let old = std::fs::read(&path).unwrap();
@@ -243,7 +247,7 @@ fn frames_are_replaced_by_renaming() {
     let mut seen = Vec::new();
     open.read_to_end(&mut seen).unwrap();
     assert_eq!(seen, old);
-    assert_eq!(read_vtu(&path).unwrap().hexahedra.len(), 5);
+    assert_eq!(read_vtu(&path).unwrap().elements.len(), 5);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 

@@ -4,13 +4,12 @@ use stoss_mesh::Rotation;
 
 use super::data::{number, range, reals};
 use super::keyword::{fields, unquote};
-use super::model::{Kind, Piece};
+use super::model::{Kind, Piece, Solid};
 use super::reader::Reader;
 use super::section::Section;
 use super::sets::Labels;
 use crate::MeshIoError;
 use crate::lines::Lines;
-use crate::place::Place;
 
 impl Reader<'_> {
     pub fn data(&mut self, lines: &Lines, data: &str) -> Result<(), MeshIoError> {
@@ -24,18 +23,19 @@ impl Reader<'_> {
                     if pending.is_empty() {
                         *place = lines.place();
                     }
-                    if pending.len() == 9 {
+                    if pending.len() > kind.kind.node_count() {
                         return Err(lines.error(field, format_args!(
-                            "element {} has more than 8 nodes, and {kind} has 8: give the type that it is, or one element a line",
-                            pending[0]
+                            "element {} has more than {2} nodes, and {1} has {2}: give the type that it is, or one element a line",
+                            pending[0], kind.name, kind.kind.node_count()
                         )));
                     }
                     pending.push(lines.parse(Some(field), "an element or node number")?);
                 }
                 if let [number, nodes @ ..] = pending.as_slice()
-                    && let Ok(nodes) = <[u64; 8]>::try_from(nodes)
+                    && nodes.len() == kind.kind.node_count()
                 {
-                    self.hexahedron(*number, nodes, kind, set.as_deref(), *place);
+                    let solid = Solid { number: *number, kind: *kind, nodes: kind.ours(nodes), place: *place };
+                    self.solid(solid, set.as_deref());
                     pending.clear();
                 }
             }
@@ -72,12 +72,11 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn hexahedron(&mut self, number: u64, nodes: [u64; 8], kind: &'static str, set: Option<&str>, place: Place) {
-        if kind != "C3D8" {
-            self.taken.entry(kind).or_insert((0, place)).0 += 1;
-        }
+    fn solid(&mut self, solid: Solid, set: Option<&str>) {
+        let Solid { number, kind, place, .. } = solid;
+        self.taken.entry(kind).or_insert((0, place)).0 += 1;
         if let Some(part) = self.part() {
-            part.elements.push((number, nodes, kind, place));
+            part.elements.push(solid);
             if let Some(name) = set {
                 part.names.elements.open(name, place, false).labels.numbers.entry((0, number)).or_insert(place);
             }

@@ -2,19 +2,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::model::{Instance, Names};
+use super::model::{Instance, Names, Solid};
 use super::reader::Reader;
 use super::sets::{Labels, Set};
+use super::types::{advice, known};
 use crate::build::Builder;
 use crate::contents::{Other, entry};
 use crate::{Contents, MeshIoError};
 
-const FACES: [&str; 6] = ["S1", "S2", "S3", "S4", "S5", "S6"];
-
 /// The elements that labels mean.
 #[derive(Default)]
 struct Found {
-    hexahedra: Vec<u32>,
+    solids: Vec<u32>,
     /// Types of the others.
     others: BTreeSet<usize>,
 }
@@ -35,15 +34,14 @@ impl Reader<'_> {
                 count: other.count,
                 first: other.first,
                 groups: Some(BTreeSet::new()),
-                remedy: format!("Stoss computes with 8-node hexahedra (C3D8); {}", advice(&other.name)),
+                remedy: format!("Stoss computes with {}; {}", known(), advice(&other.name)),
             });
         }
         for (kind, (count, place)) in &self.taken {
-            let less = if *kind == "C3D8R" { "no reduced integration" } else { "no incompatible modes" };
-            self.contents.notes.push(format!(
-                "{count} elements {kind} (first in {}) are computed as C3D8, fully integrated, with {less}: stiffer in bending",
-                self.contents.place_name(*place)
-            ));
+            if let Some(note) = kind.note() {
+                let first = self.contents.place_name(*place);
+                self.contents.notes.push(format!("{note} ({count} elements, first in {first})"));
+            }
         }
     }
 
@@ -114,8 +112,8 @@ impl Flatten {
             };
             self.builder.node(number, y, place)?;
         }
-        for &(number, nodes, kind, place) in &instance.part.elements {
-            self.builder.hexahedron(number, nodes, kind, place)?;
+        for Solid { number, kind, nodes, place } in &instance.part.elements {
+            self.builder.element(*number, kind.kind, nodes, kind.name, *place)?;
         }
         Ok(())
     }
@@ -169,27 +167,33 @@ impl Flatten {
         for (name, of) in &names.nodes_of_elements {
             let name = names.nodes.find(name).map_or(name.as_str(), |set| &set.name);
             let nodes: BTreeSet<u32> = {
-                let elements = self.elements(&labels(of))?.hexahedra;
-                elements.iter().flat_map(|&e| self.builder.contents.elements[e as usize]).collect()
+                let elements = self.elements(&labels(of))?.solids;
+                elements.iter().flat_map(|&e| self.builder.contents.elements[e as usize].iter().copied()).collect()
             };
             entry(&mut self.builder.contents.node_sets, &format!("{prefix}{name}")).extend(nodes);
         }
         for (name, pieces) in names.surfaces.values() {
             let name = format!("{prefix}{name}");
             for piece in pieces {
-                let elements = self.elements(&labels(&piece.labels))?.hexahedra;
+                let elements = self.elements(&labels(&piece.labels))?.solids;
                 let contents = &mut self.builder.contents;
-                match FACES.iter().position(|face| *face == piece.face) {
-                    Some(local) => {
-                        entry(&mut contents.facet_sets, &name).extend(elements.into_iter().map(|e| (e, local)));
-                    }
-                    None if piece.face.is_empty() => entry(&mut contents.free_facets, &name).extend(elements),
-                    // That of a shell or the like, which is refused by its type.
-                    None if elements.is_empty() => {}
-                    None => {
-                        return Err(contents.error(piece.place, &piece.face, "a face of C3D8 is one of S1 to S6"));
-                    }
+                if piece.face.is_empty() {
+                    entry(&mut contents.free_facets, &name).extend(elements);
+                    continue;
                 }
+                let number = piece.face.strip_prefix('S').and_then(|number| number.parse::<usize>().ok());
+                let mut facets = Vec::with_capacity(elements.len());
+                for e in elements {
+                    let kind = contents.elements.kind(e as usize);
+                    let faces = kind.faces().len();
+                    let Some(local) = number.filter(|n| (1..=faces).contains(n)) else {
+                        let element = contents.element_source[e as usize].number;
+                        let remedy = format!("element {element} is a {kind}, whose faces are S1 to S{faces}");
+                        return Err(contents.error(piece.place, &piece.face, remedy));
+                    };
+                    facets.push((e, local - 1));
+                }
+                entry(&mut contents.facet_sets, &name).extend(facets);
             }
         }
         Ok(())
@@ -219,13 +223,13 @@ impl Flatten {
 
     fn element_set(&mut self, name: &str, set: &Set, labels: &Labels) -> Result<(), MeshIoError> {
         let found = self.elements(labels)?;
-        if found.hexahedra.is_empty() && found.others.is_empty() && !labels.ranges.is_empty() {
+        if found.solids.is_empty() && found.others.is_empty() && !labels.ranges.is_empty() {
             let remedy = "the ranges of this set have no element: correct them";
             return Err(self.builder.contents.error(set.place, &set.name, remedy));
         }
         self.others_of(name, &found.others);
-        if !found.hexahedra.is_empty() {
-            entry(&mut self.builder.contents.element_sets, name).extend(found.hexahedra);
+        if !found.solids.is_empty() {
+            entry(&mut self.builder.contents.element_sets, name).extend(found.solids);
         }
         Ok(())
     }
@@ -252,7 +256,7 @@ impl Flatten {
         let mut found = Found::default();
         for (&(scope, number), &place) in &labels.numbers {
             match (self.builder.element_number(scope, number), self.instances[scope].part.others.get(&number)) {
-                (Some(index), _) => found.hexahedra.push(index),
+                (Some(index), _) => found.solids.push(index),
                 (None, Some(&kind)) => drop(found.others.insert(kind)),
                 (None, None) => return Err(self.builder.contents.unknown("element", number, place)),
             }
@@ -261,28 +265,15 @@ impl Flatten {
             let inside = |n: u64| (n - first).is_multiple_of(step);
             if ((last - first) / step) as usize <= self.builder.element_numbers(scope).len() {
                 let numbers = (first..=last).step_by(step as usize);
-                found.hexahedra.extend(numbers.filter_map(|n| self.builder.element_number(scope, n)));
+                found.solids.extend(numbers.filter_map(|n| self.builder.element_number(scope, n)));
             } else {
                 let numbers = self.builder.element_numbers(scope);
                 let numbers = numbers.filter(|&(n, _)| first <= n && n <= last && inside(n));
-                found.hexahedra.extend(numbers.map(|(_, index)| index));
+                found.solids.extend(numbers.map(|(_, index)| index));
             }
             let others: &BTreeMap<u64, usize> = &self.instances[scope].part.others;
             found.others.extend(others.range(first..=last).filter(|&(&n, _)| inside(n)).map(|(_, &kind)| kind));
         }
         Ok(found)
-    }
-}
-
-/// What to do instead of a type of elements.
-fn advice(kind: &str) -> &'static str {
-    if ["C3D8H", "C3D8RH", "C3D8IH", "C3D8S", "C3D8T", "C3D8RT"].contains(&kind) {
-        "the element of Stoss is the fully integrated C3D8: change the type to C3D8 if that is what you want"
-    } else if kind.starts_with("C3D20") || kind.starts_with("C3D27") {
-        "use linear elements (in the mesh module: Element Type, Geometric Order: Linear), type C3D8"
-    } else if kind.starts_with("C3D") {
-        "mesh the part with hexahedra (in the mesh module: Mesh Controls, Element Shape: Hex), type C3D8"
-    } else {
-        "remove these elements (from Gmsh: save as .msh instead); loads, masses and constraints belong into the scene"
     }
 }

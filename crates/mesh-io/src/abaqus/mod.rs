@@ -1,12 +1,12 @@
-//! Abaqus input files: nodes, C3D8 elements, node, element and surface sets, parts and their instances.
+//! Abaqus and CalculiX input files: nodes, solid elements, node, element and surface sets, parts and their instances.
 //!
 //! | in the file | in the mesh |
 //! |---|---|
-//! | `*NODE`, `*ELEMENT, TYPE=C3D8` | nodes, elements (the numbering of the nodes is the same) |
-//! | `TYPE=C3D8R`, `C3D8I` | the same, with a note: the fully integrated element is used |
+//! | `*NODE`, `*ELEMENT, TYPE=C3D8`, `C3D20`, `C3D27`, `C3D4`, `C3D10`, `C3D6`, `C3D15` | nodes, elements |
+//! | variants of these, as `C3D20R`, `C3D8I`, `C3D10M`, `C3D10H` | the same, with a note that says how it is computed here |
 //! | `*NSET`, `*NODE, NSET=`, `*SURFACE, TYPE=NODE` | node set |
 //! | `*ELSET`, `*ELEMENT, ELSET=` | element set |
-//! | `*SURFACE, TYPE=ELEMENT` | facet set; S1 to S6 are the rows of `hex8::FACETS`; without a face: all free faces |
+//! | `*SURFACE, TYPE=ELEMENT` | facet set; S1, S2 and so on are the rows of the cell's faces; without a face: all free faces |
 //! | `*PART`, `*INSTANCE` | a group of elements by the name of the instance, in its place (translation, then rotation) |
 //! | `*INCLUDE, INPUT=`, `*NODE, INPUT=` and the like | the content of the file, whose name is relative to the folder of the file that has it |
 //!
@@ -24,6 +24,7 @@ mod model;
 mod reader;
 mod section;
 mod sets;
+mod types;
 
 use std::path::Path;
 

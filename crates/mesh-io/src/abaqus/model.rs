@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use stoss_mesh::Rotation;
 
 use super::sets::{Labels, Sets};
+use super::types::SolidType;
 use crate::place::Place;
 
 /// What a set holds.
@@ -14,7 +15,7 @@ pub(super) enum Kind {
     Element,
 }
 
-/// A piece of a surface: elements and a face, "S1" to "S6" of hexahedra, or "" for all free faces.
+/// A piece of a surface: elements and a face, "S1" to "S6" as far as the element has one, or "" for all free faces.
 #[derive(Clone)]
 pub(super) struct Piece {
     pub labels: Labels,
@@ -49,15 +50,22 @@ impl Names {
     }
 }
 
-/// A hexahedron: its number, nodes, type and place.
-pub(super) type Hexahedron = (u64, [u64; 8], &'static str, Place);
+/// An element.
+#[derive(Clone)]
+pub(super) struct Solid {
+    pub number: u64,
+    pub kind: SolidType,
+    /// In our order.
+    pub nodes: Box<[u64]>,
+    pub place: Place,
+}
 
 /// A part, or what stands in a file outside of parts.
 #[derive(Clone, Default)]
 pub(super) struct Part {
     pub name: String,
     pub nodes: Vec<(u64, [f64; 3], Place)>,
-    pub elements: Vec<Hexahedron>,
+    pub elements: Vec<Solid>,
     /// Elements of other types by number: index of the type.
     pub others: BTreeMap<u64, usize>,
     pub names: Names,

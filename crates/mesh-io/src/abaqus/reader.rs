@@ -7,6 +7,7 @@ use super::keyword::{Item, Keyword, next};
 use super::model::{Instance, Kind, Names, Part};
 use super::section::Section;
 use super::sets::Labels;
+use super::types::SolidType;
 use crate::include::Include;
 use crate::lines::{Lines, unsupported};
 use crate::place::Place;
@@ -49,8 +50,8 @@ pub(super) struct Reader<'a> {
     pub instances: Vec<Instance>,
     pub assembly: Names,
     pub others: Vec<OtherType>,
-    /// Elements that are taken for C3D8: how many, and the first.
-    pub taken: BTreeMap<&'static str, (usize, Place)>,
+    /// Types of elements that are read: how many, and the first.
+    pub taken: BTreeMap<SolidType, (usize, Place)>,
     scope: Scope,
     pub section: Section,
     copies: usize,
@@ -275,8 +276,9 @@ impl<'a> Reader<'a> {
         if let Some(name) = &set {
             self.names().elements.open(name, keyword.place, false);
         }
-        if let (false, Some(kind)) = (self.at_assembly(), ["C3D8", "C3D8R", "C3D8I"].into_iter().find(|k| *k == kind)) {
-            return Ok(Section::Element { kind, set, pending: Vec::with_capacity(9), place: keyword.place });
+        if let (false, Some(kind)) = (self.at_assembly(), SolidType::find(&kind)) {
+            let pending = Vec::with_capacity(1 + kind.kind.node_count());
+            return Ok(Section::Element { kind, set, pending, place: keyword.place });
         }
         // To the end of the file, so that all of them are counted: what refers to their sets finds them.
         let kind = self.others.iter().position(|o| o.name == kind).unwrap_or_else(|| {

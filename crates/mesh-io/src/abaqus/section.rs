@@ -1,6 +1,7 @@
 //! What data lines belong to.
 
 use super::model::Kind;
+use super::types::SolidType;
 use crate::place::Place;
 use crate::{Contents, MeshIoError};
 
@@ -11,7 +12,7 @@ pub(super) enum Section {
         set: Option<String>,
     },
     Element {
-        kind: &'static str,
+        kind: SolidType,
         set: Option<String>,
         pending: Vec<u64>,
         place: Place,
@@ -45,7 +46,7 @@ impl Section {
             Section::Element { kind, pending, place, .. } if !pending.is_empty() => Err(contents.error(
                 *place,
                 format_args!("element {}", pending[0]),
-                format_args!("has {} nodes, but {kind} needs 8", pending.len() - 1),
+                format_args!("has {} nodes, but {} needs {}", pending.len() - 1, kind.name, kind.kind.node_count()),
             )),
             _ => Ok(()),
         }

@@ -1,35 +1,74 @@
-//! Gmsh's cell types: which are used, and what to say about the others.
+//! Gmsh's types: which are used, and what to say about the others.
 
-pub(super) const LINE: u32 = 1;
-pub(super) const QUADRILATERAL: u32 = 3;
-pub(super) const HEXAHEDRON: u32 = 5;
-pub(super) const POINT: u32 = 15;
+use stoss_reference_element::{CellKind, FaceKind};
 
-const RECOMBINE: &str = "in Gmsh use Transfinite Volume with Recombine Surface, or Mesh.RecombineAll = 1 with Mesh.SubdivisionAlgorithm = 2 \
-                         (all hexahedra)";
-const FIRST_ORDER: &str = "in Gmsh set Mesh.ElementOrder = 1";
-
-/// Name and advice.
-fn describe(kind: u32) -> (&'static str, &'static str) {
+/// Gmsh's number of a face, whose nodes are numbered as ours.
+pub(crate) fn face_type(kind: FaceKind) -> u32 {
     match kind {
-        2 => ("triangles", RECOMBINE),
-        4 => ("tetrahedra", RECOMBINE),
-        6 => ("prisms", RECOMBINE),
-        7 => ("pyramids", RECOMBINE),
-        8 => ("3-node lines", FIRST_ORDER),
-        9 => ("6-node triangles", FIRST_ORDER),
-        10 => ("9-node quadrilaterals", FIRST_ORDER),
-        11 => ("10-node tetrahedra", RECOMBINE),
-        12 => ("27-node hexahedra", FIRST_ORDER),
-        13 => ("18-node prisms", RECOMBINE),
-        14 => ("14-node pyramids", RECOMBINE),
-        16 => ("8-node quadrilaterals", FIRST_ORDER),
-        17 => ("20-node hexahedra", FIRST_ORDER),
-        18 => ("15-node prisms", RECOMBINE),
-        19 => ("13-node pyramids", RECOMBINE),
-        _ => ("cells of another kind", "in Gmsh set Mesh.ElementOrder = 1 and recombine"),
+        FaceKind::Tri3 => 2,
+        FaceKind::Quad4 => 3,
+        FaceKind::Tri6 => 9,
+        FaceKind::Quad8 => 16,
+        FaceKind::Quad9 => 10,
     }
 }
+
+/// What a type is to Stoss.
+pub(super) enum Role {
+    Cell(CellKind),
+    Face(FaceKind),
+    /// A line or a point: what has a group is a set of nodes.
+    Nodes {
+        dimension: usize,
+    },
+    Other,
+}
+
+/// What a type is.
+pub(super) fn role(kind: u32) -> Role {
+    if let Some(cell) = CellKind::ALL.into_iter().find(|cell| cell.table().gmsh == kind) {
+        return Role::Cell(cell);
+    }
+    match (FaceKind::ALL.into_iter().find(|&face| face_type(face) == kind), kind) {
+        (Some(face), _) => Role::Face(face),
+        (None, 1 | 8) => Role::Nodes { dimension: 1 },
+        (None, 15) => Role::Nodes { dimension: 0 },
+        _ => Role::Other,
+    }
+}
+
+/// The nodes of a cell in our order.
+pub(super) fn ours(kind: CellKind, theirs: &[u64]) -> Vec<u64> {
+    kind.table().from_gmsh.iter().map(|&i| theirs[usize::from(i)]).collect()
+}
+
+/// The nodes of a cell in Gmsh's order.
+pub(crate) fn theirs(kind: CellKind, ours: &[u32]) -> Vec<u32> {
+    let mut theirs = ours.to_vec();
+    for (&node, &i) in ours.iter().zip(kind.table().from_gmsh) {
+        theirs[usize::from(i)] = node;
+    }
+    theirs
+}
+
+/// What a cell is called when cells are counted.
+pub(super) fn cell_name(kind: CellKind) -> String {
+    let name = match kind {
+        CellKind::Hex8 => "hexahedra",
+        CellKind::Hex20 => "20-node hexahedra",
+        CellKind::Hex27 => "27-node hexahedra",
+        CellKind::Tet4 => "tetrahedra",
+        CellKind::Tet10 => "10-node tetrahedra",
+        CellKind::Wedge6 => "prisms",
+        CellKind::Wedge15 => "15-node prisms",
+    };
+    format!("{name} (type {})", kind.table().gmsh)
+}
+
+const NO_PYRAMIDS: &str = "Stoss does not compute with pyramids: Gmsh makes them between hexahedra and tetrahedra; mesh each body with hexahedra \
+                           (Transfinite Volume with Recombine Surface) or with tetrahedra (without Recombine) and tie them";
+const INCOMPLETE: &str = "Stoss computes with 15-node prisms (type 18): in Gmsh set Mesh.SecondOrderIncomplete = 1, which has no nodes on faces";
+const ORDER: &str = "Stoss computes with cells of first and second order: in Gmsh set Mesh.ElementOrder = 1 or 2";
 
 /// Number of nodes of a type; `None` for types that a reader need not know.
 pub(super) fn node_count(kind: u32) -> Option<usize> {
@@ -48,8 +87,18 @@ pub(super) fn is_volume(kind: u32) -> bool {
     matches!(kind, 4..=7 | 11..=14 | 17..=19 | 29..=31 | 92 | 93)
 }
 
-/// What a type is called when cells are counted, and what to do instead.
-pub(super) fn other(kind: u32) -> (String, String) {
-    let (name, advice) = describe(kind);
-    (format!("{name} (type {kind})"), format!("Stoss computes with 8-node hexahedra (type 5); {advice}"))
+/// What a type is called when cells that are not read are counted, and what to do instead.
+pub(super) fn other(kind: u32) -> (String, &'static str) {
+    let (name, remedy) = match kind {
+        7 => ("pyramids", NO_PYRAMIDS),
+        14 => ("14-node pyramids", NO_PYRAMIDS),
+        19 => ("13-node pyramids", NO_PYRAMIDS),
+        13 => ("18-node prisms", INCOMPLETE),
+        20..=25 => ("triangles of higher order", ORDER),
+        26..=28 => ("lines of higher order", ORDER),
+        29..=31 => ("tetrahedra of higher order", ORDER),
+        92 | 93 => ("hexahedra of higher order", ORDER),
+        _ => ("cells of another kind", ORDER),
+    };
+    (format!("{name} (type {kind})"), remedy)
 }

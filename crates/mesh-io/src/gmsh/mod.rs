@@ -2,6 +2,7 @@
 //!
 //! | in the file | in the mesh |
 //! |---|---|
+//! | hexahedra (8, 20, 27 nodes), tetrahedra (4, 10), prisms (6, 15) | elements, their nodes in our order; those on edges stay where they are |
 //! | physical volume | element set |
 //! | physical surface | facet set, outward; node set if it lies between elements |
 //! | physical curve or point | node set |
@@ -15,6 +16,8 @@ mod binary_sections;
 mod cells;
 mod v2;
 mod v4;
+
+pub(crate) use cells::{face_type, theirs};
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -41,7 +44,7 @@ struct State {
     names: HashMap<(usize, i64), String>,
     /// Physical groups of the entities (4.1) by dimension and number.
     groups: HashMap<(usize, i64), Vec<i64>>,
-    /// Surfaces and node groups wait until all nodes are known: (dimension, group, nodes, place).
+    /// Surfaces (by their corners) and node groups wait until all nodes are known: (dimension, group, nodes, place).
     lower: Vec<(usize, i64, Vec<u64>, Place)>,
 }
 
@@ -62,7 +65,7 @@ impl State {
         }
     }
 
-    /// One element of the file with its physical groups.
+    /// One element of the file, with as many nodes as its type has, and its physical groups.
     fn element(
         &mut self,
         number: u64,
@@ -71,33 +74,26 @@ impl State {
         nodes: &[u64],
         place: Place,
     ) -> Result<(), MeshIoError> {
-        match (kind, nodes) {
-            (cells::HEXAHEDRON, nodes) => {
-                let Ok(nodes) = nodes.try_into() else {
-                    return Err(self.builder.contents.error(place, number, "a hexahedron needs 8 nodes"));
-                };
-                let element = self.builder.hexahedron(number, nodes, "hexahedra (type 5)", place)?;
+        let mut keep = |dimension, nodes: &[u64]| {
+            self.lower.extend(groups.iter().map(|&group| (dimension, group, nodes.to_vec(), place)));
+        };
+        match cells::role(kind) {
+            cells::Role::Cell(cell) => {
+                let (nodes, name) = (cells::ours(cell, nodes), cells::cell_name(cell));
+                let element = self.builder.element(number, cell, &nodes, &name, place)?;
                 for &group in groups {
                     let name = self.group_name(3, group);
                     self.builder.add_to_element_set(&name, element);
                 }
             }
-            (cells::QUADRILATERAL | cells::LINE | cells::POINT, nodes) => {
-                let dimension = match kind {
-                    cells::QUADRILATERAL => 2,
-                    cells::LINE => 1,
-                    _ => 0,
-                };
-                for &group in groups {
-                    self.lower.push((dimension, group, nodes.to_vec(), place));
-                }
-            }
-            _ => {
+            cells::Role::Face(face) => keep(2, &nodes[..face.corner_count()]),
+            cells::Role::Nodes { dimension } => keep(dimension, nodes),
+            cells::Role::Other => {
                 let (what, remedy) = cells::other(kind);
                 let volume = cells::is_volume(kind);
                 let names: Vec<String> =
                     groups.iter().filter(|_| volume).map(|&group| self.group_name(3, group)).collect();
-                self.builder.contents.count_other(&what, &remedy, Some(&names), place);
+                self.builder.contents.count_other(&what, remedy, Some(&names), place);
             }
         }
         Ok(())
@@ -107,9 +103,10 @@ impl State {
         self.refuse_ambiguous_names()?;
         for (dimension, group, nodes, place) in std::mem::take(&mut self.lower) {
             let name = self.group_name(dimension, group);
-            match <[u64; 4]>::try_from(nodes.as_slice()) {
-                Ok(quad) if dimension == 2 => self.builder.add_quad(&name, quad, place)?,
-                _ => nodes.iter().try_for_each(|&n| self.builder.add_to_node_set(&name, n, place))?,
+            if dimension == 2 {
+                self.builder.add_face(&name, &nodes, place)?;
+            } else {
+                nodes.iter().try_for_each(|&n| self.builder.add_to_node_set(&name, n, place))?;
             }
         }
         Ok(self.builder.contents)

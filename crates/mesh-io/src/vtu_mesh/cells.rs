@@ -1,13 +1,13 @@
 //! VTK's cell types: which are used, and what to say about the others.
 
+use stoss_reference_element::{CellKind, FaceKind, FacetNodes};
+
 use super::Names;
 use crate::contents::{Source, entry};
 use crate::place::Place;
 use crate::{Contents, MeshIoError};
 
-const QUADRILATERAL: u8 = 9;
 const VOXEL: u8 = 11;
-const HEXAHEDRON: u8 = 12;
 
 /// Name of a type, and whether it has a volume.
 fn describe(kind: u8) -> (&'static str, bool) {
@@ -15,22 +15,57 @@ fn describe(kind: u8) -> (&'static str, bool) {
         1 | 2 => ("points", false),
         3 | 4 => ("lines", false),
         5..=7 => ("triangles and polygons", false),
-        8 | QUADRILATERAL => ("quadrilaterals", false),
+        8 | 9 => ("quadrilaterals", false),
         10 => ("tetrahedra", true),
+        VOXEL => ("voxels", true),
+        12 => ("hexahedra", true),
         13 => ("wedges", true),
         14 => ("pyramids", true),
         21 | 35 => ("quadratic lines", false),
-        22 | 23 | 28 | 30 | 32 | 34 | 36 => ("quadratic facets", false),
+        22 | 23 | 28 | 30 | 34 | 36 => ("quadratic facets", false),
         24 => ("10-node tetrahedra", true),
         25 => ("20-node hexahedra", true),
+        26 => ("15-node wedges", true),
+        27 => ("13-node pyramids", true),
         29 => ("27-node hexahedra", true),
-        26 | 31 => ("quadratic wedges", true),
-        27 | 37 => ("quadratic pyramids", true),
+        31 => ("12-node wedges", true),
+        32 => ("18-node wedges", true),
         33 => ("24-node hexahedra", true),
+        37 => ("19-node pyramids", true),
         42 => ("polyhedra", true),
         68..=70 | 75..=77 => ("curved lines and facets", false),
-        72 => ("Lagrange hexahedra", true),
+        71 | 78 => ("curved tetrahedra", true),
+        72 | 79 => ("curved hexahedra", true),
+        73 | 80 => ("curved wedges", true),
+        74 | 81 => ("curved pyramids", true),
         _ => ("cells of another kind", true),
+    }
+}
+
+/// What a face is called when cells are counted.
+fn face_name(face: FaceKind) -> &'static str {
+    match face {
+        FaceKind::Tri3 => "triangles",
+        FaceKind::Quad4 => "quadrilaterals",
+        FaceKind::Tri6 => "6-node triangles",
+        FaceKind::Quad8 => "8-node quadrilaterals",
+        FaceKind::Quad9 => "9-node quadrilaterals",
+    }
+}
+
+/// What to do instead of a type that has a volume.
+fn remedy(kind: u8) -> &'static str {
+    match kind {
+        14 | 27 | 37 | 74 | 81 => {
+            "Stoss does not compute with pyramids: mesh each body with hexahedra or with tetrahedra, and tie them"
+        }
+        31..=33 => "Stoss computes with wedges of 6 and 15 nodes and hexahedra of 8, 20 and 27: save one of these",
+        71..=73 | 78..=80 => {
+            "Stoss computes with VTK's linear and quadratic cells: save those (types 10, 12, 13, 24, 25, 26, 29), not Lagrange or Bezier cells"
+        }
+        _ => {
+            "Stoss computes with hexahedra, tetrahedra and wedges (types 10, 12, 13, 24, 25, 26, 29): mesh the volume with them"
+        }
     }
 }
 
@@ -43,47 +78,50 @@ pub(super) fn add(
     names: &Names,
     place: Place,
 ) -> Result<(), MeshIoError> {
-    let number = cell as u64;
-    match (kind, nodes) {
-        (HEXAHEDRON | VOXEL, nodes) => {
-            let Ok(mut nodes) = <[u32; 8]>::try_from(nodes) else {
-                return Err(contents.error(place, format_args!("cell {cell}"), "a hexahedron needs 8 points"));
-            };
-            if kind == VOXEL {
-                nodes.swap(2, 3);
-                nodes.swap(6, 7);
-            }
-            if let Some(i) = (1..8).find(|&i| nodes[..i].contains(&nodes[i])) {
-                let remedy = format!("it has point {} twice: collapsed hexahedra are not supported", nodes[i]);
-                return Err(contents.error(place, format_args!("cell {cell}"), remedy));
-            }
-            let element = contents.elements.len() as u32;
-            contents.elements.push(nodes);
-            contents.element_source.push(Source { number, place });
-            contents.count_cell(if kind == VOXEL { "voxels (type 11)" } else { "hexahedra (type 12)" }, place);
-            for name in names.values.iter().chain(&names.choices) {
-                entry(&mut contents.element_sets, name).insert(element);
-            }
+    let solid = match kind {
+        VOXEL => Some(CellKind::Hex8),
+        _ => CellKind::ALL.into_iter().find(|cell| cell.table().vtk == kind),
+    };
+    let face = FaceKind::ALL.into_iter().find(|face| face.vtk() == kind);
+    let (name, has_volume) = describe(kind);
+    let check = |contents: &Contents, count| {
+        if nodes.len() == count {
+            return Ok(());
         }
-        (QUADRILATERAL, &[a, b, c, d]) if !names.choices.is_empty() => {
-            contents.count_cell("quadrilaterals of facet sets (type 9)", place);
-            for name in &names.choices {
-                entry(&mut contents.quads, name).push(([a, b, c, d], place));
-            }
+        let remedy = format!("{name} (type {kind}) need {count} points each, and it has {}", nodes.len());
+        Err(contents.error(place, format_args!("cell {cell}"), remedy))
+    };
+    if let Some(solid) = solid {
+        check(contents, solid.node_count())?;
+        let mut nodes = nodes.to_vec();
+        if kind == VOXEL {
+            nodes.swap(2, 3);
+            nodes.swap(6, 7);
         }
-        _ => {
-            let (name, has_volume) = describe(kind);
-            if has_volume {
-                let remedy =
-                    "Stoss computes with 8-node hexahedra (type 12): mesh the volume with them, and save linear cells";
-                let groups: Vec<String> = names.values.iter().chain(&names.choices).cloned().collect();
-                contents.count_other(&format!("{name} (type {kind})"), remedy, Some(&groups), place);
-            } else {
-                let note = format!("{name} are left out: they have no volume");
-                if !contents.notes.contains(&note) {
-                    contents.notes.push(note);
-                }
-            }
+        if let Some(i) = (1..nodes.len()).find(|&i| nodes[..i].contains(&nodes[i])) {
+            let remedy = format!("it has point {} twice: collapsed elements are not supported", nodes[i]);
+            return Err(contents.error(place, format_args!("cell {cell}"), remedy));
+        }
+        let element = contents.element_source.len() as u32;
+        contents.elements.push(solid, &nodes);
+        contents.element_source.push(Source { number: cell as u64, place });
+        contents.count_cell(&format!("{name} (type {kind})"), place);
+        for name in names.values.iter().chain(&names.choices) {
+            entry(&mut contents.element_sets, name).insert(element);
+        }
+    } else if let (Some(face), false) = (face, names.choices.is_empty()) {
+        check(contents, face.node_count())?;
+        contents.count_cell(&format!("{} of facet sets (type {kind})", face_name(face)), place);
+        for name in &names.choices {
+            entry(&mut contents.faces, name).push((FacetNodes::from_fn(face.linear(), |k| nodes[k]), place));
+        }
+    } else if has_volume {
+        let groups: Vec<String> = names.values.iter().chain(&names.choices).cloned().collect();
+        contents.count_other(&format!("{name} (type {kind})"), remedy(kind), Some(&groups), place);
+    } else {
+        let note = format!("{name} are left out: they have no volume");
+        if !contents.notes.contains(&note) {
+            contents.notes.push(note);
         }
     }
     Ok(())

@@ -2,12 +2,12 @@
 //!
 //! | in the file | in the mesh |
 //! |---|---|
-//! | hexahedra (type 12), voxels (11) | elements |
+//! | hexahedra (types 12, 25, 29), voxels (11), tetrahedra (10, 24), wedges (13, 26) | elements; nodes on edges stay where they are |
 //! | array of the cells of whole numbers, one a cell | element set `array=value` for each value, but not of zeros and ones of a floating-point type |
-//! | array of the cells of zeros and ones | also the set `array` of its ones; of quadrilaterals a facet set |
+//! | array of the cells of zeros and ones | also the set `array` of its ones; of triangles (5, 22) and quadrilaterals (9, 23, 28) a facet set |
 //! | array of the points of zeros and ones | the node set `array` of its ones |
 //!
-//! Several pieces are put side by side. Cells without a volume are left out with a note, but for quadrilaterals in a facet set. Parallel
+//! Several pieces are put side by side. Cells without a volume are left out with a note, but for those of a facet set. Parallel
 //! files (`.pvtu`) and other compressions than zlib are refused.
 
 mod arrays;
