@@ -46,9 +46,7 @@ impl Family {
     /// Tetrahedra that the corners are divided into for coarse purposes.
     pub const fn tetrahedra(self) -> &'static [[usize; 4]] {
         match self {
-            Self::Hexahedron => {
-                &[[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
-            }
+            Self::Hexahedron => &[[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]],
             Self::Tetrahedron => &[[0, 1, 2, 3]],
             Self::Wedge => &[[0, 1, 2, 5], [0, 1, 5, 4], [0, 4, 5, 3]],
         }

@@ -32,6 +32,22 @@ pub enum FaceKind {
     Quad9,
 }
 
+/// The piecewise linear surface that contact sees of a face, [`FaceKind::trace`].
+#[derive(Clone, Copy, Debug)]
+pub struct Trace {
+    /// Nodes and weights of each vertex; the corners first, each itself.
+    pub vertices: &'static [&'static [(u8, f64)]],
+    /// Facets as places in `vertices`, of three or four.
+    pub facets: &'static [&'static [u8]],
+}
+
+const CORNERS: [&[(u8, f64)]; 4] = [&[(0, 1.0)], &[(1, 1.0)], &[(2, 1.0)], &[(3, 1.0)]];
+
+/// In the middle of an edge.
+const M: f64 = 4.0 / 3.0;
+/// At its ends.
+const E: f64 = -1.0 / 6.0;
+
 /// What tells one kind from another. One constant a kind.
 struct Data {
     name: &'static str,
@@ -39,24 +55,18 @@ struct Data {
     linear: FacetKind,
     pieces: &'static [&'static [u8]],
     triangles: &'static [[u8; 3]],
+    trace: Trace,
     rule: &'static [([f64; 2], f64)],
     vtk: u8,
 }
 
 const TRI: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
-const QUAD: [[f64; 2]; 9] = [
-    [-1.0, -1.0],
-    [1.0, -1.0],
-    [1.0, 1.0],
-    [-1.0, 1.0],
-    [0.0, -1.0],
-    [1.0, 0.0],
-    [0.0, 1.0],
-    [-1.0, 0.0],
-    [0.0, 0.0],
-];
-const QUAD_8: [[f64; 2]; 8] =
-    [QUAD[0], QUAD[1], QUAD[2], QUAD[3], QUAD[4], QUAD[5], QUAD[6], QUAD[7]];
+const QUAD: [[f64; 2]; 9] =
+    [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 0.0]];
+const QUAD_8: [[f64; 2]; 8] = [QUAD[0], QUAD[1], QUAD[2], QUAD[3], QUAD[4], QUAD[5], QUAD[6], QUAD[7]];
+
+/// The quarters of a quadrilateral with nodes in the middles of its edges and in its centre.
+const QUARTERS: &[&[u8]] = &[&[0, 4, 8, 7], &[4, 1, 5, 8], &[8, 5, 2, 6], &[7, 8, 6, 3]];
 
 static TRI3: Data = Data {
     name: "tri3",
@@ -64,6 +74,7 @@ static TRI3: Data = Data {
     linear: FacetKind::Tri3,
     pieces: &[&[0, 1, 2]],
     triangles: &[[0, 1, 2]],
+    trace: Trace { vertices: &[CORNERS[0], CORNERS[1], CORNERS[2]], facets: &[&[0, 1, 2]] },
     rule: &triangle::THREE,
     vtk: 5,
 };
@@ -74,6 +85,7 @@ static QUAD4: Data = Data {
     linear: FacetKind::Quad4,
     pieces: &[&[0, 1, 2, 3]],
     triangles: &[[0, 1, 2], [0, 2, 3]],
+    trace: Trace { vertices: &CORNERS, facets: &[&[0, 1, 2, 3]] },
     rule: &GAUSS_QUAD_2,
     vtk: 9,
 };
@@ -84,6 +96,17 @@ static TRI6: Data = Data {
     linear: FacetKind::Tri3,
     pieces: &[&[0, 3, 5], &[3, 1, 4], &[5, 4, 2], &[3, 4, 5]],
     triangles: &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+    trace: Trace {
+        vertices: &[
+            CORNERS[0],
+            CORNERS[1],
+            CORNERS[2],
+            &[(3, M), (0, E), (1, E)],
+            &[(4, M), (1, E), (2, E)],
+            &[(5, M), (2, E), (0, E)],
+        ],
+        facets: &[&[0, 3, 5], &[3, 1, 4], &[5, 4, 2], &[3, 4, 5]],
+    },
     rule: &triangle::SEVEN,
     vtk: 22,
 };
@@ -94,6 +117,29 @@ static QUAD8: Data = Data {
     linear: FacetKind::Quad4,
     pieces: &[&[0, 4, 7], &[4, 1, 5], &[5, 2, 6], &[7, 6, 3], &[4, 5, 6, 7]],
     triangles: &[[0, 4, 7], [4, 1, 5], [5, 2, 6], [7, 6, 3], [4, 5, 6], [4, 6, 7]],
+    trace: Trace {
+        vertices: &[
+            CORNERS[0],
+            CORNERS[1],
+            CORNERS[2],
+            CORNERS[3],
+            &[(4, M), (0, E), (1, E)],
+            &[(5, M), (1, E), (2, E)],
+            &[(6, M), (2, E), (3, E)],
+            &[(7, M), (3, E), (0, E)],
+            &[
+                (0, -5.0 / 12.0),
+                (1, -5.0 / 12.0),
+                (2, -5.0 / 12.0),
+                (3, -5.0 / 12.0),
+                (4, 2.0 / 3.0),
+                (5, 2.0 / 3.0),
+                (6, 2.0 / 3.0),
+                (7, 2.0 / 3.0),
+            ],
+        ],
+        facets: QUARTERS,
+    },
     rule: &GAUSS_QUAD_3,
     vtk: 23,
 };
@@ -102,8 +148,32 @@ static QUAD9: Data = Data {
     name: "quad9",
     nodes: &QUAD,
     linear: FacetKind::Quad4,
-    pieces: &[&[0, 4, 8, 7], &[4, 1, 5, 8], &[8, 5, 2, 6], &[7, 8, 6, 3]],
+    pieces: QUARTERS,
     triangles: &[[0, 4, 8], [0, 8, 7], [4, 1, 5], [4, 5, 8], [8, 5, 2], [8, 2, 6], [7, 8, 6], [7, 6, 3]],
+    trace: Trace {
+        vertices: &[
+            CORNERS[0],
+            CORNERS[1],
+            CORNERS[2],
+            CORNERS[3],
+            &[(4, M), (0, E), (1, E)],
+            &[(5, M), (1, E), (2, E)],
+            &[(6, M), (2, E), (3, E)],
+            &[(7, M), (3, E), (0, E)],
+            &[
+                (8, M * M),
+                (4, M * E),
+                (5, M * E),
+                (6, M * E),
+                (7, M * E),
+                (0, E * E),
+                (1, E * E),
+                (2, E * E),
+                (3, E * E),
+            ],
+        ],
+        facets: QUARTERS,
+    },
     rule: &GAUSS_QUAD_3,
     vtk: 28,
 };
@@ -164,6 +234,18 @@ impl FaceKind {
     /// Triangles that the face is divided into for pictures and coarse purposes, as local nodes.
     pub fn triangles(self) -> &'static [[u8; 3]] {
         self.data().triangles
+    }
+
+    /// The piecewise linear surface that contact sees of the face.
+    ///
+    /// Of a linear face it is the face. Of a quadratic one it is made of linear facets whose vertices are combinations of the nodes such that
+    /// `sum_v w_vJ int H_v dA = int N_J dA` with the piecewise linear functions `H_v` of the vertices: a uniform pressure on the facets has the nodal forces of the
+    /// face, and under the facets lies the volume that lies under the face. In the middle of an edge the vertex is a third of the arch above the node,
+    /// `4/3 x_m - (x_a + x_b)/6`, of all kinds alike, so that neighbours fit. The weights of a vertex add up to one and keep linear
+    /// functions: forces on vertices that go to the nodes with these weights keep their resultant and their moment.
+    #[inline]
+    pub fn trace(self) -> Trace {
+        self.data().trace
     }
 
     /// Points and weights: exact for products of a shape function with the normal of a plane face that has straight edges with nodes in their
@@ -234,7 +316,15 @@ impl FaceKind {
             Self::Quad9 => {
                 let lines = xi.map(crate::cells::line);
                 for (out, v) in out.iter_mut().zip(QUAD) {
-                    let at = |a: usize| lines[a][if v[a] < 0.0 { 0 } else if v[a] > 0.0 { 1 } else { 2 }];
+                    let at = |a: usize| {
+                        lines[a][if v[a] < 0.0 {
+                            0
+                        } else if v[a] > 0.0 {
+                            1
+                        } else {
+                            2
+                        }]
+                    };
                     let (f, g) = (at(0), at(1));
                     *out = (f[0] * g[0], [f[1] * g[0], f[0] * g[1]]);
                 }

@@ -31,5 +31,5 @@ pub mod tri3;
 pub mod triangle;
 
 pub use cell::{CellKind, CellTable, Face, Family, Integration, MAX_CELL_NODES, Rule, Shape, ShapeGradient};
-pub use face::{FaceGradient, FaceKind, FaceNodes, FaceShape, MAX_FACE_NODES};
+pub use face::{FaceGradient, FaceKind, FaceNodes, FaceShape, MAX_FACE_NODES, Trace};
 pub use facet::{FacetKind, FacetNodes, MAX_NODES, Nodal};

@@ -290,3 +290,45 @@ fn hex8_has_the_functions_of_its_module() {
     assert_eq!((CellKind::Hex8.table().shape)(xi)[..8], hex8::shape(xi));
     assert_eq!((CellKind::Hex8.table().shape_gradient)(xi)[..8], hex8::shape_gradient(xi));
 }
+
+/// Integrals of the piecewise linear functions of the trace, handed on to the nodes, are those of the face's functions; vertices keep linear functions, and those on
+/// edges depend on the edge alone.
+#[test]
+fn the_trace_has_the_forces_of_the_face() {
+    for kind in FaceKind::ALL {
+        let trace = kind.trace();
+        let place = |v: usize| -> [f64; 2] {
+            std::array::from_fn(|d| trace.vertices[v].iter().map(|&(n, w)| w * kind.nodes()[usize::from(n)][d]).sum())
+        };
+        let mut found = vec![0.0; kind.node_count()];
+        let mut area = 0.0;
+        for facet in trace.facets {
+            // Parallelograms and triangles: each vertex has an equal part.
+            let x: Vec<[f64; 2]> = facet.iter().map(|&v| place(usize::from(v))).collect();
+            let of = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+            let part = 0.5 * (0..x.len()).map(|k| of(x[k], x[(k + 1) % x.len()])).sum::<f64>();
+            assert!(part > 0.0);
+            area += part;
+            for &v in *facet {
+                for &(n, w) in trace.vertices[usize::from(v)] {
+                    found[usize::from(n)] += w * part / facet.len() as f64;
+                }
+            }
+        }
+        let exact = |n: usize| kind.rule().iter().map(|(xi, w)| w * kind.shape(*xi)[n]).sum::<f64>();
+        assert!((area - kind.linear().area()).abs() < 1e-15);
+        assert!(found.iter().enumerate().all(|(n, f)| (f - exact(n)).abs() < 1e-15), "{kind}: {found:?}");
+        for (v, terms) in trace.vertices.iter().enumerate() {
+            assert!((terms.iter().map(|t| t.1).sum::<f64>() - 1.0).abs() < 1e-15);
+            let at = if v < kind.node_count() { kind.nodes()[v] } else { [0.0; 2] };
+            assert!((0..2).all(|d| (place(v)[d] - at[d]).abs() < 1e-15), "{kind}: {v}");
+            if v < kind.corner_count() {
+                assert_eq!(terms, &[(v as u8, 1.0)]);
+            } else if v < 2 * kind.corner_count() {
+                let a = (v - kind.corner_count()) as u8;
+                let b = (a + 1) % kind.corner_count() as u8;
+                assert_eq!(terms, &[(v as u8, 4.0 / 3.0), (a, -1.0 / 6.0), (b, -1.0 / 6.0)]);
+            }
+        }
+    }
+}

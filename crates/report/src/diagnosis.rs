@@ -366,10 +366,10 @@ mod tests {
         let corner = |i: usize, y: f64, z: f64| [i as f64, y, z];
         let points = (0..=count)
             .flat_map(|i| [corner(i, 0.0, 0.0), corner(i, 1.0, 0.0), corner(i, 0.0, 1.0), corner(i, 1.0, 1.0)]);
-        let cube = |i: u32| [4 * i, 4 * i + 4, 4 * i + 5, 4 * i + 1, 4 * i + 2, 4 * i + 6, 4 * i + 7, 4 * i + 3];
+        let cube = |i: usize| [0, 4, 5, 1, 2, 6, 7, 3].map(|k| (4 * i + k) as u32);
         let grid = Grid { points: points.collect(), elements: (0..count).map(cube).collect(), ..Grid::default() };
         let near = around(&grid, [0.5, 0.5, 0.5]);
-        assert_eq!(near.elements, (0..NEAR as u32).map(cube).collect());
+        assert_eq!(near.elements, (0..NEAR).map(cube).collect());
         assert_eq!(around(&near, [0.5; 3]).elements.len(), NEAR);
     }
 }

@@ -164,8 +164,8 @@ pub(crate) mod tests {
     /// A cube with an array `speed` on the points.
     pub fn cube(speed: &[f64; 8]) -> Grid {
         let point_data = vec![Field { name: "speed", components: 1, values: speed }];
-        let elements = &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into();
-        parse(&write(&VtuFrame { points: &CUBE, elements, point_data, ..VtuFrame::default() })).unwrap()
+        let cube = Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
+        parse(&write(&VtuFrame { points: &CUBE, elements: cube.blocks(), point_data, ..VtuFrame::default() })).unwrap()
     }
 
     /// The eight corners of a unit cube in VTK's order.
@@ -182,9 +182,10 @@ pub(crate) mod tests {
 
     #[test]
     fn a_frame_has_its_cells_and_arrays() {
+        let elements = Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
         let frame = VtuFrame {
             points: &CUBE,
-            elements: &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(),
+            elements: elements.blocks(),
             facets: &[[0, 1, 2].into(), [4, 5, 6, 7].into()],
             lines: &[vec![0, 3, 6]],
             vertices: &[5],

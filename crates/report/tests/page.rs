@@ -53,9 +53,10 @@ fn fill(folder: &Path) {
             Field { name: "displacement", components: 3, values: &way },
             Field { name: "contact_pressure", components: 1, values: &pressure },
         ];
+        let cube = stoss_mesh::Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
         let data = VtuFrame {
             points: &points,
-            elements: &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(),
+            elements: cube.blocks(),
             lines: &[vec![8, 9]],
             vertices: &[10],
             point_data,

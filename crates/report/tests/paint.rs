@@ -43,9 +43,10 @@ fn a_trebuchet_is_seen_from_the_side() {
     let side = |k: usize| SIDES[k].map(|corner| corner + weight).into();
     let speed: Vec<f64> = points.iter().map(|x| (x[0].powi(2) + (x[2] - 4.0).powi(2)).sqrt()).collect();
     let body: Vec<f64> = [vec![0.0, 1.0], vec![2.0; 6], (3..9).map(f64::from).collect()].concat();
+    let elements = stoss_mesh::Elements::from(vec![std::array::from_fn(|k| block + k as u32)]);
     let frame = VtuFrame {
         points: &points,
-        elements: &vec![std::array::from_fn(|k| block + k as u32)].into(),
+        elements: elements.blocks(),
         facets: &[
             [ground, ground + 1, ground + 2, ground + 3].into(),
             side(0),

@@ -36,9 +36,10 @@ fn folder() -> TempDir {
             Field { name: "displacement", components: 3, values: &way },
             Field { name: "cauchy_stress", components: 6, values: &stress },
         ];
+        let cube = stoss_mesh::Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
         let data = VtuFrame {
             points: &POINTS,
-            elements: &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(),
+            elements: cube.blocks(),
             facets: &[[8, 9, 10, 11].into()],
             lines: &[vec![12, 13]],
             point_data,
@@ -143,9 +144,10 @@ fn a_frame_without_displacement_says_that_it_is_undeformed() {
     assert!(!picture(folder.path(), &of(&["cube"])).unwrap().contains(undeformed));
     for frame in 0..3 {
         let stress = [1.0; 14];
+        let cube = stoss_mesh::Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
         let data = VtuFrame {
             points: &POINTS,
-            elements: &vec![[0, 1, 2, 3, 4, 5, 6, 7]].into(),
+            elements: cube.blocks(),
             point_data: vec![Field { name: "von_mises", components: 1, values: &stress }],
             cell_data: vec![Field { name: "body", components: 1, values: &[0.0] }],
             ..VtuFrame::default()

@@ -55,9 +55,10 @@ fn folder() -> TempDir {
     let body: Vec<f64> = (0..55).map(|cell| f64::from(cell / 27)).collect();
     let folder = tempfile::tempdir().unwrap();
     let field = |name, components, values| Field { name, components, values };
+    let elements = stoss_mesh::Elements::from(cells);
     let frame = VtuFrame {
         points: &points,
-        elements: &cells.into(),
+        elements: elements.blocks(),
         facets: &[[plate, plate + 1, plate + 2].into()],
         point_data: vec![
             field("displacement", 3, &way),
@@ -136,8 +137,9 @@ fn contact_fields_are_empty_inside() {
         Field { name: "contact_status", components: 1, values: &status },
     ];
     let cell_data = vec![Field { name: "body", components: 1, values: &[0.0, 0.0] }];
+    let elements = stoss_mesh::Elements::from(vec![cell(0), cell(4)]);
     let frame =
-        VtuFrame { points: &points, elements: &vec![cell(0), cell(4)].into(), point_data, cell_data, ..VtuFrame::default() };
+        VtuFrame { points: &points, elements: elements.blocks(), point_data, cell_data, ..VtuFrame::default() };
     write_vtu(folder.path().join("a.vtu"), &frame).unwrap();
     let collection = "<VTKFile><Collection><DataSet timestep=\"0.5\" file=\"a.vtu\"/></Collection></VTKFile>";
     std::fs::write(folder.path().join("frames.pvd"), collection).unwrap();

@@ -105,7 +105,7 @@ impl Embedding {
     }
 
     /// Gives the embedded nodes of a vector of the model (positions, increments, velocities) what they have from their carriers; an empty vector stays so.
-    pub(crate) fn follow(&self, x: &mut [f64]) {
+    pub fn follow(&self, x: &mut [f64]) {
         if x.is_empty() {
             return;
         }

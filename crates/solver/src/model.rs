@@ -2,6 +2,7 @@
 
 use crate::switches::Acting;
 use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, Table};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use stoss_contact::{
     Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
@@ -416,6 +417,9 @@ pub struct Model {
     pub parts: Vec<Box<dyn Part>>,
     /// Nodes that are carried by others.
     pub embedding: Embedding,
+    /// Embedded nodes that are vertices of the surface that contact sees of a quadratic face (docs/theory/elements.md#contact), each with the node in whose place it is, if
+    /// there is one. Frames show that node and not the vertex.
+    pub traces: BTreeMap<u32, Option<u32>>,
     /// Prescribed motion.
     pub prescriptions: Vec<Prescription>,
     /// Loads.

@@ -1,4 +1,4 @@
-//! Which of a model's vectors are points in space: all but directions.
+//! Which of a model's vectors are points in space that are shown: all but directions and vertices of traces.
 
 use crate::solver::Model;
 use std::borrow::Cow;
@@ -7,11 +7,11 @@ use std::borrow::Cow;
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
     nodes: Vec<u32>,
-    /// Of each vector its place among the points, [`NONE`] of a direction.
+    /// Of each vector its place among the points, [`NONE`] of a direction; of a vertex of a trace that of the node in whose place it is.
     places: Vec<u32>,
 }
 
-/// The place of a direction: there is no such point.
+/// The place of what is not shown.
 const NONE: u32 = u32::MAX;
 
 impl Points {
@@ -23,6 +23,9 @@ impl Points {
                 places[vector as usize] = NONE;
             }
         }
+        for &vertex in model.traces.keys() {
+            places[vertex as usize] = NONE;
+        }
         let mut nodes = Vec::with_capacity(places.len());
         for (node, place) in (0..).zip(&mut places) {
             if *place != NONE {
@@ -30,10 +33,13 @@ impl Points {
                 nodes.push(node);
             }
         }
+        for (&vertex, shown) in &model.traces {
+            places[vertex as usize] = shown.map_or(NONE, |node| places[node as usize]);
+        }
         Self { nodes, places }
     }
 
-    /// Place of a vector among the points; of a direction, and of a vector that does not exist, a number that is no point's.
+    /// Place of a vector among the points; of what is not shown, and of a vector that does not exist, a number that is no point's.
     pub fn place(&self, node: u32) -> u32 {
         self.places.get(node as usize).copied().unwrap_or(NONE)
     }

@@ -134,13 +134,9 @@ pub(crate) static HEX27: CellTable = CellTable {
     shape_gradient: |xi| triquadratic(xi).map(|(_, dn)| dn),
     vtk: 29,
     gmsh: 12,
-    from_gmsh: &[
-        0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26,
-    ],
+    from_gmsh: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26],
     abaqus: &["C3D27", "C3D27H", "C3D27R", "C3D27RH"],
-    from_abaqus: &[
-        0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 26, 24, 23, 25, 21, 22, 20,
-    ],
+    from_abaqus: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 26, 24, 23, 25, 21, 22, 20],
 };
 
 /// Functions and gradients of hex20: at a vertex `(1 + x)(1 + y)(1 + z)(x + y + z - 2) / 8` with `x = xi xi_I` and so on, in the middle of
@@ -177,7 +173,13 @@ fn triquadratic(xi: [f64; 3]) -> [(f64, [f64; 3]); 27] {
     std::array::from_fn(|i| {
         let f: [[f64; 2]; 3] = std::array::from_fn(|a| {
             let place = NODES[i][a];
-            lines[a][if place < 0.0 { 0 } else if place > 0.0 { 1 } else { 2 }]
+            lines[a][if place < 0.0 {
+                0
+            } else if place > 0.0 {
+                1
+            } else {
+                2
+            }]
         });
         let dn = [f[0][1] * f[1][0] * f[2][0], f[0][0] * f[1][1] * f[2][0], f[0][0] * f[1][0] * f[2][1]];
         (f[0][0] * f[1][0] * f[2][0], dn)

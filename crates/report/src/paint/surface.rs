@@ -179,7 +179,7 @@ mod tests {
         grid.facets.truncate(5);
         assert!(Surface::new(&grid, "speed").unwrap().quads.iter().all(|quad| quad.has_back));
         // Two bodies, the first of them open.
-        grid.facets.extend(FACES.iter().map(|face| face.to_vec()));
+        grid.facets.extend(faces.iter().map(|face| face.to_vec()));
         let values = (0..11).map(|k| if k < 5 { 0.0 } else { 1.0 }).collect();
         grid.cell_data.insert("body".into(), Array { components: 1, values });
         let backs: Vec<bool> = Surface::new(&grid, "speed").unwrap().quads.iter().map(|quad| quad.has_back).collect();

@@ -2,21 +2,23 @@
 
 use super::mesh_files::MeshFiles;
 use super::placed::{Placed, Shape};
+use super::trace::Traces;
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
-    Generator, Mass, Material, MeshFile, MeshSource, Part as ScenePart, Refinement as SceneRefinement,
-    Rotation as SceneRotation, Rotations, Scene, SetDefinition,
+    Body as SceneBody, Generator, Integration, Mass, Material, MeshFile, MeshSource, Part as ScenePart,
+    Refinement as SceneRefinement,
+    Rotation as SceneRotation, Rotations, Scene, SetDefinition, Volumetric,
 };
 use crate::solver::{Damping, Model};
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{MassKind, SolidBody};
+use stoss_fe_solid::{MassKind, SolidBody, SolidOptions, Volumetric as SolidVolumetric};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::generate::{
     Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
 };
 use stoss_mesh::{Mesh, MeshError, Region, Rotation};
-use stoss_reference_element::CellKind;
+use stoss_reference_element::{CellKind, Integration as CellIntegration};
 
 /// Adds all bodies to the model; bodies with problems are left out.
 pub(super) fn bodies(
@@ -26,6 +28,8 @@ pub(super) fn bodies(
     mesh_files: &mut MeshFiles,
     problems: &mut Problems<'_>,
 ) -> (Vec<Placed>, Vec<String>) {
+    // Whether surfaces of bodies act on each other at all.
+    let in_contact = !scene.contacts.is_empty() || !scene.ties.is_empty() || super::general_contact(scene).is_some();
     let mut placed = Vec::new();
     let mut lines = Vec::new();
     for (b, body) in scene.bodies.iter().enumerate() {
@@ -46,7 +50,7 @@ pub(super) fn bodies(
         let mesh = mesh(scene, b, mesh_files, &mut notes, problems);
         let (Some(law), Some(mesh)) = (law, mesh) else { continue };
         let first_node = (model.reference.len() / 3) as u32;
-        let solid = match SolidBody::new(&body.name, &mesh, first_node, Arc::clone(&law)) {
+        let solid = match SolidBody::with_options(&body.name, &mesh, first_node, Arc::clone(&law), options(body)) {
             Ok(solid) => solid,
             Err(error) => {
                 problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");
@@ -80,9 +84,24 @@ pub(super) fn bodies(
                 Mass::Lumped => MassKind::Lumped,
             },
         });
-        placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law }, first_node });
+        let traces = if in_contact { Traces::add(&mesh, first_node, model) } else { Traces::default() };
+        placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law, traces }, first_node });
     }
     (placed, lines)
+}
+
+/// How the elements of a body are integrated.
+pub(super) fn options(body: &SceneBody) -> SolidOptions {
+    SolidOptions {
+        integration: match body.integration {
+            Integration::Full => CellIntegration::Full,
+            Integration::Reduced => CellIntegration::Reduced,
+        },
+        volumetric: match body.volumetric {
+            Volumetric::Displacement => SolidVolumetric::Displacement,
+            Volumetric::Mixed => SolidVolumetric::Mixed,
+        },
+    }
 }
 
 /// The law of a material: of the catalogue, or of the program's own.

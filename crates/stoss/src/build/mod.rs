@@ -42,6 +42,7 @@ mod separate;
 mod sets;
 mod supports;
 mod tie;
+mod trace;
 mod unsupported;
 
 #[cfg(any(feature = "nts", feature = "mortar"))]

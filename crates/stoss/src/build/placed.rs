@@ -14,6 +14,8 @@ pub(crate) enum Shape {
         /// For bodies whose nodes a tie moves.
         #[cfg_attr(not(feature = "mortar"), expect(dead_code))]
         law: Arc<dyn HyperelasticLaw>,
+        /// What contact sees of its quadratic faces.
+        traces: Traces,
     },
     /// The surface of a rigid body, embedded nodes.
     #[cfg_attr(not(feature = "multibody"), expect(dead_code))]
@@ -44,13 +46,12 @@ impl Placed {
         if let Shape::Solid { mesh, .. } = &self.shape { Some(mesh) } else { None }
     }
 
-    /// Facets of a set in global node numbers, outward; of quadratic faces the linear pieces.
+    /// Facets of a set in global node numbers, outward; of quadratic faces those that contact sees.
     pub fn facets_of(&self, set: &str) -> Result<Vec<FacetNodes>, MeshError> {
         let first = self.first_node;
         Ok(match &self.shape {
-            Shape::Solid { mesh, .. } => {
-                let facets = mesh.facets_of(set)?;
-                facets.iter().flat_map(|facet| facet.nodes.map(|n| n + first).pieces().collect::<Vec<_>>()).collect()
+            Shape::Solid { mesh, traces, .. } => {
+                mesh.facets_of(set)?.iter().flat_map(|facet| traces.facets_of(facet, first)).collect()
             }
             Shape::Surface(surface) => {
                 surface.facets_of(set)?.iter().map(|&f| surface.facets[f as usize].map(|n| n + first)).collect()

@@ -96,6 +96,7 @@ pub(super) fn separate(
         }
         let (first, count) = (part.first_node as usize, mesh.nodes.len());
         model.reference[3 * first..3 * (first + count)].copy_from_slice(mesh.nodes.as_flattened());
+        model.embedding.follow(&mut model.reference);
         let message = "to be free of what it lay in";
         let size = format_length(by.norm());
         lines.push(format!("{}: moved by {size}, {}, {message}", part.name, interacting::point((*by).into(), edge)));

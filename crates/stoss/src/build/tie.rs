@@ -167,21 +167,50 @@ fn move_nodes(
     moved: &[(u32, [f64; 3])],
     model: &mut Model,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let Shape::Solid { mesh, law } = &mut placed.shape else {
+    let Shape::Solid { mesh, law, .. } = &mut placed.shape else {
         return Err("the slave is the surface of a rigid body, whose nodes keep their places in it".into());
     };
     let item = &scene.bodies[body];
-    for (node, x) in moved {
-        mesh.nodes[(node - placed.first_node) as usize] = *x;
-        let at = 3 * *node as usize;
-        model.reference[at..at + 3].copy_from_slice(x);
+    // A vertex of a trace is where it should be if its node is; corners first, then nodes on edges, then those in the middle.
+    let mut moved: Vec<(u32, [f64; 3])> = moved.to_vec();
+    moved.sort_by_key(|(node, _)| model.embedding.carriers(*node).map_or(0, <[_]>::len));
+    for (vertex, x) in moved {
+        let (node, x) = match (model.traces.get(&vertex), model.embedding.carriers(vertex)) {
+            (None, _) => (vertex, x),
+            (Some(Some(node)), Some(carriers)) => {
+                let mut rest = x;
+                let mut own = 1.0;
+                for &(carrier, weight) in carriers {
+                    let at = 3 * carrier as usize;
+                    if carrier == *node {
+                        own = weight;
+                    } else {
+                        rest = std::array::from_fn(|i| rest[i] - weight * model.reference[at + i]);
+                    }
+                }
+                (*node, rest.map(|c| c / own))
+            }
+            // No node is there.
+            (Some(_), _) => continue,
+        };
+        mesh.nodes[(node - placed.first_node) as usize] = x;
+        let at = 3 * node as usize;
+        model.reference[at..at + 3].copy_from_slice(&x);
         if scene.is_dynamic() {
-            model.velocity[at..at + 3].copy_from_slice(&item.initial_velocity(*x));
+            model.velocity[at..at + 3].copy_from_slice(&item.initial_velocity(x));
         }
     }
+    model.embedding.follow(&mut model.reference);
+    model.embedding.follow(&mut model.velocity);
     mesh.check()?;
     let law = std::sync::Arc::clone(law);
-    model.bodies[body].solid = stoss_fe_solid::SolidBody::new(&item.name, mesh, placed.first_node, law)?;
+    model.bodies[body].solid = stoss_fe_solid::SolidBody::with_options(
+        &item.name,
+        mesh,
+        placed.first_node,
+        law,
+        super::body::options(item),
+    )?;
     Ok(())
 }
 

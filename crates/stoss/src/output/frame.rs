@@ -81,6 +81,14 @@ impl ContactFields {
                 fields.status[node] = 2.0;
             }
         }
+        let values = [&mut fields.pressure, &mut fields.gap, &mut fields.status, &mut fields.friction, &mut fields.slip];
+        for field in values {
+            for (&vertex, shown) in &model.traces {
+                if let Some(node) = *shown {
+                    field[node as usize] = field[vertex as usize];
+                }
+            }
+        }
         if !has_friction {
             fields.friction.clear();
         }
