@@ -8,12 +8,16 @@ use std::{hint::black_box, sync::Arc};
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{
     MassKind, SolidBody, SolidStep, StressRule, TangentTarget, Workspace,
-    kernel::{self, GAUSS_POINTS, LocalTangent, NODES, TangentFactors, UNKNOWNS},
+    kernel::{self, LocalTangent, TangentFactors},
 };
 use stoss_linalg::{ScatterMap, SparsityPattern};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::generate::Block;
 use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
+
+const NODES: usize = 8;
+const GAUSS_POINTS: usize = 8;
+const UNKNOWNS: usize = 24;
 
 /// `n^3` elements that are sheared and waved, everything assembled.
 struct Problem {
@@ -42,7 +46,7 @@ impl Problem {
         let (q_n, q_np1) = (waved(0.08), waved(0.1));
         let body = SolidBody::new("block", &mesh, 0, law).expect("a good mesh");
         let stencils: Vec<Vec<u32>> = body
-            .connectivity()
+            .elements()
             .iter()
             .map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect())
             .collect();
@@ -120,8 +124,8 @@ fn kernels(criterion: &mut Criterion) {
     };
     let f = [[1.1, 0.1, 0.0], [0.2, 0.9, 0.1], [0.0, 0.1, 1.0]];
     let (moduli, stress) = ([[1.0; 6]; 6], [1.0; 6]);
-    let mut factors: TangentFactors = [[[0.0; NODES]; 3 * GAUSS_POINTS]; 9];
-    let mut tangent: LocalTangent = [0.0; UNKNOWNS * UNKNOWNS];
+    let mut factors: TangentFactors = [[[[0.0; NODES]; 3]; GAUSS_POINTS]; 9];
+    let mut tangent: LocalTangent = [[[[0.0; 3]; NODES]; 3]; NODES];
     for symmetric in [true, false] {
         criterion.bench_function(&format!("kernel, right factors, symmetric = {symmetric}"), |bencher| {
             bencher.iter(|| {

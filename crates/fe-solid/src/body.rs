@@ -1,79 +1,110 @@
-//! A body of hexahedra with one law. Not its mesh (only connectivity and reference integrals are kept), not its unknowns.
+//! A body of finite elements with one law. Not its mesh (only nodes and reference integrals are kept), not its unknowns.
 
 use crate::{
     MassKind, MassMatrix, SolidError, SolidStep, StressRule,
-    assembly::{self, ElementEvaluator, TangentTarget, Workspace},
-    element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
-    kernel::{self, ElementIntegration, GAUSS_POINTS, Gradients, LocalTangent, NODES, NodalVectors, TangentFactors},
+    assembly::{Additions, TangentTarget, Workspace},
+    block::{self, Cells, ElementFailure, Refused},
+    element::{Failure, FailureKind},
+    mass,
 };
-use rayon::prelude::*;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-use stoss_mesh::Mesh;
-use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
+use stoss_mesh::{CellBlock, Elements, Mesh};
+use stoss_reference_element::Integration;
 
-/// Elements that one thread takes at once in sums over the body; fixed, because it fixes the order of the sum.
-const CHUNK: usize = 64;
+/// What elements of a body can do in more than one way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolidOptions {
+    /// The points at which stress and stiffness are taken. Kinds of cells with one rule only take that one.
+    pub integration: Integration,
+}
 
-/// Energy, force and tangent of a body of hex8 elements.
-#[derive(Clone, Debug)]
+/// Energy, force and tangent of a body of elements of any kinds.
+#[derive(Debug)]
 pub struct SolidBody {
     name: String,
     law: Arc<dyn HyperelasticLaw>,
     node_offset: u32,
-    node_count: usize,
-    /// Global nodes.
-    connectivity: Arc<[[u32; NODES]]>,
-    integration: Vec<ElementIntegration>,
-    /// `C_n`, `W_n`; empty unless the rule of the step is energy-momentum.
-    history: Vec<[GaussPointHistory; GAUSS_POINTS]>,
+    /// Reference positions of the body's nodes.
+    reference: Arc<[[f64; 3]]>,
+    /// With global nodes.
+    elements: Arc<Elements>,
+    /// One for each block of the elements.
+    blocks: Vec<Box<dyn Cells>>,
+    options: SolidOptions,
+}
+
+impl Clone for SolidBody {
+    fn clone(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            law: self.law.clone(),
+            node_offset: self.node_offset,
+            reference: self.reference.clone(),
+            elements: self.elements.clone(),
+            blocks: self.blocks.iter().map(|block| block.boxed()).collect(),
+            options: self.options,
+        }
+    }
 }
 
 impl SolidBody {
-    /// A body from its mesh in reference position. `node_offset`: global number of the mesh's first node. No mass is
+    /// A body from its mesh in reference position, with the default options. `node_offset`: global number of the mesh's first node. No mass is
     /// built here.
     ///
     /// # Errors
     /// [`SolidError::Empty`], [`SolidError::NoSuchNode`], [`SolidError::InvertedReference`].
     pub fn new(name: &str, mesh: &Mesh, node_offset: u32, law: Arc<dyn HyperelasticLaw>) -> Result<Self, SolidError> {
+        Self::with_options(name, mesh, node_offset, law, SolidOptions::default())
+    }
+
+    /// As [`Self::new`], with options.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_options(
+        name: &str,
+        mesh: &Mesh,
+        node_offset: u32,
+        law: Arc<dyn HyperelasticLaw>,
+        options: SolidOptions,
+    ) -> Result<Self, SolidError> {
         let body = || name.to_string();
-        let nodes = &mesh.nodes;
         if mesh.elements.is_empty() {
             return Err(SolidError::Empty { body: body() });
         }
-        let natural: [Gradients; GAUSS_POINTS] = std::array::from_fn(|g| {
-            let gradient = hex8::shape_gradient(GAUSS_HEX_2[g].0);
-            std::array::from_fn(|a| std::array::from_fn(|node| gradient[node][a]))
-        });
-        let gauss_weights = GAUSS_HEX_2.map(|(_, weight)| weight);
-        let mut integration = Vec::with_capacity(mesh.elements.len());
-        for (element, element_nodes) in mesh.elements.iter().enumerate() {
-            let mut x: NodalVectors = [[0.0; NODES]; 3];
-            for (local, &node) in element_nodes.iter().enumerate() {
-                let Some(position) = nodes.get(node as usize) else {
-                    return Err(SolidError::NoSuchNode { body: body(), element, node, count: nodes.len() });
-                };
-                for i in 0..3 {
-                    x[i][local] = position[i];
-                }
+        let count = mesh.nodes.len();
+        for (element, nodes) in mesh.elements.iter().enumerate() {
+            if let Some(&node) = nodes.iter().find(|&&node| node as usize >= count) {
+                return Err(SolidError::NoSuchNode { body: body(), element, node, count });
             }
-            integration.push(kernel::integration(&x, &natural, &gauss_weights).map_err(
-                |(gauss_point, determinant)| SolidError::InvertedReference {
-                    body: body(),
-                    element,
-                    gauss_point,
-                    determinant,
-                },
-            )?);
         }
+        let mut blocks = Vec::with_capacity(mesh.elements.blocks().len());
+        for cells in mesh.elements.blocks() {
+            let first = cells.first() as usize;
+            let mut block = block::block(cells, &mesh.nodes, options.integration);
+            if let Err(Refused::NoRule) = block {
+                block = block::block(cells, &mesh.nodes, Integration::Full);
+            }
+            // Where the rule of the mass has points of its own.
+            let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
+            blocks.push(block.map_err(|refused| match refused {
+                Refused::Inverted { element, gauss_point, determinant } => {
+                    SolidError::InvertedReference { body: body(), element: first + element, gauss_point, determinant }
+                }
+                Refused::NoRule => unreachable!("every kind of cell has a full rule"),
+            })?);
+        }
+        let mut elements = Elements::new();
+        elements.extend(&mesh.elements, |node| node + node_offset);
         Ok(Self {
             name: name.to_string(),
             law,
             node_offset,
-            node_count: nodes.len(),
-            connectivity: mesh.elements.iter().map(|e| e.map(|node| node + node_offset)).collect(),
-            integration,
-            history: Vec::new(),
+            reference: mesh.nodes.as_slice().into(),
+            elements: Arc::new(elements),
+            blocks,
+            options,
         })
     }
 
@@ -87,9 +118,14 @@ impl SolidBody {
         self.law.as_ref()
     }
 
-    /// Global node numbers of each element, in the order of `hex8::VERTICES`.
-    pub fn connectivity(&self) -> &[[u32; NODES]] {
-        &self.connectivity
+    /// What the body was made with.
+    pub fn options(&self) -> SolidOptions {
+        self.options
+    }
+
+    /// The elements with global node numbers.
+    pub fn elements(&self) -> &Elements {
+        &self.elements
     }
 
     /// Global number of the body's first node.
@@ -99,17 +135,19 @@ impl SolidBody {
 
     /// Number of nodes of the body's mesh.
     pub fn node_count(&self) -> usize {
-        self.node_count
+        self.reference.len()
     }
 
     /// Number of elements.
     pub fn element_count(&self) -> usize {
-        self.connectivity.len()
+        self.elements.len()
     }
 
     /// Reference volume.
     pub fn volume(&self) -> f64 {
-        self.integration.iter().flat_map(|e| e.weights).sum()
+        let mut total = 0.0;
+        self.blocks.iter().for_each(|block| block.add_volume(&mut total));
+        total
     }
 
     /// Edge of the cube that has the mean reference volume of an element: a length.
@@ -119,9 +157,8 @@ impl SolidBody {
 
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.connectivity)
-            + self.integration.capacity() * size_of::<ElementIntegration>()
-            + self.history.capacity() * size_of::<[GaussPointHistory; GAUSS_POINTS]>()
+        let numbers: usize = self.elements.blocks().iter().map(|cells| size_of_val(cells.nodes())).sum();
+        numbers + size_of_val(&*self.reference) + self.blocks.iter().map(|block| block.memory_bytes()).sum::<usize>()
     }
 
     /// Caches what depends on `q_n` only: `C_n` and `W_n` at every Gauss point for [`StressRule::EnergyMomentum`]. For
@@ -134,31 +171,13 @@ impl SolidBody {
             return Ok(());
         }
         self.check_length("the positions q_n", q_n)?;
-        let identity =
-            GaussPointHistory { right_cauchy_green: stoss_continuum::SymmetricTensor2::identity(), energy: 0.0 };
-        let mut history = std::mem::take(&mut self.history);
-        history.resize(self.element_count(), [identity; GAUSS_POINTS]);
-        let fill = |first: usize, slots: &mut [[GaussPointHistory; GAUSS_POINTS]]| {
-            for (k, slot) in slots.iter_mut().enumerate() {
-                let element = first + k;
-                *slot = element::history(self.law(), &self.integration[element], &self.gather(element, q_n))
-                    .map_err(|failure| (element, failure))?;
+        for (cells, block) in self.elements.blocks().iter().zip(&mut self.blocks) {
+            if let Err((element, failure)) = block.begin_step(self.law.as_ref(), cells.nodes(), q_n) {
+                let error = self.error(cells.first() as usize + element, failure);
+                self.blocks.iter_mut().for_each(|block| block.end_step());
+                return Err(error);
             }
-            Ok(())
-        };
-        let result = if rayon::current_num_threads() == 1 {
-            fill(0, &mut history)
-        } else {
-            // The first failure in element order, whichever thread was first in time.
-            history
-                .par_chunks_mut(CHUNK)
-                .enumerate()
-                .map(|(chunk, slots)| fill(CHUNK * chunk, slots).err())
-                .reduce(|| None, |a, b| a.or(b))
-                .map_or(Ok(()), Err)
-        };
-        result.map_err(|(element, failure)| self.error(element, failure))?;
-        self.history = history;
+        }
         Ok(())
     }
 
@@ -167,7 +186,7 @@ impl SolidBody {
     /// [`StressRule::Configuration`] with `theta = 0`, whose tangent is zero.
     ///
     /// In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first
-    /// call with a workspace nothing is allocated.
+    /// call with a workspace (the first with a tangent, if there are some) nothing is allocated.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::StepNotBegun`],
@@ -188,13 +207,27 @@ impl SolidBody {
             self.check_length("the positions q_n", step.q_n)?;
         }
         // A force that does not depend on q_np1 has no tangent: nothing is to be computed or added.
-        let tangent = tangent.filter(|_| step.rule.reads_end());
-        if step.rule == StressRule::EnergyMomentum && self.history.len() != self.element_count() {
+        let mut target = tangent.filter(|_| step.rule.reads_end());
+        if step.rule == StressRule::EnergyMomentum && !self.blocks.iter().all(|block| block.has_begun()) {
             return Err(SolidError::StepNotBegun { body: self.name.clone() });
         }
-        let evaluator = BodyStep { body: self, step, factor: tangent.as_ref().map_or(1.0, |t| t.factor) };
-        assembly::assemble(&self.connectivity, &evaluator, force_weight, force, tangent, workspace)
-            .map_err(|(element, failure)| self.error(element, failure))
+        self.for_each_block(|block, cells| {
+            let first = cells.first() as usize;
+            let to = Additions { first, force_weight, force, target: &mut target, workspace };
+            block.assemble(self.law(), cells.nodes(), step, to)
+        })
+    }
+
+    /// Calls with each block and its elements.
+    pub(crate) fn for_each_block(
+        &self,
+        mut call: impl FnMut(&dyn Cells, &CellBlock) -> Result<(), ElementFailure>,
+    ) -> Result<(), SolidError> {
+        for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
+            call(block.as_ref(), cells)
+                .map_err(|(element, failure)| self.error(cells.first() as usize + element, failure))?;
+        }
+        Ok(())
     }
 
     /// `int W dV` over the reference volume.
@@ -204,52 +237,41 @@ impl SolidBody {
     pub fn strain_energy(&self, q: &[f64]) -> Result<f64, SolidError> {
         self.check_length("the positions", q)?;
         let mut total = 0.0;
-        for element in 0..self.element_count() {
-            total += element::energy(self.law(), &self.integration[element], &self.gather(element, q))
-                .map_err(|failure| self.error(element, failure))?;
-        }
+        self.for_each_block(|block, cells| block.add_energy(self.law(), cells.nodes(), q, &mut total))?;
         Ok(total)
     }
 
-    /// Elements that are turned inside out at a vertex (`det dx/dxi <= 0` there), which the integrals do not notice as long as
+    /// Elements that are turned inside out at a node (`det dx/dxi <= 0` there), which the integrals do not notice as long as
     /// `det F > 0` at the Gauss points. `None` if there are none.
     ///
     /// # Errors
     /// [`SolidError::Length`].
     pub fn inside_out(&self, q: &[f64]) -> Result<Option<InsideOut>, SolidError> {
         self.check_length("the positions", q)?;
-        let natural: [Gradients; NODES] = std::array::from_fn(|vertex| {
-            let gradient = hex8::shape_gradient(hex8::VERTICES[vertex]);
-            std::array::from_fn(|a| std::array::from_fn(|node| gradient[node][a]))
-        });
         let mut found: Option<InsideOut> = None;
-        for element in 0..self.element_count() {
-            let x = self.gather(element, q);
-            let volume: f64 = self.integration[element].weights.iter().sum();
-            let mut worst = (0, f64::INFINITY);
-            for (vertex, gradients) in natural.iter().enumerate() {
-                let determinant = kernel::determinant(&kernel::deformation_gradient(&x, gradients));
-                if determinant < worst.1 || determinant.is_nan() {
-                    worst = (vertex, determinant);
+        for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
+            let natural = cells.kind().table().family.volume();
+            for local in 0..cells.len() {
+                let (vertex, determinant) = block.worst_node(cells.nodes(), local, q);
+                // Also a NaN is no volume.
+                if determinant > 0.0 {
+                    continue;
                 }
+                let element = cells.first() as usize + local;
+                let relative_volume = natural * determinant / block.element_volume(local);
+                let count = found.map_or(0, |f| f.count) + 1;
+                found = match found {
+                    Some(f) if f.relative_volume <= relative_volume => Some(InsideOut { count, ..f }),
+                    _ => Some(InsideOut { count, element, vertex, relative_volume }),
+                };
             }
-            // Also a NaN is no volume.
-            if worst.1 > 0.0 {
-                continue;
-            }
-            let (vertex, relative_volume) = (worst.0, 8.0 * worst.1 / volume);
-            let count = found.map_or(0, |f| f.count) + 1;
-            found = match found {
-                Some(f) if f.relative_volume <= relative_volume => Some(InsideOut { count, ..f }),
-                _ => Some(InsideOut { count, element, vertex, relative_volume }),
-            };
         }
         Ok(found)
     }
 
     /// The mass of the body for a reference density.
     pub fn mass(&self, density: f64, kind: MassKind) -> MassMatrix {
-        MassMatrix::new(self.connectivity.clone(), &self.integration, density, kind)
+        MassMatrix::new(self.elements.clone(), &self.reference, self.node_offset, density, kind)
     }
 
     /// Adds the nodal forces `int N_I b_0 dV` of a constant force per *reference volume* to `out` (`3 * nodes` of the
@@ -259,40 +281,24 @@ impl SolidBody {
     /// [`SolidError::Length`].
     pub fn body_force(&self, force_per_volume: [f64; 3], out: &mut [f64]) -> Result<(), SolidError> {
         self.check_length("the nodal forces", out)?;
-        let shapes = GAUSS_HEX_2.map(|(xi, _)| hex8::shape(xi));
-        for (nodes, integration) in self.connectivity.iter().zip(&self.integration) {
-            for (local, &node) in nodes.iter().enumerate() {
-                let volume: f64 = shapes.iter().zip(integration.weights).map(|(n, w)| n[local] * w).sum();
-                for i in 0..3 {
-                    out[3 * node as usize + i] += volume * force_per_volume[i];
-                }
+        mass::for_each_nodal_volume(&self.elements, &self.reference, self.node_offset, |node, volume| {
+            for i in 0..3 {
+                out[3 * node as usize + i] += volume * force_per_volume[i];
             }
-        }
+        });
         Ok(())
     }
 
-    /// Reference integrals of an element.
-    pub(crate) fn integration(&self, element: usize) -> &ElementIntegration {
-        &self.integration[element]
-    }
-
-    /// An element's values from a vector of the model (length checked before).
-    #[inline]
-    pub(crate) fn gather(&self, element: usize, x: &[f64]) -> NodalVectors {
-        let mut local = [[0.0; NODES]; 3];
-        for (node, &global) in self.connectivity[element].iter().enumerate() {
-            let at = 3 * global as usize;
-            let value = &x[at..at + 3];
-            for i in 0..3 {
-                local[i][node] = value[i];
-            }
-        }
-        local
+    /// An element's cells, block, and number in there.
+    pub(crate) fn locate(&self, element: usize) -> (&CellBlock, &dyn Cells, usize) {
+        let blocks = self.elements.blocks();
+        let at = blocks.partition_point(|cells| cells.first() as usize <= element) - 1;
+        (&blocks[at], self.blocks[at].as_ref(), element - blocks[at].first() as usize)
     }
 
     /// Every node of the body is inside a vector of the model.
     pub(crate) fn check_length(&self, what: &'static str, x: &[f64]) -> Result<(), SolidError> {
-        let expected = 3 * (self.node_offset as usize + self.node_count);
+        let expected = 3 * (self.node_offset as usize + self.node_count());
         if x.len() < expected {
             return Err(SolidError::Length { name: self.name.clone(), what, found: x.len(), expected });
         }
@@ -310,39 +316,15 @@ impl SolidBody {
     }
 }
 
-/// Elements of a body that are turned inside out at a vertex, see [`SolidBody::inside_out`].
+/// Elements of a body that are turned inside out at a node, see [`SolidBody::inside_out`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsideOut {
     /// Number of such elements.
     pub count: usize,
     /// The worst one, in the body.
     pub element: usize,
-    /// Its worst vertex, in the order of `hex8::VERTICES`.
+    /// Its worst node, in the order of its kind.
     pub vertex: usize,
-    /// `8 det dx/dxi` there over the element's reference volume: 1 for an undeformed parallelepiped, not positive here.
+    /// `det dx/dxi` there over its mean in the element's reference volume: 1 for an undeformed parallelepiped or a tetrahedron with straight edges, not positive here.
     pub relative_volume: f64,
-}
-
-/// A body in a step, as the loop over elements sees it.
-struct BodyStep<'a> {
-    body: &'a SolidBody,
-    step: SolidStep<'a>,
-    factor: f64,
-}
-
-impl ElementEvaluator for BodyStep<'_> {
-    fn evaluate(
-        &self,
-        element: usize,
-        force: &mut NodalVectors,
-        tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
-    ) -> Result<(), Failure> {
-        let Self { body, step, factor } = self;
-        let (rule, at) = (step.rule, |q| body.gather(element, q));
-        let q_np1 = at(if rule.reads_end() { step.q_np1 } else { step.q_n });
-        let q_n = if rule.reads_start() && rule.reads_end() { at(step.q_n) } else { q_np1 };
-        let history = body.history.get(element).filter(|_| rule == StressRule::EnergyMomentum);
-        let step = ElementStep { rule, q_n: &q_n, q_np1: &q_np1, history };
-        element::force_and_tangent(body.law(), body.integration(element), step, *factor, force, tangent)
-    }
 }

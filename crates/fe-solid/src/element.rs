@@ -2,7 +2,7 @@
 
 use crate::{
     Level,
-    kernel::{self, ElementIntegration, GAUSS_POINTS, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
 };
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
 
@@ -92,9 +92,9 @@ fn check_orientation(f: &Matrix3, level: Level) -> Result<(), FailureKind> {
 }
 
 /// `F` (checked) and `C` of an element's configuration at a Gauss point.
-pub(crate) fn strain(
-    q: &NodalVectors,
-    integration: &ElementIntegration,
+pub(crate) fn strain<const N: usize, const G: usize>(
+    q: &NodalVectors<N>,
+    integration: &ElementIntegration<N, G>,
     gauss_point: usize,
     level: Level,
 ) -> Result<(Matrix3, SymmetricTensor2), Failure> {
@@ -104,12 +104,12 @@ pub(crate) fn strain(
 }
 
 /// `C_n` and `W_n` at every Gauss point.
-pub(crate) fn history(
+pub(crate) fn history<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
-    integration: &ElementIntegration,
-    q: &NodalVectors,
-) -> Result<[GaussPointHistory; GAUSS_POINTS], Failure> {
-    let mut out = [GaussPointHistory { right_cauchy_green: SymmetricTensor2::identity(), energy: 0.0 }; GAUSS_POINTS];
+    integration: &ElementIntegration<N, G>,
+    q: &NodalVectors<N>,
+) -> Result<[GaussPointHistory; G], Failure> {
+    let mut out = [GaussPointHistory { right_cauchy_green: SymmetricTensor2::identity(), energy: 0.0 }; G];
     for (g, slot) in out.iter_mut().enumerate() {
         let (_, c) = strain(q, integration, g, Level::Start)?;
         let energy = law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
@@ -119,13 +119,13 @@ pub(crate) fn history(
 }
 
 /// `int W dV`.
-pub(crate) fn energy(
+pub(crate) fn energy<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
-    integration: &ElementIntegration,
-    q: &NodalVectors,
+    integration: &ElementIntegration<N, G>,
+    q: &NodalVectors<N>,
 ) -> Result<f64, Failure> {
     let mut total = 0.0;
-    for g in 0..GAUSS_POINTS {
+    for g in 0..G {
         let (_, c) = strain(q, integration, g, Level::End)?;
         total += integration.weights[g] * law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
     }
@@ -134,26 +134,26 @@ pub(crate) fn energy(
 
 /// The configurations of one element in a step.
 #[derive(Clone, Copy)]
-pub(crate) struct ElementStep<'a> {
+pub(crate) struct ElementStep<'a, const N: usize, const G: usize> {
     pub rule: StressRule,
     /// Anything if the rule does not read it; likewise `q_np1`.
-    pub q_n: &'a NodalVectors,
-    pub q_np1: &'a NodalVectors,
+    pub q_n: &'a NodalVectors<N>,
+    pub q_np1: &'a NodalVectors<N>,
     /// Present for the energy-momentum rule.
-    pub history: Option<&'a [GaussPointHistory; GAUSS_POINTS]>,
+    pub history: Option<&'a [GaussPointHistory; G]>,
 }
 
 /// Internal force (overwritten) and, if wanted, `factor` times its derivative by `q_np1` (overwritten; not asked for
 /// under a rule that does not read `q_np1`).
-pub(crate) fn force_and_tangent(
+pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
-    integration: &ElementIntegration,
-    step: ElementStep<'_>,
+    integration: &ElementIntegration<N, G>,
+    step: ElementStep<'_, N, G>,
     factor: f64,
-    force: &mut NodalVectors,
-    tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
+    force: &mut NodalVectors<N>,
+    tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
 ) -> Result<(), Failure> {
-    *force = [[0.0; kernel::NODES]; 3];
+    *force = [[0.0; N]; 3];
     match (step.rule, step.history) {
         (StressRule::EnergyMomentum, Some(history)) => {
             energy_momentum(law, integration, step, history, factor, force, tangent)
@@ -167,7 +167,7 @@ pub(crate) fn force_and_tangent(
             if !step.rule.reads_end() {
                 return one_configuration(law, integration, step.q_n, Level::Start, 0.0, force, None);
             }
-            for g in 0..GAUSS_POINTS {
+            for g in 0..G {
                 let f = kernel::deformation_gradient(step.q_np1, &integration.gradients[g]);
                 check_orientation(&f, Level::End).map_err(|kind| kind.at(g))?;
             }
@@ -179,30 +179,30 @@ pub(crate) fn force_and_tangent(
 }
 
 /// `(1 - theta) a + theta b`.
-fn between(a: &NodalVectors, b: &NodalVectors, theta: f64) -> NodalVectors {
+fn between<const N: usize>(a: &NodalVectors<N>, b: &NodalVectors<N>, theta: f64) -> NodalVectors<N> {
     let rest = 1.0 - theta;
     std::array::from_fn(|i| std::array::from_fn(|node| rest * a[i][node] + theta * b[i][node]))
 }
 
 /// Force and tangent of a stress that depends on the same configuration as `B` does (formulation §3.3).
-fn one_configuration(
+fn one_configuration<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
-    integration: &ElementIntegration,
-    q: &NodalVectors,
+    integration: &ElementIntegration<N, G>,
+    q: &NodalVectors<N>,
     level: Level,
     factor: f64,
-    force: &mut NodalVectors,
-    tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
+    force: &mut NodalVectors<N>,
+    tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
 ) -> Result<(), Failure> {
     let Some((tangent, factors)) = tangent else {
-        for g in 0..GAUSS_POINTS {
+        for g in 0..G {
             let (f, c) = strain(q, integration, g, level)?;
             let stress = law.stress(&c).map_err(|e| FailureKind::from(e).at(g))?;
             kernel::add_force(&f, &stress.to_voigt(), &integration.gradients[g], integration.weights[g], force);
         }
         return Ok(());
     };
-    for g in 0..GAUSS_POINTS {
+    for g in 0..G {
         let (f, c) = strain(q, integration, g, level)?;
         let (stress, moduli) = law.stress_and_elasticity(&c).map_err(|e| FailureKind::from(e).at(g))?;
         let stress = stress.to_voigt();
@@ -215,18 +215,18 @@ fn one_configuration(
 }
 
 /// Force and tangent with the energy-momentum stress (formulation (3.2), (3.3)).
-fn energy_momentum(
+fn energy_momentum<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
-    integration: &ElementIntegration,
-    step: ElementStep<'_>,
-    history: &[GaussPointHistory; GAUSS_POINTS],
+    integration: &ElementIntegration<N, G>,
+    step: ElementStep<'_, N, G>,
+    history: &[GaussPointHistory; G],
     factor: f64,
-    force: &mut NodalVectors,
-    tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
+    force: &mut NodalVectors<N>,
+    tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
 ) -> Result<(), Failure> {
     let q_mid = between(step.q_n, step.q_np1, 0.5);
     let mut tangent = tangent;
-    for g in 0..GAUSS_POINTS {
+    for g in 0..G {
         let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
         let (f_np1, c_np1) = strain(step.q_np1, integration, g, Level::End)?;
         let f_mid = kernel::deformation_gradient(&q_mid, gradients);

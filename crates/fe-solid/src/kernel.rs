@@ -1,8 +1,8 @@
-//! The arithmetic of one hex8 over plain arrays: gradients, deformation gradient, force, two-point moduli, tangent.
+//! The arithmetic of one element over plain arrays: gradients, deformation gradient, force, two-point moduli, tangent.
 //!
 //! Not here: laws, rules, errors, meshes. Everything is a free function over arrays that are contiguous for each element
-//! and component-major (`[component][node]`), so that the innermost loops run over the eight nodes. Several elements
-//! can be put side by side later without another layout.
+//! and component-major (`[component][node]`), so that the innermost loops run over the nodes. The numbers of nodes `N` and of Gauss points
+//! `G` are constants of the types: every cell has its own code. The types of hex8 are the default.
 //!
 //! # How the tangent is formed
 //! Instead of `B_I^T D B_J` (formulation (3.1), §3.3) the moduli are pushed once a Gauss point to the two-point form
@@ -10,35 +10,35 @@
 //! P_iAjB = F^l_iK A_KALB F^r_jL + s S_AB delta_ij
 //! ```
 //! (`F^l`, `F^r`: left and right deformation gradient, `A` the moduli in Voigt form, `s` the weight of the geometric
-//! term). Then `K_iI,jJ = sum_gp w G_AI P_iAjB G_BJ` with `G_AI = dN_I/dX_A`, which is a product of an 8 x 24 and a
-//! 24 x 8 matrix for each pair `(i, j)`: the sum over Gauss points and `A` is the inner dimension. That takes about half
+//! term). Then `K_iI,jJ = sum_gp w G_AI P_iAjB G_BJ` with `G_AI = dN_I/dX_A`, which is a product of an `N x 3G` and a
+//! `3G x N` matrix for each pair `(i, j)`: the sum over Gauss points and `A` is the inner dimension. That takes about half
 //! of the multiplications of the `B` form. If `F^l = F^r` and `A` is symmetric, three of the nine pairs are mirrored.
 
-/// Nodes of a hex8.
-pub const NODES: usize = 8;
-/// Gauss points (2x2x2).
-pub const GAUSS_POINTS: usize = 8;
-/// Local unknowns, `3 * node + component`.
-pub const UNKNOWNS: usize = 24;
 /// A 3x3 matrix, `[row][column]`.
 pub type Matrix3 = [[f64; 3]; 3];
 /// A vector at each node, component-major: `x[i][I]`.
-pub type NodalVectors = [[f64; NODES]; 3];
+pub type NodalVectors<const N: usize = 8> = [[f64; N]; 3];
 /// `dN_I/dX_A` as `[A][I]`.
-pub type Gradients = [[f64; NODES]; 3];
-/// Local tangent, row-major, `(3 I + i) * 24 + 3 J + j`.
-pub type LocalTangent = [f64; UNKNOWNS * UNKNOWNS];
+pub type Gradients<const N: usize = 8> = [[f64; N]; 3];
+/// Local tangent, `[I][i][J][j]`: row-major with the unknowns `3 I + i`.
+pub type LocalTangent<const N: usize = 8> = [[[[f64; 3]; N]; 3]; N];
 
 /// Voigt position of a pair of indices (11, 22, 33, 12, 23, 13).
 pub const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 /// What the integrals over one element need of its reference geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ElementIntegration {
+pub struct ElementIntegration<const N: usize = 8, const G: usize = 8> {
     /// Gradients of the shape functions at each Gauss point.
-    pub gradients: [Gradients; GAUSS_POINTS],
+    pub gradients: [Gradients<N>; G],
     /// Gauss weight times `det dX/dxi` (a volume).
-    pub weights: [f64; GAUSS_POINTS],
+    pub weights: [f64; G],
+}
+
+/// A local tangent as a list, row by row.
+#[inline]
+pub fn flat<const N: usize>(tangent: &LocalTangent<N>) -> &[f64] {
+    tangent.as_flattened().as_flattened().as_flattened()
 }
 
 /// `det` of a 3x3 matrix.
@@ -54,13 +54,13 @@ pub fn determinant(m: &Matrix3) -> f64 {
 ///
 /// # Errors
 /// The first Gauss point with `det dX/dxi <= 0` (or not a number), and that determinant.
-pub fn integration(
-    x: &NodalVectors,
-    natural: &[Gradients; GAUSS_POINTS],
-    gauss_weights: &[f64; GAUSS_POINTS],
-) -> Result<ElementIntegration, (usize, f64)> {
-    let mut out = ElementIntegration { gradients: [[[0.0; NODES]; 3]; GAUSS_POINTS], weights: [0.0; GAUSS_POINTS] };
-    for g in 0..GAUSS_POINTS {
+pub fn integration<const N: usize, const G: usize>(
+    x: &NodalVectors<N>,
+    natural: &[Gradients<N>; G],
+    gauss_weights: &[f64; G],
+) -> Result<ElementIntegration<N, G>, (usize, f64)> {
+    let mut out = ElementIntegration { gradients: [[[0.0; N]; 3]; G], weights: [0.0; G] };
+    for g in 0..G {
         // J_aA = dX_a/dxi_A
         let j = deformation_gradient(x, &natural[g]);
         let det = determinant(&j);
@@ -70,7 +70,7 @@ pub fn integration(
         }
         let inverse = inverse(&j, det);
         for a in 0..3 {
-            for node in 0..NODES {
+            for node in 0..N {
                 // dN/dX_a = J^-T_aA dN/dxi_A
                 out.gradients[g][a][node] = inverse[0][a] * natural[g][0][node]
                     + inverse[1][a] * natural[g][1][node]
@@ -82,28 +82,41 @@ pub fn integration(
     Ok(out)
 }
 
+/// Cofactors of a matrix: `det m m^-T`.
+#[inline]
+pub(crate) fn cofactor(m: &Matrix3) -> Matrix3 {
+    std::array::from_fn(|r| {
+        std::array::from_fn(|c| {
+            let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
+            m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+        })
+    })
+}
+
 /// Inverse of a matrix with known determinant.
 pub(crate) fn inverse(m: &Matrix3, det: f64) -> Matrix3 {
-    let cofactor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    std::array::from_fn(|r| std::array::from_fn(|c| cofactor(c, r) / det))
+    let cofactors = cofactor(m);
+    std::array::from_fn(|r| std::array::from_fn(|c| cofactors[c][r] / det))
 }
 
 /// `F_iA = sum_I q_iI dN_I/dX_A`.
 #[inline]
-pub fn deformation_gradient(positions: &NodalVectors, gradients: &Gradients) -> Matrix3 {
+pub fn deformation_gradient<const N: usize>(positions: &NodalVectors<N>, gradients: &Gradients<N>) -> Matrix3 {
     let mut f = [[0.0; 3]; 3];
     for i in 0..3 {
         for a in 0..3 {
             // Four partial sums: short dependency chains, a fixed order.
-            let (q, g) = (&positions[i], &gradients[a]);
-            let s0 = q[0] * g[0] + q[4] * g[4];
-            let s1 = q[1] * g[1] + q[5] * g[5];
-            let s2 = q[2] * g[2] + q[6] * g[6];
-            let s3 = q[3] * g[3] + q[7] * g[7];
-            f[i][a] = (s0 + s2) + (s1 + s3);
+            let (q, g) = (positions[i].as_chunks::<4>(), gradients[a].as_chunks::<4>());
+            let mut sum = [0.0; 4];
+            for (k, (q, g)) in q.0.iter().zip(g.0).enumerate() {
+                for l in 0..4 {
+                    sum[l] = if k == 0 { q[l] * g[l] } else { sum[l] + q[l] * g[l] };
+                }
+            }
+            for (sum, (q, g)) in sum.iter_mut().zip(q.1.iter().zip(g.1)) {
+                *sum += q * g;
+            }
+            f[i][a] = (sum[0] + sum[2]) + (sum[1] + sum[3]);
         }
     }
     f
@@ -118,36 +131,42 @@ pub fn right_cauchy_green(f: &Matrix3) -> [f64; 6] {
 
 /// Adds `w F S grad N_I` to the nodal forces: `F_iI += w F_iA S_AB G_BI`.
 #[inline]
-pub fn add_force(f: &Matrix3, stress: &[f64; 6], gradients: &Gradients, weight: f64, force: &mut NodalVectors) {
+pub fn add_force<const N: usize>(
+    f: &Matrix3,
+    stress: &[f64; 6],
+    gradients: &Gradients<N>,
+    weight: f64,
+    force: &mut NodalVectors<N>,
+) {
     for i in 0..3 {
         let mut p = [0.0; 3];
         for b in 0..3 {
             p[b] = weight
                 * (f[i][0] * stress[VOIGT[0][b]] + f[i][1] * stress[VOIGT[1][b]] + f[i][2] * stress[VOIGT[2][b]]);
         }
-        for node in 0..NODES {
+        for node in 0..N {
             force[i][node] += p[0] * gradients[0][node] + p[1] * gradients[1][node] + p[2] * gradients[2][node];
         }
     }
 }
 
-/// `w P_iAjB G_BJ` for all Gauss points, `[3 i + j][3 g + A][J]`: the right factors of the tangent's products.
-pub type TangentFactors = [[[f64; NODES]; 3 * GAUSS_POINTS]; 9];
+/// `w P_iAjB G_BJ` for all Gauss points, `[3 i + j][g][A][J]`: the right factors of the tangent's products.
+pub type TangentFactors<const N: usize = 8, const G: usize = 8> = [[[[f64; N]; 3]; G]; 9];
 
 /// One Gauss point's part of [`TangentFactors`] (module documentation). `moduli` are `A_v` (6x6, for strains with doubled
 /// shears), `geometric` the factor of the geometric term. With `symmetric` only the pairs `i <= j` are written.
 #[inline]
-pub fn tangent_factors(
+pub fn tangent_factors<const N: usize, const G: usize>(
     left: &Matrix3,
     right: &Matrix3,
     moduli: &[[f64; 6]; 6],
     stress: &[f64; 6],
     geometric: f64,
-    gradients: &Gradients,
+    gradients: &Gradients<N>,
     weight: f64,
     gauss_point: usize,
     symmetric: bool,
-    factors: &mut TangentFactors,
+    factors: &mut TangentFactors<N, G>,
 ) {
     // h[KA][j][B] = w A_KALB F^r_jL
     let mut h = [[[0.0; 3]; 3]; 6];
@@ -176,8 +195,8 @@ pub fn tangent_factors(
                         p[b] += scale * stress[VOIGT[a][b]];
                     }
                 }
-                let row = &mut factors[3 * i + j][3 * gauss_point + a];
-                for node in 0..NODES {
+                let row = &mut factors[3 * i + j][gauss_point][a];
+                for node in 0..N {
                     row[node] = p[0] * gradients[0][node] + p[1] * gradients[1][node] + p[2] * gradients[2][node];
                 }
             }
@@ -185,72 +204,103 @@ pub fn tangent_factors(
     }
 }
 
-/// The products `K_iI,jJ = sum_k G_kI T_kJ` and their placement in the row-major local tangent, which is overwritten.
-pub fn tangent_from_factors(
-    gradients: &[Gradients; GAUSS_POINTS],
-    factors: &TangentFactors,
+/// The products `K_iI,jJ = sum_k G_kI T_kJ` and their placement in the local tangent, which is overwritten.
+pub fn tangent_from_factors<const N: usize, const G: usize>(
+    gradients: &[Gradients<N>; G],
+    factors: &TangentFactors<N, G>,
     symmetric: bool,
     factor: f64,
-    tangent: &mut LocalTangent,
+    tangent: &mut LocalTangent<N>,
 ) {
-    let left: &[[f64; NODES]; 3 * GAUSS_POINTS] = flatten(gradients);
     for i in 0..3 {
         for j in 0..3 {
             if symmetric && j < i {
                 continue;
             }
-            for tile in 0..4 {
-                // 4x4 tiles of the 8x8 block: the sums stay in registers.
-                let (row, column) = (4 * (tile / 2), 4 * (tile % 2));
-                if symmetric && i == j && column < row {
-                    continue;
+            let mut products = Products { gradients, factors, pair: (i, j), symmetric, factor, tangent };
+            // Tiles of 4x4 nodes: the sums stay in registers. Then what is left on the rim.
+            let (tiles, whole) = (N / 4, N - N % 4);
+            for tile in 0..tiles * tiles {
+                products.tile::<4, 4>(4 * (tile / tiles), 4 * (tile % tiles));
+            }
+            for along in 0..tiles {
+                match N % 4 {
+                    1 => products.rim::<1>(4 * along, whole),
+                    2 => products.rim::<2>(4 * along, whole),
+                    3 => products.rim::<3>(4 * along, whole),
+                    _ => {}
                 }
-                let mut sum = product_tile(left, &factors[3 * i + j], row, column);
-                for r in &mut sum {
-                    for s in r {
-                        *s *= factor;
-                    }
-                }
-                for r in 0..4 {
-                    for c in 0..4 {
-                        tangent[(3 * (row + r) + i) * UNKNOWNS + 3 * (column + c) + j] = sum[r][c];
-                    }
-                }
-                if symmetric && (i != j || row != column) {
-                    for c in 0..4 {
-                        for r in 0..4 {
-                            tangent[(3 * (column + c) + j) * UNKNOWNS + 3 * (row + r) + i] = sum[r][c];
-                        }
-                    }
+            }
+            match N % 4 {
+                1 => products.tile::<1, 1>(whole, whole),
+                2 => products.tile::<2, 2>(whole, whole),
+                3 => products.tile::<3, 3>(whole, whole),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// The block `(i, j)` of the tangent while it is formed.
+struct Products<'a, const N: usize, const G: usize> {
+    gradients: &'a [Gradients<N>; G],
+    factors: &'a TangentFactors<N, G>,
+    pair: (usize, usize),
+    symmetric: bool,
+    factor: f64,
+    tangent: &'a mut LocalTangent<N>,
+}
+
+impl<const N: usize, const G: usize> Products<'_, N, G> {
+    #[inline]
+    fn rim<const R: usize>(&mut self, along: usize, whole: usize) {
+        self.tile::<4, R>(along, whole);
+        self.tile::<R, 4>(whole, along);
+    }
+
+    /// `R x C` nodes from `row` and `column`.
+    #[inline]
+    fn tile<const R: usize, const C: usize>(&mut self, row: usize, column: usize) {
+        let Self { gradients, factors, pair: (i, j), symmetric, factor, ref mut tangent } = *self;
+        if symmetric && i == j && column < row {
+            return;
+        }
+        let (left, right) = (gradients.as_flattened(), factors[3 * i + j].as_flattened());
+        let mut sum = product_tile::<N, R, C>(left, right, row, column);
+        for r in &mut sum {
+            for s in r {
+                *s *= factor;
+            }
+        }
+        for r in 0..R {
+            for c in 0..C {
+                tangent[row + r][i][column + c][j] = sum[r][c];
+            }
+        }
+        if symmetric && (i != j || row != column) {
+            for c in 0..C {
+                for r in 0..R {
+                    tangent[column + c][j][row + r][i] = sum[r][c];
                 }
             }
         }
     }
 }
 
-/// Gradients of all Gauss points as one 24 x 8 array.
+/// `sum_k a[k][row + r] b[k][column + c]`.
 #[inline]
-fn flatten(gradients: &[Gradients; GAUSS_POINTS]) -> &[[f64; NODES]; 3 * GAUSS_POINTS] {
-    match gradients.as_flattened().try_into() {
-        Ok(flat) => flat,
-        Err(_) => unreachable!("8 times 3 rows are 24 rows"),
-    }
-}
-
-/// `sum_k a[k][row + r] b[k][column + c]` for a 4x4 tile.
-#[inline]
-fn product_tile(
-    a: &[[f64; NODES]; 3 * GAUSS_POINTS],
-    b: &[[f64; NODES]; 3 * GAUSS_POINTS],
+fn product_tile<const N: usize, const R: usize, const C: usize>(
+    a: &[[f64; N]],
+    b: &[[f64; N]],
     row: usize,
     column: usize,
-) -> [[f64; 4]; 4] {
-    let mut sum = [[0.0; 4]; 4];
+) -> [[f64; C]; R] {
+    assert!(row + R <= N && column + C <= N);
+    let mut sum = [[0.0; C]; R];
     for (a, b) in a.iter().zip(b) {
-        let b: &[f64] = &b[column..column + 4];
-        let a: &[f64] = &a[row..row + 4];
-        for r in 0..4 {
-            for c in 0..4 {
+        let (a, b) = (&a[row..row + R], &b[column..column + C]);
+        for r in 0..R {
+            for c in 0..C {
                 sum[r][c] += a[r] * b[c];
             }
         }

@@ -1,4 +1,4 @@
-//! Element and body integrals of finite-strain solids (hex8, 2x2x2): energy, force, tangent, mass, momenta, loads.
+//! Element and body integrals of finite-strain solids of any cells: energy, force, tangent, mass, momenta, loads.
 //!
 //! A [`SolidBody`] is a mesh with a law. It evaluates, for a [`StressRule`], the internal force `F(q_n, q_np1)` and its
 //! derivative with respect to `q_np1`, and adds both to the caller's global arrays. The rules:
@@ -19,10 +19,11 @@
 //! Free of units: with lengths in L and stresses in P, forces are in P L^2 and energies in P L^3.
 //!
 //! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress rules at the Gauss
-//! points of one element), [`SolidBody`] (all elements, order, threads, scatter). To add an element type, add its kernel
-//! arrays and a body that owns them; the rules and the scatter do not depend on the number of nodes.
+//! points of one element), `block` (the elements of one kind, with the numbers of nodes and points as constants), [`SolidBody`] (all
+//! elements, order, threads, scatter). A new kind of cell is a line in `block::block` and one in `mass`.
 
 mod assembly;
+mod block;
 mod body;
 mod element;
 mod error;
@@ -34,11 +35,11 @@ mod recovery;
 mod viscous;
 
 pub use assembly::{TangentTarget, Workspace};
-pub use body::{InsideOut, SolidBody};
+pub use body::{InsideOut, SolidBody, SolidOptions};
 pub use element::{SolidStep, StressRule};
 pub use error::{Level, SolidError};
 pub use load::{
-    FacetTangent, FacetVectors, add_follower_pressure, dead_pressure, dead_traction, external_work, follower_pressure,
+    FollowerPressure, add_follower_pressure, dead_pressure, dead_traction, external_work, follower_pressure,
     surface_area,
 };
 pub use mass::{MassKind, MassMatrix};

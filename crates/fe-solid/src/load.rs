@@ -1,34 +1,32 @@
-//! Consistent nodal forces of surface loads on quad4 facets (formulation §3.3 (a) and (c)); 2x2 Gauss points.
+//! Consistent nodal forces of surface loads on facets of any kinds (formulation §3.3 (a) and (c)), with the rule of the facet.
 //!
-//! Facets are four global nodes, numbered so that `x_,xi x x_,eta` points out of the body. Functions add to the caller's
+//! Facets are global nodes, numbered so that `x_,xi x x_,eta` points out of the body. A surface may mix kinds. Functions add to the caller's
 //! arrays; nothing is stored. Not here: load tables, and loads of constant direction on the *current* area
-//! (§3.3 (b)). A new kind of load is a function that adds to `out` and, if it depends on the configuration, one that gives the 12x12
+//! (§3.3 (b)). A new kind of load is a function that adds to `out` and, if it depends on the configuration, one that gives the
 //! derivative.
 //!
 //! A load that follows the surface is evaluated by midpoint-type rules at `q_mid`; its tangent with respect to `q_np1`
 //! is then half of the one given here.
 
 use crate::SolidError;
-use stoss_reference_element::{quad4, quadrature::GAUSS_QUAD_2};
+use stoss_reference_element::{FaceGradient, FaceKind, FaceNodes, MAX_FACE_NODES};
 
-/// A vector at each corner of a facet.
-pub type FacetVectors = [[f64; 3]; 4];
-/// Derivative of [`FacetVectors`] by the corners' positions: row `3 I + i`, column `3 J + j`.
-pub type FacetTangent = [[f64; 12]; 12];
+/// A vector at each node of a facet, anything beyond its nodes.
+type FacetVectors = [[f64; 3]; MAX_FACE_NODES];
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Tangents `x_,xi` and `x_,eta`.
-fn tangents(corners: &FacetVectors, gradient: &[[f64; 2]; 4]) -> [[f64; 3]; 2] {
-    std::array::from_fn(|d| std::array::from_fn(|i| (0..4).map(|node| corners[node][i] * gradient[node][d]).sum()))
+fn tangents(places: &[[f64; 3]], gradient: &FaceGradient) -> [[f64; 3]; 2] {
+    std::array::from_fn(|d| std::array::from_fn(|i| places.iter().zip(gradient).map(|(x, g)| x[i] * g[d]).sum()))
 }
 
-/// Positions of a facet's corners, or an error if a node is beyond `positions`.
-fn corners(facet: &[u32; 4], positions: &[f64]) -> Result<FacetVectors, SolidError> {
-    let mut out = [[0.0; 3]; 4];
-    for (x, &node) in out.iter_mut().zip(facet) {
+/// Positions of a facet's nodes, or an error if a node is beyond `positions`.
+fn places(facet: &FaceNodes, positions: &[f64]) -> Result<FacetVectors, SolidError> {
+    let mut out = [[0.0; 3]; MAX_FACE_NODES];
+    for (x, &node) in out.iter_mut().zip(facet.iter()) {
         let at = 3 * node as usize;
         match positions.get(at..at + 3) {
             Some(p) => x.copy_from_slice(p),
@@ -45,39 +43,56 @@ fn corners(facet: &[u32; 4], positions: &[f64]) -> Result<FacetVectors, SolidErr
     Ok(out)
 }
 
-/// `int N_I dA` and `int N_I x_,xi x x_,eta dxi deta` of one facet.
-fn nodal_areas(corners: &FacetVectors) -> ([f64; 4], FacetVectors) {
-    let (mut area, mut vector) = ([0.0; 4], [[0.0; 3]; 4]);
-    for (xi, weight) in GAUSS_QUAD_2 {
-        let shape = quad4::shape(xi);
-        let [a1, a2] = tangents(corners, &quad4::shape_gradient(xi));
-        let n = cross(a1, a2);
-        let norm = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
-        for node in 0..4 {
-            area[node] += weight * shape[node] * norm;
-            for i in 0..3 {
-                vector[node][i] += weight * shape[node] * n[i];
+/// What a facet has at its nodes.
+struct Nodal {
+    /// `int N_I dA`.
+    areas: [f64; MAX_FACE_NODES],
+    /// `int N_I x_,xi x x_,eta dxi deta`.
+    vectors: FacetVectors,
+    /// `int dA`.
+    area: f64,
+}
+
+impl Nodal {
+    fn new(kind: FaceKind, places: &[[f64; 3]]) -> Self {
+        let mut out = Self { areas: [0.0; MAX_FACE_NODES], vectors: [[0.0; 3]; MAX_FACE_NODES], area: 0.0 };
+        for &(xi, weight) in kind.rule() {
+            let shape = kind.shape(xi);
+            let [a1, a2] = tangents(places, &kind.shape_gradient(xi));
+            let n = cross(a1, a2);
+            let norm = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+            for node in 0..places.len() {
+                out.areas[node] += weight * shape[node] * norm;
+                for i in 0..3 {
+                    out.vectors[node][i] += weight * shape[node] * n[i];
+                }
             }
         }
+        out.area = out.areas.iter().sum();
+        out
     }
-    (area, vector)
+
+    /// Of facet number `index` of a surface, or why it has none.
+    fn of_facet(index: usize, facet: &FaceNodes, positions: &[f64]) -> Result<Self, SolidError> {
+        let nodal = Self::new(facet.kind(), &places(facet, positions)?[..facet.len()]);
+        if nodal.area > 0.0 && nodal.area.is_finite() {
+            Ok(nodal)
+        } else {
+            Err(SolidError::DegenerateFacet { facet: index, area: nodal.area })
+        }
+    }
 }
 
 /// Adds what `nodal` gives for each facet of the reference surface.
 fn add_dead(
-    facets: &[[u32; 4]],
+    facets: &[FaceNodes],
     reference: &[f64],
     out: &mut [f64],
-    nodal: impl Fn(&[f64; 4], &FacetVectors) -> FacetVectors,
+    nodal: impl Fn(&Nodal) -> FacetVectors,
 ) -> Result<(), SolidError> {
     check_output(reference, out)?;
     for (index, facet) in facets.iter().enumerate() {
-        let (areas, vectors) = nodal_areas(&corners(facet, reference)?);
-        let area: f64 = areas.iter().sum();
-        if !(area > 0.0 && area.is_finite()) {
-            return Err(SolidError::DegenerateFacet { facet: index, area });
-        }
-        add_follower_pressure(facet, &nodal(&areas, &vectors), out);
+        add_follower_pressure(facet, &nodal(&Nodal::of_facet(index, facet, reference)?), out);
     }
     Ok(())
 }
@@ -98,14 +113,10 @@ fn check_output(reference: &[f64], out: &[f64]) -> Result<(), SolidError> {
 ///
 /// # Errors
 /// [`SolidError::Length`], [`SolidError::DegenerateFacet`].
-pub fn surface_area(facets: &[[u32; 4]], positions: &[f64]) -> Result<f64, SolidError> {
+pub fn surface_area(facets: &[FaceNodes], positions: &[f64]) -> Result<f64, SolidError> {
     let mut total = 0.0;
     for (index, facet) in facets.iter().enumerate() {
-        let area: f64 = nodal_areas(&corners(facet, positions)?).0.iter().sum();
-        if !(area > 0.0 && area.is_finite()) {
-            return Err(SolidError::DegenerateFacet { facet: index, area });
-        }
-        total += area;
+        total += Nodal::of_facet(index, facet, positions)?.area;
     }
     Ok(total)
 }
@@ -117,59 +128,100 @@ pub fn surface_area(facets: &[[u32; 4]], positions: &[f64]) -> Result<f64, Solid
 /// # Errors
 /// [`SolidError::Length`], [`SolidError::DegenerateFacet`].
 pub fn dead_traction(
-    facets: &[[u32; 4]],
+    facets: &[FaceNodes],
     reference: &[f64],
     traction: [f64; 3],
     out: &mut [f64],
 ) -> Result<(), SolidError> {
-    add_dead(facets, reference, out, |areas, _| areas.map(|area| traction.map(|t| area * t)))
+    add_dead(facets, reference, out, |nodal| nodal.areas.map(|area| traction.map(|t| area * t)))
 }
 
 /// Adds the nodal forces `-int N_I p N dA` of a dead pressure along the *reference* normal, positive towards the body.
 ///
 /// # Errors
 /// [`SolidError::Length`], [`SolidError::DegenerateFacet`].
-pub fn dead_pressure(facets: &[[u32; 4]], reference: &[f64], pressure: f64, out: &mut [f64]) -> Result<(), SolidError> {
-    add_dead(facets, reference, out, |_, vectors| vectors.map(|v| v.map(|x| -pressure * x)))
+pub fn dead_pressure(
+    facets: &[FaceNodes],
+    reference: &[f64],
+    pressure: f64,
+    out: &mut [f64],
+) -> Result<(), SolidError> {
+    add_dead(facets, reference, out, |nodal| nodal.vectors.map(|v| v.map(|x| -pressure * x)))
 }
 
-/// Nodal forces of a follower pressure on one facet at the current corners, and their derivative by the corners
+/// Nodal forces of a follower pressure on one facet and their derivative, see [`follower_pressure`].
+#[derive(Clone, Copy, Debug)]
+pub struct FollowerPressure {
+    nodes: usize,
+    force: FacetVectors,
+    /// Row-major, as many rows as three times the nodes.
+    tangent: [f64; 9 * MAX_FACE_NODES * MAX_FACE_NODES],
+}
+
+impl FollowerPressure {
+    /// The force at each node.
+    pub fn force(&self) -> &[[f64; 3]] {
+        &self.force[..self.nodes]
+    }
+
+    /// Derivative by the nodes' positions: `9 n^2` numbers, row by row; row `3 I + i`, column `3 J + j`.
+    pub fn tangent(&self) -> &[f64] {
+        &self.tangent[..9 * self.nodes * self.nodes]
+    }
+
+    /// The same, to be scaled.
+    pub fn tangent_mut(&mut self) -> &mut [f64] {
+        &mut self.tangent[..9 * self.nodes * self.nodes]
+    }
+}
+
+/// Nodal forces of a follower pressure on one facet at the current positions of its nodes (as many as the kind has), and their derivative
 /// (unsymmetric in general), §3.3 (c):
 /// `f_I = -p int N_I (x_,xi x x_,eta)`, `df_I/dx_J = -p int N_I (N_J,eta [x_,xi] - N_J,xi [x_,eta])`, `[a] b = a x b`.
 ///
-/// Positive pressure pushes against the outward normal. The 2x2 rule is exact here.
-pub fn follower_pressure(corners: &FacetVectors, pressure: f64) -> (FacetVectors, FacetTangent) {
-    let mut force = [[0.0; 3]; 4];
-    let mut tangent = [[0.0; 12]; 12];
-    for (xi, weight) in GAUSS_QUAD_2 {
-        let shape = quad4::shape(xi);
-        let gradient = quad4::shape_gradient(xi);
-        let [a1, a2] = tangents(corners, &gradient);
+/// Positive pressure pushes against the outward normal. The rule of the facet is exact here for linear facets, for triangles with straight edges
+/// and for parallelograms; on others the derivative is that of the force as computed.
+///
+/// # Panics
+/// If the number of positions is not that of the kind; this is a programming error.
+pub fn follower_pressure(kind: FaceKind, places: &[[f64; 3]], pressure: f64) -> FollowerPressure {
+    let nodes = kind.node_count();
+    assert_eq!(places.len(), nodes, "positions of {kind}");
+    let mut out = FollowerPressure {
+        nodes,
+        force: [[0.0; 3]; MAX_FACE_NODES],
+        tangent: [0.0; 9 * MAX_FACE_NODES * MAX_FACE_NODES],
+    };
+    let row = 3 * nodes;
+    for &(xi, weight) in kind.rule() {
+        let shape = kind.shape(xi);
+        let gradient = kind.shape_gradient(xi);
+        let [a1, a2] = tangents(places, &gradient);
         let n = cross(a1, a2);
-        for node in 0..4 {
+        for node in 0..nodes {
             let scale = -pressure * weight * shape[node];
             for i in 0..3 {
-                force[node][i] += scale * n[i];
+                out.force[node][i] += scale * n[i];
             }
-            for other in 0..4 {
+            for other in 0..nodes {
                 // The axial vector of the (skew) block.
                 let w: [f64; 3] =
                     std::array::from_fn(|i| scale * (gradient[other][1] * a1[i] - gradient[other][0] * a2[i]));
-                let (r, c) = (3 * node, 3 * other);
-                tangent[r][c + 1] -= w[2];
-                tangent[r][c + 2] += w[1];
-                tangent[r + 1][c] += w[2];
-                tangent[r + 1][c + 2] -= w[0];
-                tangent[r + 2][c] -= w[1];
-                tangent[r + 2][c + 1] += w[0];
+                let at = 3 * node * row + 3 * other;
+                out.tangent[at + 1] -= w[2];
+                out.tangent[at + 2] += w[1];
+                out.tangent[at + row] += w[2];
+                out.tangent[at + row + 2] -= w[0];
+                out.tangent[at + 2 * row] -= w[1];
+                out.tangent[at + 2 * row + 1] += w[0];
             }
         }
     }
-    (force, tangent)
+    out
 }
 
-/// Adds the corner forces of one facet to the forces of the model. The facet's nodes must be inside `out`.
-pub fn add_follower_pressure(facet: &[u32; 4], force: &FacetVectors, out: &mut [f64]) {
+/// Adds the nodal forces of one facet to the forces of the model. The facet's nodes must be inside `out`.
+pub fn add_follower_pressure(facet: &FaceNodes, force: &[[f64; 3]], out: &mut [f64]) {
     for (&node, f) in facet.iter().zip(force) {
         let at = 3 * node as usize;
         for (o, f) in out[at..at + 3].iter_mut().zip(f) {

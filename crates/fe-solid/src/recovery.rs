@@ -1,12 +1,8 @@
 //! Stresses and strains for output: at Gauss points, and extrapolated to nodes. Not used by any force.
 
-use crate::{
-    Level, SolidBody, SolidError,
-    element::{Failure, FailureKind, strain},
-    kernel::{GAUSS_POINTS, NODES},
-};
+use crate::{SolidBody, SolidError, block::PointStrain, element::FailureKind};
 use stoss_continuum::{ConstitutiveError, SymmetricTensor2, Tensor2};
-use stoss_reference_element::hex8;
+use stoss_reference_element::{CellKind, Rule};
 
 /// State of one Gauss point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,19 +28,33 @@ pub fn von_mises(stress: &[f64; 6]) -> f64 {
 }
 
 impl SolidBody {
-    /// The state at the Gauss points of every element, in the order of the quadrature rule, at positions `q` of the model.
+    /// The state at the Gauss points of each element, in the order of its quadrature rule, at positions `q` of the model.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
-    pub fn gauss_point_state(&self, q: &[f64]) -> Result<Vec<[GaussPointState; GAUSS_POINTS]>, SolidError> {
+    pub fn gauss_point_state(&self, q: &[f64]) -> Result<Vec<Vec<GaussPointState>>, SolidError> {
         self.check_length("the positions", q)?;
-        (0..self.element_count())
-            .map(|element| self.element_state(element, q).map_err(|failure| self.error(element, failure)))
-            .collect()
+        let mut out = Vec::with_capacity(self.element_count());
+        self.for_each_block(|block, cells| {
+            for element in 0..cells.len() {
+                let mut states = Vec::with_capacity(block.rule().len());
+                block
+                    .visit_points(cells.nodes(), element, q, &mut |point| {
+                        states.push(self.point_state(&point)?);
+                        Ok(())
+                    })
+                    .map_err(|failure| (element, failure))?;
+                out.push(states);
+            }
+            Ok(())
+        })?;
+        Ok(out)
     }
 
-    /// Cauchy stress at the body's nodes: the trilinear function through the Gauss points of each element, evaluated at
-    /// its nodes, then the mean over the elements at a node, weighted by their reference volumes. `out` has one entry for
+    /// Cauchy stress at the body's nodes: the function through the Gauss points of each element, evaluated at
+    /// its nodes, then the mean over the elements at a node, weighted by their reference volumes. The function is that of the linear cell with the same
+    /// corners (trilinear in a hexahedron) which fits the points best, with the weights of the rule: through all of them in hex8 and wedge6; the mean if there
+    /// are fewer points than corners. `out` has one entry for
     /// each node of the body (order 11, 22, 33, 12, 23, 13) and is overwritten; nodes without element get zero.
     ///
     /// # Errors
@@ -97,33 +107,33 @@ impl SolidBody {
                 expected: self.node_count(),
             });
         }
-        // Gauss points are the nodes of a hexahedron of half edge 1/sqrt(3), in the same order.
-        let extrapolation: [[f64; GAUSS_POINTS]; NODES] =
-            std::array::from_fn(|node| hex8::shape(hex8::VERTICES[node].map(|xi| xi * 3f64.sqrt())));
         out.fill([0.0; N]);
         let mut volumes = vec![0.0; out.len()];
-        for (element, nodes) in self.connectivity().iter().enumerate() {
-            let integration = self.integration(element);
-            let q = self.gather(element, q);
-            let mut values = [[0.0; N]; GAUSS_POINTS];
-            for (g, at_point) in values.iter_mut().enumerate() {
-                let of_point = strain(&q, integration, g, Level::End).and_then(|(f, c)| {
-                    let failure = |e| Failure { gauss_point: g, kind: FailureKind::Constitutive(e) };
-                    value(&Tensor2::from_fn(|i, a| f[i][a]), &c).map_err(failure)
-                });
-                *at_point = of_point.map_err(|failure| self.error(element, failure))?;
-            }
-            let volume: f64 = integration.weights.iter().sum();
-            for (&node, weights) in nodes.iter().zip(&extrapolation) {
-                let local = (node - self.node_offset()) as usize;
-                volumes[local] += volume;
-                for (weight, values) in weights.iter().zip(&values) {
-                    for (out, value) in out[local].iter_mut().zip(values) {
-                        *out += volume * weight * value;
+        self.for_each_block(|block, cells| {
+            let extrapolation = extrapolation(cells.kind(), block.rule());
+            let points = block.rule().len();
+            let mut values = vec![[0.0; N]; points];
+            for (element, nodes) in cells.iter().enumerate() {
+                block
+                    .visit_points(cells.nodes(), element, q, &mut |point| {
+                        let f = Tensor2::from_fn(|i, a| point.deformation_gradient[i][a]);
+                        values[point.gauss_point] = value(&f, &point.right_cauchy_green)?;
+                        Ok(())
+                    })
+                    .map_err(|failure| (element, failure))?;
+                let volume = block.element_volume(element);
+                for (&node, weights) in nodes.iter().zip(extrapolation.chunks_exact(points)) {
+                    let local = (node - self.node_offset()) as usize;
+                    volumes[local] += volume;
+                    for (weight, values) in weights.iter().zip(&values) {
+                        for (out, value) in out[local].iter_mut().zip(values) {
+                            *out += volume * weight * value;
+                        }
                     }
                 }
             }
-        }
+            Ok(())
+        })?;
         for (values, volume) in out.iter_mut().zip(&volumes) {
             if *volume > 0.0 {
                 for value in values {
@@ -134,24 +144,67 @@ impl SolidBody {
         Ok(())
     }
 
-    fn element_state(&self, element: usize, q: &[f64]) -> Result<[GaussPointState; GAUSS_POINTS], Failure> {
-        let integration = self.integration(element);
-        let q = self.gather(element, q);
-        let mut out =
-            [GaussPointState { deformation_gradient: [[0.0; 3]; 3], cauchy: [0.0; 6], energy: 0.0, volume: 0.0 };
-                GAUSS_POINTS];
-        for (g, state) in out.iter_mut().enumerate() {
-            let (f, c) = strain(&q, integration, g, Level::End)?;
-            let failure = |e| Failure { gauss_point: g, kind: FailureKind::Constitutive(e) };
-            let s = self.law().stress(&c).map_err(failure)?;
-            let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s);
-            *state = GaussPointState {
-                deformation_gradient: f,
-                cauchy: cauchy.to_voigt(),
-                energy: self.law().energy(&c).map_err(failure)?,
-                volume: integration.weights[g],
-            };
+    fn point_state(&self, point: &PointStrain) -> Result<GaussPointState, FailureKind> {
+        let (f, c) = (point.deformation_gradient, point.right_cauchy_green);
+        let s = self.law().stress(&c)?;
+        let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s);
+        Ok(GaussPointState {
+            deformation_gradient: f,
+            cauchy: cauchy.to_voigt(),
+            energy: self.law().energy(&c)?,
+            volume: point.volume,
+        })
+    }
+}
+
+/// The values at a cell's nodes of the function of its linear cell that fits values at the points of a rule best in the sum of squares with the weights of
+/// the rule: a row for each node, a column for each point. The mean if there are fewer points than corners.
+fn extrapolation(kind: CellKind, rule: Rule) -> Vec<f64> {
+    let (table, linear) = (kind.table(), kind.table().linear.table());
+    let corners = table.corners;
+    if rule.len() < corners {
+        let total: f64 = rule.iter().map(|(_, weight)| weight).sum();
+        return table.nodes.iter().flat_map(|_| rule.iter().map(|(_, weight)| weight / total)).collect();
+    }
+    // E = N(nodes) (sum w N N^T)^-1 N(points)^T w
+    let shapes: Vec<_> = rule.iter().map(|&(xi, _)| (linear.shape)(xi)).collect();
+    let mut matrix = vec![0.0; corners * corners];
+    let mut columns = vec![0.0; corners * rule.len()];
+    for (g, (shape, &(_, weight))) in shapes.iter().zip(rule).enumerate() {
+        for i in 0..corners {
+            columns[i * rule.len() + g] = weight * shape[i];
+            for j in 0..corners {
+                matrix[i * corners + j] += weight * shape[i] * shape[j];
+            }
         }
-        Ok(out)
+    }
+    eliminate(&mut matrix, &mut columns, corners);
+    let mut out = Vec::with_capacity(table.nodes.len() * rule.len());
+    for &xi in table.nodes {
+        let shape = (linear.shape)(xi);
+        out.extend((0..rule.len()).map(|g| (0..corners).map(|i| shape[i] * columns[i * rule.len() + g]).sum::<f64>()));
+    }
+    out
+}
+
+/// Solves with a symmetric positive definite matrix of `n` rows, in place.
+fn eliminate(matrix: &mut [f64], columns: &mut [f64], n: usize) {
+    let m = columns.len() / n;
+    for k in 0..n {
+        let pivot = matrix[k * n + k];
+        for i in (0..n).filter(|&i| i != k) {
+            let factor = matrix[i * n + k] / pivot;
+            for j in k..n {
+                matrix[i * n + j] -= factor * matrix[k * n + j];
+            }
+            for j in 0..m {
+                columns[i * m + j] -= factor * columns[k * m + j];
+            }
+        }
+    }
+    for i in 0..n {
+        for j in 0..m {
+            columns[i * m + j] /= matrix[i * n + i];
+        }
     }
 }

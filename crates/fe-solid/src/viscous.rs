@@ -7,9 +7,10 @@
 
 use crate::{
     SolidBody, SolidError, TangentTarget, Workspace,
-    assembly::{self, ElementEvaluator},
+    assembly::{Additions, ElementEvaluator},
+    block::{self, Block},
     element::Failure,
-    kernel::{self, GAUSS_POINTS, LocalTangent, Matrix3, NODES, NodalVectors, TangentFactors, VOIGT},
+    kernel::{self, LocalTangent, Matrix3, NodalVectors, TangentFactors, VOIGT},
 };
 
 /// Where and how fast the viscous stress acts. Vectors of the model, node-major, `3 * nodes` entries.
@@ -43,39 +44,51 @@ impl SolidBody {
         self.check_length("the positions", rate.q)?;
         self.check_length("the velocities", rate.v)?;
         let moduli = self.law().small_strain_moduli();
-        let evaluator = Viscous {
-            body: self,
+        let viscosity = Viscosity {
             rate,
             moduli: [rate.factor * moduli.lame_lambda(), rate.factor * moduli.shear],
             factor: tangent.as_ref().map_or(1.0, |target| target.factor),
         };
-        assembly::assemble(self.connectivity(), &evaluator, 1.0, force, tangent, workspace)
-            .map_err(|(element, failure)| self.error(element, failure))
+        let mut tangent = tangent;
+        self.for_each_block(|block, cells| {
+            let first = cells.first() as usize;
+            let to = Additions { first, force_weight: 1.0, force, target: &mut tangent, workspace };
+            block.add_viscous_force(cells.nodes(), viscosity, to)
+        })
     }
 }
 
-/// A body under its viscous stress, as the loop over elements sees it.
-struct Viscous<'a> {
-    body: &'a SolidBody,
-    rate: ViscousRate<'a>,
+/// The law of the viscous stress and the motion it acts on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Viscosity<'a> {
+    pub rate: ViscousRate<'a>,
     /// `b` times Lamé's constants.
-    moduli: [f64; 2],
-    factor: f64,
+    pub moduli: [f64; 2],
+    /// Of the tangent.
+    pub factor: f64,
 }
 
-impl ElementEvaluator for Viscous<'_> {
+/// A block under its viscous stress, as the loop over elements sees it.
+pub(crate) struct ViscousBlock<'a, const N: usize, const G: usize> {
+    pub block: &'a Block<N, G>,
+    pub nodes: &'a [[u32; N]],
+    pub viscosity: Viscosity<'a>,
+}
+
+impl<const N: usize, const G: usize> ElementEvaluator<N, G> for ViscousBlock<'_, N, G> {
     fn evaluate(
         &self,
         element: usize,
-        force: &mut NodalVectors,
-        tangent: Option<(&mut LocalTangent, &mut TangentFactors)>,
+        force: &mut NodalVectors<N>,
+        tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
     ) -> Result<(), Failure> {
-        let Self { body, rate, moduli: [lambda, shear], factor } = *self;
-        let integration = body.integration(element);
-        let (q, v) = (body.gather(element, rate.q), body.gather(element, rate.v));
+        let Viscosity { rate, moduli: [lambda, shear], factor } = self.viscosity;
+        let integration = self.block.integration(element);
+        let nodes = &self.nodes[element];
+        let (q, v) = (block::gather(nodes, rate.q), block::gather(nodes, rate.v));
         let mut tangent = tangent;
-        *force = [[0.0; NODES]; 3];
-        for g in 0..GAUSS_POINTS {
+        *force = [[0.0; N]; 3];
+        for g in 0..G {
             let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
             let f = kernel::deformation_gradient(&q, gradients);
             let l = kernel::deformation_gradient(&v, gradients);

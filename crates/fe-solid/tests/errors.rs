@@ -4,17 +4,19 @@ use common::*;
 use std::sync::Arc;
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
 use stoss_fe_solid::{Level, SolidBody, SolidError, SolidStep, StressRule};
-use stoss_mesh::{Mesh, generate::Block};
+use stoss_mesh::{Elements, Mesh, generate::Block};
+use stoss_reference_element::CellKind;
 
 #[test]
 fn inverted_element_is_found_by_the_sign_of_det_f() {
     // Three separate cubes in one mesh; the second is mirrored, so det F = -1 while C = 1.
     let cube = Block::new([0.0; 3], [1.0; 3], [1, 1, 1]).generate().unwrap();
     let mut nodes = Vec::new();
-    let mut elements = Vec::new();
+    let mut elements = Elements::new();
     for k in 0..3 {
         nodes.extend(cube.nodes.iter().map(|x| [x[0] + 2.0 * k as f64, x[1], x[2]]));
-        elements.push(cube.elements[0].map(|n| n + 8 * k));
+        let nodes: Vec<u32> = cube.elements[0].iter().map(|n| n + 8 * k).collect();
+        elements.push(CellKind::Hex8, &nodes);
     }
     let mesh = Mesh::new(nodes, elements).unwrap();
     let x = positions(&mesh);
@@ -138,11 +140,11 @@ fn bad_meshes_and_arrays_are_errors() {
         SolidBody::new("box", &dangling, 0, law.clone()).unwrap_err(),
         SolidError::NoSuchNode { body: "box".into(), element: 0, node: 8, count: 8 }
     );
-    let empty = Mesh { elements: Vec::new(), ..cube.clone() };
+    let empty = Mesh { elements: Elements::new(), ..cube.clone() };
     assert_eq!(SolidBody::new("box", &empty, 0, law.clone()).unwrap_err(), SolidError::Empty { body: "box".into() });
 
     let body = SolidBody::new("box", &cube, 2, law.clone()).unwrap();
-    assert_eq!(body.connectivity()[0], cube.elements[0].map(|n| n + 2));
+    assert!(body.elements()[0].iter().eq(cube.elements[0].iter().map(|n| n + 2).collect::<Vec<_>>().iter()));
     assert!(matches!(body.strain_energy(&[0.0; 24]), Err(SolidError::Length { found: 24, expected: 30, .. })));
     let q: Vec<f64> = [0.0; 6].into_iter().chain(positions(&cube)).collect();
     assert_eq!(body.strain_energy(&q).map(|w| w.abs() < 1e-12), Ok(true));

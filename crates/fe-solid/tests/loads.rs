@@ -4,25 +4,30 @@ use common::*;
 use proptest::prelude::*;
 use stoss_fe_solid::*;
 use stoss_mesh::{BOUNDARY, generate::Block};
+use stoss_reference_element::{FaceKind, FaceNodes};
 
-fn boundary(mesh: &stoss_mesh::Mesh) -> Vec<[u32; 4]> {
+fn boundary(mesh: &stoss_mesh::Mesh) -> Vec<FaceNodes> {
     mesh.facets_of(BOUNDARY).unwrap().iter().map(|f| f.nodes).collect()
 }
 
-fn corners(facet: &[u32; 4], q: &[f64]) -> FacetVectors {
-    facet.map(|n| std::array::from_fn(|i| q[3 * n as usize + i]))
+fn corners(facet: &FaceNodes, q: &[f64]) -> Vec<[f64; 3]> {
+    facet.iter().map(|&n| std::array::from_fn(|i| q[3 * n as usize + i])).collect()
 }
 
-fn follower(facets: &[[u32; 4]], q: &[f64], pressure: f64) -> Vec<f64> {
+fn of_facet(facet: &FaceNodes, q: &[f64], pressure: f64) -> FollowerPressure {
+    follower_pressure(facet.kind(), &corners(facet, q), pressure)
+}
+
+fn follower(facets: &[FaceNodes], q: &[f64], pressure: f64) -> Vec<f64> {
     let mut out = vec![0.0; q.len()];
     for facet in facets {
-        add_follower_pressure(facet, &follower_pressure(&corners(facet, q), pressure).0, &mut out);
+        add_follower_pressure(facet, of_facet(facet, q, pressure).force(), &mut out);
     }
     out
 }
 
 /// Enclosed volume by the divergence theorem with a 3x3 rule, not by elements: `1/3 int x . (x_,xi x x_,eta)`.
-fn enclosed_volume(facets: &[[u32; 4]], q: &[f64]) -> f64 {
+fn enclosed_volume(facets: &[FaceNodes], q: &[f64]) -> f64 {
     let line = [(-(0.6f64.sqrt()), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6f64.sqrt(), 5.0 / 9.0)];
     let mut volume = 0.0;
     for facet in facets {
@@ -75,14 +80,53 @@ proptest! {
 
     #[test]
     fn follower_tangent_matches_differences(seed in any::<u64>(), pressure in -5.0..5.0f64) {
-        let mut random = Random(seed);
-        let x = random.perturbed(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0], 0.3);
-        let facet = [0, 1, 2, 3];
-        let (_, tangent) = follower_pressure(&corners(&facet, &x), pressure);
-        for j in 0..12 {
-            let column = derivative(&x, j, 1e-2, |x| follower(&[facet], x, pressure));
-            for i in 0..12 {
-                prop_assert!((tangent[i][j] - column[i]).abs() < 1e-11);
+        for kind in FaceKind::ALL {
+            let flat: Vec<f64> = kind.nodes().iter().flat_map(|x| [x[0], x[1], 0.0]).collect();
+            let x = Random(seed).perturbed(&flat, 0.2);
+            let facet = FaceNodes::from_fn(kind, |k| k as u32);
+            let found = of_facet(&facet, &x, pressure);
+            for j in 0..x.len() {
+                let column = derivative(&x, j, 1e-2, |x| follower(&[facet], x, pressure));
+                for i in 0..x.len() {
+                    prop_assert!((found.tangent()[x.len() * i + j] - column[i]).abs() < 1e-11, "{}", kind);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn uniform_pressure_on_quadratic_facets_is_not_shared_equally() {
+    // Of the total on corners, edges, centre: tri6 0 and 1/3, quad8 -1/12 and 1/3, quad9 1/36, 1/9 and 4/9.
+    for (kind, shares) in [
+        (FaceKind::Tri3, [1.0 / 3.0, 0.0, 0.0]),
+        (FaceKind::Quad4, [0.25, 0.0, 0.0]),
+        (FaceKind::Tri6, [0.0, 1.0 / 3.0, 0.0]),
+        (FaceKind::Quad8, [-1.0 / 12.0, 1.0 / 3.0, 0.0]),
+        (FaceKind::Quad9, [1.0 / 36.0, 1.0 / 9.0, 4.0 / 9.0]),
+    ] {
+        // A parallelogram, or half of one.
+        let x: Vec<f64> = kind.nodes().iter().flat_map(|x| [2.0 * x[0] + 0.3 * x[1], x[1], 0.0]).collect();
+        let facet = FaceNodes::from_fn(kind, |k| k as u32);
+        let area = surface_area(&[facet], &x).unwrap();
+        let (mut dead, mut traction) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        dead_pressure(&[facet], &x, -1.0, &mut dead).unwrap();
+        dead_traction(&[facet], &x, [0.0, 0.0, 1.0], &mut traction).unwrap();
+        for force in [dead, traction, follower(&[facet], &x, -1.0)] {
+            for node in 0..kind.node_count() {
+                let corners = kind.corner_count();
+                let share = shares[if node < corners {
+                    0
+                } else if node < 2 * corners {
+                    1
+                } else {
+                    2
+                }];
+                assert!(
+                    (force[3 * node + 2] - share * area).abs() < 1e-14 * area,
+                    "{kind} {node}: {}",
+                    force[3 * node + 2] / area
+                );
             }
         }
     }
@@ -92,7 +136,7 @@ proptest! {
 fn loads_on_the_top_of_a_box() {
     let mesh = Block::new([0.0; 3], [2.0, 3.0, 1.0], [2, 3, 1]).generate().unwrap();
     let x = positions(&mesh);
-    let top: Vec<[u32; 4]> =
+    let top: Vec<FaceNodes> =
         boundary(&mesh).into_iter().filter(|f| f.iter().all(|&n| mesh.nodes[n as usize][2] == 1.0)).collect();
     assert!((surface_area(&top, &x).unwrap() - 6.0).abs() < 1e-13);
     let traction = [1.0, -2.0, 0.5];
@@ -121,14 +165,14 @@ fn loads_on_the_top_of_a_box() {
 fn bad_surfaces_are_errors() {
     let flat = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let mut out = [0.0; 12];
-    let facets = [[0, 1, 2, 3]];
+    let facets = [[0, 1, 2, 3].into()];
     assert_eq!(
         dead_traction(&facets, &flat, [1.0; 3], &mut out),
         Err(SolidError::DegenerateFacet { facet: 0, area: 0.0 })
     );
     assert!(matches!(surface_area(&facets, &flat), Err(SolidError::DegenerateFacet { facet: 0, .. })));
     assert!(matches!(
-        dead_pressure(&[[0, 1, 2, 4]], &flat, 1.0, &mut out),
+        dead_pressure(&[[0, 1, 2, 4].into()], &flat, 1.0, &mut out),
         Err(SolidError::Length { expected: 15, .. })
     ));
     assert!(matches!(dead_pressure(&facets, &flat, 1.0, &mut out[..9]), Err(SolidError::Length { found: 9, .. })));

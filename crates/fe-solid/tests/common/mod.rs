@@ -1,12 +1,14 @@
 //! Bodies, random configurations and dense assembly for the tests of this crate.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{SolidBody, SolidError, SolidStep, TangentTarget, Workspace};
+use stoss_fe_solid::{SolidBody, SolidError, SolidOptions, SolidStep, TangentTarget, Workspace};
 use stoss_linalg::{ScatterMap, SparsityPattern};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
-use stoss_mesh::{Mesh, generate::Block};
+use stoss_mesh::{Elements, Mesh, generate::Block};
+use stoss_reference_element::{CellKind, Family, Integration};
 
 /// A small generator (splitmix64), so that a test's state follows from one seed.
 pub struct Random(pub u64);
@@ -72,7 +74,7 @@ pub fn force(body: &SolidBody, step: SolidStep<'_>) -> Result<Vec<f64>, SolidErr
 /// Pattern and scatter map of a body all of whose components are unknowns.
 pub fn pattern(body: &SolidBody, unknowns: usize) -> (SparsityPattern, ScatterMap) {
     let stencils: Vec<Vec<u32>> = body
-        .connectivity()
+        .elements()
         .iter()
         .map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect())
         .collect();
@@ -143,4 +145,79 @@ pub fn laws() -> Vec<Arc<dyn HyperelasticLaw>> {
         Arc::new(MooneyRivlin::new(176051.0, 4332.63, 2.0e6).unwrap()),
         Arc::new(Ogden::new(&[6300.0, 12.0, -100.0], &[1.3, 5.0, -2.0], 2000.0, 9.0).unwrap()),
     ]
+}
+
+/// Every cell with each of its rules.
+pub const CASES: [(CellKind, Integration); 9] = [
+    (CellKind::Hex8, Integration::Full),
+    (CellKind::Hex20, Integration::Full),
+    (CellKind::Hex20, Integration::Reduced),
+    (CellKind::Hex27, Integration::Full),
+    (CellKind::Tet4, Integration::Full),
+    (CellKind::Tet10, Integration::Full),
+    (CellKind::Tet10, Integration::Reduced),
+    (CellKind::Wedge6, Integration::Full),
+    (CellKind::Wedge15, Integration::Full),
+];
+
+/// How the cells of a family fill a cube: corners as numbers whose bits are the coordinates.
+fn in_a_cube(family: Family) -> &'static [&'static [usize]] {
+    match family {
+        Family::Hexahedron => &[&[0, 1, 3, 2, 4, 5, 7, 6]],
+        Family::Wedge => &[&[0, 1, 3, 4, 5, 7], &[0, 3, 2, 4, 7, 6]],
+        Family::Tetrahedron => {
+            &[&[0, 1, 3, 7], &[0, 3, 2, 7], &[0, 2, 6, 7], &[0, 6, 4, 7], &[0, 4, 5, 7], &[0, 5, 1, 7]]
+        }
+    }
+}
+
+/// A block of unit cubes filled with cells of these kinds in turn. Corners are moved at random by up to `straight` (edges stay straight), then all nodes by
+/// up to `curved`.
+pub fn cells(kinds: &[CellKind], divisions: [usize; 3], straight: f64, curved: f64, seed: u64) -> Mesh {
+    let mut random = Random(seed);
+    let mut shifts: BTreeMap<[i64; 3], [f64; 3]> = BTreeMap::new();
+    let mut numbers: BTreeMap<[i64; 3], u32> = BTreeMap::new();
+    let (mut nodes, mut elements) = (Vec::new(), Elements::new());
+    let cubes = divisions.iter().product::<usize>();
+    for cube in 0..cubes {
+        let at = [cube % divisions[0], cube / divisions[0] % divisions[1], cube / divisions[0] / divisions[1]];
+        let kind = kinds[cube % kinds.len()];
+        let (table, linear) = (kind.table(), kind.table().linear.table());
+        for corners in in_a_cube(table.family) {
+            let corners: Vec<[f64; 3]> =
+                corners.iter().map(|bits| std::array::from_fn(|i| (at[i] + (bits >> i & 1)) as f64)).collect();
+            let mut shift = |x: &[f64; 3]| {
+                *shifts.entry(x.map(|x| x as i64)).or_insert_with(|| std::array::from_fn(|_| straight * random.next()))
+            };
+            let moved: Vec<[f64; 3]> = corners
+                .iter()
+                .map(|x| {
+                    let s = shift(x);
+                    std::array::from_fn(|i| x[i] + s[i])
+                })
+                .collect();
+            let element: Vec<u32> = table
+                .nodes
+                .iter()
+                .map(|&xi| {
+                    let shape = (linear.shape)(xi);
+                    let place = |corners: &[[f64; 3]]| -> [f64; 3] {
+                        std::array::from_fn(|i| corners.iter().zip(shape).map(|(x, n)| n * x[i]).sum())
+                    };
+                    let key = place(&corners).map(|x| (2.0 * x).round() as i64);
+                    *numbers.entry(key).or_insert_with(|| {
+                        nodes.push(place(&moved).map(|x| x + curved * random.next()));
+                        nodes.len() as u32 - 1
+                    })
+                })
+                .collect();
+            elements.push(kind, &element);
+        }
+    }
+    Mesh::new(nodes, elements).unwrap()
+}
+
+pub fn body_with(mesh: &Mesh, law: &Arc<dyn HyperelasticLaw>, integration: Integration) -> SolidBody {
+    SolidBody::with_options("body", mesh, 0, law.clone(), SolidOptions { integration, ..SolidOptions::default() })
+        .unwrap()
 }

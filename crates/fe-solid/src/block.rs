@@ -1,0 +1,323 @@
+//! The elements of one kind in a body: their reference integrals, and what the body asks of them. The numbers of nodes and points are constants
+//! inside of [`Block`] and unknown outside of [`Cells`], which is called once a block.
+
+use crate::{
+    Level, SolidStep, StressRule,
+    assembly::{self, Additions, ElementEvaluator},
+    element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
+    kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    viscous::{Viscosity, ViscousBlock},
+};
+use rayon::prelude::*;
+use stoss_continuum::{HyperelasticLaw, SymmetricTensor2};
+use stoss_mesh::CellBlock;
+use stoss_reference_element::{CellKind, Integration, Rule};
+
+/// Elements that one thread takes at once in sums over the body; fixed, because it fixes the order of the sum.
+const CHUNK: usize = 64;
+
+/// An element of the block and what is wrong with it.
+pub(crate) type ElementFailure = (usize, Failure);
+
+/// Why a block cannot be made.
+pub(crate) enum Refused {
+    /// `det dX/dxi` of an element at a Gauss point.
+    Inverted { element: usize, gauss_point: usize, determinant: f64 },
+    /// The kind has no such rule.
+    NoRule,
+}
+
+/// Strain and place of a Gauss point.
+pub(crate) struct PointStrain {
+    pub gauss_point: usize,
+    pub deformation_gradient: Matrix3,
+    pub right_cauchy_green: SymmetricTensor2,
+    pub volume: f64,
+}
+
+/// What a body asks of a block. `nodes` are the global nodes of all its elements; elements are counted in the block.
+pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
+    fn boxed(&self) -> Box<dyn Cells>;
+    fn rule(&self) -> Rule;
+    fn memory_bytes(&self) -> usize;
+    /// Adds the volumes of all Gauss points, one after the other.
+    fn add_volume(&self, total: &mut f64);
+    fn element_volume(&self, element: usize) -> f64;
+    fn begin_step(&mut self, law: &dyn HyperelasticLaw, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure>;
+    /// Forgets what [`Cells::begin_step`] kept.
+    fn end_step(&mut self);
+    fn has_begun(&self) -> bool;
+    fn assemble(
+        &self,
+        law: &dyn HyperelasticLaw,
+        nodes: &[u32],
+        step: SolidStep<'_>,
+        to: Additions<'_, '_>,
+    ) -> Result<(), ElementFailure>;
+    fn add_viscous_force(
+        &self,
+        nodes: &[u32],
+        viscosity: Viscosity<'_>,
+        to: Additions<'_, '_>,
+    ) -> Result<(), ElementFailure>;
+    /// Adds the energies of all elements, one after the other.
+    fn add_energy(
+        &self,
+        law: &dyn HyperelasticLaw,
+        nodes: &[u32],
+        q: &[f64],
+        total: &mut f64,
+    ) -> Result<(), ElementFailure>;
+    /// The strains at the Gauss points of an element.
+    fn visit_points(
+        &self,
+        nodes: &[u32],
+        element: usize,
+        q: &[f64],
+        visit: &mut dyn FnMut(PointStrain) -> Result<(), FailureKind>,
+    ) -> Result<(), Failure>;
+    /// The node of an element with the smallest `det dx/dxi`, and that determinant (the last one that is not a number, if there is one).
+    fn worst_node(&self, nodes: &[u32], element: usize, q: &[f64]) -> (usize, f64);
+}
+
+/// Elements of `N` nodes with `G` Gauss points.
+#[derive(Clone, Debug)]
+pub(crate) struct Block<const N: usize, const G: usize> {
+    rule: Rule,
+    integration: Vec<ElementIntegration<N, G>>,
+    /// `C_n`, `W_n`; empty unless the rule of the step is energy-momentum.
+    history: Vec<[GaussPointHistory; G]>,
+    /// Gradients in natural coordinates at the nodes.
+    at_nodes: Vec<Gradients<N>>,
+}
+
+/// The block of these cells. A new kind of cell needs a line here.
+pub(crate) fn block(
+    cells: &CellBlock,
+    reference: &[[f64; 3]],
+    integration: Integration,
+) -> Result<Box<dyn Cells>, Refused> {
+    use Integration::{Full, Reduced};
+    Ok(match (cells.kind(), integration) {
+        (CellKind::Hex8, Full) => Box::new(Block::<8, 8>::new(cells, reference, integration)?),
+        (CellKind::Hex20, Full) => Box::new(Block::<20, 27>::new(cells, reference, integration)?),
+        (CellKind::Hex20, Reduced) => Box::new(Block::<20, 8>::new(cells, reference, integration)?),
+        (CellKind::Hex27, Full) => Box::new(Block::<27, 27>::new(cells, reference, integration)?),
+        (CellKind::Tet4, Full) => Box::new(Block::<4, 1>::new(cells, reference, integration)?),
+        (CellKind::Tet10, Full) => Box::new(Block::<10, 8>::new(cells, reference, integration)?),
+        (CellKind::Tet10, Reduced) => Box::new(Block::<10, 4>::new(cells, reference, integration)?),
+        (CellKind::Wedge6, Full) => Box::new(Block::<6, 6>::new(cells, reference, integration)?),
+        (CellKind::Wedge15, Full) => Box::new(Block::<15, 21>::new(cells, reference, integration)?),
+        (CellKind::Hex8 | CellKind::Hex27 | CellKind::Tet4 | CellKind::Wedge6 | CellKind::Wedge15, Reduced) => {
+            return Err(Refused::NoRule);
+        }
+    })
+}
+
+/// An element's values from a vector of the model (length checked before).
+#[inline]
+pub(crate) fn gather<const N: usize>(nodes: &[u32; N], x: &[f64]) -> NodalVectors<N> {
+    let mut local = [[0.0; N]; 3];
+    for (node, &global) in nodes.iter().enumerate() {
+        let at = 3 * global as usize;
+        let value = &x[at..at + 3];
+        for i in 0..3 {
+            local[i][node] = value[i];
+        }
+    }
+    local
+}
+
+/// Gradients of the shape functions in natural coordinates.
+pub(crate) fn natural_gradients<const N: usize>(kind: CellKind, xi: [f64; 3]) -> Gradients<N> {
+    let gradient = (kind.table().shape_gradient)(xi);
+    std::array::from_fn(|a| std::array::from_fn(|node| gradient[node][a]))
+}
+
+impl<const N: usize, const G: usize> Block<N, G> {
+    fn new(cells: &CellBlock, reference: &[[f64; 3]], integration: Integration) -> Result<Self, Refused> {
+        let kind = cells.kind();
+        let rule = kind.rule(integration).ok_or(Refused::NoRule)?;
+        let natural: [Gradients<N>; G] = std::array::from_fn(|g| natural_gradients(kind, rule[g].0));
+        let weights: [f64; G] = std::array::from_fn(|g| rule[g].1);
+        let elements = cells.nodes().as_chunks::<N>().0.iter().enumerate().map(|(element, nodes)| {
+            let x = std::array::from_fn(|i| std::array::from_fn(|node| reference[nodes[node] as usize][i]));
+            kernel::integration(&x, &natural, &weights).map_err(|(gauss_point, determinant)| Refused::Inverted {
+                element,
+                gauss_point,
+                determinant,
+            })
+        });
+        Ok(Self {
+            rule,
+            integration: elements.collect::<Result<_, _>>()?,
+            history: Vec::new(),
+            at_nodes: kind.table().nodes.iter().map(|&xi| natural_gradients(kind, xi)).collect(),
+        })
+    }
+
+    /// Reference integrals of an element.
+    #[inline]
+    pub(crate) fn integration(&self, element: usize) -> &ElementIntegration<N, G> {
+        &self.integration[element]
+    }
+}
+
+/// The nodes of each element.
+fn elements<const N: usize>(nodes: &[u32]) -> &[[u32; N]] {
+    nodes.as_chunks().0
+}
+
+impl<const N: usize, const G: usize> Cells for Block<N, G> {
+    fn boxed(&self) -> Box<dyn Cells> {
+        Box::new(self.clone())
+    }
+
+    fn rule(&self) -> Rule {
+        self.rule
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.integration.capacity() * size_of::<ElementIntegration<N, G>>()
+            + self.history.capacity() * size_of::<[GaussPointHistory; G]>()
+            + self.at_nodes.capacity() * size_of::<Gradients<N>>()
+    }
+
+    fn add_volume(&self, total: &mut f64) {
+        for weight in self.integration.iter().flat_map(|element| element.weights) {
+            *total += weight;
+        }
+    }
+
+    fn element_volume(&self, element: usize) -> f64 {
+        self.integration[element].weights.iter().sum()
+    }
+
+    fn begin_step(&mut self, law: &dyn HyperelasticLaw, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure> {
+        let nodes = elements::<N>(nodes);
+        let identity = GaussPointHistory { right_cauchy_green: SymmetricTensor2::identity(), energy: 0.0 };
+        let mut history = std::mem::take(&mut self.history);
+        history.resize(nodes.len(), [identity; G]);
+        let fill = |first: usize, slots: &mut [[GaussPointHistory; G]]| {
+            for (k, slot) in slots.iter_mut().enumerate() {
+                let element = first + k;
+                *slot = element::history(law, &self.integration[element], &gather(&nodes[element], q_n))
+                    .map_err(|failure| (element, failure))?;
+            }
+            Ok(())
+        };
+        let result = if rayon::current_num_threads() == 1 {
+            fill(0, &mut history)
+        } else {
+            // The first failure in element order, whichever thread was first in time.
+            history
+                .par_chunks_mut(CHUNK)
+                .enumerate()
+                .map(|(chunk, slots)| fill(CHUNK * chunk, slots).err())
+                .reduce(|| None, |a, b| a.or(b))
+                .map_or(Ok(()), Err)
+        };
+        result?;
+        self.history = history;
+        Ok(())
+    }
+
+    fn end_step(&mut self) {
+        self.history.clear();
+    }
+
+    fn has_begun(&self) -> bool {
+        self.history.len() == self.integration.len()
+    }
+
+    fn assemble(
+        &self,
+        law: &dyn HyperelasticLaw,
+        nodes: &[u32],
+        step: SolidStep<'_>,
+        to: Additions<'_, '_>,
+    ) -> Result<(), ElementFailure> {
+        let nodes = elements(nodes);
+        let factor = to.target.as_ref().map_or(1.0, |target| target.factor);
+        assembly::assemble(nodes, &BlockStep { block: self, law, nodes, step, factor }, to)
+    }
+
+    fn add_viscous_force(
+        &self,
+        nodes: &[u32],
+        viscosity: Viscosity<'_>,
+        to: Additions<'_, '_>,
+    ) -> Result<(), ElementFailure> {
+        let nodes = elements(nodes);
+        assembly::assemble(nodes, &ViscousBlock { block: self, nodes, viscosity }, to)
+    }
+
+    fn add_energy(
+        &self,
+        law: &dyn HyperelasticLaw,
+        nodes: &[u32],
+        q: &[f64],
+        total: &mut f64,
+    ) -> Result<(), ElementFailure> {
+        for (element, (nodes, integration)) in elements::<N>(nodes).iter().zip(&self.integration).enumerate() {
+            *total += element::energy(law, integration, &gather(nodes, q)).map_err(|failure| (element, failure))?;
+        }
+        Ok(())
+    }
+
+    fn visit_points(
+        &self,
+        nodes: &[u32],
+        element: usize,
+        q: &[f64],
+        visit: &mut dyn FnMut(PointStrain) -> Result<(), FailureKind>,
+    ) -> Result<(), Failure> {
+        let q = gather(&elements::<N>(nodes)[element], q);
+        let integration = &self.integration[element];
+        for gauss_point in 0..G {
+            let (deformation_gradient, right_cauchy_green) = element::strain(&q, integration, gauss_point, Level::End)?;
+            let volume = integration.weights[gauss_point];
+            visit(PointStrain { gauss_point, deformation_gradient, right_cauchy_green, volume })
+                .map_err(|kind| Failure { gauss_point, kind })?;
+        }
+        Ok(())
+    }
+
+    fn worst_node(&self, nodes: &[u32], element: usize, q: &[f64]) -> (usize, f64) {
+        let x = gather(&elements::<N>(nodes)[element], q);
+        let mut worst = (0, f64::INFINITY);
+        for (node, gradients) in self.at_nodes.iter().enumerate() {
+            let determinant = kernel::determinant(&kernel::deformation_gradient(&x, gradients));
+            if determinant < worst.1 || determinant.is_nan() {
+                worst = (node, determinant);
+            }
+        }
+        worst
+    }
+}
+
+/// A block in a step, as the loop over elements sees it.
+struct BlockStep<'a, const N: usize, const G: usize> {
+    block: &'a Block<N, G>,
+    law: &'a dyn HyperelasticLaw,
+    nodes: &'a [[u32; N]],
+    step: SolidStep<'a>,
+    factor: f64,
+}
+
+impl<const N: usize, const G: usize> ElementEvaluator<N, G> for BlockStep<'_, N, G> {
+    fn evaluate(
+        &self,
+        element: usize,
+        force: &mut NodalVectors<N>,
+        tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    ) -> Result<(), Failure> {
+        let Self { block, law, nodes, step, factor } = self;
+        let (rule, at) = (step.rule, |q| gather(&nodes[element], q));
+        let q_np1 = at(if rule.reads_end() { step.q_np1 } else { step.q_n });
+        let q_n = if rule.reads_start() && rule.reads_end() { at(step.q_n) } else { q_np1 };
+        let history = block.history.get(element).filter(|_| rule == StressRule::EnergyMomentum);
+        let step = ElementStep { rule, q_n: &q_n, q_np1: &q_np1, history };
+        element::force_and_tangent(*law, block.integration(element), step, *factor, force, tangent)
+    }
+}
