@@ -138,8 +138,7 @@ fn contact_fields_are_empty_inside() {
     ];
     let cell_data = vec![Field { name: "body", components: 1, values: &[0.0, 0.0] }];
     let elements = stoss_mesh::Elements::from(vec![cell(0), cell(4)]);
-    let frame =
-        VtuFrame { points: &points, elements: elements.blocks(), point_data, cell_data, ..VtuFrame::default() };
+    let frame = VtuFrame { points: &points, elements: elements.blocks(), point_data, cell_data, ..VtuFrame::default() };
     write_vtu(folder.path().join("a.vtu"), &frame).unwrap();
     let collection = "<VTKFile><Collection><DataSet timestep=\"0.5\" file=\"a.vtu\"/></Collection></VTKFile>";
     std::fs::write(folder.path().join("frames.pvd"), collection).unwrap();

@@ -279,7 +279,7 @@ fn loaded(model: &Model) -> Vec<u32> {
     for load in &model.loads {
         match &load.kind {
             LoadKind::Dead { patterns } => nodes.extend(patterns.iter().flatten().map(|&(component, _)| component / 3)),
-            LoadKind::FollowerPressure { facets } => nodes.extend(facets.iter().flatten()),
+            LoadKind::FollowerPressure { facets } => nodes.extend(facets.iter().flat_map(|face| face.iter())),
             // Directors have equations.
             LoadKind::Moment { .. } => (),
             // Nor are nodes of elements embedded.

@@ -10,6 +10,7 @@ use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure
 use stoss_integrators::{ForceRule, GradientRule, RateTangent, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
 use stoss_part::{PartError, PartStep};
+use stoss_reference_element::MAX_FACE_NODES;
 
 /// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
 const FROM_ZERO: u32 = 2;
@@ -98,19 +99,15 @@ impl FeSystem<'_> {
             }
             let pressure = load.magnitude.value(time, 0);
             for facet in facets {
-                let corners = facet.map(|node| between(step, theta, node));
-                let (force, derivative) = follower_pressure(&corners, pressure);
-                add_follower_pressure(facet, &force, &mut s.follower);
+                let mut places = [[0.0; 3]; MAX_FACE_NODES];
+                places.iter_mut().zip(facet.iter()).for_each(|(x, &node)| *x = between(step, theta, node));
+                let mut load = follower_pressure(facet.kind(), &places[..facet.len()], pressure);
+                add_follower_pressure(facet, load.force(), &mut s.follower);
                 if let Some(weight) = tangent {
                     // The load enters the residual with a minus, and d q_theta / d q_np1 = theta.
                     let factor = -weight * theta;
-                    let mut block = [0.0; 144];
-                    for (out, row) in block.chunks_exact_mut(12).zip(&derivative) {
-                        for (o, t) in out.iter_mut().zip(row) {
-                            *o = factor * t;
-                        }
-                    }
-                    s.solid_map.add(stencil, &block, &mut s.solid_values);
+                    load.tangent_mut().iter_mut().for_each(|t| *t *= factor);
+                    s.solid_map.add(stencil, load.tangent(), &mut s.solid_values);
                 }
                 stencil += 1;
             }

@@ -12,3 +12,9 @@ pub mod workspace;
 use stoss_report::{plot, table, vtu};
 
 pub use verify::{RandomRange, command as verify};
+
+/// Points of the trilinear hexahedra of a frame that has no other elements.
+pub(crate) fn hexahedra(grid: &vtu::Grid) -> Vec<[usize; 8]> {
+    let of = |nodes: &[u32]| std::array::from_fn(|k| nodes[k] as usize);
+    grid.elements.iter().map(of).collect()
+}

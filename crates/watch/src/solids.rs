@@ -47,7 +47,8 @@ impl Frames {
 
     /// Tangents along the natural directions at every point.
     fn tangents(&self, x: &[Vector3<f64>]) -> impl Iterator<Item = [Vector3<f64>; 3]> {
-        let along = |list: &Vec<(u8, f64)>| list.iter().fold(Vector3::zeros(), |sum, &(k, dn)| sum + x[k as usize] * dn);
+        let along =
+            |list: &Vec<(u8, f64)>| list.iter().fold(Vector3::zeros(), |sum, &(k, dn)| sum + x[k as usize] * dn);
         self.points.iter().map(move |directions| [0, 1, 2].map(|d: usize| along(&directions[d])))
     }
 }

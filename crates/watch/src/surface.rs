@@ -425,7 +425,8 @@ pub fn inside_element(kind: CellKind, nodes: &[Vector3<f64>], x: &Vector3<f64>) 
                 let corner = |k: usize| &nodes[usize::from(face.nodes[usize::from(piece[k % piece.len()])])];
                 let centre = (0..piece.len()).fold(Vector3::zeros(), |sum, k| sum + corner(k)) / piece.len() as f64;
                 let about_centre = |k: usize| [corner(k), corner(k + 1), &centre];
-                let (first, rest) = if piece.len() == 3 { ([corner(0), corner(1), corner(2)], 1) } else { (about_centre(0), 4) };
+                let (first, rest) =
+                    if piece.len() == 3 { ([corner(0), corner(1), corner(2)], 1) } else { (about_centre(0), 4) };
                 for k in 0..rest {
                     let triangle = if k == 0 { first } else { about_centre(k) };
                     match meeting(x, &end, triangle) {

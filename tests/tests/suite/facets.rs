@@ -52,7 +52,12 @@ impl Blocks {
 
     fn facets(&self, block: usize, set: &str) -> Vec<[u32; 4]> {
         let first = self.model.bodies[block].nodes.start;
-        self.meshes[block].facets_of(set).unwrap().iter().map(|f| f.nodes.map(|n| n + first)).collect()
+        self.meshes[block]
+            .facets_of(set)
+            .unwrap()
+            .iter()
+            .map(|f| [0, 1, 2, 3].map(|k: usize| f.nodes[k] + first))
+            .collect()
     }
 
     /// The lower block's top and the upper one's bottom, slave first.

@@ -112,7 +112,8 @@ fn bounces(height: f64) {
         mesh.nodes.iter().flat_map(|[x, y, z]| [c * x - s * z, *y, s * x + c * z + height]).collect();
     let turned =
         stoss::mesh::Mesh { nodes: reference.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(), ..mesh.clone() };
-    let facets: Vec<[u32; 4]> = mesh.facets_of("boundary").unwrap().iter().map(|facet| facet.nodes).collect();
+    let facets: Vec<[u32; 4]> =
+        mesh.facets_of("boundary").unwrap().iter().map(|facet| [0, 1, 2, 3].map(|k: usize| facet.nodes[k])).collect();
     let count = mesh.nodes.len();
     let plane = PenaltyPlane {
         surface: ContactSurface::new("block", &facets, &reference).unwrap(),

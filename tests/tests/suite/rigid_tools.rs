@@ -36,7 +36,7 @@ impl Impact {
         });
         model.reference.extend(block.nodes.iter().flatten());
         model.velocity.resize(model.reference.len(), 0.0);
-        let solid = block.facets_of("top").unwrap().iter().map(|f| f.nodes).collect();
+        let solid = block.facets_of("top").unwrap().iter().map(|f| [0, 1, 2, 3].map(|k: usize| f.nodes[k])).collect();
 
         // A cuboid of 1 x 1 x 0.5 and density 2, whose Euler tensor is m l^2 / 12.
         let mass = RigidMass::new(
@@ -59,7 +59,12 @@ impl Impact {
             model.velocity.extend([0.0; 3]);
             model.embedding.add(first + k as u32, &tool.point(*x).terms);
         }
-        let rigid = shape.facets_of("bottom").unwrap().iter().map(|f| f.nodes.map(|n| n + first)).collect();
+        let rigid = shape
+            .facets_of("bottom")
+            .unwrap()
+            .iter()
+            .map(|f| [0, 1, 2, 3].map(|k: usize| f.nodes[k] + first))
+            .collect();
         model.parts.push(Box::new(tool));
         Self { model, solid, rigid }
     }

@@ -6,13 +6,12 @@ use super::trace::Traces;
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
     Body as SceneBody, Generator, Integration, Mass, Material, MeshFile, MeshSource, Part as ScenePart,
-    Refinement as SceneRefinement,
-    Rotation as SceneRotation, Rotations, Scene, SetDefinition, Volumetric,
+    Refinement as SceneRefinement, Rotation as SceneRotation, Rotations, Scene, SetDefinition,
 };
 use crate::solver::{Damping, Model};
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{MassKind, SolidBody, SolidOptions, Volumetric as SolidVolumetric};
+use stoss_fe_solid::{MassKind, SolidBody, SolidOptions};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::generate::{
     Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
@@ -96,10 +95,6 @@ pub(super) fn options(body: &SceneBody) -> SolidOptions {
         integration: match body.integration {
             Integration::Full => CellIntegration::Full,
             Integration::Reduced => CellIntegration::Reduced,
-        },
-        volumetric: match body.volumetric {
-            Volumetric::Displacement => SolidVolumetric::Displacement,
-            Volumetric::Mixed => SolidVolumetric::Mixed,
         },
     }
 }

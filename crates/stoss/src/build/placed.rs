@@ -1,5 +1,6 @@
 //! Parts of a scene in their places: what has sets, and which nodes of the model these are.
 
+use super::trace::Traces;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;

@@ -204,13 +204,8 @@ fn move_nodes(
     model.embedding.follow(&mut model.velocity);
     mesh.check()?;
     let law = std::sync::Arc::clone(law);
-    model.bodies[body].solid = stoss_fe_solid::SolidBody::with_options(
-        &item.name,
-        mesh,
-        placed.first_node,
-        law,
-        super::body::options(item),
-    )?;
+    model.bodies[body].solid =
+        stoss_fe_solid::SolidBody::with_options(&item.name, mesh, placed.first_node, law, super::body::options(item))?;
     Ok(())
 }
 

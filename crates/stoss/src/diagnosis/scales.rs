@@ -359,7 +359,7 @@ fn stress(case: &Case<'_>, load: &stoss_solver::Load, b: usize, time: f64) -> Op
     let value = |column: usize| load.magnitude.value(time, column);
     match &load.kind {
         LoadKind::FollowerPressure { facets } => {
-            let acts = facets.iter().flatten().any(|node| body.nodes.contains(node));
+            let acts = facets.iter().flat_map(|face| face.iter()).any(|node| body.nodes.contains(node));
             acts.then(|| value(0).abs())
         }
         LoadKind::Dead { patterns } => {

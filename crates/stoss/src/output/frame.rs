@@ -11,7 +11,7 @@ use std::path::Path;
 use stoss_fe_solid::{SolidBody, SolidError};
 use stoss_mesh::Elements;
 use stoss_mesh_io::{Field, MeshIoError, PvdWriter, VtuFrame, write_vtu};
-use stoss_reference_element::FacetNodes;
+use stoss_reference_element::FaceNodes;
 use stoss_solver::{Model, Simulation, StepError};
 
 /// Which fields a frame has; those of every day if the scene names none.
@@ -81,7 +81,8 @@ impl ContactFields {
                 fields.status[node] = 2.0;
             }
         }
-        let values = [&mut fields.pressure, &mut fields.gap, &mut fields.status, &mut fields.friction, &mut fields.slip];
+        let values =
+            [&mut fields.pressure, &mut fields.gap, &mut fields.status, &mut fields.friction, &mut fields.slip];
         for field in values {
             for (&vertex, shown) in &model.traces {
                 if let Some(node) = *shown {
@@ -191,7 +192,8 @@ pub(super) fn with(
     for body in &model.bodies {
         elements.extend(body.solid.elements(), |node| points.place(node));
     }
-    let facets: Vec<FacetNodes> = drawing.surfaces.iter().flat_map(|surface| &surface.facets).copied().collect();
+    let facets: Vec<FaceNodes> =
+        drawing.surfaces.iter().flat_map(|surface| &surface.facets).map(|&facet| facet.into()).collect();
     let lines: Vec<Vec<u32>> = drawing.lines.iter().map(|line| line.nodes.clone()).collect();
     let vertices: Vec<u32> = drawing.points.iter().map(|point| point.node).collect();
     let bodies = bodies(model, &drawing);
@@ -225,7 +227,7 @@ pub(super) fn with(
     let frame = VtuFrame {
         // cannot fail: positions have three components.
         points: reference.as_chunks().0,
-        elements: &elements,
+        elements: elements.blocks(),
         facets: &facets,
         lines: &lines,
         vertices: &vertices,

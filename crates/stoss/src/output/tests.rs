@@ -10,6 +10,7 @@ use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_materials::NeoHooke;
+use stoss_mesh::Elements;
 use stoss_mesh::generate::Block;
 use stoss_mesh_io::{Field, VtuFrame, read_vtu, write_vtu_to};
 use stoss_newton::NewtonOptions;
@@ -172,7 +173,7 @@ fields = ["displacement", "principal_stresses", "deformation_gradient", "green_l
     }
 }
 
-/// A scene of solids alone has all nodes as points and all hexahedra as cells, and nothing else.
+/// A scene of solids alone has all nodes as points and all elements as cells, and nothing else.
 #[test]
 fn a_frame_of_solids_is_that_of_the_plain_writer() {
     let mut model = Model::default();
@@ -185,7 +186,8 @@ fn a_frame_of_solids_is_that_of_the_plain_writer() {
     frame::write(&path, &simulation, &Means::default(), None, &Drawing::default()).unwrap();
     let (model, state) = (simulation.model(), simulation.state());
     let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
-    let hexahedra: Vec<[u32; 8]> = model.bodies.iter().flat_map(|b| b.solid.connectivity().to_vec()).collect();
+    let mut elements = Elements::new();
+    model.bodies.iter().for_each(|b| elements.extend(b.solid.elements(), |node| node));
     let mut stress = vec![[0.0; 6]; model.node_count()];
     for body in &model.bodies {
         let nodes = body.nodes.start as usize..body.nodes.end as usize;
@@ -196,7 +198,7 @@ fn a_frame_of_solids_is_that_of_the_plain_writer() {
     let field = |name, components, values| Field { name, components, values };
     let plain = VtuFrame {
         points: model.reference.as_chunks().0,
-        hexahedra: &hexahedra,
+        elements: elements.blocks(),
         point_data: vec![
             field("displacement", 3, &displacement),
             field("velocity", 3, &state.v),
@@ -238,7 +240,7 @@ fn a_frame_has_surfaces_lines_and_points() {
     assert!(data.points.iter().flatten().all(|x| x.abs() < 7.0));
     assert_eq!((data.points[0], data.points[17]), ([5.0, 0.0, 0.0], [5.0, 0.0, 3.0]));
     assert_eq!((data.facets.len(), &data.facets[1][..]), (2, &[1, 3, 4][..]));
-    assert_eq!(data.hexahedra.as_flattened().iter().min(), Some(&5));
+    assert_eq!(data.elements.iter().flatten().min(), Some(&5));
     assert_eq!((data.lines, data.vertices), (vec![vec![18, 19, 20, 21]], vec![17]));
     assert_eq!(data.cell_data[0].values, [0.0, 0.0, 1.0, 1.0, 2.0, 3.0]);
     let von_mises = &data.point_data.iter().find(|field| field.name == "von_mises").unwrap().values;

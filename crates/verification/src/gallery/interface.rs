@@ -5,8 +5,11 @@ use std::collections::BTreeSet;
 use stoss_contact::ContactSurface;
 use stoss_contact_mortar::segmentation::{FacetSegmentation, GapRange};
 use stoss_contact_mortar::{CheckExtent, SurfaceCoverage, segment_surfaces};
+use stoss_mesh::Elements;
+use stoss_reference_element::CellKind;
 use stoss_tensor::Vector3;
 
+use crate::hexahedra;
 use crate::plot::{self, Drawn, Labels, Series};
 use crate::vtu::Grid;
 use crate::workspace::Outcome;
@@ -56,15 +59,15 @@ impl Interface {
     fn stacked(frame: &Grid) -> Outcome<Self> {
         let bodies = bodies(frame)?;
         let bounds = |body: f64| {
-            let cells = frame.hexahedra.iter().zip(bodies).filter(move |(_, b)| **b == body);
-            let heights = cells.flat_map(|(cell, _)| cell.iter().map(|&node| frame.points[node][2]));
+            let cells = hexahedra(frame).into_iter().zip(bodies).filter(move |(_, b)| **b == body);
+            let heights = cells.flat_map(|(cell, _)| cell.map(|node| frame.points[node][2]));
             heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
         };
         let (first, second) = (bounds(0.0), bounds(1.0));
         let upper = if first.1 > second.1 { 0.0 } else { 1.0 };
         // A facet of the bottom is on no top of another element, even if the bottom is curved.
         let layer = |body: f64, corners: [usize; 4]| -> Vec<[usize; 4]> {
-            let cells = frame.hexahedra.iter().zip(bodies).filter(|(_, b)| **b == body);
+            let cells = hexahedra(frame).into_iter().zip(bodies).filter(|(_, b)| **b == body);
             cells.map(|(cell, _)| corners.map(|k| cell[k])).collect()
         };
         let sorted = |mut facet: [usize; 4]| {
@@ -127,8 +130,10 @@ fn bodies(frame: &Grid) -> Outcome<&[f64]> {
 
 /// All facets of a body's surface.
 fn hull(frame: &Grid, body: f64) -> Outcome<Vec<[usize; 4]>> {
-    let cells = frame.hexahedra.iter().zip(bodies(frame)?).filter(|(_, b)| **b == body);
-    Ok(boundary(&cells.map(|(cell, _)| *cell).collect::<Vec<_>>()))
+    let cells = frame.elements.iter().zip(bodies(frame)?).filter(|(_, b)| **b == body);
+    let mut elements = Elements::new();
+    cells.for_each(|(cell, _)| elements.push(CellKind::Hex8, cell));
+    Ok(boundary(&elements))
 }
 
 /// Both surfaces from the side of the slave and the triangles of the segments between them, on the slave: from above, or, of whole surfaces, along the mean

@@ -6,8 +6,8 @@ use super::super::placed::Placed;
 use crate::scene::{Scene, SupportPer};
 use crate::solver::Model;
 use std::collections::BTreeMap;
-use stoss_reference_element::FaceNodes;
 use stoss_multibody::{ElasticSupport, SupportedNode};
+use stoss_reference_element::FaceNodes;
 
 /// Adds the supports as parts.
 pub(super) fn supports(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {

@@ -100,7 +100,7 @@ impl WatchFile {
             name: body.name.clone(),
             nodes: body.first_node..body.first_node + body.nodes,
             shape: if body.facets > 0 {
-                let facets = facets.by_ref().take(body.facets).map(watched).collect();
+                let facets = facets.by_ref().take(body.facets).map(|face| watched(&face.linear())).collect();
                 WatchShape::Surface { facets, is_closed: !body.is_open }
             } else {
                 let mut elements = Elements::new();

@@ -7,11 +7,13 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use stoss_mesh::Facet;
+use stoss_reference_element::CellKind;
 use toml::{Table, Value};
 
 use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run, newton};
+use crate::hexahedra;
 use crate::plot::{self, Labels, Series};
 use crate::vtu::Grid as Frame;
 use crate::workspace::Outcome;
@@ -85,12 +87,13 @@ fn surface(frame: &Frame, shape: Shape) -> Outcome<Vec<Loaded>> {
         (r - RADIUS).abs() < 1e-9
     };
     let mut found = Vec::new();
-    for (cell, body) in frame.hexahedra.iter().zip(&bodies.values) {
+    for (cell, body) in hexahedra(frame).iter().zip(&bodies.values) {
         if *body != 0.0 {
             continue;
         }
         let nodes = cell.map(|n| n as u32);
-        for facet in (0..6).map(|local| Facet::of_element(0, &nodes, local).nodes.map(|n| n as usize)) {
+        for facet in (0..6).map(|local| Facet::of_element(0, CellKind::Hex8, &nodes, local).nodes) {
+            let facet = [0, 1, 2, 3].map(|k: usize| facet[k] as usize);
             if facet.iter().any(|&n| pressure.values[n] != 0.0) && facet.iter().all(|&n| on_surface(n)) {
                 found.push(Loaded {
                     x: facet.map(|n| std::array::from_fn(|i| frame.points[n][i] + displacement.row(n)[i])),

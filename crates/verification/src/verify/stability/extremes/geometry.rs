@@ -1,5 +1,6 @@
 //! Whether the bodies of a frame are still bodies, and outside each other; independent of the program's own figures.
 
+use crate::hexahedra;
 use crate::vtu::Grid;
 
 type Point = [f64; 3];
@@ -55,7 +56,7 @@ impl Configuration {
         let present = grid.points.iter().zip(field.values.chunks_exact(3));
         let present = present.map(|(x, u)| std::array::from_fn(|i| x[i] + u[i])).collect();
         let body = body.values.iter().map(|number| *number as usize).collect();
-        Ok(Self { reference: grid.points.clone(), present, elements: grid.hexahedra.clone(), body })
+        Ok(Self { reference: grid.points.clone(), present, elements: hexahedra(grid), body })
     }
 
     /// The least volume ratio at a vertex of an element, `det(dx/dxi) / det(dX/dxi)`: not positive if an element is turned
