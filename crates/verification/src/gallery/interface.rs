@@ -224,7 +224,8 @@ mod tests {
     ];
 
     fn grid(points: &[[f64; 3]], hexahedra: &[[usize; 8]]) -> Grid {
-        Grid { points: points.to_vec(), hexahedra: hexahedra.to_vec(), ..Grid::default() }
+        let elements = hexahedra.iter().map(|nodes| nodes.map(|node| node as u32)).collect();
+        Grid { points: points.to_vec(), elements, ..Grid::default() }
     }
 
     #[test]
