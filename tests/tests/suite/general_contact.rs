@@ -352,6 +352,27 @@ fn it_is_the_default_where_no_pair_is_named() {
     assert_eq!(free("energy-momentum", &meant).0, ["general"]);
 }
 
+/// Bodies that start apart, by less than the thickness that the scene gives: they are told, with gap and thickness.
+#[test]
+fn a_thickness_above_the_gap_is_told() {
+    let warnings = |gap: f64, keys: &str| {
+        let two = cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1)
+            + &cube("b", [0.0, 0.0, 1.0 + gap], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1);
+        contacts_of(&(head("energy-momentum", 0.1, 1.0) + &two + "[general_contact]\n" + keys)).1
+    };
+    let told = warnings(0.02, "thickness = 0.05\n");
+    assert_eq!(told.len(), 1, "{told:?}");
+    for part in ["`a` and `b` start 2.000e-2 apart", "the thickness 5.000e-2", "make `thickness` smaller than the gap"]
+    {
+        assert!(told[0].contains(part), "{told:?}");
+    }
+    for (gap, keys) in
+        [(0.02, "thickness = 0.01\n"), (0.02, ""), (0.0, "thickness = 0.05\n"), (0.1, "thickness = 0.05\n")]
+    {
+        assert_eq!(warnings(gap, keys), Vec::<String>::new(), "{gap} {keys}");
+    }
+}
+
 /// Facets around the rim of a tie meet those of the other side, and stay there.
 #[test]
 fn tied_bodies_are_not_in_contact_at_their_rims() {
