@@ -82,7 +82,7 @@ fn contact(
         return None;
     }
     let inner = inner_pairs(scene, placed);
-    let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems)?;
+    let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems, warnings)?;
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
     let fastest = model.velocity.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max);
@@ -144,6 +144,7 @@ fn skin(
     facets: Vec<SkinFacet>,
     inner: impl Iterator<Item = [u32; 2]>,
     problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
 ) -> Option<(Skin, f64)> {
     let key = || "general_contact".to_owned();
     let name = |body: u32| &placed[body as usize].name;
@@ -204,6 +205,17 @@ fn skin(
         thickness = apart.fold(thickness, f64::min);
     }
     let touching = between.iter().filter(|(_, nearest)| nearest.distance < thickness);
+    // Only a thickness that the scene gives is larger than the gap of bodies that are apart.
+    for ([a, b], nearest) in touching.clone().filter(|(_, nearest)| nearest.distance >= TOUCH * thickness) {
+        warnings.push(format!(
+            "general_contact: `{}` and `{}` start {:.3e} apart near {}, less than the thickness {thickness:.3e}: surfaces are put inside them as if they touched, forces begin \
+             where the bodies touch, and they may overlap by up to the thickness; make `thickness` smaller than the gap, or leave it out",
+            name(*a),
+            name(*b),
+            nearest.distance,
+            point(nearest.place, edge)
+        ));
+    }
     let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
     let mut frames: BTreeMap<u32, Option<Frame>> = BTreeMap::new();
     for pair in touching.map(|(pair, _)| **pair).chain(inner) {
