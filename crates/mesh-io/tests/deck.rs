@@ -224,6 +224,8 @@ fn what_is_left_out_is_told() {
         ("*DENSITY\n1.\n", "*DENSITY"),
         ("*MATERIAL, NAME=m\n*HYPERELASTIC, TEST DATA INPUT\n", "*HYPERELASTIC, TEST DATA INPUT"),
         ("*SURFACE INTERACTION, NAME=i\n*FRICTION, TAUMAX=3.\n0.1\n", "parameter TAUMAX of *FRICTION"),
+        ("*SUBMODEL, INPUT=none.frd\n1\n", "*SUBMODEL"),
+        ("*BOUNDARY\n1, 0, 0, 5.\n", "degree of freedom 0 of *BOUNDARY"),
         ("*NONSENSE\n1\n", "*NONSENSE"),
     ] {
         let deck = read(&format!("{MESH}{text}")).unwrap();

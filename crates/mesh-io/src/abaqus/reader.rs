@@ -114,13 +114,14 @@ impl<'a> Reader<'a> {
                     self.section.close(&self.contents)?;
                     self.section = self.keyword(&lines, &keyword)?;
                     let skips = matches!(self.section, Section::Skip);
-                    let kept = self.blocks.as_mut().filter(|_| skips);
-                    let input = keyword.value("INPUT").filter(|_| !skips || kept.is_some()).map(str::to_owned);
-                    if let Some(blocks) = kept {
-                        blocks.push(Block { keyword: keyword.clone(), rows: Vec::new() });
+                    let mut reads_input = !skips;
+                    if let Some(blocks) = self.blocks.as_mut().filter(|_| skips) {
+                        let block = Block { keyword: keyword.clone(), rows: Vec::new() };
+                        reads_input = block.takes_input();
+                        blocks.push(block);
                     }
-                    if let Some(input) = input {
-                        self.include_file(&lines, &keyword, &input)?;
+                    if let Some(input) = keyword.value("INPUT").filter(|_| reads_input) {
+                        self.include_file(&lines, &keyword, input)?;
                     }
                 }
                 Item::Data(data) => {

@@ -438,7 +438,7 @@ impl Filler<'_> {
                 if last < first {
                     return Err(row.error(row.text, "the last degree of freedom is below the first"));
                 }
-                if first > 3 {
+                if !(1..=3).contains(&first) {
                     self.leave(row.place(), format!("degree of freedom {first} of *{}", block.keyword.name));
                     return Ok(None);
                 }

@@ -36,6 +36,26 @@ impl Block {
         self.rows.iter().map(move |(text, at)| Row { contents, text, at: *at })
     }
 
+    /// True if data lines may stand in a file of their own, `INPUT=`; of other keywords that parameter means something else.
+    pub fn takes_input(&self) -> bool {
+        const NAMES: [&str; 13] = [
+            "AMPLITUDE",
+            "BOUNDARY",
+            "CLOAD",
+            "CONTACTPAIR",
+            "DENSITY",
+            "DLOAD",
+            "DSLOAD",
+            "ELASTIC",
+            "FRICTION",
+            "HYPERELASTIC",
+            "INITIALCONDITIONS",
+            "SURFACEBEHAVIOR",
+            "TIE",
+        ];
+        NAMES.contains(&self.name().as_str())
+    }
+
     /// The first data line, or an error at the keyword.
     pub(super) fn first<'a>(&'a self, contents: &'a Contents, what: &str) -> Result<Row<'a>, MeshIoError> {
         self.rows(contents).next().ok_or_else(|| self.error(contents, format!("needs a data line: {what}")))
@@ -116,12 +136,12 @@ impl<'a> Row<'a> {
         Ok(vector)
     }
 
-    /// A degree of freedom, from 1; `None` for a blank field.
+    /// A degree of freedom (1 to 3 are those of solids); `None` for a blank field.
     pub fn freedom(&self, index: usize) -> Result<Option<u64>, MeshIoError> {
         match self.field(index) {
             "" => Ok(None),
             text => {
-                let number = text.parse().ok().filter(|&number: &u64| number > 0);
+                let number = text.parse().ok();
                 number.map(Some).ok_or_else(|| self.error(text, "expected a degree of freedom: 1, 2 or 3 for solids"))
             }
         }
