@@ -472,7 +472,8 @@ fn remedy(mesh: &Mesh, element: u32) -> &'static str {
     let nodes = Elements::of_kind(straight, (0..corners.len() as u32).collect());
     let quality = Mesh::new(corners, nodes).map(|mesh| mesh.quality());
     if x.kind().is_quadratic() && quality.is_ok_and(|quality| quality.inverted_elements == 0) {
-        return "its corners are in order: move the nodes on its edges nearer to their middles";
+        return "its corners are in order: move the nodes on its edges nearer to their middles, or make cells at curved surfaces smaller (in Gmsh \
+                Mesh.MeshSizeFromCurvature = 16, or Mesh.HighOrderOptimize = 2)";
     }
     match straight.table().family {
         Family::Tetrahedron => "number the first three nodes counter-clockwise seen from the fourth",
