@@ -4,10 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use stoss_mesh::{Elements, Facet, FacetIndex, Mesh, MeshError};
-use stoss_reference_element::FacetNodes;
+use stoss_reference_element::{FacetNodes, Family};
 
 use crate::MeshIoError;
-use crate::error::remedy;
 use crate::lines::{syntax, unsupported};
 use crate::place::Place;
 
@@ -406,7 +405,16 @@ impl Contents {
                     nodes.iter().map(|&n| self.node_source[kept.old_nodes[n as usize] as usize].number).collect();
                 let (path, line) = (self.file(place).to_owned(), place.at as usize);
                 let kind = mesh.elements.kind(e as usize);
-                let error = MeshIoError::InvertedElement { path, line, element: number, kind, nodes, point, jacobian };
+                let error = MeshIoError::InvertedElement {
+                    path,
+                    line,
+                    element: number,
+                    kind,
+                    nodes,
+                    point,
+                    jacobian,
+                    remedy: remedy(mesh, e),
+                };
                 self.with_byte(error, place)
             }
             MeshError::NonMatchingFacet { elements, kinds, .. } => {
@@ -437,11 +445,11 @@ impl Contents {
         }
         let text = error.to_string();
         let (value, remedy) = match &error {
-            MeshIoError::InvertedElement { element, kind, nodes, point, jacobian, .. } => (
+            MeshIoError::InvertedElement { element, kind, nodes, point, jacobian, remedy, .. } => (
                 format!(
                     "element {element} ({kind}) with nodes {nodes:?} has det J = {jacobian:e} at {point}: inverted or degenerate"
                 ),
-                remedy(*kind, *point),
+                *remedy,
             ),
             MeshIoError::OverlappingElements { elements: [a, b], .. } => {
                 (format!("elements {a} and {b} overlap"), "remove one of them")
@@ -453,6 +461,23 @@ impl Contents {
             _ => (text, "mend the mesh"),
         };
         self.error(place, value, remedy)
+    }
+}
+
+/// What to do about an element with `det J <= 0`: are its corners to blame, or its other nodes?
+fn remedy(mesh: &Mesh, element: u32) -> &'static str {
+    let x = mesh.element_coordinates(element);
+    let straight = x.kind().table().linear;
+    let corners = x[..straight.node_count()].to_vec();
+    let nodes = Elements::of_kind(straight, (0..corners.len() as u32).collect());
+    let quality = Mesh::new(corners, nodes).map(|mesh| mesh.quality());
+    if x.kind().is_quadratic() && quality.is_ok_and(|quality| quality.inverted_elements == 0) {
+        return "its corners are in order: move the nodes on its edges nearer to their middles, or make cells at curved surfaces smaller (in Gmsh \
+                Mesh.MeshSizeFromCurvature = 16, or Mesh.HighOrderOptimize = 2)";
+    }
+    match straight.table().family {
+        Family::Tetrahedron => "number the first three nodes counter-clockwise seen from the fourth",
+        Family::Hexahedron | Family::Wedge => "number the bottom counter-clockwise seen from the top, then the top",
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use stoss_mesh::{ElementPoint, MeshError};
-use stoss_reference_element::{CellKind, Family};
+use stoss_reference_element::CellKind;
 
 /// Why a file could not be read or written. Lines count from 1; element and node numbers are those of the file.
 #[derive(Debug, thiserror::Error)]
@@ -91,7 +91,7 @@ pub enum MeshIoError {
     /// The Jacobian determinant of an element is not positive at a Gauss point, or at a node of a quadratic element.
     #[error(
         "{}:{line}: element {element} ({kind}) with nodes {nodes:?} has det J = {jacobian:e} at {point}: it is inverted or degenerate; \
-         {}", path.display(), remedy(*kind, *point)
+         {remedy}", path.display()
     )]
     InvertedElement {
         /// The file.
@@ -108,6 +108,8 @@ pub enum MeshIoError {
         point: ElementPoint,
         /// `det J` (a volume per reference volume).
         jacobian: f64,
+        /// What to do.
+        remedy: &'static str,
     },
     /// Two elements on the same side of a facet.
     #[error("{}:{line}: elements {} and {} overlap: remove one of them", path.display(), elements[0], elements[1])]
@@ -160,17 +162,4 @@ pub enum MeshIoError {
         /// What is wrong.
         problem: String,
     },
-}
-
-/// What to do about an element with `det J <= 0` at a point.
-pub(crate) fn remedy(kind: CellKind, point: ElementPoint) -> &'static str {
-    match (point, kind.table().family) {
-        (ElementPoint::Node(_), _) => {
-            "move the nodes on its edges nearer to their middles, or number the nodes in the order of the type"
-        }
-        (_, Family::Tetrahedron) => "number the first three nodes counter-clockwise seen from the fourth",
-        (_, Family::Hexahedron | Family::Wedge) => {
-            "number the bottom counter-clockwise seen from the top, then the top"
-        }
-    }
 }

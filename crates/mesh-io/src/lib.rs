@@ -14,7 +14,7 @@
 //! reader never sees half of one.
 //!
 //! # What it is not
-//! Nothing here knows what a result means, and no physics of a file (materials, steps, boundary conditions) is read.
+//! Nothing here knows what a result means. What an Abaqus file says of materials, steps and boundary conditions is kept ([`deck`]), not interpreted.
 //!
 //! # How to add a format
 //! See `docs/how-to-add/mesh-format.md`: a reader that fills [`Contents`], a row of [`FORMATS`], files to `tests/data`, and a line to the
@@ -43,6 +43,7 @@ mod vtu_read;
 mod write;
 mod xml;
 
+pub use abaqus::deck;
 pub use contents::Contents;
 pub use error::MeshIoError;
 pub use include::Include;

@@ -66,12 +66,14 @@ impl<'a> Lines<'a> {
     /// A finite number of the current line; `D` exponents of Fortran are understood.
     pub fn parse_real(&self, token: Option<&str>, what: &str) -> Result<f64, MeshIoError> {
         let token = token.ok_or_else(|| self.error("end of line", format!("expected {what}")))?;
-        let value = token.parse().or_else(|_| token.replace(['d', 'D'], "e").parse::<f64>());
-        match value {
-            Ok(x) if x.is_finite() => Ok(x),
-            _ => Err(self.error(token, format!("expected {what}, a finite number"))),
-        }
+        real(token).ok_or_else(|| self.error(token, format!("expected {what}, a finite number")))
     }
+}
+
+/// A finite number; `D` exponents of Fortran are understood.
+pub(crate) fn real(text: &str) -> Option<f64> {
+    let value = text.parse().or_else(|_| text.replace(['d', 'D'], "e").parse::<f64>()).ok()?;
+    value.is_finite().then_some(value)
 }
 
 /// A [`MeshIoError::Syntax`]. What is missing in an empty file is missing in its first line.

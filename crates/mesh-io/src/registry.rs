@@ -36,7 +36,7 @@ pub const FORMATS: &[Format] = &[
 const BEGINNING: usize = 1 << 16;
 
 /// Reads a mesh file: the format follows from the extension, or else from the content. The mesh is checked
-/// ([`Contents::mesh`]); nodes that no hexahedron uses are dropped, and so are sets that have nothing else.
+/// ([`Contents::mesh`]); nodes that no element uses are dropped, and so are sets that have nothing else.
 ///
 /// # Errors
 /// Everything in [`MeshIoError`] that concerns reading.
@@ -90,7 +90,7 @@ pub fn read_mesh_from_str(path: impl AsRef<Path>, text: &str) -> Result<Mesh, Me
 }
 
 /// The content of a regular file; a pipe or a device may have no end.
-fn regular(path: &Path) -> io::Result<Vec<u8>> {
+pub(crate) fn regular(path: &Path) -> io::Result<Vec<u8>> {
     if std::fs::metadata(path)?.is_file() {
         return std::fs::read(path);
     }

@@ -8,23 +8,35 @@ use stoss_mesh_io::{
     write_vtu_to,
 };
 
-const FILES: [(&str, &str); 5] = [
+const FILES: [(&str, &str); 9] = [
     ("a.msh", include_str!("data/ring-22.msh")),
     ("a.msh", include_str!("data/ring-41.msh")),
     ("a.inp", include_str!("data/assembly.inp")),
     ("a.vtu", ""),
     ("a.inp", include_str!("data/parts.inp")),
+    ("a.msh", include_str!("data/cell-hex27.msh")),
+    ("a.msh", include_str!("data/cell-tet10.msh")),
+    ("a.msh", include_str!("data/cell-wedge15.msh")),
+    ("a.inp", CELLS),
 ];
 
-const BINARY: [&[u8]; 8] = [
+/// A quadratic tetrahedron, a wedge, and a surface of both.
+const CELLS: &str = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,.5,0,0\n6,.5,.5,0\n7,0,.5,0\n8,0,0,.5\n9,.5,0,.5\n10,0,.5,.5\n\
+                     11,3,0,0\n12,4,0,0\n13,3,1,0\n14,3,0,1\n15,4,0,1\n16,3,1,1\n*ELEMENT, TYPE=C3D10M, ELSET=a\n\
+                     1,1,2,3,4,5,6,\n7,8,9,10\n*ELEMENT, TYPE=C3D6, ELSET=a\n2,11,12,13,14,15,16\n*SURFACE, NAME=s\na,S4\n2,S5\n";
+
+const BINARY: [&[u8]; 11] = [
     include_bytes!("data/two-22-binary.msh"),
     include_bytes!("data/two-41-binary.msh"),
     include_bytes!("data/two-41-parametric.msh"),
     include_bytes!("data/two-41-big-endian.msh"),
+    include_bytes!("data/cell-tet10-binary.msh"),
+    include_bytes!("data/cell-wedge15-binary.msh"),
     include_bytes!("data/grid-ascii.vtu"),
     include_bytes!("data/grid-binary.vtu"),
     include_bytes!("data/grid-zlib.vtu"),
     include_bytes!("data/grid-pieces.vtu"),
+    include_bytes!("data/cells.vtu"),
 ];
 
 fn vtu() -> String {
@@ -176,7 +188,7 @@ fn apply(text: &str, damage: &Damage) -> String {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
-    fn damaged_files_give_a_good_mesh_or_an_error(file in 0usize..5, list in prop::collection::vec(damage(), 1..4)) {
+    fn damaged_files_give_a_good_mesh_or_an_error(file in 0..FILES.len(), list in prop::collection::vec(damage(), 1..4)) {
         let (name, text) = FILES[file];
         let original = if name == "a.vtu" { vtu() } else { text.to_owned() };
         let damaged = list.iter().fold(original, |text, d| apply(&text, d));
@@ -232,7 +244,7 @@ proptest! {
     ) {
         let mut damaged = BINARY[file].to_vec();
         list.into_iter().for_each(|d| damage_bytes(&mut damaged, d));
-        let name = if file < 4 { "a.msh" } else { "a.vtu" };
+        let name = if file < 6 { "a.msh" } else { "a.vtu" };
         let contents = read_contents_from_bytes(name, &damaged, &mut |_| Err(std::io::ErrorKind::NotFound.into()));
         match contents.and_then(|contents| { contents.survey(None); contents.mesh(None) }) {
             Ok(mesh) => prop_assert_eq!(mesh.check_but_coincident(), Ok(())),

@@ -7,6 +7,7 @@ use stoss_mesh_io::{
     Field, MeshIoError, VtkhdfFile, VtuData, VtuFrame, append_vtkhdf, create_vtkhdf, keep_vtkhdf, read_vtu_from_str,
     write_vtu_to,
 };
+use stoss_reference_element::{CellKind, FaceKind, FaceNodes};
 
 const POINTS: [[f64; 3]; 10] = [
     [0.0, 0.0, 0.0],
@@ -97,6 +98,35 @@ fn frames_are_those_of_vtu_files() {
     // One frame after the other, in sessions of their own; the file does not grow by more than what is in the frames.
     let one = std::fs::metadata(&path).unwrap().len() / 37;
     assert!(one < 8000, "{one} bytes a frame of 1040 bytes");
+}
+
+/// Elements and faces of all kinds.
+#[test]
+fn all_kinds_of_cells() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.vtkhdf");
+    let points = [[0.5; 3]; 30];
+    let mut elements = Elements::new();
+    for kind in CellKind::ALL.into_iter().chain([CellKind::Tet4]) {
+        let nodes: Vec<u32> = (0..kind.node_count() as u32).map(|n| n + 2).collect();
+        elements.push(kind, &nodes);
+    }
+    let facets: Vec<FaceNodes> =
+        FaceKind::ALL.into_iter().map(|kind| FaceNodes::from_fn(kind, |k| 20 - k as u32)).collect();
+    let frame = VtuFrame {
+        points: &points,
+        elements: elements.blocks(),
+        facets: &facets,
+        time: Some(1.0),
+        ..VtuFrame::default()
+    };
+    create_vtkhdf(&path, &frame, 0).unwrap();
+    append_vtkhdf(&path, &frame, 1).unwrap();
+    let file = VtkhdfFile::open(&path).unwrap();
+    for k in 0..2 {
+        let data = file.read(k).unwrap();
+        assert_eq!((&data.elements, &data.facets), (&elements, &facets));
+    }
 }
 
 #[test]

@@ -5,7 +5,8 @@ use crate::lines::Lines;
 use crate::place::Place;
 
 /// A keyword line: `*NAME, PARAMETER=VALUE, FLAG`.
-pub(super) struct Keyword {
+#[derive(Clone)]
+pub(crate) struct Keyword {
     /// Upper case, without the star, single spaces.
     pub name: String,
     /// Names in upper case without spaces; values without quotes.
@@ -36,6 +37,11 @@ impl Keyword {
                 format_args!("needs the parameter {parameter}=..."),
             )),
         }
+    }
+
+    /// Names of the parameters, in upper case without spaces.
+    pub fn parameters(&self) -> impl Iterator<Item = &str> {
+        self.parameters.iter().map(|(name, _)| name.as_str())
     }
 
     fn parse(text: &str, place: Place) -> Keyword {

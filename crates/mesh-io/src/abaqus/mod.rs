@@ -14,10 +14,12 @@
 //! there are several instances, and `set` where there is one. Coordinates that are left out are zero. Names keep the spelling of
 //! their first occurrence; within the file they are compared without regard to case. Sets of an assembly that refer to nodes of
 //! the assembly itself (reference points) lose them. Keywords that would change the mesh and are not read (`*NGEN`, ...) are refused;
-//! all others (materials, steps, ...) are skipped: no physics of a file is read.
+//! all others (materials, steps, ...) are skipped; [`deck`] keeps
+//! them for a reader of the whole file.
 
 mod data;
 mod data_lines;
+pub mod deck;
 mod flatten;
 mod keyword;
 mod model;
@@ -43,5 +45,5 @@ pub(crate) fn recognise(text: &str) -> bool {
 /// Reads a file.
 pub(crate) fn read(path: &Path, bytes: &[u8], include: Include<'_>) -> Result<Contents, MeshIoError> {
     // Names of sets may be in any encoding; everything else is ASCII.
-    reader::Reader::new(path, include).read(path, &String::from_utf8_lossy(bytes))
+    reader::Reader::new(path, include).read(path, &String::from_utf8_lossy(bytes)).map(|(contents, _)| contents)
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::deck::Block;
 use super::keyword::{Item, Keyword, next};
 use super::model::{Instance, Kind, Names, Part};
 use super::section::Section;
@@ -55,6 +56,8 @@ pub(super) struct Reader<'a> {
     scope: Scope,
     pub section: Section,
     copies: usize,
+    /// Keywords that are not those of the mesh, if they are wanted.
+    blocks: Option<Vec<Block>>,
 }
 
 impl<'a> Reader<'a> {
@@ -73,10 +76,18 @@ impl<'a> Reader<'a> {
             scope: Scope::Part(0),
             section: Section::Skip,
             copies: 0,
+            blocks: None,
         }
     }
 
-    pub fn read(mut self, path: &Path, text: &str) -> Result<Contents, MeshIoError> {
+    /// Keeps what is not read, with its data lines.
+    pub fn keeping_blocks(mut self) -> Reader<'a> {
+        self.blocks = Some(Vec::new());
+        self
+    }
+
+    /// The mesh, and the keywords that are kept.
+    pub fn read(mut self, path: &Path, text: &str) -> Result<(Contents, Vec<Block>), MeshIoError> {
         self.open.push(path.to_owned());
         let result = self.read_text(0, path, text).and_then(|()| self.section.close(&self.contents));
         self.count_others();
@@ -85,7 +96,8 @@ impl<'a> Reader<'a> {
             self.contents.refuse_others(None)?;
             return Err(error);
         }
-        self.flatten()
+        let blocks = self.blocks.take().unwrap_or_default();
+        Ok((self.flatten()?, blocks))
     }
 
     fn read_text(&mut self, file: u32, path: &Path, text: &str) -> Result<(), MeshIoError> {
@@ -101,11 +113,25 @@ impl<'a> Reader<'a> {
                 Item::Keyword(keyword) => {
                     self.section.close(&self.contents)?;
                     self.section = self.keyword(&lines, &keyword)?;
-                    if let (false, Some(input)) = (matches!(self.section, Section::Skip), keyword.value("INPUT")) {
+                    let skips = matches!(self.section, Section::Skip);
+                    let mut reads_input = !skips;
+                    if let Some(blocks) = self.blocks.as_mut().filter(|_| skips) {
+                        let block = Block { keyword: keyword.clone(), rows: Vec::new() };
+                        reads_input = block.takes_input();
+                        blocks.push(block);
+                    }
+                    if let Some(input) = keyword.value("INPUT").filter(|_| reads_input) {
                         self.include_file(&lines, &keyword, input)?;
                     }
                 }
-                Item::Data(data) => self.data(&lines, data)?,
+                Item::Data(data) => {
+                    if let (Section::Skip, Some(block)) =
+                        (&self.section, self.blocks.as_mut().and_then(|b| b.last_mut()))
+                    {
+                        block.rows.push((data.to_owned(), lines.place()));
+                    }
+                    self.data(&lines, data)?;
+                }
             }
         }
         Ok(())

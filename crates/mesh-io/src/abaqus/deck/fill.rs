@@ -1,0 +1,531 @@
+//! From keywords to a [`Deck`].
+
+use super::rows::{Block, Row};
+use super::{
+    Amplitude, Behavior, ContactPair, Deck, DeckPlace, Elastic, ElementLoad, Ends, Force, Friction, Hyperelastic,
+    InitialVelocity, Interaction, LeftOut, LoadKind, Material, Prescribed, Procedure, SolidSection, Step, Support,
+    SurfacePressure, Tie, Times,
+};
+use crate::{Contents, MeshIoError};
+
+/// Keywords of the mesh, which its reader has read or refused, and those without a meaning of their own.
+const MESH: [&str; 9] =
+    ["PART", "ENDPART", "ASSEMBLY", "ENDASSEMBLY", "ENDINSTANCE", "NODE", "SURFACE", "PREPRINT", "NOTE"];
+/// Keywords that ask for output.
+const OUTPUT: [&str; 23] = [
+    "NODEPRINT",
+    "NODEFILE",
+    "NODEOUTPUT",
+    "ELPRINT",
+    "ELFILE",
+    "ELEMENTOUTPUT",
+    "CONTACTPRINT",
+    "CONTACTFILE",
+    "CONTACTOUTPUT",
+    "FACEPRINT",
+    "SECTIONPRINT",
+    "SECTIONFILE",
+    "ENERGYPRINT",
+    "ENERGYFILE",
+    "ENERGYOUTPUT",
+    "OUTPUT",
+    "FILEFORMAT",
+    "FILEOUTPUT",
+    "RESTART",
+    "MONITOR",
+    "DIAGNOSTICS",
+    "TIMEPOINTS",
+    "PRINT",
+];
+/// Keywords that say what a step computes, beside `*STATIC` and `*DYNAMIC`.
+const PROCEDURES: [&str; 20] = [
+    "FREQUENCY",
+    "COMPLEXFREQUENCY",
+    "BUCKLE",
+    "MODALDYNAMIC",
+    "STEADYSTATEDYNAMICS",
+    "RANDOMRESPONSE",
+    "RESPONSESPECTRUM",
+    "HEATTRANSFER",
+    "COUPLEDTEMPERATURE-DISPLACEMENT",
+    "UNCOUPLEDTEMPERATURE-DISPLACEMENT",
+    "DYNAMICTEMPERATURE-DISPLACEMENT",
+    "VISCO",
+    "GEOSTATIC",
+    "CFD",
+    "ELECTROMAGNETICS",
+    "SENSITIVITY",
+    "GREEN",
+    "SUBSTRUCTUREGENERATE",
+    "NOANALYSIS",
+    "MASSDIFFUSION",
+];
+
+/// What keywords that follow another one belong to.
+enum Owner {
+    Nothing,
+    Material,
+    Interaction,
+}
+
+struct Filler<'a> {
+    contents: &'a Contents,
+    deck: Deck,
+    owner: Owner,
+    /// Within `*STEP` and `*END STEP`.
+    in_step: bool,
+}
+
+/// The deck of a mesh and the other keywords of its file.
+pub(super) fn deck(contents: Contents, blocks: &[Block]) -> Result<Deck, MeshIoError> {
+    let mut filler = Filler { contents: &contents, deck: Deck::default(), owner: Owner::Nothing, in_step: false };
+    blocks.iter().try_for_each(|block| filler.block(block))?;
+    let deck = filler.deck;
+    Ok(Deck { contents, ..deck })
+}
+
+impl Filler<'_> {
+    fn block(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let name = block.name();
+        match (name.as_str(), &self.owner) {
+            ("DENSITY" | "ELASTIC" | "HYPERELASTIC", Owner::Material) => return self.of_material(block, &name),
+            ("FRICTION" | "SURFACEBEHAVIOR", Owner::Interaction) => return self.of_interaction(block, &name),
+            _ => {}
+        }
+        let owner = std::mem::replace(&mut self.owner, Owner::Nothing);
+        match name.as_str() {
+            "HEADING" => self.deck.title = block.rows(self.contents).next().map(|row| row.text.to_owned()),
+            "MATERIAL" => {
+                let (name, place) = (block.require(self.contents, "NAME")?, block.place());
+                self.other_parameters(block, &["NAME"]);
+                self.deck.materials.push(Material { name, density: None, elastic: None, hyperelastic: None, place });
+                self.owner = Owner::Material;
+            }
+            "SURFACEINTERACTION" => {
+                let (name, place) = (block.require(self.contents, "NAME")?, block.place());
+                self.other_parameters(block, &["NAME"]);
+                self.deck.interactions.push(Interaction { name, friction: None, behavior: None, place });
+                self.owner = Owner::Interaction;
+            }
+            "SOLIDSECTION" => {
+                let elements = block.require(self.contents, "ELSET")?;
+                let material = block.require(self.contents, "MATERIAL")?;
+                self.other_parameters(block, &["ELSET", "MATERIAL"]);
+                self.deck.sections.push(SolidSection { elements, material, place: block.place() });
+            }
+            "AMPLITUDE" => self.amplitude(block)?,
+            "CONTACTPAIR" => self.contact_pair(block)?,
+            "TIE" => self.tie(block)?,
+            "INITIALCONDITIONS" => self.initial(block)?,
+            "STEP" => self.step(block)?,
+            "ENDSTEP" => self.in_step = false,
+            "STATIC" | "DYNAMIC" => self.procedure(block, &name)?,
+            "BOUNDARY" => self.boundary(block)?,
+            "CLOAD" => self.forces(block)?,
+            "DLOAD" => self.loads(block)?,
+            "DSLOAD" => self.pressures(block)?,
+            name if PROCEDURES.contains(&name) => {
+                if let Some(step) = self.deck.steps.last_mut().filter(|_| self.in_step) {
+                    step.procedure = Some(Procedure::Other(block.keyword.name.clone()));
+                }
+                self.leave(block.place(), format!("*{}", block.keyword.name));
+            }
+            name if MESH.contains(&name) => {}
+            name if OUTPUT.contains(&name) => {
+                let what = format!("*{}", block.keyword.name);
+                self.deck.left_out.push(LeftOut { what, changes_results: false, place: block.place() });
+            }
+            _ => {
+                // It may be one of a material or an interaction that is not known here: what follows still belongs to that.
+                self.owner = owner;
+                self.leave(block.place(), format!("*{}", block.keyword.name));
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells of something that is not kept; of many equal ones in a row once.
+    fn leave(&mut self, place: DeckPlace, what: String) {
+        if self.deck.left_out.last().is_none_or(|last| last.what != what) {
+            self.deck.left_out.push(LeftOut { what, changes_results: true, place });
+        }
+    }
+
+    /// Tells of the parameters that are not among the known ones.
+    fn other_parameters(&mut self, block: &Block, known: &[&str]) {
+        for parameter in block.keyword.parameters().filter(|p| *p != "INPUT" && !known.contains(p)) {
+            self.leave(block.place(), format!("parameter {parameter} of *{}", block.keyword.name));
+        }
+    }
+
+    /// Leaves the whole keyword out if it has a parameter that is not among the known ones.
+    fn is_other(&mut self, block: &Block, known: &[&str]) -> bool {
+        let other = block.keyword.parameters().find(|p| *p != "INPUT" && !known.contains(p));
+        if let Some(parameter) = other {
+            self.leave(block.place(), format!("*{} with the parameter {parameter}", block.keyword.name));
+        }
+        other.is_some()
+    }
+
+    fn of_material(&mut self, block: &Block, name: &str) -> Result<(), MeshIoError> {
+        let contents = self.contents;
+        let is_plain =
+            block.keyword.value("TYPE").is_none_or(|kind| ["ISO", "ISOTROPIC"].contains(&&*kind.to_uppercase()));
+        if name == "ELASTIC" && !is_plain || block.keyword.flag("TESTDATAINPUT") {
+            let kind = block.keyword.value("TYPE").map_or("TEST DATA INPUT".to_owned(), |kind| format!("TYPE={kind}"));
+            self.leave(block.place(), format!("*{}, {kind}", block.keyword.name));
+            return Ok(());
+        }
+        let first = block.first(contents, "numbers of the material")?;
+        match name {
+            "DENSITY" => {
+                let density = first.real(0, "a mass per volume")?;
+                self.other_parameters(block, &[]);
+                self.material(|material| material.density = Some(density));
+            }
+            "ELASTIC" => {
+                let elastic = Elastic {
+                    modulus: first.real(0, "Young's modulus")?,
+                    ratio: first.optional(1, "Poisson's ratio")?.unwrap_or(0.0),
+                };
+                self.other_parameters(block, &["TYPE"]);
+                self.material(|material| material.elastic = Some(elastic));
+            }
+            _ => {
+                const OTHERS: [&str; 4] = ["N", "MODULI", "TYPE", "POISSON"];
+                let law = block.keyword.parameters().find(|p| !OTHERS.contains(p)).unwrap_or("POLYNOMIAL").to_owned();
+                let terms = block.number(contents, "N")?.unwrap_or(1.0) as usize;
+                let coefficients = block.numbers(contents)?;
+                self.other_parameters(block, &["N", "MODULI", law.as_str()]);
+                self.material(|material| material.hyperelastic = Some(Hyperelastic { law, terms, coefficients }));
+            }
+        }
+        if name != "HYPERELASTIC" && block.rows.len() > 1 {
+            self.leave(block.place(), format!("all lines of *{} but the first", block.keyword.name));
+        }
+        Ok(())
+    }
+
+    fn material(&mut self, change: impl FnOnce(&mut Material)) {
+        if let Some(material) = self.deck.materials.last_mut() {
+            change(material);
+        }
+    }
+
+    fn of_interaction(&mut self, block: &Block, name: &str) -> Result<(), MeshIoError> {
+        if name == "FRICTION" {
+            let first = block.rows(self.contents).next();
+            let is_rough = block.keyword.flag("ROUGH");
+            let coefficient = match first {
+                _ if is_rough => f64::INFINITY,
+                Some(row) => row.optional(0, "a coefficient of friction")?.unwrap_or(0.0),
+                None => 0.0,
+            };
+            let stick_slope = first.filter(|_| !is_rough).map(|row| row.optional(1, "a stick slope")).transpose()?;
+            let friction = Friction { coefficient, stick_slope: stick_slope.flatten() };
+            self.other_parameters(block, &["ROUGH"]);
+            if let Some(interaction) = self.deck.interactions.last_mut() {
+                interaction.friction = Some(friction);
+            }
+            return Ok(());
+        }
+        let law = block.keyword.value("PRESSURE-OVERCLOSURE").unwrap_or("HARD").to_uppercase();
+        let values: Vec<Vec<f64>> =
+            block.rows(self.contents).map(|row| row.numbers()).collect::<Result<_, MeshIoError>>()?;
+        self.other_parameters(block, &["PRESSURE-OVERCLOSURE"]);
+        if let Some(interaction) = self.deck.interactions.last_mut() {
+            interaction.behavior = Some(Behavior { law, values });
+        }
+        Ok(())
+    }
+
+    fn amplitude(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let name = block.require(self.contents, "NAME")?;
+        let definition = block.keyword.value("DEFINITION").unwrap_or("TABULAR").to_uppercase();
+        if definition != "TABULAR" {
+            self.leave(block.place(), format!("*AMPLITUDE, DEFINITION={definition}"));
+            return Ok(());
+        }
+        if self.is_other(block, &["NAME", "DEFINITION", "TIME", "VALUE"]) {
+            return Ok(());
+        }
+        let numbers = block.numbers(self.contents)?;
+        let (points, rest) = numbers.as_chunks::<2>();
+        if !rest.is_empty() || points.is_empty() {
+            return Err(block.error(self.contents, "needs pairs of a time and a value"));
+        }
+        let time = block.keyword.value("TIME").unwrap_or_default().to_uppercase();
+        self.deck.amplitudes.push(Amplitude {
+            name,
+            is_total_time: time.starts_with("TOTAL"),
+            points: points.to_vec(),
+            place: block.place(),
+        });
+        Ok(())
+    }
+
+    fn contact_pair(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        self.other_parameters(block, &["INTERACTION", "TYPE", "ADJUST", "SMALLSLIDING"]);
+        let value = |parameter| block.keyword.value(parameter).map(str::to_owned);
+        for row in block.rows(self.contents) {
+            let slave = row.name(0, "a slave surface")?;
+            let master = if row.field(1).is_empty() { slave.clone() } else { row.name(1, "a master surface")? };
+            self.deck.pairs.push(ContactPair {
+                slave,
+                master,
+                interaction: value("INTERACTION"),
+                kind: value("TYPE").map(|kind| kind.to_uppercase()),
+                adjust: value("ADJUST"),
+                is_small_sliding: block.keyword.flag("SMALLSLIDING"),
+                place: row.place(),
+            });
+        }
+        Ok(())
+    }
+
+    fn tie(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        if self.is_other(block, &["NAME", "POSITIONTOLERANCE", "ADJUST", "TYPE"]) {
+            return Ok(());
+        }
+        let tolerance = block.number(self.contents, "POSITIONTOLERANCE")?;
+        for row in block.rows(self.contents) {
+            self.deck.ties.push(Tie {
+                name: block.keyword.value("NAME").map(str::to_owned),
+                slave: row.name(0, "a slave surface")?,
+                master: row.name(1, "a master surface")?,
+                tolerance,
+                adjusts: block.keyword.value("ADJUST").is_none_or(|adjust| !adjust.eq_ignore_ascii_case("NO")),
+                place: row.place(),
+            });
+        }
+        Ok(())
+    }
+
+    fn initial(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let kind = block.require(self.contents, "TYPE")?.to_uppercase();
+        if kind != "VELOCITY" {
+            self.leave(block.place(), format!("*INITIAL CONDITIONS, TYPE={kind}"));
+            return Ok(());
+        }
+        if self.is_other(block, &["TYPE"]) {
+            return Ok(());
+        }
+        for row in block.rows(self.contents) {
+            if let Some(component) = self.component(block, &row)? {
+                let (nodes, value, place) = (row.target(), row.real(2, "a velocity")?, row.place());
+                self.deck.velocities.push(InitialVelocity { nodes, component, value, place });
+            }
+        }
+        Ok(())
+    }
+
+    /// The component of the degree of freedom in the second field.
+    fn component(&mut self, block: &Block, row: &Row) -> Result<Option<usize>, MeshIoError> {
+        match row.freedom(1)? {
+            Some(freedom @ 1..=3) => Ok(Some(freedom as usize - 1)),
+            Some(freedom) => {
+                self.leave(row.place(), format!("degree of freedom {freedom} of *{}", block.keyword.name));
+                Ok(None)
+            }
+            None => Err(row.error(row.text, "expected a degree of freedom in the second place: 1, 2 or 3")),
+        }
+    }
+
+    fn step(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let (keyword, contents) = (&block.keyword, self.contents);
+        self.other_parameters(block, &["NAME", "NLGEOM", "PERTURBATION", "AMPLITUDE", "INC"]);
+        let increments = block.number(contents, "INC")?;
+        let is = |parameter, value: &str| keyword.value(parameter).is_some_and(|v| v.eq_ignore_ascii_case(value));
+        self.deck.steps.push(Step {
+            name: keyword.value("NAME").map(str::to_owned),
+            is_nonlinear: keyword.flag("NLGEOM") && !is("NLGEOM", "NO"),
+            is_perturbation: keyword.flag("PERTURBATION"),
+            is_sudden: is("AMPLITUDE", "STEP"),
+            increments: increments.map(|number| number as u64),
+            procedure: None,
+            supports: Vec::new(),
+            forces: Vec::new(),
+            loads: Vec::new(),
+            pressures: Vec::new(),
+            ends: Ends::default(),
+            place: block.place(),
+        });
+        self.in_step = true;
+        Ok(())
+    }
+
+    fn procedure(&mut self, block: &Block, name: &str) -> Result<(), MeshIoError> {
+        let mut times = Times { is_fixed: block.keyword.flag("DIRECT"), ..Times::default() };
+        if let Some(row) = block.rows(self.contents).next() {
+            times.initial = row.optional(0, "the first increment")?;
+            times.period = row.optional(1, "the length of the step")?;
+            times.smallest = row.optional(2, "the smallest increment")?;
+            times.largest = row.optional(3, "the largest increment")?;
+        }
+        let procedure = if name == "STATIC" {
+            self.other_parameters(block, &["DIRECT", "SOLVER"]);
+            Procedure::Static(times)
+        } else {
+            self.other_parameters(block, &["DIRECT", "SOLVER", "ALPHA", "EXPLICIT"]);
+            let alpha = block.number(self.contents, "ALPHA")?;
+            Procedure::Dynamic { times, alpha, is_explicit: block.keyword.flag("EXPLICIT") }
+        };
+        match self.deck.steps.last_mut().filter(|_| self.in_step) {
+            Some(step) => step.procedure = Some(procedure),
+            None => self.leave(block.place(), format!("*{} outside of a step", block.keyword.name)),
+        }
+        Ok(())
+    }
+
+    /// The step that a keyword of loads belongs to, and its amplitude; nothing if the keyword is left out.
+    fn loading(&mut self, block: &Block, ends: fn(&mut Ends) -> &mut bool) -> Option<Option<String>> {
+        if self.is_other(block, &["OP", "AMPLITUDE"]) {
+            return None;
+        }
+        let Some(step) = self.deck.steps.last_mut().filter(|_| self.in_step) else {
+            self.leave(block.place(), format!("*{} outside of a step", block.keyword.name));
+            return None;
+        };
+        *ends(&mut step.ends) |= is_new(block);
+        Some(block.keyword.value("AMPLITUDE").map(str::to_owned))
+    }
+
+    fn boundary(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        if self.is_other(block, &["OP", "AMPLITUDE", "TYPE"]) {
+            return Ok(());
+        }
+        let prescribed = match block.keyword.value("TYPE").unwrap_or("DISPLACEMENT").to_uppercase().as_str() {
+            "DISPLACEMENT" => Prescribed::Displacement,
+            "VELOCITY" => Prescribed::Velocity,
+            "ACCELERATION" => Prescribed::Acceleration,
+            other => {
+                self.leave(block.place(), format!("*BOUNDARY, TYPE={other}"));
+                return Ok(());
+            }
+        };
+        let amplitude = block.keyword.value("AMPLITUDE").map(str::to_owned);
+        let mut supports = Vec::new();
+        for row in block.rows(self.contents) {
+            let Some((components, value)) = self.support(block, &row)? else { continue };
+            let (nodes, amplitude, place) = (row.target(), amplitude.clone(), row.place());
+            supports.push(Support { nodes, components, prescribed, value, amplitude, place });
+        }
+        match self.deck.steps.last_mut().filter(|_| self.in_step) {
+            None => self.deck.supports.extend(supports),
+            Some(step) => {
+                step.ends.supports |= is_new(block);
+                step.supports.extend(supports);
+            }
+        }
+        Ok(())
+    }
+
+    /// The components that a line of `*BOUNDARY` prescribes, and their value.
+    fn support(&mut self, block: &Block, row: &Row) -> Result<Option<([bool; 3], f64)>, MeshIoError> {
+        let components = match row.field(1).to_uppercase().as_str() {
+            "ENCASTRE" | "PINNED" => [true; 3],
+            "XSYMM" => [true, false, false],
+            "YSYMM" => [false, true, false],
+            "ZSYMM" => [false, false, true],
+            "XASYMM" => [false, true, true],
+            "YASYMM" => [true, false, true],
+            "ZASYMM" => [true, true, false],
+            _ => {
+                let Some(first) = row.freedom(1)? else {
+                    return Err(row.error(row.text, "expected a degree of freedom in the second place: 1, 2 or 3"));
+                };
+                let last = row.freedom(2)?.unwrap_or(first);
+                if last < first {
+                    return Err(row.error(row.text, "the last degree of freedom is below the first"));
+                }
+                if !(1..=3).contains(&first) {
+                    self.leave(row.place(), format!("degree of freedom {first} of *{}", block.keyword.name));
+                    return Ok(None);
+                }
+                let value = row.optional(3, "a prescribed value")?.unwrap_or(0.0);
+                return Ok(Some((std::array::from_fn(|i| (first..=last).contains(&(i as u64 + 1))), value)));
+            }
+        };
+        Ok(Some((components, 0.0)))
+    }
+
+    fn forces(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let Some(amplitude) = self.loading(block, |ends| &mut ends.forces) else { return Ok(()) };
+        let mut forces = Vec::new();
+        for row in block.rows(self.contents) {
+            let Some(component) = self.component(block, &row)? else { continue };
+            let value = row.real(2, "a force")?;
+            let force =
+                Force { nodes: row.target(), component, value, amplitude: amplitude.clone(), place: row.place() };
+            forces.push(force);
+        }
+        if let Some(step) = self.deck.steps.last_mut() {
+            step.forces.extend(forces);
+        }
+        Ok(())
+    }
+
+    fn loads(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let Some(amplitude) = self.loading(block, |ends| &mut ends.loads) else { return Ok(()) };
+        let mut loads = Vec::new();
+        for row in block.rows(self.contents) {
+            let label = row.field(1).to_uppercase();
+            let value = |what| row.real(2, what);
+            let kind = match label.as_str() {
+                "P1" | "P2" | "P3" | "P4" | "P5" | "P6" => {
+                    let face = usize::from(label.as_bytes()[1] - b'1');
+                    LoadKind::Pressure { face, value: value("a pressure")? }
+                }
+                "GRAV" => LoadKind::Gravity {
+                    magnitude: value("an acceleration")?,
+                    direction: row.vector(3, "a component of the direction")?,
+                },
+                "CENTRIF" => LoadKind::Centrifugal {
+                    squared: value("the square of an angular velocity")?,
+                    point: row.vector(3, "a coordinate of a point of the axis")?,
+                    axis: row.vector(6, "a component of the axis")?,
+                },
+                "BX" => LoadKind::Body { component: 0, value: value("a force per volume")? },
+                "BY" => LoadKind::Body { component: 1, value: value("a force per volume")? },
+                "BZ" => LoadKind::Body { component: 2, value: value("a force per volume")? },
+                _ => {
+                    self.leave(row.place(), format!("load {label} of *DLOAD"));
+                    continue;
+                }
+            };
+            let load = ElementLoad { elements: row.target(), kind, amplitude: amplitude.clone(), place: row.place() };
+            loads.push(load);
+        }
+        if let Some(step) = self.deck.steps.last_mut() {
+            step.loads.extend(loads);
+        }
+        Ok(())
+    }
+
+    fn pressures(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let Some(amplitude) = self.loading(block, |ends| &mut ends.pressures) else { return Ok(()) };
+        let mut pressures = Vec::new();
+        for row in block.rows(self.contents) {
+            let label = row.field(1).to_uppercase();
+            if label != "P" {
+                self.leave(row.place(), format!("load {label} of *DSLOAD"));
+                continue;
+            }
+            let pressure = SurfacePressure {
+                surface: row.name(0, "a surface")?,
+                value: row.real(2, "a pressure")?,
+                amplitude: amplitude.clone(),
+                place: row.place(),
+            };
+            pressures.push(pressure);
+        }
+        if let Some(step) = self.deck.steps.last_mut() {
+            step.pressures.extend(pressures);
+        }
+        Ok(())
+    }
+}
+
+fn is_new(block: &Block) -> bool {
+    block.keyword.value("OP").is_some_and(|value| value.eq_ignore_ascii_case("NEW"))
+}

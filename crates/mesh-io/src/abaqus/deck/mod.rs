@@ -1,0 +1,450 @@
+//! What an Abaqus or CalculiX input file says beside the mesh, for whoever makes a scene of it.
+//!
+//! [`read_deck`] keeps it as it stands: names, numbers, places, in the units of the file. Nothing is computed, no name is looked up, and what it
+//! means for a scene is not decided here. What is not kept stands in [`Deck::left_out`], keyword by keyword and parameter by parameter, so that
+//! nothing is lost without a word.
+//!
+//! | keyword | in the deck |
+//! |---|---|
+//! | `*HEADING` | [`Deck::title`] |
+//! | `*MATERIAL` with `*DENSITY`, `*ELASTIC` (isotropic), `*HYPERELASTIC` | [`Material`] |
+//! | `*SOLID SECTION` | [`SolidSection`] |
+//! | `*AMPLITUDE` (tabular) | [`Amplitude`] |
+//! | `*SURFACE INTERACTION` with `*FRICTION`, `*SURFACE BEHAVIOR`; `*CONTACT PAIR`; `*TIE` | [`Interaction`], [`ContactPair`], [`Tie`] |
+//! | `*INITIAL CONDITIONS, TYPE=VELOCITY` | [`InitialVelocity`] |
+//! | `*BOUNDARY`, `*CLOAD`, `*DLOAD`, `*DSLOAD` | [`Support`], [`Force`], [`ElementLoad`], [`SurfacePressure`] |
+//! | `*STEP` with `*STATIC`, `*DYNAMIC` | [`Step`] |
+
+mod fill;
+mod rows;
+
+use std::path::{Path, PathBuf};
+
+use crate::Contents;
+use crate::include::Include;
+use crate::place::Place;
+use crate::{MeshIoError, registry};
+pub(super) use rows::Block;
+
+/// A line of one of the files of a deck.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct DeckPlace {
+    /// The file: 0, or the number of an included one in [`Deck::files`].
+    pub file: usize,
+    /// The line, from 1.
+    pub line: usize,
+}
+
+impl From<Place> for DeckPlace {
+    fn from(place: Place) -> DeckPlace {
+        DeckPlace { file: place.file as usize, line: place.at as usize }
+    }
+}
+
+/// Nodes or elements that a line speaks of.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Target {
+    /// One by its number in the file, of an instance if one is named.
+    Number {
+        /// The number.
+        number: u64,
+        /// The instance.
+        instance: Option<String>,
+    },
+    /// A set by its name, as written.
+    Set(String),
+    /// All of them: the name is left blank.
+    All,
+}
+
+/// A material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Its name.
+    pub name: String,
+    /// Mass per volume.
+    pub density: Option<f64>,
+    /// Of `*ELASTIC, TYPE=ISOTROPIC`.
+    pub elastic: Option<Elastic>,
+    /// Of `*HYPERELASTIC`.
+    pub hyperelastic: Option<Hyperelastic>,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// Isotropic elasticity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Elastic {
+    /// Young's modulus (force per area).
+    pub modulus: f64,
+    /// Poisson's ratio.
+    pub ratio: f64,
+}
+
+/// Hyperelasticity with its coefficients.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hyperelastic {
+    /// The law in upper case without spaces: `NEOHOOKE`, `MOONEY-RIVLIN`, `YEOH`, `OGDEN`, ...; `POLYNOMIAL` if none is named.
+    pub law: String,
+    /// Number of terms (`N=`), 1 if it is not given.
+    pub terms: usize,
+    /// The numbers of its data lines in the order of the file.
+    pub coefficients: Vec<f64>,
+}
+
+/// Which elements have which material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolidSection {
+    /// The element set.
+    pub elements: String,
+    /// The material.
+    pub material: String,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// A function of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Amplitude {
+    /// Its name.
+    pub name: String,
+    /// True if its time begins with the first step, false if it begins with each step.
+    pub is_total_time: bool,
+    /// Times and values, linear in between.
+    pub points: Vec<[f64; 2]>,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// Properties of a contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interaction {
+    /// Its name.
+    pub name: String,
+    /// Of `*FRICTION`.
+    pub friction: Option<Friction>,
+    /// Of `*SURFACE BEHAVIOR`.
+    pub behavior: Option<Behavior>,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// Coulomb friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Friction {
+    /// Its coefficient; infinite for `ROUGH`.
+    pub coefficient: f64,
+    /// CalculiX' stick slope, the second number (force per volume).
+    pub stick_slope: Option<f64>,
+}
+
+/// Pressure against overclosure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Behavior {
+    /// `HARD`, `LINEAR`, `EXPONENTIAL`, `TABULAR`, `TIED`, ... in upper case.
+    pub law: String,
+    /// The numbers of its data lines.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// Two surfaces in contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPair {
+    /// The slave surface (or node set).
+    pub slave: String,
+    /// The master surface; the slave again if none is named (contact of a surface with itself).
+    pub master: String,
+    /// The interaction.
+    pub interaction: Option<String>,
+    /// `NODE TO SURFACE`, `SURFACE TO SURFACE`, `MORTAR`, ... in upper case.
+    pub kind: Option<String>,
+    /// Of `ADJUST=`: a distance or a set, as written.
+    pub adjust: Option<String>,
+    /// True with `SMALL SLIDING`.
+    pub is_small_sliding: bool,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// Two surfaces tied to each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tie {
+    /// Its name.
+    pub name: Option<String>,
+    /// The slave surface.
+    pub slave: String,
+    /// The master surface.
+    pub master: String,
+    /// Of `POSITION TOLERANCE=` (a length).
+    pub tolerance: Option<f64>,
+    /// False with `ADJUST=NO`: nodes stay where they are.
+    pub adjusts: bool,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// A velocity at the beginning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InitialVelocity {
+    /// The nodes.
+    pub nodes: Target,
+    /// Its component: 0, 1, 2.
+    pub component: usize,
+    /// Its value.
+    pub value: f64,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// What a support prescribes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Prescribed {
+    /// Displacements.
+    Displacement,
+    /// Velocities.
+    Velocity,
+    /// Accelerations.
+    Acceleration,
+}
+
+/// Prescribed displacements, or their rates. Only of the three translations: nodes of solids have no others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Support {
+    /// The nodes.
+    pub nodes: Target,
+    /// The components, 0, 1, 2, that are prescribed.
+    pub components: [bool; 3],
+    /// What the value is.
+    pub prescribed: Prescribed,
+    /// The value, to be multiplied by the amplitude.
+    pub value: f64,
+    /// The amplitude.
+    pub amplitude: Option<String>,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// A force on each of some nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Force {
+    /// The nodes.
+    pub nodes: Target,
+    /// Its component: 0, 1, 2.
+    pub component: usize,
+    /// The value, to be multiplied by the amplitude.
+    pub value: f64,
+    /// The amplitude.
+    pub amplitude: Option<String>,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// What acts on elements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LoadKind {
+    /// `P1` to `P6`: pressure on a face, counted from 0; positive pushes inwards.
+    Pressure {
+        /// The face, a row of [`stoss_reference_element::CellKind::faces`].
+        face: usize,
+        /// The pressure (force per area).
+        value: f64,
+    },
+    /// `GRAV`: an acceleration.
+    Gravity {
+        /// Its magnitude.
+        magnitude: f64,
+        /// Its direction, of any length.
+        direction: [f64; 3],
+    },
+    /// `CENTRIF`: the force of a rotation.
+    Centrifugal {
+        /// The square of the angular velocity.
+        squared: f64,
+        /// A point of the axis.
+        point: [f64; 3],
+        /// Its direction.
+        axis: [f64; 3],
+    },
+    /// `BX`, `BY`, `BZ`: a force per volume.
+    Body {
+        /// Its component: 0, 1, 2.
+        component: usize,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// A load on elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElementLoad {
+    /// The elements.
+    pub elements: Target,
+    /// What acts on them, to be multiplied by the amplitude.
+    pub kind: LoadKind,
+    /// The amplitude.
+    pub amplitude: Option<String>,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// A pressure on a surface; positive pushes inwards.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfacePressure {
+    /// The surface.
+    pub surface: String,
+    /// The pressure (force per area), to be multiplied by the amplitude.
+    pub value: f64,
+    /// The amplitude.
+    pub amplitude: Option<String>,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// Times of a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Times {
+    /// The first increment.
+    pub initial: Option<f64>,
+    /// The length of the step.
+    pub period: Option<f64>,
+    /// The smallest increment.
+    pub smallest: Option<f64>,
+    /// The largest increment.
+    pub largest: Option<f64>,
+    /// True with `DIRECT`: the increments are those given.
+    pub is_fixed: bool,
+}
+
+/// What a step computes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Procedure {
+    /// `*STATIC`.
+    Static(Times),
+    /// `*DYNAMIC`.
+    Dynamic {
+        /// Its times.
+        times: Times,
+        /// Of `ALPHA=`: numerical damping.
+        alpha: Option<f64>,
+        /// True with `EXPLICIT`.
+        is_explicit: bool,
+    },
+    /// Another keyword, in upper case, as `FREQUENCY`.
+    Other(String),
+}
+
+/// A step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// Its name.
+    pub name: Option<String>,
+    /// True with `NLGEOM`: large displacements.
+    pub is_nonlinear: bool,
+    /// True with `PERTURBATION`.
+    pub is_perturbation: bool,
+    /// True with `AMPLITUDE=STEP`: loads without an amplitude act at once, else they grow over the step.
+    pub is_sudden: bool,
+    /// Of `INC=`.
+    pub increments: Option<u64>,
+    /// What it computes; none if no keyword says so.
+    pub procedure: Option<Procedure>,
+    /// Supports.
+    pub supports: Vec<Support>,
+    /// Forces on nodes.
+    pub forces: Vec<Force>,
+    /// Loads on elements.
+    pub loads: Vec<ElementLoad>,
+    /// Pressures on surfaces.
+    pub pressures: Vec<SurfacePressure>,
+    /// What ends with this step: what former steps said of it (`OP=NEW`).
+    pub ends: Ends,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// What of former steps a step ends.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Ends {
+    /// Supports; `*BOUNDARY, OP=NEW`.
+    pub supports: bool,
+    /// Forces on nodes; `*CLOAD, OP=NEW`.
+    pub forces: bool,
+    /// Loads on elements; `*DLOAD, OP=NEW`.
+    pub loads: bool,
+    /// Pressures on surfaces; `*DSLOAD, OP=NEW`.
+    pub pressures: bool,
+}
+
+/// Something that the deck does not keep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOut {
+    /// As "*PLASTIC", or "parameter ORIENTATION of *SOLID SECTION".
+    pub what: String,
+    /// False for what asks for output only.
+    pub changes_results: bool,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// What an input file says. See the [module](self).
+#[derive(Debug, Clone, Default)]
+pub struct Deck {
+    /// The mesh and its sets.
+    pub contents: Contents,
+    /// The first line of the heading.
+    pub title: Option<String>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Sections.
+    pub sections: Vec<SolidSection>,
+    /// Amplitudes.
+    pub amplitudes: Vec<Amplitude>,
+    /// Properties of contacts.
+    pub interactions: Vec<Interaction>,
+    /// Contacts.
+    pub pairs: Vec<ContactPair>,
+    /// Ties.
+    pub ties: Vec<Tie>,
+    /// Velocities at the beginning.
+    pub velocities: Vec<InitialVelocity>,
+    /// Supports of all steps.
+    pub supports: Vec<Support>,
+    /// Steps in their order.
+    pub steps: Vec<Step>,
+    /// What is not kept, in the order of the file.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Deck {
+    /// The file and those that it includes.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.contents.files
+    }
+
+    /// "part.inp:12".
+    pub fn place_name(&self, place: DeckPlace) -> String {
+        let file = self.files().get(place.file).map_or_else(|| self.contents.path(), PathBuf::as_path);
+        format!("{}:{}", file.display(), place.line)
+    }
+}
+
+/// Reads an input file with what it says beside the mesh.
+///
+/// # Errors
+/// As [`crate::read_contents`]; also numbers and names of materials, steps and so on that are missing or no numbers.
+pub fn read_deck(path: impl AsRef<Path>) -> Result<Deck, MeshIoError> {
+    let path = path.as_ref();
+    let bytes = registry::regular(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
+    read_deck_from_bytes(path, &bytes, &mut registry::regular)
+}
+
+/// [`read_deck`] for bytes in memory; `path` stands in messages, `include` gives the files that the file includes.
+///
+/// # Errors
+/// As for [`read_deck`].
+pub fn read_deck_from_bytes(path: impl AsRef<Path>, bytes: &[u8], include: Include<'_>) -> Result<Deck, MeshIoError> {
+    let path = path.as_ref();
+    let (contents, blocks) =
+        super::reader::Reader::new(path, include).keeping_blocks().read(path, &String::from_utf8_lossy(bytes))?;
+    fill::deck(contents, &blocks)
+}
