@@ -271,18 +271,29 @@ fn cook(kind: CellKind, integration: Integration, volumetric: Volumetric, n: usi
     let mut load = vec![0.0; x.len()];
     dead_traction(&right, &x, [0.0, 100.0 / 16.0, 0.0], &mut load).unwrap();
     let free: Vec<usize> = (0..x.len()).filter(|c| c % 3 < 2 && mesh.nodes[c / 3][0] > 1e-9).collect();
-    let mut q = x.clone();
-    for step in 1..=5 {
-        for iteration in 0.. {
-            let (f, k) = force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT });
-            let residual: Vec<f64> = free.iter().map(|&c| f64::from(step) / 5.0 * load[c] - f[c]).collect();
+    // The load at `t`, or `None`.
+    let solved = |start: &[f64], t: f64| -> Option<Vec<f64>> {
+        let mut q = start.to_vec();
+        for _ in 0..15 {
+            let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+            force(&body, step).ok()?;
+            let (f, k) = force_and_tangent(&body, step);
+            let residual: Vec<f64> = free.iter().map(|&c| t * load[c] - f[c]).collect();
             if max_abs(&residual) < 1e-9 * max_abs(&f) {
-                break;
+                return Some(q);
             }
-            assert!(iteration < 15, "{kind}: {}", max_abs(&residual));
             let k = free.iter().map(|&r| free.iter().map(|&c| k[r][c]).collect()).collect();
             free.iter().zip(solve(k, residual)).for_each(|(&c, d)| q[c] += d);
         }
+        None
+    };
+    let (mut q, mut t, mut step) = (x.clone(), 0.0, 0.2_f64);
+    while t < 1.0 - 1e-9 {
+        match solved(&q, (t + step).min(1.0)) {
+            Some(next) => (q, t) = (next, t + step),
+            None => step *= 0.5,
+        }
+        assert!(step > 1e-3, "{kind}: no solution beyond the load {t}");
     }
     let tip = mesh.nodes.iter().position(|x| (x[0] - 48.0).abs() + (x[1] - 60.0).abs() + x[2].abs() < 1e-9).unwrap();
     q[3 * tip + 1] - x[3 * tip + 1]
