@@ -156,8 +156,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         }
         out.dilatations = self.average(&out.jacobians);
         for (gauss_point, &dilatation) in out.dilatations.iter().enumerate() {
-            // `!(x > 0)` also catches a NaN.
-            if !(dilatation > 0.0) {
+            if dilatation <= 0.0 || dilatation.is_nan() {
                 return Err(Failure { gauss_point, kind: FailureKind::Collapsed { dilatation, level } });
             }
         }
