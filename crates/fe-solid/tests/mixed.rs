@@ -318,6 +318,62 @@ fn averages_cure_the_locking_of_cooks_membrane() {
     }
 }
 
+/// A cube of 2x2x2 (times 6 tetrahedra) that is glued to two plates which approach: the compression where the iteration ends, and that at which an element is first turned inside out at a node.
+fn compress(kind: CellKind, integration: Integration, lambda: f64, until: f64) -> (f64, Option<f64>) {
+    let mesh = cells(&[kind], [2; 3], 0.0, 0.0, 0);
+    let law: Arc<dyn HyperelasticLaw> = Arc::new(NeoHooke::new(lambda, 1.0).unwrap());
+    let body = mixed_body(&mesh, &law, integration);
+    let free: Vec<usize> = (0..3 * mesh.nodes.len()).filter(|c| (mesh.nodes[c / 3][2] - 1.0).abs() < 0.9).collect();
+    let solved = |mut q: Vec<f64>| -> Option<Vec<f64>> {
+        for _ in 0..15 {
+            let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+            force(&body, step).ok()?;
+            let (f, k) = force_and_tangent(&body, step);
+            let residual: Vec<f64> = free.iter().map(|&c| -f[c]).collect();
+            if max_abs(&residual) < 1e-9 * max_abs(&f) {
+                return Some(q);
+            }
+            let k = free.iter().map(|&r| free.iter().map(|&c| k[r][c]).collect()).collect();
+            free.iter().zip(solve(k, residual)).for_each(|(&c, d)| q[c] += d);
+        }
+        None
+    };
+    let (mut q, mut done, mut step, mut turned) = (positions(&mesh), 0.0_f64, 0.05, None);
+    while done < until - 1e-9 && step > 1e-3 {
+        let next = (done + step).min(until);
+        let squeezed = map_positions(&q, |x| [x[0], x[1], x[2] * (1.0 - next) / (1.0 - done)]);
+        match solved(squeezed) {
+            Some(found) => (q, done) = (found, next),
+            None => step *= 0.5,
+        }
+        if turned.is_none() && body.inside_out(&q).unwrap().is_some() {
+            turned = Some(done);
+        }
+    }
+    (done, turned)
+}
+
+/// How far each form goes, see docs/theory/elements.md: hex8 all the way, tet10 farther with the rule that sees its corners.
+#[test]
+fn large_compression() {
+    use Integration::{Full, Reduced};
+    for (kind, integration, lambda, until, turned) in [
+        (CellKind::Hex8, Full, 2.0, 0.9, None),
+        (CellKind::Hex8, Full, 5e3, 0.9, None),
+        (CellKind::Tet10, Full, 2.0, 0.65, None),
+        (CellKind::Tet10, Reduced, 2.0, 0.65, Some(0.55)),
+        (CellKind::Hex27, Full, 2.0, 0.5, Some(0.45)),
+    ] {
+        let (end, found) = compress(kind, integration, lambda, until);
+        assert!(end > until - 1e-9, "{kind} {integration:?} {lambda}: ends at {end}");
+        match (found, turned) {
+            (None, None) => {}
+            (Some(a), Some(b)) => assert!((a - b).abs() < 0.03_f64, "{kind} {integration:?} {lambda}: {a}"),
+            _ => panic!("{kind} {integration:?} {lambda}: {found:?}"),
+        }
+    }
+}
+
 #[test]
 fn an_average_that_is_not_positive_is_named() {
     let mesh = cells(&[CellKind::Hex27], [1, 1, 1], 0.0, 0.0, 0);
