@@ -1,4 +1,4 @@
-//! Strain and stress measures, the trait of a hyperelastic law, the discrete-gradient stress.
+//! Strain and stress measures, the trait of a hyperelastic law, the discrete-gradient stress, energies of the change of volume.
 //!
 //! The trait [`HyperelasticLaw`] lives here, one layer below the catalogue, so that a law of a user's own needs no catalogue.
 //! This crate contains no law.
@@ -6,11 +6,13 @@
 pub mod discrete_gradient;
 mod measures;
 mod moduli;
+pub mod volume;
 
 pub use discrete_gradient::{energy_momentum_stress, energy_momentum_stress_and_tangent};
 pub use measures::{cauchy_stress, green_lagrange, logarithmic_strain, principal_values, von_mises};
 pub use moduli::SmallStrainModuli;
 pub use stoss_tensor::{SymmetricTensor2, Tensor2, Tensor4};
+pub use volume::{VolumetricEnergy, VolumetricSplit};
 
 /// Why a law has no value at a state.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -40,7 +42,8 @@ pub enum ConstitutiveError {
 /// # How to implement
 /// Always: [`name`](Self::name), [`energy`](Self::energy), [`stress`](Self::stress),
 /// [`stress_and_elasticity`](Self::stress_and_elasticity), [`small_strain_moduli`](Self::small_strain_moduli). If it pays:
-/// [`energy_and_stress`](Self::energy_and_stress). Only if true: [`is_quadratic`](Self::is_quadratic).
+/// [`energy_and_stress`](Self::energy_and_stress). Only if true: [`is_quadratic`](Self::is_quadratic). For nearly incompressible solids:
+/// [`volumetric`](Self::volumetric).
 ///
 /// # Errors
 /// All evaluations give [`ConstitutiveError::NonPositiveJacobian`] for `det C <= 0` and [`ConstitutiveError::NonFinite`] for a
@@ -81,5 +84,9 @@ pub trait HyperelasticLaw: std::fmt::Debug + Send + Sync {
     /// True if `W` is at most quadratic in `C` (the quotient of the discrete gradient is then zero and is skipped).
     fn is_quadratic(&self) -> bool {
         false
+    }
+    /// The law as `W(C) + U(J)` for elements that average the change of volume ([`volume`]), if it has this form. All of a large bulk modulus must be in `U`.
+    fn volumetric(&self) -> Option<VolumetricSplit> {
+        None
     }
 }

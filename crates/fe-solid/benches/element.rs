@@ -7,19 +7,22 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::{hint::black_box, sync::Arc};
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{
-    MassKind, SolidBody, SolidStep, StressRule, TangentTarget, Workspace,
+    MassKind, SolidBody, SolidOptions, SolidStep, StressRule, TangentTarget, Volumetric, Workspace,
     kernel::{self, LocalTangent, TangentFactors},
 };
 use stoss_linalg::{ScatterMap, SparsityPattern};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
-use stoss_mesh::generate::Block;
+use stoss_mesh::{Mesh, generate::Block};
 use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
 
 const NODES: usize = 8;
 const GAUSS_POINTS: usize = 8;
 const UNKNOWNS: usize = 24;
 
-/// `n^3` elements that are sheared and waved, everything assembled.
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+/// Elements that are sheared and waved, everything assembled.
 struct Problem {
     body: SolidBody,
     q_n: Vec<f64>,
@@ -33,6 +36,10 @@ struct Problem {
 impl Problem {
     fn new(n: usize, law: Arc<dyn HyperelasticLaw>) -> Self {
         let mesh = Block::new([0.0; 3], [n as f64; 3], [n; 3]).generate().expect("a block");
+        Self::of(&mesh, law, SolidOptions::default())
+    }
+
+    fn of(mesh: &Mesh, law: Arc<dyn HyperelasticLaw>, options: SolidOptions) -> Self {
         let waved = |amplitude: f64| -> Vec<f64> {
             let wave = |x: &[f64; 3]| {
                 [
@@ -44,7 +51,7 @@ impl Problem {
             mesh.nodes.iter().flat_map(wave).collect()
         };
         let (q_n, q_np1) = (waved(0.08), waved(0.1));
-        let body = SolidBody::new("block", &mesh, 0, law).expect("a good mesh");
+        let body = SolidBody::with_options("block", mesh, 0, law, options).expect("a good mesh");
         let stencils: Vec<Vec<u32>> = body
             .elements()
             .iter()
@@ -113,6 +120,28 @@ fn bodies(criterion: &mut Criterion) {
     });
 }
 
+/// Every cell with each of its rules, without and with averages: two cubes a direction, filled with cells. The number of Gauss points is in the name.
+fn cells(criterion: &mut Criterion) {
+    let _pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("a pool");
+    let mut group = criterion.benchmark_group("cells");
+    for (kind, integration) in common::CASES {
+        let mesh = common::cells(&[kind], [2; 3], 0.0, 0.0, 0);
+        let points = mesh.elements.len() * kind.rule(integration).map_or(0, <[_]>::len);
+        for volumetric in [Volumetric::Displacement, Volumetric::Mixed] {
+            let mut problem = Problem::of(&mesh, laws().swap_remove(0), SolidOptions { integration, volumetric });
+            for rule in [StressRule::END_POINT, StressRule::EnergyMomentum] {
+                problem.body.begin_step(&problem.q_n, rule).expect("no element is inverted");
+                group.bench_function(
+                    format!("{kind} {integration:?} {volumetric:?} {rule:?}, {points} points"),
+                    |bencher| {
+                        bencher.iter(|| problem.assemble(black_box(rule), true));
+                    },
+                );
+            }
+        }
+    }
+}
+
 fn kernels(criterion: &mut Criterion) {
     let natural = std::array::from_fn(|g| {
         let gradient = hex8::shape_gradient(GAUSS_HEX_2[g].0);
@@ -166,6 +195,6 @@ criterion_group! {
         .sample_size(30)
         .warm_up_time(std::time::Duration::from_millis(300))
         .measurement_time(std::time::Duration::from_secs(1));
-    targets = kernels, bodies
+    targets = kernels, bodies, cells
 }
 criterion_main!(benches);

@@ -2,14 +2,15 @@
 //! inside of [`Block`] and unknown outside of [`Cells`], which is called once a block.
 
 use crate::{
-    Level, SolidStep, StressRule,
+    Level, SolidOptions, SolidStep, StressRule, Volumetric,
     assembly::{self, Additions, ElementEvaluator},
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
     kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    mixed::{self, Averages, Basis, Mixed, Parts},
     viscous::{Viscosity, ViscousBlock},
 };
 use rayon::prelude::*;
-use stoss_continuum::{HyperelasticLaw, SymmetricTensor2};
+use stoss_continuum::{HyperelasticLaw, SymmetricTensor2, VolumetricEnergy};
 use stoss_mesh::CellBlock;
 use stoss_reference_element::{CellKind, Integration, Rule};
 
@@ -27,12 +28,22 @@ pub(crate) enum Refused {
     NoRule,
 }
 
+/// The law of a body: `W(C)` and, in a mixed body, `U` of the averaged change of volume.
+#[derive(Clone, Copy)]
+pub(crate) struct Material<'a> {
+    pub law: &'a dyn HyperelasticLaw,
+    pub volume: Option<&'a dyn VolumetricEnergy>,
+}
+
 /// Strain and place of a Gauss point.
 pub(crate) struct PointStrain {
     pub gauss_point: usize,
     pub deformation_gradient: Matrix3,
     pub right_cauchy_green: SymmetricTensor2,
     pub volume: f64,
+    /// Averaged pressure, positive in tension, and `U`; zero if nothing is averaged.
+    pub pressure: f64,
+    pub volumetric_energy: f64,
 }
 
 /// What a body asks of a block. `nodes` are the global nodes of all its elements; elements are counted in the block.
@@ -43,13 +54,13 @@ pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
     /// Adds the volumes of all Gauss points, one after the other.
     fn add_volume(&self, total: &mut f64);
     fn element_volume(&self, element: usize) -> f64;
-    fn begin_step(&mut self, law: &dyn HyperelasticLaw, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure>;
+    fn begin_step(&mut self, material: Material<'_>, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure>;
     /// Forgets what [`Cells::begin_step`] kept.
     fn end_step(&mut self);
     fn has_begun(&self) -> bool;
     fn assemble(
         &self,
-        law: &dyn HyperelasticLaw,
+        material: Material<'_>,
         nodes: &[u32],
         step: SolidStep<'_>,
         to: Additions<'_, '_>,
@@ -63,7 +74,7 @@ pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
     /// Adds the energies of all elements, one after the other.
     fn add_energy(
         &self,
-        law: &dyn HyperelasticLaw,
+        material: Material<'_>,
         nodes: &[u32],
         q: &[f64],
         total: &mut f64,
@@ -71,6 +82,7 @@ pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
     /// The strains at the Gauss points of an element.
     fn visit_points(
         &self,
+        material: Material<'_>,
         nodes: &[u32],
         element: usize,
         q: &[f64],
@@ -80,13 +92,27 @@ pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
     fn worst_node(&self, nodes: &[u32], element: usize, q: &[f64]) -> (usize, f64);
 }
 
+/// How the change of volume is averaged.
+#[derive(Clone, Debug)]
+enum Projection<const G: usize> {
+    /// Not at all.
+    None,
+    /// One value an element.
+    Constant,
+    /// A linear function of the natural coordinates; its basis in each element.
+    Linear(Vec<Basis<G, 4>>),
+}
+
 /// Elements of `N` nodes with `G` Gauss points.
 #[derive(Clone, Debug)]
 pub(crate) struct Block<const N: usize, const G: usize> {
     rule: Rule,
+    projection: Projection<G>,
     integration: Vec<ElementIntegration<N, G>>,
     /// `C_n`, `W_n`; empty unless the rule of the step is energy-momentum.
     history: Vec<[GaussPointHistory; G]>,
+    /// `J_n`, likewise; empty if nothing is averaged.
+    jacobians: Vec<[f64; G]>,
     /// Gradients in natural coordinates at the nodes.
     at_nodes: Vec<Gradients<N>>,
 }
@@ -95,19 +121,19 @@ pub(crate) struct Block<const N: usize, const G: usize> {
 pub(crate) fn block(
     cells: &CellBlock,
     reference: &[[f64; 3]],
-    integration: Integration,
+    options: SolidOptions,
 ) -> Result<Box<dyn Cells>, Refused> {
     use Integration::{Full, Reduced};
-    Ok(match (cells.kind(), integration) {
-        (CellKind::Hex8, Full) => Box::new(Block::<8, 8>::new(cells, reference, integration)?),
-        (CellKind::Hex20, Full) => Box::new(Block::<20, 27>::new(cells, reference, integration)?),
-        (CellKind::Hex20, Reduced) => Box::new(Block::<20, 8>::new(cells, reference, integration)?),
-        (CellKind::Hex27, Full) => Box::new(Block::<27, 27>::new(cells, reference, integration)?),
-        (CellKind::Tet4, Full) => Box::new(Block::<4, 1>::new(cells, reference, integration)?),
-        (CellKind::Tet10, Full) => Box::new(Block::<10, 8>::new(cells, reference, integration)?),
-        (CellKind::Tet10, Reduced) => Box::new(Block::<10, 4>::new(cells, reference, integration)?),
-        (CellKind::Wedge6, Full) => Box::new(Block::<6, 6>::new(cells, reference, integration)?),
-        (CellKind::Wedge15, Full) => Box::new(Block::<15, 21>::new(cells, reference, integration)?),
+    Ok(match (cells.kind(), options.integration) {
+        (CellKind::Hex8, Full) => Box::new(Block::<8, 8>::new(cells, reference, options)?),
+        (CellKind::Hex20, Full) => Box::new(Block::<20, 27>::new(cells, reference, options)?),
+        (CellKind::Hex20, Reduced) => Box::new(Block::<20, 8>::new(cells, reference, options)?),
+        (CellKind::Hex27, Full) => Box::new(Block::<27, 27>::new(cells, reference, options)?),
+        (CellKind::Tet4, Full) => Box::new(Block::<4, 1>::new(cells, reference, options)?),
+        (CellKind::Tet10, Full) => Box::new(Block::<10, 8>::new(cells, reference, options)?),
+        (CellKind::Tet10, Reduced) => Box::new(Block::<10, 4>::new(cells, reference, options)?),
+        (CellKind::Wedge6, Full) => Box::new(Block::<6, 6>::new(cells, reference, options)?),
+        (CellKind::Wedge15, Full) => Box::new(Block::<15, 21>::new(cells, reference, options)?),
         (CellKind::Hex8 | CellKind::Hex27 | CellKind::Tet4 | CellKind::Wedge6 | CellKind::Wedge15, Reduced) => {
             return Err(Refused::NoRule);
         }
@@ -135,9 +161,9 @@ pub(crate) fn natural_gradients<const N: usize>(kind: CellKind, xi: [f64; 3]) ->
 }
 
 impl<const N: usize, const G: usize> Block<N, G> {
-    fn new(cells: &CellBlock, reference: &[[f64; 3]], integration: Integration) -> Result<Self, Refused> {
+    fn new(cells: &CellBlock, reference: &[[f64; 3]], options: SolidOptions) -> Result<Self, Refused> {
         let kind = cells.kind();
-        let rule = kind.rule(integration).ok_or(Refused::NoRule)?;
+        let rule = kind.rule(options.integration).ok_or(Refused::NoRule)?;
         let natural: [Gradients<N>; G] = std::array::from_fn(|g| natural_gradients(kind, rule[g].0));
         let weights: [f64; G] = std::array::from_fn(|g| rule[g].1);
         let elements = cells.nodes().as_chunks::<N>().0.iter().enumerate().map(|(element, nodes)| {
@@ -148,11 +174,40 @@ impl<const N: usize, const G: usize> Block<N, G> {
                 determinant,
             })
         });
+        let integration: Vec<ElementIntegration<N, G>> = elements.collect::<Result<_, _>>()?;
+        let projection = match (options.volumetric, kind) {
+            (Volumetric::Displacement, _) => Projection::None,
+            (Volumetric::Mixed, CellKind::Hex27) => {
+                let points = std::array::from_fn(|g| rule[g].0);
+                Projection::Linear(integration.iter().map(|e| mixed::linear(&e.weights, &points)).collect())
+            }
+            (Volumetric::Mixed, _) => Projection::Constant,
+        };
         Ok(Self {
             rule,
-            integration: elements.collect::<Result<_, _>>()?,
+            projection,
+            integration,
             history: Vec::new(),
+            jacobians: Vec::new(),
             at_nodes: kind.table().nodes.iter().map(|&xi| natural_gradients(kind, xi)).collect(),
+        })
+    }
+
+    /// An element's averages, if it has any.
+    #[inline]
+    fn averages<'a>(&'a self, material: Material<'a>, element: usize) -> Option<Averages<'a, N, G>> {
+        let parts = |volume| Parts { rest: material.law, volume };
+        let integration = &self.integration[element];
+        Some(match &self.projection {
+            Projection::None => return None,
+            Projection::Constant => Averages::Constant(Mixed {
+                parts: parts(material.volume?),
+                integration,
+                basis: mixed::constant(&integration.weights),
+            }),
+            Projection::Linear(bases) => {
+                Averages::Linear(Mixed { parts: parts(material.volume?), integration, basis: bases[element] })
+            }
         })
     }
 
@@ -180,6 +235,11 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
     fn memory_bytes(&self) -> usize {
         self.integration.capacity() * size_of::<ElementIntegration<N, G>>()
             + self.history.capacity() * size_of::<[GaussPointHistory; G]>()
+            + self.jacobians.capacity() * size_of::<[f64; G]>()
+            + match &self.projection {
+                Projection::None | Projection::Constant => 0,
+                Projection::Linear(bases) => bases.capacity() * size_of::<Basis<G, 4>>(),
+            }
             + self.at_nodes.capacity() * size_of::<Gradients<N>>()
     }
 
@@ -193,37 +253,54 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
         self.integration[element].weights.iter().sum()
     }
 
-    fn begin_step(&mut self, law: &dyn HyperelasticLaw, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure> {
+    fn begin_step(&mut self, material: Material<'_>, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure> {
         let nodes = elements::<N>(nodes);
         let identity = GaussPointHistory { right_cauchy_green: SymmetricTensor2::identity(), energy: 0.0 };
-        let mut history = std::mem::take(&mut self.history);
+        let (mut history, mut jacobians) = (std::mem::take(&mut self.history), std::mem::take(&mut self.jacobians));
         history.resize(nodes.len(), [identity; G]);
-        let fill = |first: usize, slots: &mut [[GaussPointHistory; G]]| {
-            for (k, slot) in slots.iter_mut().enumerate() {
-                let element = first + k;
-                *slot = element::history(law, &self.integration[element], &gather(&nodes[element], q_n))
-                    .map_err(|failure| (element, failure))?;
-            }
-            Ok(())
+        let averaged = !matches!(self.projection, Projection::None);
+        jacobians.resize(if averaged { nodes.len() } else { 0 }, [0.0; G]);
+        let one = |element: usize, slot: &mut [GaussPointHistory; G], jacobians: Option<&mut [f64; G]>| {
+            let q = gather(&nodes[element], q_n);
+            let found = match (self.averages(material, element), jacobians) {
+                (Some(averages), Some(jacobians)) => averages.history(&q).map(|found| (*slot, *jacobians) = found),
+                _ => element::history(material.law, &self.integration[element], &q).map(|found| *slot = found),
+            };
+            found.map_err(|failure| (element, failure))
+        };
+        // Chunks of the same elements in both; those of the second are empty if nothing is averaged.
+        let fill = |first: usize, slots: &mut [[GaussPointHistory; G]], jacobians: &mut [[f64; G]]| {
+            let mut jacobians = jacobians.iter_mut();
+            slots.iter_mut().enumerate().try_for_each(|(k, slot)| one(first + k, slot, jacobians.next()))
         };
         let result = if rayon::current_num_threads() == 1 {
-            fill(0, &mut history)
+            fill(0, &mut history, &mut jacobians)
         } else {
             // The first failure in element order, whichever thread was first in time.
-            history
-                .par_chunks_mut(CHUNK)
-                .enumerate()
-                .map(|(chunk, slots)| fill(CHUNK * chunk, slots).err())
-                .reduce(|| None, |a, b| a.or(b))
-                .map_or(Ok(()), Err)
+            if averaged {
+                history
+                    .par_chunks_mut(CHUNK)
+                    .zip(jacobians.par_chunks_mut(CHUNK))
+                    .enumerate()
+                    .map(|(chunk, (slots, jacobians))| fill(CHUNK * chunk, slots, jacobians).err())
+                    .reduce(|| None, |a, b| a.or(b))
+            } else {
+                history
+                    .par_chunks_mut(CHUNK)
+                    .enumerate()
+                    .map(|(chunk, slots)| fill(CHUNK * chunk, slots, &mut []).err())
+                    .reduce(|| None, |a, b| a.or(b))
+            }
+            .map_or(Ok(()), Err)
         };
         result?;
-        self.history = history;
+        (self.history, self.jacobians) = (history, jacobians);
         Ok(())
     }
 
     fn end_step(&mut self) {
         self.history.clear();
+        self.jacobians.clear();
     }
 
     fn has_begun(&self) -> bool {
@@ -232,14 +309,14 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
 
     fn assemble(
         &self,
-        law: &dyn HyperelasticLaw,
+        material: Material<'_>,
         nodes: &[u32],
         step: SolidStep<'_>,
         to: Additions<'_, '_>,
     ) -> Result<(), ElementFailure> {
         let nodes = elements(nodes);
         let factor = to.target.as_ref().map_or(1.0, |target| target.factor);
-        assembly::assemble(nodes, &BlockStep { block: self, law, nodes, step, factor }, to)
+        assembly::assemble(nodes, &BlockStep { block: self, material, nodes, step, factor }, to)
     }
 
     fn add_viscous_force(
@@ -254,19 +331,25 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
 
     fn add_energy(
         &self,
-        law: &dyn HyperelasticLaw,
+        material: Material<'_>,
         nodes: &[u32],
         q: &[f64],
         total: &mut f64,
     ) -> Result<(), ElementFailure> {
-        for (element, (nodes, integration)) in elements::<N>(nodes).iter().zip(&self.integration).enumerate() {
-            *total += element::energy(law, integration, &gather(nodes, q)).map_err(|failure| (element, failure))?;
+        for (element, nodes) in elements::<N>(nodes).iter().enumerate() {
+            let q = gather(nodes, q);
+            let energy = match self.averages(material, element) {
+                None => element::energy(material.law, &self.integration[element], &q),
+                Some(averages) => averages.energy(&q),
+            };
+            *total += energy.map_err(|failure| (element, failure))?;
         }
         Ok(())
     }
 
     fn visit_points(
         &self,
+        material: Material<'_>,
         nodes: &[u32],
         element: usize,
         q: &[f64],
@@ -274,11 +357,21 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
     ) -> Result<(), Failure> {
         let q = gather(&elements::<N>(nodes)[element], q);
         let integration = &self.integration[element];
+        let averaged = match self.averages(material, element) {
+            None => None,
+            Some(averages) => Some(averages.pressure_and_energy(&averages.state(&q, Level::End)?)),
+        };
         for gauss_point in 0..G {
             let (deformation_gradient, right_cauchy_green) = element::strain(&q, integration, gauss_point, Level::End)?;
-            let volume = integration.weights[gauss_point];
-            visit(PointStrain { gauss_point, deformation_gradient, right_cauchy_green, volume })
-                .map_err(|kind| Failure { gauss_point, kind })?;
+            let point = PointStrain {
+                gauss_point,
+                deformation_gradient,
+                right_cauchy_green,
+                volume: integration.weights[gauss_point],
+                pressure: averaged.map_or(0.0, |(pressure, _)| pressure[gauss_point]),
+                volumetric_energy: averaged.map_or(0.0, |(_, energy)| energy[gauss_point]),
+            };
+            visit(point).map_err(|kind| Failure { gauss_point, kind })?;
         }
         Ok(())
     }
@@ -299,7 +392,7 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
 /// A block in a step, as the loop over elements sees it.
 struct BlockStep<'a, const N: usize, const G: usize> {
     block: &'a Block<N, G>,
-    law: &'a dyn HyperelasticLaw,
+    material: Material<'a>,
     nodes: &'a [[u32; N]],
     step: SolidStep<'a>,
     factor: f64,
@@ -312,12 +405,15 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for BlockStep<'_, N,
         force: &mut NodalVectors<N>,
         tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
     ) -> Result<(), Failure> {
-        let Self { block, law, nodes, step, factor } = self;
+        let Self { block, material, nodes, step, factor } = self;
         let (rule, at) = (step.rule, |q| gather(&nodes[element], q));
         let q_np1 = at(if rule.reads_end() { step.q_np1 } else { step.q_n });
         let q_n = if rule.reads_start() && rule.reads_end() { at(step.q_n) } else { q_np1 };
         let history = block.history.get(element).filter(|_| rule == StressRule::EnergyMomentum);
         let step = ElementStep { rule, q_n: &q_n, q_np1: &q_np1, history };
-        element::force_and_tangent(*law, block.integration(element), step, *factor, force, tangent)
+        match block.averages(*material, element) {
+            None => element::force_and_tangent(material.law, block.integration(element), step, *factor, force, tangent),
+            Some(averages) => averages.force_and_tangent(step, block.jacobians.get(element), *factor, force, tangent),
+        }
     }
 }

@@ -3,12 +3,12 @@
 use crate::{
     MassKind, MassMatrix, SolidError, SolidStep, StressRule,
     assembly::{Additions, TangentTarget, Workspace},
-    block::{self, Cells, ElementFailure, Refused},
+    block::{self, Cells, ElementFailure, Material, Refused},
     element::{Failure, FailureKind},
     mass,
 };
 use std::sync::Arc;
-use stoss_continuum::HyperelasticLaw;
+use stoss_continuum::{HyperelasticLaw, VolumetricSplit};
 use stoss_mesh::{CellBlock, Elements, Mesh};
 use stoss_reference_element::Integration;
 
@@ -17,6 +17,20 @@ use stoss_reference_element::Integration;
 pub struct SolidOptions {
     /// The points at which stress and stiffness are taken. Kinds of cells with one rule only take that one.
     pub integration: Integration,
+    /// How the change of volume is treated.
+    pub volumetric: Volumetric,
+}
+
+/// How elements treat the change of volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Volumetric {
+    /// At each Gauss point, as the law says. Such elements lock near incompressibility, above a Poisson's ratio of about 0.45.
+    #[default]
+    Displacement,
+    /// The part of the law that depends on the volume sees an average of `det F` (docs/theory/elements.md): a constant of each element, for hex27 a function
+    /// that is linear in natural coordinates. For nearly incompressible solids; of no use to tet4 and wedge6, which lock all the same. The law must have such a
+    /// part, [`HyperelasticLaw::volumetric`].
+    Mixed,
 }
 
 /// Energy, force and tangent of a body of elements of any kinds.
@@ -32,6 +46,8 @@ pub struct SolidBody {
     /// One for each block of the elements.
     blocks: Vec<Box<dyn Cells>>,
     options: SolidOptions,
+    /// The parts of the law, in a mixed body.
+    split: Option<VolumetricSplit>,
 }
 
 impl Clone for SolidBody {
@@ -44,6 +60,7 @@ impl Clone for SolidBody {
             elements: self.elements.clone(),
             blocks: self.blocks.iter().map(|block| block.boxed()).collect(),
             options: self.options,
+            split: self.split.clone(),
         }
     }
 }
@@ -61,7 +78,7 @@ impl SolidBody {
     /// As [`Self::new`], with options.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// As [`Self::new`]; [`SolidError::NoVolumetricPart`].
     pub fn with_options(
         name: &str,
         mesh: &Mesh,
@@ -73,6 +90,13 @@ impl SolidBody {
         if mesh.elements.is_empty() {
             return Err(SolidError::Empty { body: body() });
         }
+        let split = match options.volumetric {
+            Volumetric::Displacement => None,
+            Volumetric::Mixed => Some(
+                law.volumetric()
+                    .ok_or_else(|| SolidError::NoVolumetricPart { body: body(), law: law.name().to_string() })?,
+            ),
+        };
         let count = mesh.nodes.len();
         for (element, nodes) in mesh.elements.iter().enumerate() {
             if let Some(&node) = nodes.iter().find(|&&node| node as usize >= count) {
@@ -82,9 +106,9 @@ impl SolidBody {
         let mut blocks = Vec::with_capacity(mesh.elements.blocks().len());
         for cells in mesh.elements.blocks() {
             let first = cells.first() as usize;
-            let mut block = block::block(cells, &mesh.nodes, options.integration);
+            let mut block = block::block(cells, &mesh.nodes, options);
             if let Err(Refused::NoRule) = block {
-                block = block::block(cells, &mesh.nodes, Integration::Full);
+                block = block::block(cells, &mesh.nodes, SolidOptions { integration: Integration::Full, ..options });
             }
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
@@ -105,6 +129,7 @@ impl SolidBody {
             elements: Arc::new(elements),
             blocks,
             options,
+            split,
         })
     }
 
@@ -116,6 +141,11 @@ impl SolidBody {
     /// The law of all elements.
     pub fn law(&self) -> &dyn HyperelasticLaw {
         self.law.as_ref()
+    }
+
+    /// What the elements see of the law.
+    pub(crate) fn material(&self) -> Material<'_> {
+        material(&self.law, &self.split)
     }
 
     /// What the body was made with.
@@ -165,14 +195,15 @@ impl SolidBody {
     /// other rules it does nothing.
     ///
     /// # Errors
-    /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`] (the cache is then empty), [`SolidError::Length`].
+    /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Constitutive`] (the cache is then empty), [`SolidError::Length`].
     pub fn begin_step(&mut self, q_n: &[f64], rule: StressRule) -> Result<(), SolidError> {
         if rule != StressRule::EnergyMomentum {
             return Ok(());
         }
         self.check_length("the positions q_n", q_n)?;
+        let material = material(&self.law, &self.split);
         for (cells, block) in self.elements.blocks().iter().zip(&mut self.blocks) {
-            if let Err((element, failure)) = block.begin_step(self.law.as_ref(), cells.nodes(), q_n) {
+            if let Err((element, failure)) = block.begin_step(material, cells.nodes(), q_n) {
                 let error = self.error(cells.first() as usize + element, failure);
                 self.blocks.iter_mut().for_each(|block| block.end_step());
                 return Err(error);
@@ -189,7 +220,7 @@ impl SolidBody {
     /// call with a workspace (the first with a tangent, if there are some) nothing is allocated.
     ///
     /// # Errors
-    /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::StepNotBegun`],
+    /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Constitutive`], [`SolidError::StepNotBegun`],
     /// [`SolidError::Length`]. On an error the arrays hold a partial sum.
     pub fn assemble(
         &self,
@@ -214,7 +245,7 @@ impl SolidBody {
         self.for_each_block(|block, cells| {
             let first = cells.first() as usize;
             let to = Additions { first, force_weight, force, target: &mut target, workspace };
-            block.assemble(self.law(), cells.nodes(), step, to)
+            block.assemble(self.material(), cells.nodes(), step, to)
         })
     }
 
@@ -230,14 +261,14 @@ impl SolidBody {
         Ok(())
     }
 
-    /// `int W dV` over the reference volume.
+    /// `int W dV` over the reference volume; in a mixed body that of the averaged energy.
     ///
     /// # Errors
-    /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
+    /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
     pub fn strain_energy(&self, q: &[f64]) -> Result<f64, SolidError> {
         self.check_length("the positions", q)?;
         let mut total = 0.0;
-        self.for_each_block(|block, cells| block.add_energy(self.law(), cells.nodes(), q, &mut total))?;
+        self.for_each_block(|block, cells| block.add_energy(self.material(), cells.nodes(), q, &mut total))?;
         Ok(total)
     }
 
@@ -311,8 +342,18 @@ impl SolidBody {
             FailureKind::Inverted { determinant, level } => {
                 SolidError::InvertedElement { body, element, gauss_point, determinant, level }
             }
+            FailureKind::Collapsed { dilatation, level } => {
+                SolidError::CollapsedElement { body, element, gauss_point, dilatation, level }
+            }
             FailureKind::Constitutive(source) => SolidError::Constitutive { body, element, gauss_point, source },
         }
+    }
+}
+
+fn material<'a>(law: &'a Arc<dyn HyperelasticLaw>, split: &'a Option<VolumetricSplit>) -> Material<'a> {
+    match split {
+        None => Material { law: law.as_ref(), volume: None },
+        Some(split) => Material { law: split.rest.as_ref(), volume: Some(split.volume.as_ref()) },
     }
 }
 

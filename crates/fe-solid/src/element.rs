@@ -71,10 +71,11 @@ pub(crate) struct Failure {
 pub(crate) enum FailureKind {
     Inverted { determinant: f64, level: Level },
     Constitutive(ConstitutiveError),
+    Collapsed { dilatation: f64, level: Level },
 }
 
 impl FailureKind {
-    fn at(self, gauss_point: usize) -> Failure {
+    pub(crate) fn at(self, gauss_point: usize) -> Failure {
         Failure { gauss_point, kind: self }
     }
 }
@@ -179,7 +180,7 @@ pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
 }
 
 /// `(1 - theta) a + theta b`.
-fn between<const N: usize>(a: &NodalVectors<N>, b: &NodalVectors<N>, theta: f64) -> NodalVectors<N> {
+pub(crate) fn between<const N: usize>(a: &NodalVectors<N>, b: &NodalVectors<N>, theta: f64) -> NodalVectors<N> {
     let rest = 1.0 - theta;
     std::array::from_fn(|i| std::array::from_fn(|node| rest * a[i][node] + theta * b[i][node]))
 }

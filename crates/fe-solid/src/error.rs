@@ -43,6 +43,32 @@ pub enum SolidError {
         /// Where in the step.
         level: Level,
     },
+    /// The averaged change of volume of a mixed element is not positive though `det F > 0` at every Gauss point. A step control answers it with a smaller step.
+    #[error(
+        "body '{body}': element {element} has collapsed in the mean at Gauss point {gauss_point} (averaged det F = {dilatation:e}, {level})"
+    )]
+    CollapsedElement {
+        /// Name of the body.
+        body: String,
+        /// Element in the body.
+        element: usize,
+        /// Gauss point in the element.
+        gauss_point: usize,
+        /// The average there.
+        dilatation: f64,
+        /// Where in the step.
+        level: Level,
+    },
+    /// Mixed elements need a law that has a part for the change of volume.
+    #[error(
+        "body '{body}': the law {law} has no separate energy of the change of volume, which mixed elements need: use displacement elements or another law"
+    )]
+    NoVolumetricPart {
+        /// Name of the body.
+        body: String,
+        /// Name of the law.
+        law: String,
+    },
     /// The law has no value at a state of strain.
     #[error("body '{body}': element {element}, Gauss point {gauss_point}: {source}")]
     Constitutive {

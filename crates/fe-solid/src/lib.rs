@@ -19,7 +19,7 @@
 //! Free of units: with lengths in L and stresses in P, forces are in P L^2 and energies in P L^3.
 //!
 //! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress rules at the Gauss
-//! points of one element), `block` (the elements of one kind, with the numbers of nodes and points as constants), [`SolidBody`] (all
+//! points of one element), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants), [`SolidBody`] (all
 //! elements, order, threads, scatter). A new kind of cell is a line in `block::block` and one in `mass`.
 
 mod assembly;
@@ -30,12 +30,13 @@ mod error;
 pub mod kernel;
 mod load;
 mod mass;
+mod mixed;
 mod point;
 mod recovery;
 mod viscous;
 
 pub use assembly::{TangentTarget, Workspace};
-pub use body::{InsideOut, SolidBody, SolidOptions};
+pub use body::{InsideOut, SolidBody, SolidOptions, Volumetric};
 pub use element::{SolidStep, StressRule};
 pub use error::{Level, SolidError};
 pub use load::{

@@ -4,6 +4,7 @@ use crate::{
     Level, SolidBody, SolidError,
     element::{Failure, FailureKind},
     kernel::{self, Matrix3},
+    recovery,
 };
 use stoss_continuum::{SymmetricTensor2, Tensor2};
 use stoss_reference_element::CellKind;
@@ -77,7 +78,7 @@ impl SolidBody {
                 }
             }
         }
-        let (_, block, _) = self.locate(point.element);
+        let (cells, block, local) = self.locate(point.element);
         let failure = |kind| self.error(point.element, Failure { gauss_point: block.rule().len(), kind });
         let determinant = kernel::determinant(&f);
         // `!(det > 0)` also catches a NaN.
@@ -85,11 +86,24 @@ impl SolidBody {
             return Err(failure(FailureKind::Inverted { determinant, level: Level::End }));
         }
         let c = SymmetricTensor2::from_voigt(kernel::right_cauchy_green(&f));
-        let s = self.law().stress(&c).map_err(|error| failure(FailureKind::Constitutive(error)))?;
+        let material = self.material();
+        let s = material.law.stress(&c).map_err(|error| failure(FailureKind::Constitutive(error)))?;
+        // The averaged pressure, which is linear in the element.
+        let mut pressure = 0.0;
+        if material.volume.is_some() {
+            let weights = recovery::extrapolation(cells.kind(), block.rule(), &[point.natural]);
+            block
+                .visit_points(material, cells.nodes(), local, q, &mut |at| {
+                    pressure += weights[at.gauss_point] * at.pressure;
+                    Ok(())
+                })
+                .map_err(|failure| self.error(point.element, failure))?;
+        }
+        let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s).to_voigt();
         Ok(PointState {
             deformation_gradient: f,
             green_lagrange: stoss_continuum::green_lagrange(&c).to_voigt(),
-            cauchy: stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s).to_voigt(),
+            cauchy: recovery::with_pressure(cauchy, pressure),
         })
     }
 }

@@ -39,7 +39,7 @@ impl SolidBody {
             for element in 0..cells.len() {
                 let mut states = Vec::with_capacity(block.rule().len());
                 block
-                    .visit_points(cells.nodes(), element, q, &mut |point| {
+                    .visit_points(self.material(), cells.nodes(), element, q, &mut |point| {
                         states.push(self.point_state(&point)?);
                         Ok(())
                     })
@@ -60,7 +60,10 @@ impl SolidBody {
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
     pub fn nodal_cauchy_stress(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |f, c| Ok(stoss_continuum::cauchy_stress(f, &self.law().stress(c)?).to_voigt()))
+        self.nodal_mean(q, out, |f, point| {
+            let stress = self.material().law.stress(&point.right_cauchy_green)?;
+            Ok(with_pressure(stoss_continuum::cauchy_stress(f, &stress).to_voigt(), point.pressure))
+        })
     }
 
     /// Deformation gradient `F` at the body's nodes, made as [`Self::nodal_cauchy_stress`]. Order 11, 12, 13, 21, ..., 33: the first
@@ -79,7 +82,7 @@ impl SolidBody {
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Length`].
     pub fn nodal_green_lagrange_strain(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |_, c| Ok(stoss_continuum::green_lagrange(c).to_voigt()))
+        self.nodal_mean(q, out, |_, point| Ok(stoss_continuum::green_lagrange(&point.right_cauchy_green).to_voigt()))
     }
 
     /// Logarithmic (Hencky) strain `ln V = ln(F F^T)/2` in the current directions at the body's nodes, made and ordered as
@@ -91,12 +94,12 @@ impl SolidBody {
         self.nodal_mean(q, out, |f, _| Ok(stoss_continuum::logarithmic_strain(f).to_voigt()))
     }
 
-    /// The mean at the body's nodes of what `value` makes of `F` and `C` at the Gauss points, see [`Self::nodal_cauchy_stress`].
+    /// The mean at the body's nodes of what `value` makes of `F` and the other strains at the Gauss points, see [`Self::nodal_cauchy_stress`].
     fn nodal_mean<const N: usize>(
         &self,
         q: &[f64],
         out: &mut [[f64; N]],
-        value: impl Fn(&Tensor2, &SymmetricTensor2) -> Result<[f64; N], ConstitutiveError>,
+        value: impl Fn(&Tensor2, &PointStrain) -> Result<[f64; N], ConstitutiveError>,
     ) -> Result<(), SolidError> {
         self.check_length("the positions", q)?;
         if out.len() != self.node_count() {
@@ -110,14 +113,14 @@ impl SolidBody {
         out.fill([0.0; N]);
         let mut volumes = vec![0.0; out.len()];
         self.for_each_block(|block, cells| {
-            let extrapolation = extrapolation(cells.kind(), block.rule());
+            let extrapolation = extrapolation(cells.kind(), block.rule(), cells.kind().table().nodes);
             let points = block.rule().len();
             let mut values = vec![[0.0; N]; points];
             for (element, nodes) in cells.iter().enumerate() {
                 block
-                    .visit_points(cells.nodes(), element, q, &mut |point| {
+                    .visit_points(self.material(), cells.nodes(), element, q, &mut |point| {
                         let f = Tensor2::from_fn(|i, a| point.deformation_gradient[i][a]);
-                        values[point.gauss_point] = value(&f, &point.right_cauchy_green)?;
+                        values[point.gauss_point] = value(&f, &point)?;
                         Ok(())
                     })
                     .map_err(|failure| (element, failure))?;
@@ -146,25 +149,32 @@ impl SolidBody {
 
     fn point_state(&self, point: &PointStrain) -> Result<GaussPointState, FailureKind> {
         let (f, c) = (point.deformation_gradient, point.right_cauchy_green);
-        let s = self.law().stress(&c)?;
+        let law = self.material().law;
+        let s = law.stress(&c)?;
         let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s);
         Ok(GaussPointState {
             deformation_gradient: f,
-            cauchy: cauchy.to_voigt(),
-            energy: self.law().energy(&c)?,
+            cauchy: with_pressure(cauchy.to_voigt(), point.pressure),
+            energy: law.energy(&c)? + point.volumetric_energy,
             volume: point.volume,
         })
     }
 }
 
-/// The values at a cell's nodes of the function of its linear cell that fits values at the points of a rule best in the sum of squares with the weights of
-/// the rule: a row for each node, a column for each point. The mean if there are fewer points than corners.
-fn extrapolation(kind: CellKind, rule: Rule) -> Vec<f64> {
-    let (table, linear) = (kind.table(), kind.table().linear.table());
-    let corners = table.corners;
+/// A stress with the averaged pressure of a mixed element, positive in tension; that is zero in others.
+pub(crate) fn with_pressure(mut stress: [f64; 6], pressure: f64) -> [f64; 6] {
+    stress[..3].iter_mut().for_each(|s| *s += pressure);
+    stress
+}
+
+/// The values at places in a cell of the function of its linear cell that fits values at the points of a rule best in the sum of squares with the weights of
+/// the rule: a row for each place, a column for each point. The mean if there are fewer points than corners.
+pub(crate) fn extrapolation(kind: CellKind, rule: Rule, places: &[[f64; 3]]) -> Vec<f64> {
+    let linear = kind.table().linear.table();
+    let corners = linear.corners;
     if rule.len() < corners {
         let total: f64 = rule.iter().map(|(_, weight)| weight).sum();
-        return table.nodes.iter().flat_map(|_| rule.iter().map(|(_, weight)| weight / total)).collect();
+        return places.iter().flat_map(|_| rule.iter().map(|(_, weight)| weight / total)).collect();
     }
     // E = N(nodes) (sum w N N^T)^-1 N(points)^T w
     let shapes: Vec<_> = rule.iter().map(|&(xi, _)| (linear.shape)(xi)).collect();
@@ -179,8 +189,8 @@ fn extrapolation(kind: CellKind, rule: Rule) -> Vec<f64> {
         }
     }
     eliminate(&mut matrix, &mut columns, corners);
-    let mut out = Vec::with_capacity(table.nodes.len() * rule.len());
-    for &xi in table.nodes {
+    let mut out = Vec::with_capacity(places.len() * rule.len());
+    for &xi in places {
         let shape = (linear.shape)(xi);
         out.extend((0..rule.len()).map(|g| (0..corners).map(|i| shape[i] * columns[i * rule.len() + g]).sum::<f64>()));
     }

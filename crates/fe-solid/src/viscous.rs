@@ -28,7 +28,8 @@ pub struct ViscousRate<'a> {
 
 impl SolidBody {
     /// Adds the nodal forces of `S_v = b C_0 : E'` to `force` and, if a target is given, `target.factor` times their derivative with respect to the
-    /// unknown positions to its values. The isotropic part of `C_0` counts, that of [`stoss_continuum::HyperelasticLaw::small_strain_moduli`]. Threads and allocation
+    /// unknown positions to its values. The isotropic part of `C_0` counts, that of [`stoss_continuum::HyperelasticLaw::small_strain_moduli`]; in a mixed body that of
+    /// the law without its energy of the change of volume, which would lock. Threads and allocation
     /// are as in [`SolidBody::assemble`].
     ///
     /// # Errors
@@ -43,7 +44,7 @@ impl SolidBody {
         self.check_length("the force", force)?;
         self.check_length("the positions", rate.q)?;
         self.check_length("the velocities", rate.v)?;
-        let moduli = self.law().small_strain_moduli();
+        let moduli = self.material().law.small_strain_moduli();
         let viscosity = Viscosity {
             rate,
             moduli: [rate.factor * moduli.lame_lambda(), rate.factor * moduli.shear],

@@ -9,6 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, Workspace};
+use stoss_reference_element::Integration;
 
 struct Counting;
 
@@ -63,8 +64,9 @@ fn assembly_allocates_nothing_once_warm() {
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.start_handler(|_| COUNTED.set(true)).build().unwrap();
-        for law in laws() {
-            let mut body = body(&mesh, &law);
+        let mixed = stiff_laws(1e3).into_iter().map(|law| mixed_body(&mesh, &law, Integration::Full));
+        for mut body in laws().iter().map(|law| body(&mesh, law)).chain(mixed) {
+            let law = body.law().name().to_string();
             let (pattern, map) = pattern(&body, q_n.len());
             let (mut force, mut values) = (vec![0.0; q_n.len()], vec![0.0; pattern.nnz()]);
             let mut workspace = Workspace::default();
@@ -90,7 +92,7 @@ fn assembly_allocates_nothing_once_warm() {
                         ALLOCATIONS.load(Ordering::Relaxed) - warm
                     };
                     let least = (0..if threads == 1 { 1 } else { 10 }).map(|_| of_one_call()).min();
-                    assert_eq!(least, Some(0), "{} {rule:?} {threads} threads", law.name());
+                    assert_eq!(least, Some(0), "{law} {rule:?} {threads} threads");
                     // A later step reuses the history.
                     let warm = ALLOCATIONS.load(Ordering::Relaxed);
                     body.begin_step(&q_n, rule).unwrap();

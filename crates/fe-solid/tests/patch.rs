@@ -11,28 +11,6 @@ use stoss_mesh::generate::Block;
 
 const F: [[f64; 3]; 3] = [[1.15, 0.1, -0.05], [0.02, 0.9, 0.08], [0.1, -0.03, 1.05]];
 
-/// Solves a small dense system by elimination with pivoting.
-fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
-    let n = b.len();
-    for k in 0..n {
-        let pivot = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap();
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        for i in k + 1..n {
-            let l = a[i][k] / a[k][k];
-            for j in k..n {
-                a[i][j] -= l * a[k][j];
-            }
-            b[i] -= l * b[k];
-        }
-    }
-    for k in (0..n).rev() {
-        let sum: f64 = (k + 1..n).map(|j| a[k][j] * b[j]).sum();
-        b[k] = (b[k] - sum) / a[k][k];
-    }
-    b
-}
-
 #[test]
 fn irregular_block_finds_the_affine_solution_with_uniform_stress() {
     let divisions = [3, 2, 2];

@@ -68,6 +68,7 @@ mod neo_hooke;
 mod ogden;
 mod saint_venant_kirchhoff;
 mod state;
+mod volume;
 
 pub use error::MaterialError;
 pub use mooney_rivlin::MooneyRivlin;

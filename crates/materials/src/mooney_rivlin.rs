@@ -2,7 +2,11 @@
 
 use crate::error::{MaterialError, finite, stable};
 use crate::state::{Invariants, finite_energy, finite_pair, finite_stress, positive_det};
-use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
+use crate::volume::Quadratic;
+use std::sync::Arc;
+use stoss_continuum::{
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, VolumetricSplit,
+};
 
 const NAME: &str = "mooney-rivlin";
 
@@ -82,6 +86,9 @@ impl HyperelasticLaw for MooneyRivlin {
         elasticity.add_scaled(4.0 * self.c2, &Tensor4::identity_dyad());
         elasticity.add_scaled(-4.0 * self.c2, &Tensor4::symmetric_identity());
         finite_pair(stress, elasticity)
+    }
+    fn volumetric(&self) -> Option<VolumetricSplit> {
+        Some(VolumetricSplit { rest: Arc::new(Self { c: 0.0, ..*self }), volume: Arc::new(Quadratic { c: self.c }) })
     }
     fn small_strain_moduli(&self) -> SmallStrainModuli {
         SmallStrainModuli::from_lame(2.0 * self.c + 4.0 * self.c2, 2.0 * (self.c1 + self.c2))

@@ -2,7 +2,11 @@
 
 use crate::error::{MaterialError, finite, stable, young_poisson};
 use crate::state::{Invariants, finite_energy, finite_pair, finite_stress};
-use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
+use crate::volume::Logarithmic;
+use std::sync::Arc;
+use stoss_continuum::{
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, VolumetricSplit,
+};
 
 const NAME: &str = "neo-hooke";
 
@@ -79,6 +83,12 @@ impl HyperelasticLaw for NeoHooke {
         let mut elasticity = Tensor4::inverse_derivative(&inverse) * (2.0 * (self.lambda * i.log_j - self.mu));
         elasticity.add_dyad(self.lambda, &inverse, &inverse);
         finite_pair(self.stress_with(i.log_j, &inverse), elasticity)
+    }
+    fn volumetric(&self) -> Option<VolumetricSplit> {
+        Some(VolumetricSplit {
+            rest: Arc::new(Self { lambda: 0.0, ..*self }),
+            volume: Arc::new(Logarithmic { lambda: self.lambda }),
+        })
     }
     fn small_strain_moduli(&self) -> SmallStrainModuli {
         SmallStrainModuli::from_lame(self.lambda, self.mu)

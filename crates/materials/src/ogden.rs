@@ -2,7 +2,11 @@
 
 use crate::error::{MaterialError, finite, stable};
 use crate::state::{finite_energy, finite_pair, finite_stress};
-use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
+use crate::volume::Power;
+use std::sync::Arc;
+use stoss_continuum::{
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, VolumetricSplit,
+};
 use stoss_tensor::spectral;
 
 const NAME: &str = "ogden";
@@ -229,6 +233,12 @@ impl HyperelasticLaw for Ogden {
         finite_pair(Self::assemble(&state, &t, pressure), elasticity)
     }
 
+    fn volumetric(&self) -> Option<VolumetricSplit> {
+        Some(VolumetricSplit {
+            rest: Arc::new(Self { kappa: 0.0, ..self.clone() }),
+            volume: Arc::new(Power { kappa: self.kappa, beta: self.beta }),
+        })
+    }
     fn small_strain_moduli(&self) -> SmallStrainModuli {
         SmallStrainModuli {
             shear: 0.5 * self.terms.iter().map(|(mu, alpha)| mu * alpha).sum::<f64>(),

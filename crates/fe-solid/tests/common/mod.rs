@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{SolidBody, SolidError, SolidOptions, SolidStep, TangentTarget, Workspace};
+use stoss_fe_solid::{SolidBody, SolidError, SolidOptions, SolidStep, TangentTarget, Volumetric, Workspace};
 use stoss_linalg::{ScatterMap, SparsityPattern};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::{Elements, Mesh, generate::Block};
@@ -218,6 +218,44 @@ pub fn cells(kinds: &[CellKind], divisions: [usize; 3], straight: f64, curved: f
 }
 
 pub fn body_with(mesh: &Mesh, law: &Arc<dyn HyperelasticLaw>, integration: Integration) -> SolidBody {
-    SolidBody::with_options("body", mesh, 0, law.clone(), SolidOptions { integration, ..SolidOptions::default() })
-        .unwrap()
+    let options = SolidOptions { integration, volumetric: Volumetric::Displacement };
+    SolidBody::with_options("body", mesh, 0, law.clone(), options).unwrap()
+}
+
+/// With averages of the change of volume.
+pub fn mixed_body(mesh: &Mesh, law: &Arc<dyn HyperelasticLaw>, integration: Integration) -> SolidBody {
+    let options = SolidOptions { integration, volumetric: Volumetric::Mixed };
+    SolidBody::with_options("body", mesh, 0, law.clone(), options).unwrap()
+}
+
+/// Laws of unit shear modulus with this ratio of bulk to shear modulus, about.
+pub fn stiff_laws(ratio: f64) -> Vec<Arc<dyn HyperelasticLaw>> {
+    vec![
+        Arc::new(NeoHooke::new(ratio, 1.0).unwrap()),
+        Arc::new(MooneyRivlin::new(0.4, 0.1, 0.5 * ratio).unwrap()),
+        Arc::new(Ogden::new(&[0.63, 0.0012, -0.01], &[1.3, 5.0, -2.0], ratio, 9.0).unwrap()),
+    ]
+}
+
+/// Solves a dense system by elimination with pivoting.
+pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+    let n = b.len();
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap();
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        let (above, below) = a.split_at_mut(k + 1);
+        let row = &above[k][k..];
+        for (i, other) in below.iter_mut().enumerate() {
+            let l = other[k] / row[0];
+            if l != 0.0 {
+                other[k..].iter_mut().zip(row).for_each(|(x, r)| *x -= l * r);
+                b[k + 1 + i] -= l * b[k];
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        b[k] = (b[k] - dot(&a[k][k + 1..], &b[k + 1..])) / a[k][k];
+    }
+    b
 }

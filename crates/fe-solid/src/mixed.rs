@@ -1,0 +1,359 @@
+//! Elements whose change of volume is averaged, for nearly incompressible solids (docs/theory/elements.md). Not the laws' parts, not the loop over elements.
+//!
+//! The energy of an element is `sum_h w_h W(C_h) + sum_h w_h U(theta_h)`: `theta` is the best constant, or the best function that is linear in natural
+//! coordinates, for the `J_h` of the Gauss points. With functions `psi_a` that are orthonormal with the weights `w_h` it is
+//! `theta_h = sum_a psi_a(h) sum_g w_g psi_a(g) J_g`, and the pressure at a point is the same average of `U'(theta)`.
+
+use crate::{
+    Level, StressRule,
+    element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
+    kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+};
+use stoss_continuum::{
+    HyperelasticLaw, SymmetricTensor2, VolumetricEnergy,
+    volume::{jacobian_gradient, jacobian_gradient_tangent, pressure_stress},
+};
+
+/// Values of the `A` orthonormal functions at the Gauss points.
+pub(crate) type Basis<const G: usize, const A: usize> = [[f64; G]; A];
+
+/// The basis of the constant.
+pub(crate) fn constant<const G: usize>(weights: &[f64; G]) -> Basis<G, 1> {
+    [[1.0 / weights.iter().sum::<f64>().sqrt(); G]]
+}
+
+/// The basis of the functions that are linear in natural coordinates; `points` are those of the Gauss points.
+pub(crate) fn linear<const G: usize>(weights: &[f64; G], points: &[[f64; 3]; G]) -> Basis<G, 4> {
+    let mut basis: Basis<G, 4> =
+        std::array::from_fn(|a| std::array::from_fn(|g| if a == 0 { 1.0 } else { points[g][a - 1] }));
+    // Gram and Schmidt; twice, so that the functions are orthogonal to round-off.
+    for a in 0..4 {
+        for _ in 0..2 {
+            for b in 0..a {
+                let product: f64 = (0..G).map(|g| weights[g] * basis[a][g] * basis[b][g]).sum();
+                for g in 0..G {
+                    basis[a][g] -= product * basis[b][g];
+                }
+            }
+        }
+        let norm = (0..G).map(|g| weights[g] * basis[a][g] * basis[a][g]).sum::<f64>().sqrt();
+        basis[a].iter_mut().for_each(|value| *value /= norm);
+    }
+    basis
+}
+
+/// The parts of the law.
+#[derive(Clone, Copy)]
+pub(crate) struct Parts<'a> {
+    /// `W`.
+    pub rest: &'a dyn HyperelasticLaw,
+    /// `U`.
+    pub volume: &'a dyn VolumetricEnergy,
+}
+
+/// One element with its averages.
+#[derive(Clone, Copy)]
+pub(crate) struct Mixed<'a, const N: usize, const G: usize, const A: usize> {
+    pub parts: Parts<'a>,
+    pub integration: &'a ElementIntegration<N, G>,
+    pub basis: Basis<G, A>,
+}
+
+/// One element with the averages of its kind.
+#[derive(Clone, Copy)]
+pub(crate) enum Averages<'a, const N: usize, const G: usize> {
+    Constant(Mixed<'a, N, G, 1>),
+    Linear(Mixed<'a, N, G, 4>),
+}
+
+macro_rules! for_both {
+    ($averages:expr, $mixed:ident => $call:expr) => {
+        match $averages {
+            Averages::Constant($mixed) => $call,
+            Averages::Linear($mixed) => $call,
+        }
+    };
+}
+
+impl<const N: usize, const G: usize> Averages<'_, N, G> {
+    pub fn state(&self, q: &NodalVectors<N>, level: Level) -> Result<State<G>, Failure> {
+        for_both!(self, mixed => mixed.state(q, level))
+    }
+
+    pub fn pressure_and_energy(&self, state: &State<G>) -> ([f64; G], [f64; G]) {
+        for_both!(self, mixed => mixed.pressure_and_energy(state))
+    }
+
+    pub fn energy(&self, q: &NodalVectors<N>) -> Result<f64, Failure> {
+        for_both!(self, mixed => mixed.energy(q))
+    }
+
+    pub fn history(&self, q: &NodalVectors<N>) -> Result<([GaussPointHistory; G], [f64; G]), Failure> {
+        for_both!(self, mixed => mixed.history(q))
+    }
+
+    // Not inlined: an element without averages does not need its stack.
+    #[inline(never)]
+    pub fn force_and_tangent(
+        &self,
+        step: ElementStep<'_, N, G>,
+        jacobians: Option<&[f64; G]>,
+        factor: f64,
+        force: &mut NodalVectors<N>,
+        tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    ) -> Result<(), Failure> {
+        for_both!(self, mixed => mixed.force_and_tangent(step, jacobians, factor, force, tangent))
+    }
+}
+
+/// Strains, averages and pressures at the Gauss points.
+pub(crate) struct State<const G: usize> {
+    pub deformation_gradients: [Matrix3; G],
+    pub right_cauchy_green: [SymmetricTensor2; G],
+    pub jacobians: [f64; G],
+    pub dilatations: [f64; G],
+}
+
+impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
+    /// The best function of the basis for values at the Gauss points.
+    fn average(&self, values: &[f64; G]) -> [f64; G] {
+        let mut out = [0.0; G];
+        for psi in &self.basis {
+            let coefficient: f64 = (0..G).map(|g| self.integration.weights[g] * psi[g] * values[g]).sum();
+            for g in 0..G {
+                out[g] += coefficient * psi[g];
+            }
+        }
+        out
+    }
+
+    /// A function of the dilatations at the points; once, if they are all the same.
+    fn at_points(value: impl Fn(usize) -> (f64, f64)) -> ([f64; G], [f64; G]) {
+        let (mut first, mut second) = ([0.0; G], [0.0; G]);
+        for g in 0..G {
+            if A == 1 && g > 0 {
+                (first[g], second[g]) = (first[0], second[0]);
+            } else {
+                (first[g], second[g]) = value(g);
+            }
+        }
+        (first, second)
+    }
+
+    /// The state at a configuration, `det F` and the averages checked.
+    pub fn state(&self, q: &NodalVectors<N>, level: Level) -> Result<State<G>, Failure> {
+        let mut out = State {
+            deformation_gradients: [[[0.0; 3]; 3]; G],
+            right_cauchy_green: [SymmetricTensor2::IDENTITY; G],
+            jacobians: [0.0; G],
+            dilatations: [0.0; G],
+        };
+        for g in 0..G {
+            let (f, c) = element::strain(q, self.integration, g, level)?;
+            out.deformation_gradients[g] = f;
+            out.right_cauchy_green[g] = c;
+            out.jacobians[g] = kernel::determinant(&f);
+        }
+        out.dilatations = self.average(&out.jacobians);
+        for (gauss_point, &dilatation) in out.dilatations.iter().enumerate() {
+            if dilatation <= 0.0 || dilatation.is_nan() {
+                return Err(Failure { gauss_point, kind: FailureKind::Collapsed { dilatation, level } });
+            }
+        }
+        Ok(out)
+    }
+
+    /// Averaged pressure at the Gauss points, and the energy `U` there.
+    pub fn pressure_and_energy(&self, state: &State<G>) -> ([f64; G], [f64; G]) {
+        let volume = self.parts.volume;
+        let (pressure, energy) =
+            Self::at_points(|g| (volume.pressure(state.dilatations[g]).0, volume.energy(state.dilatations[g])));
+        (self.average(&pressure), energy)
+    }
+
+    /// `sum w (W + U)`.
+    pub fn energy(&self, q: &NodalVectors<N>) -> Result<f64, Failure> {
+        let state = self.state(q, Level::End)?;
+        let (_, of_volume) = self.pressure_and_energy(&state);
+        let mut total = 0.0;
+        for g in 0..G {
+            let rest = self.parts.rest.energy(&state.right_cauchy_green[g]).map_err(|e| FailureKind::from(e).at(g))?;
+            total += self.integration.weights[g] * (rest + of_volume[g]);
+        }
+        Ok(total)
+    }
+
+    /// `C_n`, `W_n` and `J_n` at every Gauss point.
+    pub fn history(&self, q: &NodalVectors<N>) -> Result<([GaussPointHistory; G], [f64; G]), Failure> {
+        let state = self.state(q, Level::Start)?;
+        let history = element::history(self.parts.rest, self.integration, q)?;
+        Ok((history, state.jacobians))
+    }
+
+    /// Internal force and, if wanted, `factor` times its derivative by `q_np1` (both overwritten). `jacobians`: `J_n`, read by the energy-momentum rule.
+    pub fn force_and_tangent(
+        &self,
+        step: ElementStep<'_, N, G>,
+        jacobians: Option<&[f64; G]>,
+        factor: f64,
+        force: &mut NodalVectors<N>,
+        tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    ) -> Result<(), Failure> {
+        *force = [[0.0; N]; 3];
+        match (step.rule, step.history, jacobians) {
+            (StressRule::EnergyMomentum, Some(history), Some(jacobians)) => {
+                self.energy_momentum(step, history, jacobians, factor, force, tangent)
+            }
+            // The body hands over the history whenever the rule is energy-momentum.
+            (StressRule::EnergyMomentum, ..) => unreachable!("energy-momentum rule without history"),
+            (StressRule::Configuration { theta }, ..) => {
+                if !step.rule.reads_start() {
+                    return self.one_configuration(step.q_np1, Level::End, factor, force, tangent);
+                }
+                if !step.rule.reads_end() {
+                    return self.one_configuration(step.q_n, Level::Start, 0.0, force, None);
+                }
+                self.state(step.q_np1, Level::End)?;
+                let q = element::between(step.q_n, step.q_np1, theta);
+                self.one_configuration(&q, Level::Intermediate, theta * factor, force, tangent)
+            }
+        }
+    }
+
+    /// Stress and `B` at one configuration: `S = S_W + p J C^-1` with the averaged pressure.
+    fn one_configuration(
+        &self,
+        q: &NodalVectors<N>,
+        level: Level,
+        factor: f64,
+        force: &mut NodalVectors<N>,
+        mut tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    ) -> Result<(), Failure> {
+        let state = self.state(q, level)?;
+        let (pressure, slope) = Self::at_points(|g| self.parts.volume.pressure(state.dilatations[g]));
+        let pressure = self.average(&pressure);
+        let mut changes = [[[0.0; N]; 3]; A];
+        for g in 0..G {
+            let (f, c, j) = (&state.deformation_gradients[g], &state.right_cauchy_green[g], state.jacobians[g]);
+            let (gradients, weight) = (&self.integration.gradients[g], self.integration.weights[g]);
+            let (of_pressure, of_pressure_moduli) = pressure_stress(pressure[g], c, j);
+            let Some((_, factors)) = &mut tangent else {
+                let rest = self.parts.rest.stress(c).map_err(|e| FailureKind::from(e).at(g))?;
+                kernel::add_force(f, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+                continue;
+            };
+            let (rest, moduli) = self.parts.rest.stress_and_elasticity(c).map_err(|e| FailureKind::from(e).at(g))?;
+            let stress = (rest + of_pressure).to_voigt();
+            let moduli = moduli + of_pressure_moduli;
+            kernel::add_force(f, &stress, gradients, weight, force);
+            kernel::tangent_factors(f, f, &moduli.0, &stress, 1.0, gradients, weight, g, true, factors);
+            self.add_change_of_volume(g, f, c, j, &mut changes);
+        }
+        if let Some((tangent, factors)) = tangent {
+            kernel::tangent_from_factors(&self.integration.gradients, factors, true, factor, tangent);
+            self.add_pressure_changes(&changes, &changes, &slope, factor, tangent);
+        }
+        Ok(())
+    }
+
+    /// The energy-momentum stress: `S = S_W + 2 p K` with the discrete gradients of `W`, `U` and `J`.
+    fn energy_momentum(
+        &self,
+        step: ElementStep<'_, N, G>,
+        history: &[GaussPointHistory; G],
+        jacobians: &[f64; G],
+        factor: f64,
+        force: &mut NodalVectors<N>,
+        mut tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    ) -> Result<(), Failure> {
+        let state = self.state(step.q_np1, Level::End)?;
+        let start = self.average(jacobians);
+        let (pressure, slope) = Self::at_points(|g| self.parts.volume.quotient(start[g], state.dilatations[g]));
+        let pressure = self.average(&pressure);
+        let q_mid = element::between(step.q_n, step.q_np1, 0.5);
+        let (mut works, mut changes) = ([[[0.0; N]; 3]; A], [[[0.0; N]; 3]; A]);
+        for g in 0..G {
+            let (f, c, j) = (&state.deformation_gradients[g], &state.right_cauchy_green[g], state.jacobians[g]);
+            let (gradients, weight) = (&self.integration.gradients[g], self.integration.weights[g]);
+            let GaussPointHistory { right_cauchy_green: c_n, energy } = &history[g];
+            let f_mid = kernel::deformation_gradient(&q_mid, gradients);
+            let k = jacobian_gradient(c_n, jacobians[g], c, j);
+            let of_pressure = k * (2.0 * pressure[g]);
+            let Some((_, factors)) = &mut tangent else {
+                let rest = stoss_continuum::energy_momentum_stress(self.parts.rest, c_n, *energy, c)
+                    .map_err(|e| FailureKind::from(e).at(g))?;
+                kernel::add_force(&f_mid, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+                continue;
+            };
+            let (rest, mut moduli) =
+                stoss_continuum::energy_momentum_stress_and_tangent(self.parts.rest, c_n, *energy, c)
+                    .map_err(|e| FailureKind::from(e).at(g))?;
+            let stress = (rest + of_pressure).to_voigt();
+            moduli.add_scaled(2.0 * pressure[g], &jacobian_gradient_tangent(c_n, jacobians[g], c, j, &k));
+            kernel::add_force(&f_mid, &stress, gradients, weight, force);
+            kernel::tangent_factors(&f_mid, f, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
+            for (psi, work) in self.basis.iter().zip(&mut works) {
+                kernel::add_force(&f_mid, &k.to_voigt(), gradients, 2.0 * weight * psi[g], work);
+            }
+            self.add_change_of_volume(g, f, c, j, &mut changes);
+        }
+        if let Some((tangent, factors)) = tangent {
+            kernel::tangent_from_factors(&self.integration.gradients, factors, false, factor, tangent);
+            self.add_pressure_changes(&works, &changes, &slope, factor, tangent);
+        }
+        Ok(())
+    }
+
+    /// Adds a point's part of the derivatives of `sum_h w_h psi_a J_h` by the nodes: `cof F grad N = F (J C^-1) grad N`.
+    #[inline]
+    fn add_change_of_volume(
+        &self,
+        g: usize,
+        f: &Matrix3,
+        c: &SymmetricTensor2,
+        j: f64,
+        changes: &mut [NodalVectors<N>; A],
+    ) {
+        let inverse = (c.inverse_with_det(j)).to_voigt();
+        for (psi, change) in self.basis.iter().zip(changes) {
+            let weight = self.integration.weights[g] * psi[g];
+            kernel::add_force(f, &inverse, &self.integration.gradients[g], weight, change);
+        }
+    }
+
+    /// Adds `factor sum_ab D_ab works_a (x) changes_b` to the tangent, `D_ab = sum_h w_h p'_h psi_a psi_b`: what the change of the pressures does.
+    fn add_pressure_changes(
+        &self,
+        works: &[NodalVectors<N>; A],
+        changes: &[NodalVectors<N>; A],
+        slope: &[f64; G],
+        factor: f64,
+        tangent: &mut LocalTangent<N>,
+    ) {
+        for a in 0..A {
+            let mut right: NodalVectors<N> = [[0.0; N]; 3];
+            for b in 0..A {
+                let d: f64 = (0..G)
+                    .map(|g| self.integration.weights[g] * slope[g] * self.basis[a][g] * self.basis[b][g])
+                    .sum::<f64>()
+                    * factor;
+                for i in 0..3 {
+                    for node in 0..N {
+                        right[i][node] += d * changes[b][i][node];
+                    }
+                }
+            }
+            for node in 0..N {
+                for i in 0..3 {
+                    let work = works[a][i][node];
+                    let row = &mut tangent[node][i];
+                    for other in 0..N {
+                        for j in 0..3 {
+                            row[other][j] += work * right[j][other];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
