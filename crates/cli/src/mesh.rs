@@ -61,7 +61,7 @@ fn convert(from: &Path, to: &Path, group: Option<&str>, scale: f64) -> ExitCode 
         Ok(mesh)
     });
     match converted {
-        Ok(mesh) => tell(&format!("{}: {} nodes, {} hexahedra", to.display(), mesh.nodes.len(), mesh.elements.len())),
+        Ok(mesh) => tell(&format!("{}: {} nodes, {} elements", to.display(), mesh.nodes.len(), mesh.elements.len())),
         Err(error) => refuse(&error),
     }
 }

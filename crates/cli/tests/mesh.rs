@@ -38,7 +38,7 @@ fn info_says_what_is_there_and_whether_it_can_be_used() {
     let (code, text) = info(&data("parts.inp"), None);
     assert_eq!(code, Some(2), "{text}");
     for part in
-        ["1 elements C3D4: not read (first in line 24)", "cannot use it as a whole", "\"Lower\"", "coincident nodes: 2"]
+        ["1 elements C3D5: not read (first in line 25)", "cannot use it as a whole", "\"Lower\"", "coincident nodes: 2"]
     {
         assert!(text.contains(part), "{part} in\n{text}");
     }

@@ -148,7 +148,7 @@ fn contact_carries_over_from_statics() {
             rotation: None,
         });
         let facets = |mesh: &Mesh, set: &str, first: u32| -> Vec<[u32; 4]> {
-            mesh.facets_of(set).unwrap().iter().map(|f| f.nodes.map(|n| n + first)).collect()
+            mesh.facets_of(set).unwrap().iter().map(|f| [0, 1, 2, 3].map(|k: usize| f.nodes[k] + first)).collect()
         };
         let (slave, master) = (facets(&upper, "bottom", count), facets(&lower, "top", 0));
         let method =
@@ -622,7 +622,7 @@ fn contact_comes_back() {
     model.velocity[3 * count as usize..].iter_mut().skip(2).step_by(3).for_each(|v| *v = -1.0);
     hold(&mut model, lower.nodes_of("bottom").unwrap().to_vec(), Table::constant(&[0.0; 3]));
     let facets = |mesh: &Mesh, set: &str, first: u32| -> Vec<[u32; 4]> {
-        mesh.facets_of(set).unwrap().iter().map(|f| f.nodes.map(|n| n + first)).collect()
+        mesh.facets_of(set).unwrap().iter().map(|f| [0, 1, 2, 3].map(|k: usize| f.nodes[k] + first)).collect()
     };
     let (slave, master) = (facets(&upper, "bottom", count), facets(&lower, "top", 0));
     let method =

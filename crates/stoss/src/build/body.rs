@@ -6,12 +6,12 @@ use super::trace::Traces;
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
     Body as SceneBody, Generator, Integration, Mass, Material, MeshFile, MeshSource, Part as ScenePart,
-    Refinement as SceneRefinement, Rotation as SceneRotation, Rotations, Scene, SetDefinition,
+    Refinement as SceneRefinement, Rotation as SceneRotation, Rotations, Scene, SetDefinition, Volumetric,
 };
 use crate::solver::{Damping, Model};
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{MassKind, SolidBody, SolidOptions};
+use stoss_fe_solid::{MassKind, SolidBody, SolidError, SolidOptions, Volumetric as SolidVolumetric};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::generate::{
     Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
@@ -48,9 +48,28 @@ pub(super) fn bodies(
         let mut notes = Vec::new();
         let mesh = mesh(scene, b, mesh_files, &mut notes, problems);
         let (Some(law), Some(mesh)) = (law, mesh) else { continue };
+        let kinds = mesh.elements.kinds();
+        if body.integration == Integration::Reduced
+            && !kinds.iter().any(|kind| kind.rule(CellIntegration::Reduced).is_some())
+        {
+            let message = format!("{} has no reduced integration", names(&kinds));
+            let remedy = "leave `integration` out, or make the elements hex20 or tet10 by `cell`";
+            problems.add(format!("{key}.integration"), body.integration, message, remedy);
+            continue;
+        }
+        if let Some(kind) = kinds.iter().find(|kind| matches!(kind, CellKind::Tet4 | CellKind::Wedge6)) {
+            notes.push(format!(
+                "{kind} is far too stiff in bending and for nearly incompressible materials: prefer `cell = \"quadratic\"`"
+            ));
+        }
         let first_node = (model.reference.len() / 3) as u32;
         let solid = match SolidBody::with_options(&body.name, &mesh, first_node, Arc::clone(&law), options(body)) {
             Ok(solid) => solid,
+            Err(error @ SolidError::NoVolumetricPart { .. }) => {
+                let remedy = "leave `volumetric` out, or choose neo-hooke, mooney-rivlin or ogden";
+                problems.add(format!("{key}.volumetric"), body.volumetric, error.to_string(), remedy);
+                continue;
+            }
             Err(error) => {
                 problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");
                 continue;
@@ -64,9 +83,11 @@ pub(super) fn bodies(
         }
         let moduli = law.small_strain_moduli();
         lines.push(format!(
-            "{}: {} nodes, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
+            "{}: {} nodes, {}{}, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
             body.name,
             mesh.nodes.len(),
+            names(&kinds),
+            if body.volumetric == Volumetric::Mixed { " mixed" } else { "" },
             law.name(),
             moduli.young_modulus(),
             moduli.poisson_ratio(),
@@ -89,12 +110,21 @@ pub(super) fn bodies(
     (placed, lines)
 }
 
+/// Names of kinds of cells, for people.
+fn names(kinds: &[CellKind]) -> String {
+    kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
+}
+
 /// How the elements of a body are integrated.
 pub(super) fn options(body: &SceneBody) -> SolidOptions {
     SolidOptions {
         integration: match body.integration {
             Integration::Full => CellIntegration::Full,
             Integration::Reduced => CellIntegration::Reduced,
+        },
+        volumetric: match body.volumetric {
+            Volumetric::Displacement => SolidVolumetric::Displacement,
+            Volumetric::Mixed => SolidVolumetric::Mixed,
         },
     }
 }

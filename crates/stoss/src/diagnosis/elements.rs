@@ -3,12 +3,13 @@
 use super::case::Case;
 use super::{Cause, Confidence, Finding, Remedy, Where};
 use crate::scene::{Generator, MeshSource};
+use stoss_fe_solid::Volumetric;
 use stoss_mesh::Mesh;
 use stoss_solver::FailureKind;
 
 /// Scaled Jacobian in the reference below which an element is a sliver.
 const SLIVER: f64 = 0.05;
-/// Poisson's ratio from which on linear hexahedra lock.
+/// Poisson's ratio from which on elements without averages of the change of volume lock.
 const LOCKS: f64 = 0.495;
 
 /// The smallest scaled Jacobian at the nodes of an element, and the node in it.
@@ -76,17 +77,25 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
     list
 }
 
-/// Materials that are so incompressible that linear hexahedra lock.
+/// Materials that are so incompressible that elements without averages of the change of volume lock.
 pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
     let mut list = Vec::new();
     for (b, body) in case.model().bodies.iter().enumerate() {
         let nu = body.solid.law().small_strain_moduli().poisson_ratio();
-        if nu < LOCKS {
+        if nu < LOCKS || body.solid.options().volumetric == Volumetric::Mixed {
             continue;
         }
         let name = body.solid.name();
         let key = format!("body[{b}].material.poisson");
-        let remedy = match case.scene.locate(&key) {
+        let has_split = body.solid.law().volumetric().is_some();
+        let mixed = has_split.then(|| {
+            Remedy::set(
+                format!("body[{b}].volumetric"),
+                "\"mixed\"",
+                "elements average the change of volume and do not lock",
+            )
+        });
+        let softer = match case.scene.locate(&key) {
             Some(_) => Remedy::set(
                 key,
                 "0.49",
@@ -102,10 +111,10 @@ pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
             confidence: if is_here { Confidence::Medium } else { Confidence::Low },
             place: Where { text: format!("`{name}`"), body: Some(name.to_owned()), ..Where::default() },
             sentence: format!(
-                "`{name}` is nearly incompressible (Poisson's ratio {nu}): linear hexahedra lock: they are far too stiff, and the pressure oscillates from element to element"
+                "`{name}` is nearly incompressible (Poisson's ratio {nu}): elements without averages lock: they are far too stiff, and the pressure oscillates from element to element"
             ),
             evidence: vec![format!("the bulk modulus is {:.0} times the shear modulus", 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)))],
-            remedies: vec![remedy],
+            remedies: mixed.into_iter().chain([softer]).collect(),
         });
     }
     list
