@@ -439,6 +439,12 @@ impl Model {
         self.contacts.iter().any(|pair| pair.method.keeps_apart())
     }
 
+    /// Whether a node is a vertex of a trace whose place follows from those of the other vertices of its face, so that a multiplier of its own would say
+    /// nothing new: the middle of a face without a node there.
+    pub fn follows_its_face(&self, node: u32) -> bool {
+        self.traces.get(&node).is_some_and(Option::is_none)
+    }
+
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.reference.len() / 3

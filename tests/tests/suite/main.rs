@@ -6,6 +6,7 @@ mod centrifugal;
 mod conservation;
 mod damping;
 mod edges;
+mod elements;
 mod facets;
 mod failing;
 mod friction;

@@ -109,7 +109,8 @@ pub(super) fn contact(
                     item.label()
                 ));
             }
-            let mut method = method.with_crosspoints(prescribed);
+            let mut method =
+                method.with_crosspoints(|n| if model.follows_its_face(n) { [true; 3] } else { prescribed(n) });
             method.set_rule(contact_rule(gradient), pair.scene.time.step);
             let complementarity = pair.prepare(&mut method, Constraint::Standard, model, problems, warnings);
             method = method.with_stiffness(complementarity);

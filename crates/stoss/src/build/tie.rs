@@ -104,7 +104,8 @@ fn made(
             reach: item.reach,
             ..TieOptions::default()
         };
-        let made = MeshTie::new(&item.label(), &slave, &master, &model.reference, |c| fixed[c], options);
+        let is_fixed = |c: usize| fixed[c] || model.follows_its_face(c as u32 / 3);
+        let made = MeshTie::new(&item.label(), &slave, &master, &model.reference, is_fixed, options);
         let tie = match made {
             Ok(tie) => tie,
             Err(error) => {

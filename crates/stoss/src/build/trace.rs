@@ -55,17 +55,19 @@ impl Traces {
     }
 
     /// The linear facets that contact sees of a facet, in global node numbers.
-    pub fn facets_of(&self, facet: &Facet, first_node: u32) -> impl Iterator<Item = FacetNodes> {
-        let (kind, facet) = (facet.nodes.kind(), *facet);
-        kind.trace().facets.iter().map(move |piece| {
+    /// Without contact, for which there are no vertices, pieces on the nodes.
+    pub fn facets_of(&self, facet: &Facet, first_node: u32) -> Vec<FacetNodes> {
+        let kind = facet.nodes.kind();
+        if !kind.is_quadratic() || self.0.is_empty() {
+            return facet.nodes.map(|n| first_node + n).pieces().collect();
+        }
+        let node = |v: usize| {
+            if v < kind.corner_count() { first_node + facet.nodes[v] } else { self.0[&vertex(facet, v)] }
+        };
+        let of_piece = |piece: &&[u8]| {
             let shape = if piece.len() == 3 { FacetKind::Tri3 } else { FacetKind::Quad4 };
-            Nodal::from_fn(shape, |k| {
-                let v = usize::from(piece[k]);
-                match self.0.get(&vertex(&facet, v)) {
-                    Some(&node) if v >= kind.corner_count() => node,
-                    _ => first_node + facet.nodes[v],
-                }
-            })
-        })
+            Nodal::from_fn(shape, |k| node(usize::from(piece[k])))
+        };
+        kind.trace().facets.iter().map(of_piece).collect()
     }
 }

@@ -1,0 +1,208 @@
+//! Elements of all kinds through scenes: contact and ties on their faces, conservation, what frames show.
+
+use crate::support::{drift, simulation, simulation_in, two_blocks};
+use std::path::Path;
+use stoss::build::build;
+use stoss::run::{RunOptions, run_scene};
+use stoss::watch::Level;
+
+const NTS: &str = "method = \"nts\"\nfriction = { law = \"coulomb\", mu = 0.3 }";
+const MORTAR: &str = "method = \"mortar\"\nfriction = { law = \"coulomb\", mu = 0.3 }";
+const CELLS: [&str; 7] = ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15"];
+
+/// Two blocks on each other with meshes that do not match, pressed together by a uniform pressure.
+fn pressed(lower: &str, upper: &str, interface: &str) -> String {
+    let fixed =
+        |set: &str, axis: &str| format!("[[prescribe]]\nset = \"{set}\"\ncomponents = [\"{axis}\"]\nfixed = true\n");
+    let body = |name: &str, cell: &str, z: [f64; 2], n: u32| {
+        format!(
+            "[[body]]\nname = \"{name}\"\ncell = \"{cell}\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\n\
+             mesh = {{ generator = \"block\", min = [0, 0, {:?}], max = [1, 1, {:?}], divisions = [{n}, {n}, 1] }}\n",
+            z[0], z[1]
+        )
+    };
+    format!(
+        "[scene]\ntitle = \"patch\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n{}{}{interface}{}{}{}{}{}\
+         [[load]]\nset = \"upper.top\"\npressure = {{ table = [[0.0, 0.0], [1.0, 200.0]] }}\n",
+        body("lower", lower, [0.0, 1.0], 3),
+        body("upper", upper, [1.0, 2.0], 2),
+        fixed("lower.left", "x"),
+        fixed("lower.front", "y"),
+        fixed("lower.bottom", "z"),
+        fixed("upper.left", "x"),
+        fixed("upper.front", "y"),
+    )
+}
+
+/// The nodal forces of a uniform pressure pass through the interface exactly, whatever the cells on both sides: the stress is uniform
+/// (docs/theory/elements.md#contact). Of ties as far as the closing of their gaps at the start goes.
+#[test]
+fn a_uniform_pressure_passes_between_any_cells() {
+    let mortar = "[[contact]]\nmethod = \"mortar\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\n";
+    let tie = "[[tie]]\nslave = \"lower.top\"\nmaster = \"upper.bottom\"\n";
+    let pairs = (0..CELLS.len())
+        .flat_map(|k| [(CELLS[k], CELLS[k]), (CELLS[k], CELLS[(k + 1) % 7]), (CELLS[k], CELLS[(k + 3) % 7])]);
+    for (lower, upper) in pairs {
+        for (interface, bound) in [(mortar, 1e-10), (tie, 1e-7)] {
+            let mut simulation = simulation(&pressed(lower, upper, interface));
+            while !simulation.finished() {
+                simulation.advance().unwrap_or_else(|e| panic!("{lower}, {upper}: {e}"));
+            }
+            let q = &simulation.state().q;
+            let mut stresses = Vec::new();
+            for body in &simulation.model().bodies {
+                stresses
+                    .extend(body.solid.gauss_point_state(q).unwrap().into_iter().flatten().map(|point| point.cauchy));
+            }
+            let first = stresses[0];
+            assert!(first[2] < -170.0);
+            for stress in &stresses {
+                let off = (0..6).map(|i| (stress[i] - first[i]).abs()).fold(0.0, f64::max);
+                assert!(off < bound * first[2].abs(), "{lower}, {upper}, {interface}: {stress:?} {first:?}");
+            }
+        }
+    }
+}
+
+/// Momenta and energy through contact with friction on curved faces of quadratic cells. The ledger has friction and what
+/// closing costs.
+#[test]
+fn quadratic_cells_hit_and_slide_without_drift() {
+    for cell in ["tet10", "hex20", "hex27", "wedge15"] {
+        for contact in [NTS, MORTAR, ""] {
+            let text = two_blocks("energy-momentum", 0.1, 6.0, [0.0; 3], contact);
+            let text = text.replace("[[body]]", &format!("[[body]]\ncell = \"{cell}\""));
+            let general = contact.is_empty();
+            let text = if general { text[..text.find("[[contact]]").unwrap()].to_owned() } else { text };
+            let mut simulation = simulation(&text);
+            let start = *simulation.balance();
+            let (mut linear, mut angular) = (vec![start.linear_momentum], vec![start.angular_momentum]);
+            let mut touched = false;
+            while !simulation.finished() {
+                let record = simulation.advance().unwrap_or_else(|e| panic!("{cell}, {contact}: {e}"));
+                linear.push(record.balance.linear_momentum);
+                angular.push(record.balance.angular_momentum);
+                touched |= simulation.active().iter().flatten().any(|active| *active)
+                    || record.contact.is_some_and(|contact| contact.bodies.iter().any(|pair| pair.active > 0));
+            }
+            assert!(touched, "{cell}, {contact}");
+            assert!(
+                drift(&linear) < 1e-12 && drift(&angular) < 1e-12,
+                "{cell}, {contact}: {} {}",
+                drift(&linear),
+                drift(&angular)
+            );
+            let end = simulation.balance();
+            let change = (end.total() + end.closing_loss - end.restored) / start.total() - 1.0;
+            assert!(change.abs() < 1e-11, "{cell}, {contact}: {change}");
+        }
+    }
+}
+
+/// Frames have the nodes of the meshes and no vertices of traces; contact fields stand at nodes on edges, too; the watch finds nothing.
+#[test]
+fn frames_show_nodes_and_not_what_contact_sees() {
+    let folder = tempfile::tempdir().unwrap();
+    let interface = "[[contact]]\nmethod = \"mortar\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\n";
+    let text = pressed("hex27", "tet10", interface);
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, &text).unwrap();
+    let simulation = simulation(&text);
+    let model = simulation.model();
+    let nodes: usize = model.bodies.iter().map(|body| body.nodes.len()).sum();
+    assert!(model.node_count() > nodes && model.traces.len() == model.node_count() - nodes);
+    let options = RunOptions { out: folder.path().join("out"), ..RunOptions::default() };
+    let outcome = run_scene(&path, &options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(outcome.verdict.level, Level::Sound);
+    let frame = stoss::mesh_io::read_vtu(&folder.path().join("out/frames/frame_000001.vtu")).unwrap();
+    assert_eq!(frame.points.len(), nodes);
+    let kinds: Vec<String> = frame.elements.kinds().iter().map(|kind| kind.to_string()).collect();
+    assert_eq!(kinds, ["hex27", "tet10"]);
+    let field = |name: &str| &frame.point_data.iter().find(|field| field.name == name).unwrap().values;
+    // Vertices of the lower body's trace come between the nodes of both bodies in the model, not in the frame.
+    let lower = model.bodies[0].nodes.len();
+    let (mut on_edges, mut corners) = (0, 0);
+    for node in lower..nodes {
+        let [x, y, z] = frame.points[node];
+        if z == 1.0 {
+            let pressure = field("contact_pressure")[node];
+            assert!((pressure / 179.079_759_4 - 1.0).abs() < 1e-6, "{x} {y}: {pressure}");
+            let is_corner = [x, y].iter().all(|x: &f64| (2.0 * x).fract() == 0.0);
+            if is_corner { corners += 1 } else { on_edges += 1 }
+        }
+    }
+    assert_eq!((corners, on_edges), (9, 16));
+}
+
+/// A cantilever of one element in thickness, ten times as long as high, under a load at its tip that bends it little: deflections over those of
+/// Timoshenko's beam, for each cell.
+#[test]
+fn cells_bend_as_they_should() {
+    let tip = |keys: &str, across: u32| {
+        let text = format!(
+            "[scene]\ntitle = \"cantilever\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n\
+             [[body]]\nname = \"beam\"\n{keys}mesh = {{ generator = \"block\", min = [0, 0, 0], max = [10, 1, 1], divisions = [5, 1, {across}] }}\n\
+             material = {{ law = \"saint-venant-kirchhoff\", young = 1e6, poisson = 0.0 }}\n\
+             [[prescribe]]\nset = \"beam.left\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+             [[load]]\nset = \"beam.right\"\ntotal_force = {{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, -1.0]] }}\n"
+        );
+        let mut simulation = simulation(&text);
+        while !simulation.finished() {
+            simulation.advance().unwrap();
+        }
+        let model = simulation.model();
+        let at = |node: usize| &model.reference[3 * node..3 * node + 3];
+        let nodes: Vec<usize> = (0..model.node_count()).filter(|&n| at(n)[0] == 10.0).collect();
+        let sum: f64 = nodes.iter().map(|&n| simulation.state().q[3 * n + 2] - at(n)[2]).sum();
+        // F l^3 / (3 E I) + F l / (5/6 G A)
+        let exact = 1000.0 / (3.0 * 1e6 / 12.0) + 10.0 / (5.0 / 6.0 * 0.5e6);
+        -sum / nodes.len() as f64 / exact
+    };
+    let cases: [(&str, [f64; 2]); 7] = [
+        ("", [0.2, 0.4]),
+        ("cell = \"tet4\"\n", [0.05, 0.3]),
+        ("cell = \"hex20\"\n", [0.95, 1.0]),
+        ("cell = \"hex20\"\nintegration = \"reduced\"\n", [0.98, 1.01]),
+        ("cell = \"hex27\"\n", [0.95, 1.0]),
+        ("cell = \"tet10\"\n", [0.85, 1.0]),
+        ("cell = \"wedge15\"\n", [0.9, 1.0]),
+    ];
+    for (keys, [low, high]) in cases {
+        // A single row of hex20 with reduced integration has modes without stiffness.
+        let found = tip(keys, if keys.contains("reduced") { 2 } else { 1 });
+        println!("{keys:?}: {found:.4}");
+        assert!((low..=high).contains(&found), "{keys}: {found}");
+    }
+}
+
+/// What a body cannot be made of is refused at its key.
+#[test]
+fn cells_and_rules_that_do_not_fit_are_refused() {
+    let refused = |keys: &str, law: &str| {
+        let text = format!(
+            "[scene]\ntitle = \"t\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n\
+             [[body]]\nname = \"a\"\n{keys}\nmesh = {{ generator = \"ball\", radius = 1.0, divisions = [2, 2, 2] }}\n\
+             material = {{ law = \"{law}\", young = 1e6, poisson = 0.3 }}\n"
+        );
+        let scene = stoss::scene::parse(&text, "test.toml").unwrap();
+        build(&scene, Path::new(".")).err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    assert!(refused("cell = \"wedge6\"", "neo-hooke").contains("body[0].cell"));
+    let reduced = refused("integration = \"reduced\"", "neo-hooke");
+    assert!(reduced.contains("body[0].integration") && reduced.contains("hex8 has no reduced"), "{reduced}");
+    assert!(refused("volumetric = \"mixed\"", "saint-venant-kirchhoff").contains("body[0].volumetric"));
+    assert_eq!(refused("volumetric = \"mixed\"\ncell = \"tet10\"\nintegration = \"reduced\"", "neo-hooke"), "");
+}
+
+/// Quadratic meshes that are tied may be closed at the start: nodes on edges move with their vertices.
+#[test]
+fn a_tie_closes_small_gaps_of_quadratic_faces() {
+    let text = pressed("hex20", "tet10", "[[tie]]\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\n")
+        .replace("min = [0, 0, 1.0]", "min = [0, 0, 1.001]");
+    let simulation = simulation_in(&text, Path::new("."));
+    let model = simulation.model();
+    for node in model.bodies[1].nodes.clone() {
+        let z = model.reference[3 * node as usize + 2];
+        assert!(z < 1.0005 && (z - 1.0).abs() < 1e-12 || z > 1.4, "{z}");
+    }
+}
