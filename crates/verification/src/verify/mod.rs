@@ -8,6 +8,7 @@ mod check;
 mod conservation;
 mod convergence;
 mod derivatives;
+mod elements;
 mod facade;
 mod figures;
 mod friction;
@@ -68,6 +69,7 @@ const SUITES: &[&dyn Suite] = &[
     &conservation::Conservation,
     &segmentation::Segmentation,
     &patch::Patch,
+    &elements::Elements,
     &friction::Friction,
     &general::General,
     &mortar::Mortar,
