@@ -263,7 +263,9 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
     let reason = match (held, touches) {
         (false, false) => format!("nothing holds body {name}: prescribe displacements that exclude a rigid motion"),
         (false, true) => {
-            format!("body {name} is held by contact alone, which leaves a rigid motion: prescribe some displacements")
+            format!(
+                "body {name} is held by contact alone, which leaves a rigid motion: prescribe some displacements, or stabilise the run"
+            )
         }
         _ => format!(
             "body {name} has too few supports (a rigid motion is left), or it buckles at this load: prescribe more \

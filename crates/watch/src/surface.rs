@@ -350,6 +350,19 @@ impl Surface {
         lengths.sum::<f64>() / facet.count as f64
     }
 
+    /// Distance of a point to what the facets of two triangles have in common, a corner or an edge, with the points of the surface at `at`; nothing if they do not meet.
+    pub fn nearest_common(
+        &self,
+        triangles: [usize; 2],
+        x: &Vector3<f64>,
+        at: impl Fn(usize) -> Vector3<f64>,
+    ) -> Option<f64> {
+        let [first, second] = triangles.map(|t| self.facets[self.triangles[t].1 as usize].corners());
+        let common = || first.iter().filter(|corner| second.contains(corner)).map(|&corner| at(corner as usize));
+        let distances = common().flat_map(|a| common().map(move |b| (x - nearest_point(x, [&a, &b, &b])).norm()));
+        distances.min_by(f64::total_cmp)
+    }
+
     /// Mean edge length of the facet of a triangle.
     pub fn edge_length(&self, triangle: usize) -> f64 {
         self.length(self.triangles[triangle].1 as usize)

@@ -10,7 +10,8 @@ const OPPOSITE: f64 = -0.3;
 /// A passage at least so deep, in edge lengths, counts whatever its faces.
 const DEEP: f64 = 0.3;
 
-/// A passage nearer to the surface than this part of its length, or of an edge, only grazes the body.
+/// A passage nearer to the surface than this part of its length, or of an edge, only grazes the body. So does one, not so deep, through two facets that meet, however sharp the
+/// edge between them, if it is nearer to where they meet than this part of an edge: the node went around, and the straight line from look to look cuts the edge off.
 const GRAZING: f64 = 0.05;
 
 /// Subdivisions of a step in which the sign of the distance to a moving plane is looked at; roots are bisected.
@@ -96,7 +97,7 @@ pub(crate) fn passages(
         sweep.query(&region, |t| {
             let corners = other.corners(t).map(|k| k as usize);
             let moving = corners.map(|k| (&other_before[k], &other.points[k]));
-            crossings.extend(crossing(x0, x1, moving, other.unit(t, body, k as u32)));
+            crossings.extend(crossing(x0, x1, moving, (t, other.unit(t, body, k as u32))));
         });
         if crossings.len() < 2 && other.is_closed {
             continue;
@@ -116,10 +117,17 @@ pub(crate) fn passages(
         }
         // Way through the body, from face to face.
         let way = (exit.relative * (exit.time - entry.time)).dot(&exit.normal).abs();
-        let through = entry.normal.dot(&exit.normal) < OPPOSITE || way > DEEP * exit.edge;
         let middle = 0.5 * (entry.time + exit.time);
+        let at_middle = x0 + (x1 - x0) * middle;
         let free = GRAZING * way.min(exit.edge);
-        if through && !sweep.is_near(other, other_before, middle, &(x0 + (x1 - x0) * middle), free) {
+        let cuts_edge_off = || {
+            let common = other.nearest_common([entry.triangle, exit.triangle], &at_middle, |k| {
+                other_before[k] + (other.points[k] - other_before[k]) * middle
+            });
+            common.is_some_and(|distance| distance < GRAZING * exit.edge)
+        };
+        let through = way > DEEP * exit.edge || entry.normal.dot(&exit.normal) < OPPOSITE && !cuts_edge_off();
+        if through && !sweep.is_near(other, other_before, middle, &at_middle, free) {
             found.push(Passage { node: k as u32, position: x0 + (x1 - x0) * entry.time });
         }
     }
@@ -137,6 +145,7 @@ fn is_through((first, last): (&Crossing, &Crossing)) -> bool {
 /// Where a moving point meets a moving triangle.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
+    triangle: usize,
     /// In the step, 0 to 1.
     time: f64,
     inwards: bool,
@@ -152,7 +161,7 @@ fn crossing(
     x0: &Vector3<f64>,
     x1: &Vector3<f64>,
     moving: [(&Vector3<f64>, &Vector3<f64>); 3],
-    edge: f64,
+    (triangle, edge): (usize, f64),
 ) -> Option<Crossing> {
     let at = |t: f64| {
         let p = x0 + (x1 - x0) * t;
@@ -186,7 +195,8 @@ fn crossing(
         if square > 0.0 && beside(&a, &b) && beside(&b, &c) && beside(&c, &a) {
             let carried = moving.iter().map(|(before, now)| *now - *before).sum::<Vector3<f64>>() / 3.0;
             let relative = x1 - x0 - carried;
-            return Some(Crossing { time: high, inwards: start > 0.0, normal: normal / square.sqrt(), edge, relative });
+            let (inwards, normal) = (start > 0.0, normal / square.sqrt());
+            return Some(Crossing { triangle, time: high, inwards, normal, edge, relative });
         }
     }
     None

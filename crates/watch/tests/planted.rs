@@ -191,6 +191,30 @@ fn what_passes_through_a_body_is_wrong() {
     assert_eq!(count, 18);
 }
 
+/// The straight line from look to look cuts a bit off a sharp edge that a node went around. Deeper it is a passage, and so is one beside the rim of a plate as thin as that bit.
+#[test]
+fn a_node_may_go_around_a_sharp_edge() {
+    // A sheared block with a sharp edge along y at x = z = 0.
+    let blade = |height: f64| Block::mapped([1, 2, 1], move |[u, v, w]| Vector3::new(u + 1.2 * w, v, height * w));
+    let plate = |height: f64| Block::new([0.0; 3], [1.0, 1.0, height], [1, 2, 1]);
+    // A cube goes up that reaches so far beyond the edge, from below to above.
+    let states = |body: &dyn Fn() -> Block, reach: f64| {
+        let cube = |z: f64| unit(1).moved([reach - 1.0, 0.3, z]);
+        [vec![body(), cube(-1.2)], vec![body(), cube(0.3)]]
+    };
+    for height in [0.8, 0.3] {
+        for reach in [0.005, 0.02] {
+            let found = verdict(&states(&|| blade(height), reach));
+            assert_eq!(found.level, Level::Sound, "{height}, {reach}: {found}");
+            let thin = || plate(height * reach / 1.2);
+            wrong(&states(&thin, reach), FindingKind::Tunnelling, &format!("plate, {height}, {reach}"));
+        }
+        for reach in [0.1, 0.2] {
+            wrong(&states(&|| blade(height), reach), FindingKind::Tunnelling, &format!("{height}, {reach}"));
+        }
+    }
+}
+
 #[test]
 fn a_body_in_itself_is_wrong() {
     for (n, depth) in [(8, 0.5), (10, 0.5), (12, 0.45), (16, 0.55)] {

@@ -352,6 +352,27 @@ fn it_is_the_default_where_no_pair_is_named() {
     assert_eq!(free("energy-momentum", &meant).0, ["general"]);
 }
 
+/// Bodies that start apart, by less than the thickness that the scene gives: they are told, with gap and thickness.
+#[test]
+fn a_thickness_above_the_gap_is_told() {
+    let warnings = |gap: f64, keys: &str| {
+        let two = cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1)
+            + &cube("b", [0.0, 0.0, 1.0 + gap], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1);
+        contacts_of(&(head("energy-momentum", 0.1, 1.0) + &two + "[general_contact]\n" + keys)).1
+    };
+    let told = warnings(0.02, "thickness = 0.05\n");
+    assert_eq!(told.len(), 1, "{told:?}");
+    for part in ["`a` and `b` start 2.000e-2 apart", "the thickness 5.000e-2", "make `thickness` smaller than the gap"]
+    {
+        assert!(told[0].contains(part), "{told:?}");
+    }
+    for (gap, keys) in
+        [(0.02, "thickness = 0.01\n"), (0.02, ""), (0.0, "thickness = 0.05\n"), (0.1, "thickness = 0.05\n")]
+    {
+        assert_eq!(warnings(gap, keys), Vec::<String>::new(), "{gap} {keys}");
+    }
+}
+
 /// Facets around the rim of a tie meet those of the other side, and stay there.
 #[test]
 fn tied_bodies_are_not_in_contact_at_their_rims() {
@@ -369,6 +390,43 @@ fn tied_bodies_are_not_in_contact_at_their_rims() {
     let course = run(&text);
     assert_eq!(course.touched, 0);
     assert!(ledger(&course.totals) < 1e-12);
+}
+
+/// The slider of a cut bolt carries the pretension, and no contact of the faces that it pulls into each other: with nothing named, and where the bodies of the cut and of the nut are named as pairs.
+#[test]
+fn faces_that_a_joint_connects_are_not_in_contact() {
+    const BOLT: &str = include_str!("../../../scenes/bolt.toml");
+    let named = "[[contact]]\nmethod = \"mortar\"\nslave = \"member.top\"\nmaster = \"plate.all\"\n";
+    // At the start nothing carries the plate, where the layer acts only when it is pressed together.
+    let free = BOLT.replace(named, "").replace("until = 4.0", "until = 4.0\nstabilise = { fraction = 1e-3 }");
+    let joined =
+        "[general_contact]\npairs = [{ between = [\"shank\", \"head\"] }, { between = [\"plate\", \"head\"] }]\n";
+    for text in [free.clone(), free.clone() + joined] {
+        assert!(!text.contains("[[contact]]"));
+        let scene = stoss::scene::parse(&text, "bolt.toml").unwrap_or_else(|e| panic!("{e}"));
+        let Built { mut simulation, schedule, probes, .. } =
+            build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+        let mut looked = 0;
+        while !simulation.finished() || schedule.advance(&mut simulation).unwrap() {
+            simulation.advance().unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let value = |name: &str| probes.iter().find(|probe| probe.name == name).unwrap().value(&simulation);
+            // Of the named pair: the preload, a sixth of the load on top of it while the plate is clamped, and the whole load without it.
+            let expected = match simulation.state().time {
+                1.0 => [4.0, 4.0],
+                2.0 => [4.5295, 1.5295],
+                3.0 => [6.0, 0.0],
+                4.0 => [4.3530, 2.3530],
+                _ => continue,
+            };
+            looked += 1;
+            for (name, expected) in ["bolt", "clamp"].into_iter().zip(expected) {
+                let force = value(name)[2];
+                println!("{}: {name} {force} {expected}", simulation.state().time);
+                assert!((force - expected).abs() < 0.03, "{}: {name} {force} {expected}", simulation.state().time);
+            }
+        }
+        assert_eq!(looked, 4);
+    }
 }
 
 /// Two rods that cross with their edges ahead: no node comes into a facet. Node-to-surface contact lets them pass; what it leaves to general contact does not.

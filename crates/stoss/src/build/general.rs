@@ -1,5 +1,6 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
+use super::general_schemes::{Bond, connected, sorted};
 use super::general_table;
 use super::interacting::{Classes, THICKNESS, facets, interactions, point, shortest_edge, without_joined_overlaps};
 use super::rigid_inset::{Frame, fits};
@@ -31,7 +32,7 @@ const SLIP: f64 = 0.01;
 /// What helps bodies that lie in each other.
 const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
 
-/// Adds general contact to the model if the scene has it. Where it acts between parts that a joint connects, nothing is left for `joined`.
+/// Adds general contact to the model if the scene has it. Where it acts between parts whose joints end, nothing is left in `joined`.
 pub(super) fn general(
     scene: &Scene,
     placed: &[Placed],
@@ -53,9 +54,11 @@ pub(super) fn general(
     }
     let (plan, rules) = made?;
     let part = |name: &String| super::placed::index(placed, name).map(|part| part as u32);
+    let connected = connected(scene);
     joined.retain(|joined| {
         let [a, b] = joined.parts.each_ref().map(part);
-        a.zip(b).is_none_or(|(a, b)| !rules.acts_between([a, b]))
+        let ends = connected.get(&sorted(joined.parts.each_ref().map(|name| &name[..]))) == Some(&Bond::Ends);
+        !ends || a.zip(b).is_none_or(|(a, b)| !rules.acts_between([a, b]))
     });
     Some(plan)
 }
@@ -100,7 +103,7 @@ fn contact(
         warnings.push(message.into());
     }
     let inner = inner_pairs(scene, placed);
-    let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems)?;
+    let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems, warnings)?;
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
     let fastest = model.velocity.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max);
@@ -174,6 +177,7 @@ fn skin(
     facets: Vec<SkinFacet>,
     inner: impl Iterator<Item = [u32; 2]>,
     problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
 ) -> Option<(Skin, f64)> {
     let key = || "general_contact".to_owned();
     let name = |body: u32| &placed[body as usize].name;
@@ -247,6 +251,17 @@ fn skin(
         thickness = apart.fold(thickness, f64::min);
     }
     let touching = between.iter().filter(|(_, nearest)| nearest.distance < thickness);
+    // Only a thickness that the scene gives is larger than the gap of bodies that are apart.
+    for ([a, b], nearest) in touching.clone().filter(|(_, nearest)| nearest.distance >= TOUCH * thickness) {
+        warnings.push(format!(
+            "general_contact: `{}` and `{}` start {:.3e} apart near {}, less than the thickness {thickness:.3e}: surfaces are put inside them as if they touched, forces begin \
+             where the bodies touch, and they may overlap by up to the thickness; make `thickness` smaller than the gap, or leave it out",
+            name(*a),
+            name(*b),
+            nearest.distance,
+            point(nearest.place, edge)
+        ));
+    }
     let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
     let mut frames: BTreeMap<u32, Option<Frame>> = BTreeMap::new();
     for pair in touching.map(|(pair, _)| **pair).chain(inner) {

@@ -57,7 +57,7 @@ fn free_pair<'a>(scene: &Scene, placed: &'a [Placed]) -> Option<[&'a str; 2]> {
 /// How joints connect two parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Bond {
-    /// All joints are released by an event, or switched off in a stage.
+    /// By joints all of which are released by an event, or switched off in a stage.
     Ends,
     /// The halves of a bolt.
     Bolt,
@@ -71,8 +71,8 @@ pub(super) fn connected(scene: &Scene) -> BTreeMap<[&str; 2], Bond> {
     for joint in &scene.joints {
         let is_released = scene.events.iter().any(|event| event.release == joint.name);
         let bond = match &joint.pretension {
-            _ if is_released || scene.stages.iter().any(|stage| stage.off.contains(&joint.name)) => Bond::Ends,
             Some(_) => Bond::Bolt,
+            None if is_released || scene.stages.iter().any(|stage| stage.off.contains(&joint.name)) => Bond::Ends,
             None => Bond::Lasts,
         };
         let known = pairs.entry(sorted(joint.between.each_ref().map(|side| owner(side)))).or_insert(bond);
@@ -99,7 +99,7 @@ pub(super) fn sorted([a, b]: [&str; 2]) -> [&str; 2] {
 }
 
 /// The part of a set, or the name itself.
-fn owner(set: &str) -> &str {
+pub(super) fn owner(set: &str) -> &str {
     split_set(set).map_or(set, |(part, _)| part)
 }
 

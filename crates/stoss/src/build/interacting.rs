@@ -1,12 +1,12 @@
 //! Which facets take part in general contact, in classes, and who acts on whom.
 
 use super::condition::resolve;
-use super::general_schemes::{Bond, connected, sorted};
+use super::general_schemes::{Bond, connected, owner, sorted};
 use super::general_table::of_contacts;
 use super::tie::Ties;
 use super::young;
 use super::{Placed, Problems};
-use crate::scene::{Edges, GeneralContact as Table, Scene};
+use crate::scene::{Edges, GeneralContact as Table, Scene, split_set};
 use crate::solver::{Model, short};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{Interaction, Interactions, Overlaps, Relation, Skin, SkinFacet};
@@ -38,12 +38,12 @@ pub(super) fn shortest_edge(skin: &Skin, rules: &Interactions, placed: &[Placed]
     if deformable.is_finite() { deformable.sqrt() } else { rigid.sqrt() }
 }
 
-/// Facets that take part, with classes: parts of bodies that named contacts and ties pair differently.
+/// Facets that take part, with classes: parts of bodies that named contacts, ties and joints pair differently.
 pub(super) struct Classes {
     pub facets: Vec<SkinFacet>,
     /// Part of each class.
     pub classes: Vec<usize>,
-    /// Classes that a named contact or a tie pairs.
+    /// Classes that a named contact, a tie or a joint pairs.
     pub apart: BTreeSet<[u32; 2]>,
 }
 
@@ -87,7 +87,7 @@ pub(super) fn facets(
     let mut apart = BTreeSet::new();
     for ((_, on), a) in &known {
         for ((_, other), b) in &known {
-            // The other side of the same contact or tie.
+            // The other side of the same contact, tie or joint.
             if on.iter().any(|side| other.contains(&(side ^ 1))) {
                 apart.insert([*a, *b]);
             }
@@ -96,23 +96,23 @@ pub(super) fn facets(
     Classes { facets: list, classes, apart }
 }
 
-/// A side of a named contact or of a tie.
+/// A side of a named contact, or of a tie or a joint.
 enum Side {
     Contact(BTreeSet<FacetNodes>),
     /// Facets around it meet those around the other side, for ever: they belong to it as well, told by their nodes.
-    Tie(BTreeSet<u32>),
+    Joined(BTreeSet<u32>),
 }
 
 impl Side {
     fn has(&self, facet: &FacetNodes) -> bool {
         match self {
             Self::Contact(facets) => facets.contains(facet),
-            Self::Tie(nodes) => facet.iter().any(|node| nodes.contains(node)),
+            Self::Joined(nodes) => facet.iter().any(|node| nodes.contains(node)),
         }
     }
 }
 
-/// Both sides of contacts that are not left to general contact, and of ties, two by two.
+/// Both sides of contacts that are not left to general contact, of ties, and of joints that hold on to a set, two by two.
 fn sides(scene: &Scene, placed: &[Placed], ties: &Ties) -> Vec<Side> {
     let mut ignored = Problems { scene, list: Vec::new() };
     let mut sides = Vec::new();
@@ -122,9 +122,31 @@ fn sides(scene: &Scene, placed: &[Placed], ties: &Ties) -> Vec<Side> {
             sides.push(Side::Contact(facets.map(|(_, facets)| facets.into_iter().collect()).unwrap_or_default()));
         }
     }
-    let nodes = |facets: &BTreeSet<FacetNodes>| Side::Tie(facets.iter().flatten().copied().collect());
+    let nodes = |facets: &BTreeSet<FacetNodes>| Side::Joined(facets.iter().flatten().copied().collect());
     sides.extend(ties.surfaces.iter().flatten().map(nodes));
+    // How near each other the sides of a joint come is its business: those of a cut bolt overlap by what the pretension shortens it. Where it holds on to two whole parts, a scene that
+    // names them as a pair means their surfaces.
+    let connected = connected(scene);
+    let ends = |parts| connected.get(&sorted(parts)).is_some_and(|bond| *bond == Bond::Ends);
+    for joint in scene.joints.iter().filter(|joint| !ends(joint.between.each_ref().map(|side| owner(side)))) {
+        let held = joint.between.each_ref().map(|side| held(placed, side));
+        if held.iter().any(|(_, is_whole)| !is_whole) {
+            sides.extend(held.map(|(nodes, _)| Side::Joined(nodes)));
+        }
+    }
     sides
+}
+
+/// Nodes that a side of a joint holds on to, and whether these are all nodes of the surface of a part.
+fn held(placed: &[Placed], side: &str) -> (BTreeSet<u32>, bool) {
+    let (part, set) = split_set(side).unwrap_or((side, BOUNDARY));
+    let nodes_of = |set: &str| {
+        let part = super::placed::index(placed, part)?;
+        placed[part].nodes_of(set).ok()
+    };
+    let nodes: BTreeSet<u32> = nodes_of(set).into_iter().flatten().collect();
+    let is_whole = nodes_of(BOUNDARY).is_none_or(|all| all.iter().all(|node| nodes.contains(node)));
+    (nodes, is_whole)
 }
 
 /// Who acts on whom, and how.

@@ -9,6 +9,9 @@ use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
 use stoss_tensor::Vector3;
 
+/// Corners of a section that the joint is in the middle of belong to its surroundings, relative.
+const ROUND_OFF: f64 = 1e-6;
+
 /// The surface of a part, and what tells what is inside it.
 struct Body<'a> {
     facets: Vec<FacetNodes>,
@@ -94,7 +97,7 @@ pub(super) fn surroundings(scene: &Scene, placed: &[Placed], reference: &[f64]) 
                 }
             }
         }
-        let reach = overlap + a.section().min(b.section());
+        let reach = (overlap + a.section().min(b.section())) * (1.0 + ROUND_OFF);
         let near = |node: &u32| distance(joint, &at(reference, *node)) <= reach;
         nodes.extend([&a, &b].into_iter().flat_map(|body| body.facets.iter().flatten()).copied().filter(near));
         list.push(Joined { parts: parts.map(str::to_owned), nodes: nodes.into_iter().collect() });
