@@ -6,7 +6,8 @@ use crate::{Friction, Interactions, Layer, PairStart, Skin, StepForce, Tangent};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_contact::{
-    BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration, SurfaceNode,
+    BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration, SurfaceForce,
+    SurfaceNode,
 };
 use stoss_geometry::{PairKind, closest};
 
@@ -353,7 +354,7 @@ impl Potential for GeneralContact {
             let node = skin.terms(point as u32).first().map_or(u32::MAX, |term| term.0);
             return Err(ContactError::NotFinite { node });
         }
-        if proximity.hold(skin, rules, x, None) {
+        if proximity.hold(skin, rules, x, None).1 {
             self.renew_starts();
         }
         Ok(self.activate())
@@ -363,8 +364,11 @@ impl Potential for GeneralContact {
         let Self { skin, rules, proximity, x, increment: d, .. } = self;
         Self::place(skin, q, x);
         Self::place(skin, increment, d);
-        let changed = proximity.hold(skin, rules, x, Some(d));
-        let fraction = proximity.safe_fraction(x, d);
+        let (part, changed) = proximity.hold(skin, rules, x, Some(d));
+        if part < 1.0 {
+            d.iter_mut().for_each(|d| *d *= part);
+        }
+        let fraction = part * proximity.safe_fraction(x, d);
         if changed {
             self.renew_starts();
         }
@@ -517,6 +521,28 @@ impl Potential for GeneralContact {
             }
         }
         list.into_values().collect()
+    }
+
+    fn surface_forces(&self) -> Vec<SurfaceForce> {
+        let nodes = self.skin.surface_nodes();
+        if !self.skin.is_inset() {
+            return Vec::new();
+        }
+        let mut sums = vec![[Vector3::zeros(); 2]; nodes.len()];
+        for &k in &self.active {
+            let candidate = &self.proximity.candidates[k as usize];
+            let (StepForce { barrier, friction }, x) = (self.force(k, None), candidate.of(&self.x));
+            for i in 0..4 {
+                let force = -(barrier.gradient[i] + friction.gradient[i]);
+                let moment = x[i].cross(&force);
+                self.skin.shares(candidate.points[i], 1.0, &mut |k, share| {
+                    sums[k][0] += force * share;
+                    sums[k][1] += moment * share;
+                });
+            }
+        }
+        let all = nodes.iter().zip(sums).filter(|(_, sums)| *sums != [Vector3::zeros(); 2]);
+        all.map(|(&node, [force, moment])| SurfaceForce { node, force: force.into(), moment: moment.into() }).collect()
     }
 
     fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {

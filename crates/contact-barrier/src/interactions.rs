@@ -33,6 +33,23 @@ impl Interactions {
         self.table[b as usize * n + a as usize] = interaction;
     }
 
+    /// Lets nothing act between two bodies.
+    pub fn take_out(&mut self, [a, b]: [u32; 2]) {
+        let n = self.bodies.len();
+        for (k, entry) in self.table.iter_mut().enumerate() {
+            let pair = [self.bodies[k / n], self.bodies[k % n]];
+            if pair == [a, b] || pair == [b, a] {
+                *entry = None;
+            }
+        }
+    }
+
+    /// Whether any surfaces of two bodies act on each other.
+    pub fn acts_between(&self, [a, b]: [u32; 2]) -> bool {
+        let n = self.bodies.len();
+        (0..n * n).any(|k| self.table[k].is_some() && [self.bodies[k / n], self.bodies[k % n]] == [a, b])
+    }
+
     /// What acts between two classes.
     pub fn between(&self, a: u32, b: u32) -> Option<&Interaction> {
         self.table[a as usize * self.bodies.len() + b as usize].as_ref()
@@ -72,6 +89,11 @@ impl Interactions {
             (true, false) => 0.0,
             _ => 0.5,
         }
+    }
+
+    /// Whether nothing acts on anything.
+    pub fn is_empty(&self) -> bool {
+        self.table.iter().all(Option::is_none)
     }
 
     /// Whether any two different bodies act on each other.

@@ -204,6 +204,21 @@ impl<'a> Overlaps<'a> {
         Relation::Apart(look.nearest.values().next().map(|nearest| nearest.distance))
     }
 
+    /// Whether one of two bodies is wholly inside the other: all points just below its surface that are looked at.
+    pub fn is_enclosed(&self, bodies: [u32; 2]) -> bool {
+        let [a, b] = bodies.map(|body| &self.bodies[&body]);
+        let is_within = |inner: &Surface, outer: &Surface| {
+            let (box_of, around) = (inner.bounds(), outer.bounds());
+            let few = inner.triangles.iter().step_by(inner.triangles.len().div_ceil(POINTS).max(1));
+            around.contains(&box_of.min)
+                && around.contains(&box_of.max)
+                && few
+                    .map(|[p, q, r]| (p + q + r) / 3.0 - skin_depth(&(q - p).cross(&(r - p))))
+                    .all(|x| outer.contains(&x))
+        };
+        is_within(a, b) || is_within(b, a)
+    }
+
     /// Whether points just below the surface of one body are inside the other. Surfaces that do not cross are inside with all of their points or with none, but for those that share a plane: hence several.
     fn is_within(&self, local: &Local, a: u32, b: u32, by: &Vector3<f64>, shift: &Vector3<f64>) -> bool {
         let triangles = local.skin.triangles();
@@ -384,5 +399,11 @@ mod tests {
         assert_eq!(overlaps.relation([1, 0], &Vector3::zeros(), 0.01), Relation::Inside);
         assert_eq!(overlaps.relation([0, 1], &Vector3::new(0.0, 0.0, 2.0), 0.01), Relation::Apart(None));
         assert_eq!(overlaps.separation([0, 1], &Vector3::zeros(), 0.0, 0.1), None);
+        assert!(overlaps.is_enclosed([0, 1]) && overlaps.is_enclosed([1, 0]));
+        // It looks out.
+        q[..24].iter_mut().for_each(|x| *x += 0.4);
+        let overlaps = Overlaps::new(&skin, &rules, &q);
+        assert_eq!(overlaps.relation([0, 1], &Vector3::zeros(), 0.01), Relation::Cross);
+        assert!(!overlaps.is_enclosed([0, 1]) && !overlaps.is_enclosed([1, 0]));
     }
 }

@@ -14,6 +14,12 @@ const KEEP: f64 = 0.1;
 /// Room around the courses, in parts of the mean motion, and at most in parts of a mean edge.
 const ROOM: [f64; 2] = [0.5, 0.1];
 
+/// Candidates on a course: so many for each point, and so many in any case. A motion over many facets at once would make every pair one: it is shortened until they are fewer.
+const MOST: [usize; 2] = [250, 200_000];
+
+/// A course is not made shorter than this part of the motion.
+const SHORTEST: f64 = 1.0 / 1024.0;
+
 /// A pair that may come near in the step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
@@ -64,6 +70,7 @@ pub(crate) struct Proximity {
     kept: Vec<Candidate>,
     thickness: f64,
     edge: f64,
+    most: [usize; 2],
 }
 
 impl Proximity {
@@ -73,7 +80,7 @@ impl Proximity {
         for (f, facet) in skin.facets().iter().enumerate() {
             trees[facet.class as usize].0.push(f as u32);
         }
-        Self { trees, thickness, edge: skin.mean_edge(), ..Self::default() }
+        Self { trees, thickness, edge: skin.mean_edge(), most: MOST, ..Self::default() }
     }
 
     /// Courses from `x` by `motion`, and their candidates.
@@ -85,7 +92,7 @@ impl Proximity {
         motion: impl Fn(u32) -> Vector3<f64>,
     ) {
         self.kept.clear();
-        self.follow(skin, rules, x, (0..x.len() as u32).map(motion));
+        self.follow(skin, rules, x, &(0..x.len() as u32).map(motion).collect::<Vec<_>>());
     }
 
     /// Keeps those of the candidates that `is_inside` for the rest of the step.
@@ -93,23 +100,24 @@ impl Proximity {
         self.kept.extend(self.candidates.iter().zip(is_inside).filter(|(_, inside)| **inside).map(|(c, _)| *c));
     }
 
-    /// Makes sure that the way from `x` by `increment` (none: no motion) is on the courses; returns whether the candidates are new.
+    /// Makes sure that the way from `x` by a part of `increment` (none: no motion) is on the courses; returns that part, and whether the candidates are new. The part is less than 1 where all
+    /// of it would make too many candidates.
     pub fn hold(
         &mut self,
         skin: &Skin,
         rules: &Interactions,
         x: &[Vector3<f64>],
         increment: Option<&[Vector3<f64>]>,
-    ) -> bool {
+    ) -> (f64, bool) {
         let is_held = match increment {
             None => self.holds(x.iter().copied()),
             Some(d) => self.holds(x.iter().copied()) && self.holds(x.iter().zip(d).map(|(x, d)| x + d)),
         };
-        if !is_held {
-            let motion = |p: usize| increment.map_or_else(Vector3::zeros, |d| d[p]);
-            self.follow(skin, rules, x, (0..x.len()).map(motion));
+        if is_held {
+            return (1.0, false);
         }
-        !is_held
+        let motion: Vec<_> = (0..x.len()).map(|p| increment.map_or_else(Vector3::zeros, |d| d[p])).collect();
+        (self.follow(skin, rules, x, &motion), true)
     }
 
     /// Whether the points are on their courses, with the room around them, all at the same time. The points between two such places are, too.
@@ -122,13 +130,24 @@ impl Proximity {
         x.zip(courses()).all(|(x, (start, motion))| (x - start - motion * t).amax() <= self.room)
     }
 
-    fn follow(
+    fn follow(&mut self, skin: &Skin, rules: &Interactions, x: &[Vector3<f64>], motion: &[Vector3<f64>]) -> f64 {
+        let mut part = 1.0;
+        let moves = motion.iter().any(|d| *d != Vector3::zeros());
+        while !self.try_follow(skin, rules, x, motion.iter().map(|d| d * part), moves && part > SHORTEST) {
+            part *= 0.5;
+        }
+        part
+    }
+
+    /// Begins the courses anew; false if that makes too many candidates, and these are `limited`.
+    fn try_follow(
         &mut self,
         skin: &Skin,
         rules: &Interactions,
         x: &[Vector3<f64>],
         motion: impl Iterator<Item = Vector3<f64>>,
-    ) {
+        limited: bool,
+    ) -> bool {
         self.start.clear();
         self.start.extend_from_slice(x);
         self.motion.clear();
@@ -136,10 +155,12 @@ impl Proximity {
         let mean = self.motion.iter().map(Vector3::norm).sum::<f64>() / x.len().max(1) as f64;
         let [part, most] = ROOM;
         self.room = (part * mean).min(most * self.edge).max(0.5 * self.thickness);
-        self.find(skin, rules);
+        let [each, any] = self.most;
+        self.find(skin, rules, if limited { any.max(each * x.len()) } else { usize::MAX })
     }
 
-    fn find(&mut self, skin: &Skin, rules: &Interactions) {
+    /// Finds the candidates; false if there are more than `most`, of which the rest is not looked for.
+    fn find(&mut self, skin: &Skin, rules: &Interactions, most: usize) -> bool {
         let Self { trees, triangles, edges, start, motion, room, candidates, kept, thickness, .. } = self;
         let around = *room + 0.5 * *thickness;
         let of_point = |p: &u32| MovingBox::new(&start[*p as usize], &motion[*p as usize], around);
@@ -163,7 +184,11 @@ impl Proximity {
                 if rules.between(a as u32, b as u32).is_none() {
                     continue;
                 }
-                let mut visit = |k: usize, l: usize| courses.pairs(first[k], second[l], candidates);
+                let mut visit = |k: usize, l: usize| {
+                    if candidates.len() <= most {
+                        courses.pairs(first[k], second[l], candidates);
+                    }
+                };
                 if a == b {
                     tree.own_pairs(&mut visit);
                 } else {
@@ -171,9 +196,11 @@ impl Proximity {
                 }
             }
         }
+        let is_complete = candidates.len() <= most;
         candidates.extend_from_slice(kept);
         candidates.sort_unstable_by_key(Candidate::key);
         candidates.dedup_by_key(|candidate| candidate.key());
+        is_complete
     }
 
     /// Whether a pair is in the layer at the start of the courses or at their end; most of the others are there for the room around them.
@@ -387,11 +414,11 @@ mod tests {
             }
             // Elsewhere, and from there by a large motion.
             let far: Vec<_> = x.iter().map(|x| x * 1.3).collect();
-            renewed += usize::from(proximity.hold(&skin, &rules, &far, Some(&d)));
+            renewed += usize::from(proximity.hold(&skin, &rules, &far, Some(&d)) == (1.0, true));
             for t in [0.0, 0.5, 1.0] {
                 let there: Vec<_> = (0..x.len()).map(|p| far[p] + d[p] * t).collect();
                 check(&proximity, &there);
-                assert!(!proximity.hold(&skin, &rules, &there, None), "the way is on the courses");
+                assert!(!proximity.hold(&skin, &rules, &there, None).1, "the way is on the courses");
             }
             let kept = all.iter().filter(|pair| is_inside(pair, &x));
             for pair in kept {
@@ -399,5 +426,45 @@ mod tests {
             }
         }
         assert!(near > 1000 && renewed == 60, "{near} pairs near, {renewed} renewed");
+    }
+
+    /// Motions past many facets are shortened; on what is left of them nothing is missed.
+    #[test]
+    fn wild_motions_are_shortened() {
+        let mut rng = Rng::with_seed(3);
+        let (mut near, mut shortened) = (0, 0);
+        for _ in 0..30 {
+            let (skin, q) = soup(&mut rng);
+            let mut rules = Interactions::none(&[(0, false), (1, false)]);
+            rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0 }));
+            let place = |q: &[f64]| (0..skin.point_count() as u32).map(|p| skin.at(p, q)).collect::<Vec<_>>();
+            let motion: Vec<f64> = (0..q.len()).map(|_| 20.0 * (rng.f64() - 0.5)).collect();
+            let (x, d) = (place(&q), place(&motion));
+            let mut proximity = Proximity::new(&skin, THICKNESS);
+            proximity.begin(&skin, &rules, &x, |_| Vector3::zeros());
+            let at_rest = proximity.candidates.len();
+            proximity.most = [0, 2 * at_rest + 100];
+            let (part, is_new) = proximity.hold(&skin, &rules, &x, Some(&d));
+            assert!(is_new && part > SHORTEST, "{part:e}");
+            assert!(proximity.candidates.len() <= 2 * at_rest + 100);
+            shortened += usize::from(part < 1.0);
+            for t in [0.0, 0.5, 1.0] {
+                let there: Vec<_> = (0..x.len()).map(|p| x[p] + d[p] * (part * t)).collect();
+                assert!(!proximity.hold(&skin, &rules, &there, None).1, "the way is on the courses");
+                for (kind, points) in all(&skin, &rules) {
+                    let distance = closest(kind, &points.map(|p| there[p as usize])).distance_squared.sqrt();
+                    if distance < THICKNESS {
+                        near += 1;
+                        let is_known = proximity.candidates.iter().any(|c| (c.term.kind, c.points) == (kind, points));
+                        assert!(is_known, "{points:?}");
+                    }
+                }
+            }
+            // Nothing moves: all of them.
+            proximity.most = [0, 1];
+            proximity.begin(&skin, &rules, &x, |_| Vector3::zeros());
+            assert_eq!(proximity.candidates.len(), at_rest);
+        }
+        assert!(near > 300 && shortened > 20, "{near} near, {shortened} shortened");
     }
 }

@@ -180,6 +180,11 @@ impl Skin {
         &self.nodes
     }
 
+    /// Whether vertices lie elsewhere than in their nodes.
+    pub fn is_inset(&self) -> bool {
+        self.nodes.iter().enumerate().any(|(k, &node)| self.terms(k as u32) != [(node, 1.0)])
+    }
+
     /// Hands out the places among [`Self::surface_nodes`] at which a point lies in the undeformed surface, with their shares, of sum one: other than [`Self::terms`] they know nothing of vertices below the surface.
     pub fn shares(&self, point: u32, share: f64, visit: &mut dyn FnMut(usize, f64)) {
         if (point as usize) < self.nodes.len() {

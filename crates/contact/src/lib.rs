@@ -30,7 +30,7 @@ pub use method::{
     JointReport, JointTorques, LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive,
     multipliers_of,
 };
-pub use potential::{BodyPair, Potential, SurfaceNode, WithoutSlots};
+pub use potential::{BodyPair, Potential, SurfaceForce, SurfaceNode, WithoutSlots};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use stoss_reference_element::{FacetKind, FacetNodes};
 pub use surface::{ContactSurface, IrregularEdge};

@@ -56,6 +56,17 @@ pub struct SurfaceNode {
     pub area: f64,
 }
 
+/// The force on a part of a surface in a step, where nodes other than those of the surface carry it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceForce {
+    /// Node of the surface.
+    pub node: u32,
+    /// Force on the surface there.
+    pub force: [f64; 3],
+    /// Its moment about the origin.
+    pub moment: [f64; 3],
+}
+
 /// Forces that have an energy `V(q)` and no multiplier: penalties, barriers.
 ///
 /// # Protocol
@@ -138,6 +149,10 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     }
     /// What acts at the nodes of surfaces in the step to `q_np1`, nodes ascending; those where nothing acts and nothing is near may be missing.
     fn surface_nodes(&self, _q_np1: &[f64]) -> Vec<SurfaceNode> {
+        Vec::new()
+    }
+    /// Forces of the step at the nodes of surfaces, nodes ascending, if others carry some of them: those of surfaces that lie inside their bodies. Empty if each node carries what acts at it.
+    fn surface_forces(&self) -> Vec<SurfaceForce> {
         Vec::new()
     }
     /// Whether there is friction.

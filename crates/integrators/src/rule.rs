@@ -140,12 +140,13 @@ impl StepRule {
     }
 
     /// Whether constraint forces are those of the end of the step, or do the work of their energy, and nothing else is added to them: only then can a potential keep
-    /// surfaces apart that is infinite where they meet.
+    /// surfaces apart that is infinite where they meet. A state with accelerations remembers the blow of an impact, and takes it for a force that goes on: such schemes gain energy.
     pub fn carries_barriers(&self) -> bool {
         let ConstraintTerm { rule, weight } = self.constraint;
         matches!(rule, GradientRule::EndPoint | GradientRule::DiscreteGradient)
             && weight == 1.0
             && self.history.is_none()
+            && self.acceleration.is_none()
     }
 
     /// True if the step has a mass term.

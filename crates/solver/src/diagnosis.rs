@@ -3,6 +3,7 @@
 use crate::assembly::{Iterate, System};
 use crate::words::short;
 use crate::{Model, Place, StepError, Unknown};
+use stoss_contact::SurfaceNode;
 use stoss_linalg::{LinalgError, NONE};
 
 /// Constraints that are violated by this part of the largest violation are named, too.
@@ -20,9 +21,50 @@ pub(crate) fn node_name(model: &Model, node: u32, q: &[f64]) -> String {
         None => match model.parts.iter().find(|part| part.own_vectors().contains(&node)) {
             Some(part) if part.is_direction(node) => format!("the rotation of {}", part.name()),
             Some(part) => format!("{}{place}", part.name()),
-            None => format!("node {node}{place}"),
+            None => match owner(model, node) {
+                Some(name) => format!("node {node} of {name}{place}"),
+                None => format!("node {node}{place}"),
+            },
         },
     }
+}
+
+/// The body or part that a node belongs to, embedded ones included.
+fn owner(model: &Model, node: u32) -> Option<&str> {
+    if let Some(body) = model.bodies.iter().find(|body| body.nodes.contains(&node)) {
+        return Some(body.solid.name());
+    }
+    let own = model.embedding.carriers(node).and_then(|carriers| carriers.first()).map_or(node, |carrier| carrier.0);
+    model.parts.iter().find(|part| part.own_vectors().contains(&own)).map(|part| part.name())
+}
+
+/// Where surfaces that must stay apart are nearest to each other, as the middle of a sentence, and what helps if prescribed motion takes them there.
+pub(crate) fn blocked(model: &Model, q: &[f64], is_prescribed: &dyn Fn(u32) -> bool) -> (String, Place, &'static str) {
+    const GIVE_WAY: &str = "smaller steps help where the bodies can give way";
+    let nodes = model.contacts.iter().filter(|pair| pair.method.keeps_apart());
+    let nodes: Vec<_> = nodes.flat_map(|pair| pair.method.surface_nodes(q)).collect();
+    let nearest = |list: &mut dyn Iterator<Item = &SurfaceNode>| {
+        list.filter(|node| node.distance.is_finite()).min_by(|a, b| a.distance.total_cmp(&b.distance)).copied()
+    };
+    let Some(first) = nearest(&mut nodes.iter()) else { return (String::new(), Place::default(), GIVE_WAY) };
+    let own = owner(model, first.node);
+    let others = nodes.iter().filter(|node| owner(model, node.node) != own);
+    // What it is near to: the nodes of others that are not much farther away, the one next to it.
+    let far =
+        |node: u32| (0..3).map(|i| (q[3 * node as usize + i] - q[3 * first.node as usize + i]).powi(2)).sum::<f64>();
+    let second = others.min_by(|a, b| far(a.node).total_cmp(&far(b.node)));
+    let mut place = format!(", nearest at {}", node_name(model, first.node, q));
+    if let Some(second) = second {
+        place += &format!(" and {}", node_name(model, second.node, q));
+    }
+    let all = is_prescribed(first.node) && second.is_none_or(|second| is_prescribed(second.node));
+    let remedy = match all {
+        true => {
+            "nothing can give way there, for the motion of all of it is prescribed: change it, or leave a larger gap"
+        }
+        false => GIVE_WAY,
+    };
+    (place, Place::of_node(first.node), remedy)
 }
 
 /// The error of the linear solver, with the unknown named if the matrix is singular.
@@ -142,16 +184,19 @@ pub(crate) fn largest_residual(
     for (pair, active) in model.contacts.iter().zip(&iterate.active) {
         pair.method.stencils(active, &mut |nodes, _| {
             if nodes.contains(&node) {
-                contact = Some((pair.name.as_str(), pair.method.is_bilateral()));
+                contact = Some((pair.name.as_str(), pair.method.is_bilateral(), pair.method.keeps_apart()));
             }
         });
     }
     let text = match contact {
-        Some((name, true)) => format!(
+        Some((name, true, _)) => format!(
             "largest at {place}, which {name} holds: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now, or the load there may be too \
              large; try another step size"
         ),
-        Some((name, false)) => format!(
+        Some((name, false, true)) => format!(
+            "largest at {place}, which is in contact {name}: in one step bodies move there by much more than the layer is thick, or slide; try smaller steps, or a larger `thickness`"
+        ),
+        Some((name, false, false)) => format!(
             "largest at {place}, which is in contact {name}: contact points there may change facets, or between stick and slip, with every iteration; try \
              smaller steps, or exchange slave and master"
         ),
@@ -208,7 +253,9 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
     for (pair, active) in model.contacts.iter().zip(active) {
         pair.method.stencils(active, &mut |nodes, _| touches |= nodes.iter().any(|node| body.nodes.contains(node)));
     }
-    let contact = if model.contacts.is_empty() || touches {
+    let contact = if model.keeps_apart() {
+        "; general contact has no stiffness before surfaces are pressed on each other: where it has to hold the body, set `stabilise`"
+    } else if model.contacts.is_empty() || touches {
         ""
     } else {
         "; contact can hold it only if it touches from the start (gap below 1/1000 of an edge)"

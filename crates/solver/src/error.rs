@@ -48,11 +48,17 @@ pub enum StepError {
     },
     /// Prescribed motion cannot reach its end without surfaces passing through each other.
     #[error(
-        "surfaces are in the way of prescribed motion: it has not reached its end in {attempts} linear responses of the bodies; smaller steps help where the bodies can give way"
+        "surfaces are in the way of prescribed motion{place}: it has not reached its end in {attempts} linear responses of the bodies; {remedy}"
     )]
     Blocked {
         /// Linear responses tried.
         attempts: u32,
+        /// Where surfaces are nearest to each other, as the middle of a sentence.
+        place: String,
+        /// The same in numbers of the model.
+        at: Box<Place>,
+        /// What may help.
+        remedy: &'static str,
     },
     /// Sets of constraints came back.
     #[error(

@@ -131,6 +131,7 @@ fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
         StepError::NotConverged { at, .. } => (FailureKind::NotConverged, **at),
         StepError::Singular { at, .. } => (FailureKind::Singular, **at),
         StepError::Cycling { at, .. } => (FailureKind::Cycling, **at),
+        StepError::Blocked { at, .. } => (FailureKind::Other, **at),
         StepError::ActiveSet { .. } => (FailureKind::Unsettled, Place::default()),
         _ => (FailureKind::Other, Place::default()),
     }

@@ -52,7 +52,7 @@ pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, PairSummary,
 pub use rotation::AxisRotation;
 pub use simulation::{FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage};
 pub use stabilise::Stabilise;
-pub use stoss_contact::{BodyPair, SurfaceNode};
+pub use stoss_contact::{BodyPair, SurfaceForce, SurfaceNode};
 pub use switches::{Release, Switches};
 pub use system::contact_rule;
 pub use table::{Table, TableError};

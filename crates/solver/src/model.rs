@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use stoss_contact::{
     Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
-    LocalContribution, Potential, Report, SlotReport, StepConfiguration, SurfaceNode, WithoutSlots,
+    LocalContribution, Potential, Report, SlotReport, StepConfiguration, SurfaceForce, SurfaceNode, WithoutSlots,
 };
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_part::Part;
@@ -147,6 +147,11 @@ impl Coupling {
     /// What acts at surface nodes by a potential in the step to `q_np1`.
     pub(crate) fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {
         if let Self::Potential(of) = self { of.0.surface_nodes(q_np1) } else { Vec::new() }
+    }
+
+    /// Forces at surface nodes, of a potential that others carry.
+    pub(crate) fn surface_forces(&self) -> Vec<SurfaceForce> {
+        if let Self::Potential(of) = self { of.0.surface_forces() } else { Vec::new() }
     }
 
     /// Whether it is contact with friction.

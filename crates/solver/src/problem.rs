@@ -1,7 +1,7 @@
 //! One step as a problem for Newton's method.
 
 use crate::assembly::{Iterate, System, has_condensed, with_nodes};
-use crate::diagnosis::linear_error;
+use crate::diagnosis::{blocked, linear_error};
 use crate::system::{FeSystem, contact_rule};
 use crate::{Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
@@ -231,7 +231,12 @@ impl StepProblem<'_> {
                 return Ok(());
             }
         }
-        Err(StepError::Blocked { attempts: MAX_PREDICTIONS })
+        let is_prescribed = |node: u32| {
+            let known = |component: usize| prescribed.iter().any(|&(other, _)| other == component);
+            (3 * node as usize..3 * node as usize + 3).all(known)
+        };
+        let (place, at, remedy) = blocked(self.model, &self.iterate.q, &is_prescribed);
+        Err(StepError::Blocked { attempts: MAX_PREDICTIONS, place, at: Box::new(at), remedy })
     }
 }
 

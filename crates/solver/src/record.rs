@@ -2,7 +2,8 @@
 
 use crate::Balance;
 use serde::{Deserialize, Serialize};
-use stoss_contact::{BodyPair, Coverage, SurfaceNode};
+use std::collections::BTreeMap;
+use stoss_contact::{BodyPair, Coverage, SurfaceForce, SurfaceNode};
 
 /// One row of the Newton history.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,6 +80,8 @@ pub struct ContactSummary {
     pub bodies: Vec<BodyPair>,
     /// What general contact does at surface nodes, ascending; those where nothing acts and nothing is near may be missing.
     pub surface: Vec<SurfaceNode>,
+    /// Where forces act on surfaces that lie inside their bodies, against the nodes that carry them.
+    pub(crate) moved: BTreeMap<u32, SurfaceForce>,
 }
 
 /// One contact pair at the end of a step.

@@ -18,7 +18,8 @@ use crate::{
     Balance, Decision, FailedAttempt, LoadKind, Model, Release, SimulationError, Stabilise, StepControl, StepError,
     StepRecord, Switches, Timings,
 };
-use stoss_contact::SlotReport;
+use std::collections::BTreeMap;
+use stoss_contact::{SlotReport, SurfaceForce};
 use stoss_integrators::{Scheme, State, StepRule};
 use stoss_linalg::{AutoSolver, LinearSolver, SolverStatistics};
 use stoss_newton::NewtonOptions;
@@ -132,6 +133,8 @@ pub struct Simulation {
     prescribed: Vec<(u32, u32, u32)>,
     reactions: Vec<f64>,
     contact_force: Vec<f64>,
+    /// What [`Simulation::moved_contact_force`] tells.
+    moved: BTreeMap<u32, SurfaceForce>,
     /// Embedded nodes that have a contact force.
     pushed: Vec<u32>,
     balance: Balance,
@@ -206,6 +209,7 @@ impl Simulation {
                 .collect(),
             reactions: vec![0.0; if has_supports { components } else { 0 }],
             contact_force: vec![0.0; contact_components],
+            moved: BTreeMap::new(),
             pushed: Vec::new(),
             prescribed,
             system,
@@ -381,6 +385,11 @@ impl Simulation {
     /// Force of contact and ties on each node in the last step (`3 * nodes`; empty without either).
     pub fn contact_force(&self) -> &[f64] {
         &self.contact_force
+    }
+    /// What has to be added to the forces of [`Self::contact_force`] to have those on the surfaces, by node, of surfaces that lie inside their bodies: there nodes of elements below the surface carry them.
+    /// The moment is that about the origin, beyond that of `contact_force` at the nodes. Of the last step that this program has made; nothing after a restart.
+    pub fn moved_contact_force(&self) -> &BTreeMap<u32, SurfaceForce> {
+        &self.moved
     }
     /// Seconds by phase.
     pub fn timings(&self) -> &Timings {

@@ -518,6 +518,18 @@ fn a_missing_contact() {
     let [Change::Add { toml }] = &finding.remedies[0].changes[..] else { panic!("{finding:#?}") };
     assert!(toml.contains("plate.top") && toml.contains("ball.outer"), "{toml}");
     is_mended("missing-contact", &finding, 0);
+    let change = Change::Set { key: "general_contact.enabled".into(), value: "true".into() };
+    assert_eq!(finding.remedies[1].changes, [change]);
+    is_mended("missing-contact", &finding, 1);
+    // Where there is no such table it is proposed as a whole.
+    let text = text_of("missing-contact").replace("[general_contact]\nenabled = false", "");
+    let third = "[[body]]\nname = \"far\"\nmesh = { generator = \"block\", min = [8, 8, 8], max = [9, 9, 9], divisions = [1, 1, 1] }\n\
+                 material = { law = \"neo-hooke\", young = 1.0e6, poisson = 0.3 }\ndensity = 1000.0\n\
+                 [[contact]]\nmethod = \"nts\"\nslave = \"far.bottom\"\nmaster = \"plate.top\"\n";
+    let finding = run(&(text + third)).diagnosis.unwrap().findings[0].clone();
+    is_cause(&finding, Cause::MissingContact);
+    let [Change::Add { toml }] = &finding.remedies[1].changes[..] else { panic!("{finding:#?}") };
+    assert_eq!(toml, "[general_contact]\n");
 }
 
 /// A steel bar in SI units under one newton: strains of 5e-10, of which steps leave errors that are no fault of the scheme.

@@ -519,7 +519,7 @@ fn a_uniform_press_has_a_uniform_pressure_at_nodes() {
     }
 }
 
-fn try_build(text: &str) -> Result<Built, String> {
+pub fn try_build(text: &str) -> Result<Built, String> {
     let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
     build(&scene, Path::new(".")).map_err(|e| e.to_string())
 }

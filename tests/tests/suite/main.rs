@@ -11,6 +11,8 @@ mod facets;
 mod failing;
 mod friction;
 mod general_contact;
+mod general_joints;
+mod general_table;
 mod increments;
 mod joint_probes;
 mod lean;

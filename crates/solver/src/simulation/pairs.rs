@@ -6,8 +6,16 @@ use crate::rotation::cross;
 use crate::step::Attempt;
 use crate::system::contact_rule;
 use crate::{ContactSummary, PairSummary, Phase, StepError};
-use stoss_contact::{ContactWork, StepConfiguration};
+use std::collections::BTreeMap;
+use stoss_contact::{ContactWork, StepConfiguration, SurfaceForce};
 use stoss_integrators::StepRule;
+
+fn add_force(sums: &mut BTreeMap<u32, SurfaceForce>, of: SurfaceForce) {
+    let none = SurfaceForce { node: of.node, force: [0.0; 3], moment: [0.0; 3] };
+    let sum = sums.entry(of.node).or_insert(none);
+    sum.force.iter_mut().zip(of.force).for_each(|(sum, f)| *sum += f);
+    sum.moment.iter_mut().zip(of.moment).for_each(|(sum, m)| *sum += m);
+}
 
 impl Simulation {
     /// What the contacts store and dissipate in the step, all and each, and what of the cost of closing gaps is to be restored.
@@ -56,6 +64,10 @@ impl Simulation {
             }
             summary.bodies.extend(bodies);
             summary.surface.extend(self.timings.measure(Phase::Contact, || pair.method.surface_nodes(q)));
+            let on_surface = self.timings.measure(Phase::Contact, || pair.method.surface_forces());
+            for of in &on_surface {
+                add_force(&mut summary.moved, *of);
+            }
             let reports = self.timings.measure(Phase::Search, || pair.method.report(q))?;
             for (slot, report) in reports.iter().enumerate() {
                 is_slave[report.node as usize] = true;
@@ -76,6 +88,12 @@ impl Simulation {
                 let (values, multipliers) = (&pressures[c], &auxiliaries[c]);
                 pair.method.assemble_with(configuration, values, multipliers, &active[c], false, &mut |local| {
                     for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                        if !on_surface.is_empty() {
+                            // Minus the force of the node that carries it.
+                            let force = [residual[0], residual[1], residual[2]];
+                            let moment = cross([0, 1, 2].map(|i| q[3 * node as usize + i]), force);
+                            add_force(&mut summary.moved, SurfaceForce { node, force, moment });
+                        }
                         if is_slave[node as usize] {
                             let force = [-residual[0], -residual[1], -residual[2]];
                             let moment = cross([0, 1, 2].map(|i| q[3 * node as usize + i]), force);

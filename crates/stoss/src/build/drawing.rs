@@ -45,8 +45,17 @@ pub struct Drawing {
     pub lines: Vec<DrawnLine>,
     /// Points.
     pub points: Vec<DrawnPoint>,
-    /// Parts that a joint holds together, by name: where they are joined they may lie in each other.
-    pub joined: Vec<[String; 2]>,
+    /// The surroundings of joints: there the parts that they connect may lie in each other.
+    pub joined: Vec<Joined>,
+}
+
+/// Where a joint holds two parts together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joined {
+    /// Names of the two parts.
+    pub parts: [String; 2],
+    /// Nodes of both surfaces around the joint.
+    pub nodes: Vec<u32>,
 }
 
 #[cfg(feature = "output")]
@@ -69,11 +78,15 @@ impl Drawing {
             ..line.clone()
         };
         let point = |point: &DrawnPoint| DrawnPoint { node: place(point.node), ..point.clone() };
+        let joined = |joined: &Joined| Joined {
+            parts: joined.parts.clone(),
+            nodes: joined.nodes.iter().map(|&node| place(node)).collect(),
+        };
         Self {
             surfaces: self.surfaces.iter().map(surface).collect(),
             lines: self.lines.iter().map(line).collect(),
             points: self.points.iter().map(point).collect(),
-            joined: self.joined.clone(),
+            joined: self.joined.iter().map(joined).collect(),
         }
     }
 }

@@ -56,7 +56,14 @@ impl Extreme {
             Quantity::Position => self.vectors(&state.q, None),
             Quantity::Velocity => self.vectors(&state.v, None),
             Quantity::Reaction => self.vectors(simulation.reactions(), None),
-            Quantity::ContactForce => self.vectors(simulation.contact_force(), None),
+            Quantity::ContactForce => {
+                let (mut forces, moved) = (simulation.contact_force().to_vec(), simulation.moved_contact_force());
+                for of in self.nodes.iter().filter_map(|node| moved.get(node)) {
+                    let carried = forces.iter_mut().skip(3 * of.node as usize);
+                    carried.zip(of.force).for_each(|(carried, f)| *carried += f);
+                }
+                self.vectors(&forces, None)
+            }
             // The others have no extrema.
             _ => Vec::new(),
         }

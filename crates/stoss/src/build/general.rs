@@ -1,10 +1,12 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
-use super::interacting::{Classes, THICKNESS, facets, interactions, point, shortest_edge};
+use super::general_schemes::{Bond, connected, sorted};
+use super::general_table;
+use super::interacting::{Classes, THICKNESS, facets, interactions, point, shortest_edge, without_joined_overlaps};
 use super::rigid_inset::{Frame, fits};
 use super::separate;
 use super::tie::Ties;
-use super::{ContactPlan, FrictionPlan, Placed, Problems};
+use super::{ContactPlan, FrictionPlan, Joined, Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
 use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::BTreeMap;
@@ -30,18 +32,19 @@ const SLIP: f64 = 0.01;
 /// What helps bodies that lie in each other.
 const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
 
-/// Adds general contact to the model if the scene has it.
+/// Adds general contact to the model if the scene has it. Where it acts between parts whose joints end, nothing is left in `joined`.
 pub(super) fn general(
     scene: &Scene,
     placed: &[Placed],
     ties: &Ties,
+    joined: &mut Vec<Joined>,
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) -> Option<ContactPlan> {
     let table = &scene.general_contact()?;
     let before = problems.list.len();
-    let plan = contact(scene, table, placed, ties, model, problems, warnings);
+    let made = contact(scene, table, placed, ties, model, problems, warnings);
     if is_default(scene) {
         for problem in &mut problems.list[before..] {
             problem.message +=
@@ -49,7 +52,15 @@ pub(super) fn general(
             problem.remedy += ", or switch it off: [general_contact] enabled = false";
         }
     }
-    plan
+    let (plan, rules) = made?;
+    let part = |name: &String| super::placed::index(placed, name).map(|part| part as u32);
+    let connected = connected(scene);
+    joined.retain(|joined| {
+        let [a, b] = joined.parts.each_ref().map(part);
+        let ends = connected.get(&sorted(joined.parts.each_ref().map(|name| &name[..]))) == Some(&Bond::Ends);
+        !ends || a.zip(b).is_none_or(|(a, b)| !rules.acts_between([a, b]))
+    });
+    Some(plan)
 }
 
 fn contact(
@@ -60,7 +71,7 @@ fn contact(
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
-) -> Option<ContactPlan> {
+) -> Option<(ContactPlan, Interactions)> {
     let before = problems.list.len();
     let skins = facets(scene, placed, table, ties, problems);
     if problems.list.len() > before {
@@ -76,10 +87,20 @@ fn contact(
         );
         return None;
     }
-    let rules = interactions(scene, placed, table, model, &classes, &apart, warnings);
+    general_table::check(scene, placed, table, &classes.iter().copied().collect(), problems);
+    if problems.list.len() > before {
+        return None;
+    }
+    let warned = warnings.len();
+    let mut rules = interactions(scene, placed, table, model, &classes, &apart, warnings);
+    warnings.extend(without_joined_overlaps(scene, placed, table, &facets, &model.reference, &mut rules));
     // Nobody has asked for bodies in contact with themselves alone.
     if is_default(scene) && !rules.acts_between_bodies() {
         return None;
+    }
+    if rules.is_empty() && warnings.len() == warned {
+        let message = "general_contact: nothing acts on anything: see `include`, `exclude` and `self`, and which pairs [[contact]] and [[tie]] name";
+        warnings.push(message.into());
     }
     let inner = inner_pairs(scene, placed);
     let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems, warnings)?;
@@ -92,11 +113,16 @@ fn contact(
         let message =
             "friction acts from some speed of slip on, and nothing moves at the start that would tell which is small";
         let remedy = "add `slip_velocity`, about a hundredth of the speed at which bodies will slide";
-        problems.add("general_contact.friction".into(), table.friction, message, remedy);
+        // Of the contacts whose edges are left to general contact, if it has none of its own.
+        let (key, value) = match table.friction > 0.0 {
+            true => ("general_contact.friction", table.friction.to_string()),
+            false => ("general_contact", String::new()),
+        };
+        problems.add(key.into(), value, message, remedy);
         return None;
     }
     let options = GeneralOptions { thickness, damping: table.damping, slip_velocity };
-    match GeneralContact::new(NAME, skin, rules, options) {
+    match GeneralContact::new(NAME, skin, rules.clone(), options) {
         Ok(contact) => {
             let method = Coupling::potential(contact);
             model.contacts.push(ContactPair { name: NAME.to_owned(), method, complementarity: 0.0, restores: false });
@@ -108,9 +134,15 @@ fn contact(
     }
     let of_pairs =
         table.pairs.iter().filter_map(|pair| Some((format!("mu of {}", pair.between.join(" and ")), pair.friction?)));
-    let coefficients = [("mu".to_owned(), table.friction)].into_iter().chain(of_pairs);
+    let of_contacts = general_table::of_contacts(scene, placed, &mut Vec::new());
+    let of_contacts = of_contacts.into_iter().map(|([a, b], mu)| {
+        let [a, b] = [a, b].map(|part| &placed[part].name);
+        (format!("mu of {a} and {b}"), mu)
+    });
+    // What `pairs` says replaces what contacts say.
+    let coefficients = [("mu".to_owned(), table.friction)].into_iter().chain(of_contacts).chain(of_pairs);
     let coefficients = coefficients.map(|(name, mu)| (name, Parameter::Number(mu))).collect();
-    Some(ContactPlan {
+    let plan = ContactPlan {
         name: NAME.to_owned(),
         slave: None,
         method: NAME.to_owned(),
@@ -127,7 +159,8 @@ fn contact(
             stepping: "step".to_owned(),
             slip: None,
         }),
-    })
+    };
+    Some((plan, rules))
 }
 
 /// Whether nobody has asked for general contact.
@@ -151,6 +184,14 @@ fn skin(
     let skin = Skin::new(facets.clone(), &model.reference, &|_| None);
     let edge = shortest_edge(&skin, rules, placed, &model.reference);
     let default = THICKNESS * edge;
+    if let Some(thickness) = table.thickness.filter(|&thickness| thickness < THINNEST * edge) {
+        let message = format!(
+            "is less than {THINNEST:e} of the shortest edge, {edge:.3e}: no step is short enough for so thin a layer"
+        );
+        let remedy = format!("choose at least {:.3e}; if it is left out it is {default:.3e}", THINNEST * edge);
+        problems.add("general_contact.thickness".into(), format!("{thickness:e}"), message, remedy);
+        return None;
+    }
     let look = first_look(&skin, rules, &model.reference, table.thickness.unwrap_or(default).max(2.0 * default));
     if let Some(&([f, g], place)) = look.crossings.first() {
         let [a, b] = [f, g].map(|facet| rules.body(skin.facets()[facet as usize].class));
@@ -178,6 +219,11 @@ fn skin(
             }
         };
         problems.add(key(), "", message, remedy);
+        return None;
+    }
+    if let Some([a, b]) = separate::enclosed(placed, rules, model) {
+        let message = format!("one of `{}` and `{}` lies inside the other at the start", name(a), name(b));
+        problems.add(key(), "", message, "move one of them, or leave one of them out by `exclude`");
         return None;
     }
     let itself = look.nearest.iter().filter(|([a, b], _)| a == b);
@@ -266,6 +312,17 @@ fn skin(
     let skin = Skin::new(facets, &model.reference, &|node| places.get(&node).cloned());
     let look = first_look(&skin, rules, &model.reference, thickness);
     let near = look.nearest.iter().find(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness);
+    // What only touched is farther apart by now.
+    if let Some(([a, b], nearest)) = near.filter(|(_, nearest)| nearest.distance < ROUND_OFF * thickness) {
+        let message = format!(
+            "`{}` and `{}` lie in each other at the start, near {}",
+            name(*a),
+            name(*b),
+            point(nearest.place, edge)
+        );
+        problems.add(key(), "", message, PART);
+        return None;
+    }
     if let Some(([a, b], nearest)) = near {
         let message = format!(
             "surfaces of `{}` and `{}` that were put inside because bodies touch at the start are {:.3e} apart near {}, less than the thickness {thickness:.3e}",

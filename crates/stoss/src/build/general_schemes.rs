@@ -2,7 +2,7 @@
 
 use super::{Placed, Problems, general_contact};
 use crate::scene::{Integrator, Scene, split_set};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use stoss_integrators::{SCHEMES, SchemeEntry};
 use stoss_mesh::BOUNDARY;
 
@@ -42,7 +42,8 @@ fn able() -> String {
 /// Two parts with surfaces, one of them deformable, that nothing connects.
 fn free_pair<'a>(scene: &Scene, placed: &'a [Placed]) -> Option<[&'a str; 2]> {
     let ties = scene.ties.iter().map(|tie| sorted([owner(&tie.slave), owner(&tie.master)]));
-    let connected: BTreeSet<[&str; 2]> = connected(scene).into_iter().chain(ties).collect();
+    let connected = connected(scene).into_iter().filter(|(_, bond)| *bond != Bond::Ends).map(|(pair, _)| pair);
+    let connected: BTreeSet<[&str; 2]> = connected.chain(ties).collect();
     let has_surface = |part: &&Placed| part.facets_of(BOUNDARY).is_ok_and(|facets| !facets.is_empty());
     let parts: Vec<&Placed> = placed.iter().filter(has_surface).collect();
     parts.iter().enumerate().find_map(|(k, a)| {
@@ -53,9 +54,31 @@ fn free_pair<'a>(scene: &Scene, placed: &'a [Placed]) -> Option<[&'a str; 2]> {
     })
 }
 
-/// Pairs of parts that a joint connects, in alphabetic order.
-pub(super) fn connected(scene: &Scene) -> BTreeSet<[&str; 2]> {
-    scene.joints.iter().map(|joint| sorted(joint.between.each_ref().map(|side| owner(side)))).collect()
+/// How joints connect two parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Bond {
+    /// By joints all of which are released by an event, or switched off in a stage.
+    Ends,
+    /// The halves of a bolt.
+    Bolt,
+    /// For the whole run.
+    Lasts,
+}
+
+/// Pairs of parts that joints connect, in alphabetic order.
+pub(super) fn connected(scene: &Scene) -> BTreeMap<[&str; 2], Bond> {
+    let mut pairs = BTreeMap::new();
+    for joint in &scene.joints {
+        let is_released = scene.events.iter().any(|event| event.release == joint.name);
+        let bond = match &joint.pretension {
+            Some(_) => Bond::Bolt,
+            None if is_released || scene.stages.iter().any(|stage| stage.off.contains(&joint.name)) => Bond::Ends,
+            None => Bond::Lasts,
+        };
+        let known = pairs.entry(sorted(joint.between.each_ref().map(|side| owner(side)))).or_insert(bond);
+        *known = bond.max(*known);
+    }
+    pairs
 }
 
 /// Whether general contact keeps two parts apart.
@@ -66,7 +89,8 @@ pub(crate) fn keeps_apart(scene: &Scene, [a, b]: [&str; 2]) -> bool {
         is_included && !table.exclude.iter().any(|set| set == part)
     };
     let is_named = table.pairs.iter().any(|pair| sorted([&pair.between[0], &pair.between[1]]) == sorted([a, b]));
-    takes_part(a) && takes_part(b) && (is_named || !connected(scene).contains(&sorted([a, b])))
+    let is_connected = || connected(scene).get(&sorted([a, b])).is_some_and(|bond| *bond != Bond::Ends);
+    takes_part(a) && takes_part(b) && (is_named || !is_connected())
 }
 
 /// Two names in alphabetic order.
@@ -75,7 +99,7 @@ pub(super) fn sorted([a, b]: [&str; 2]) -> [&str; 2] {
 }
 
 /// The part of a set, or the name itself.
-fn owner(set: &str) -> &str {
+pub(super) fn owner(set: &str) -> &str {
     split_set(set).map_or(set, |(part, _)| part)
 }
 
@@ -109,6 +133,7 @@ mod tests {
             ("[general_contact]\ninclude = [\"a\"]\n", false),
             ("[general_contact]\ninclude = [\"a\", \"b.top\"]\n", true),
             (joint, false),
+            (&format!("{joint}[[event]]\nname = \"e\"\nrelease = \"j\"\ntime = 0.5\n"), true),
         ] {
             assert_eq!(between(more), acts, "{more}");
         }

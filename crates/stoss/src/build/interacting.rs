@@ -1,16 +1,18 @@
 //! Which facets take part in general contact, in classes, and who acts on whom.
 
 use super::condition::resolve;
-use super::general_schemes::{connected, sorted};
+use super::general_schemes::{Bond, connected, owner, sorted};
+use super::general_table::of_contacts;
 use super::tie::Ties;
 use super::young;
 use super::{Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Scene, split_set};
 use crate::solver::{Model, short};
 use std::collections::{BTreeMap, BTreeSet};
-use stoss_contact_barrier::{Interaction, Interactions, Skin, SkinFacet};
+use stoss_contact_barrier::{Interaction, Interactions, Overlaps, Relation, Skin, SkinFacet};
 use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
+use stoss_tensor::Vector3;
 
 /// Thickness of the layer in parts of the shortest edge, where the scene leaves it open.
 pub(super) const THICKNESS: f64 = 0.04;
@@ -124,7 +126,9 @@ fn sides(scene: &Scene, placed: &[Placed], ties: &Ties) -> Vec<Side> {
     sides.extend(ties.surfaces.iter().flatten().map(nodes));
     // How near each other the sides of a joint come is its business: those of a cut bolt overlap by what the pretension shortens it. Where it holds on to two whole parts, a scene that
     // names them as a pair means their surfaces.
-    for joint in &scene.joints {
+    let connected = connected(scene);
+    let ends = |parts| connected.get(&sorted(parts)).is_some_and(|bond| *bond == Bond::Ends);
+    for joint in scene.joints.iter().filter(|joint| !ends(joint.between.each_ref().map(|side| owner(side)))) {
         let held = joint.between.each_ref().map(|side| held(placed, side));
         if held.iter().any(|(_, is_whole)| !is_whole) {
             sides.extend(held.map(|(nodes, _)| Side::Joined(nodes)));
@@ -157,10 +161,10 @@ pub(super) fn interactions(
 ) -> Interactions {
     let is_rigid = |part: usize| placed[part].mesh().is_none();
     let is_held = |part: usize| is_rigid(part) && scene.rigids.iter().any(|r| r.name == placed[part].name && r.fixed);
-    let connected = connected(scene);
+    let (connected, of_contacts) = (connected(scene), of_contacts(scene, placed, warnings));
     let bodies: Vec<(u32, bool)> = classes.iter().map(|&part| (part as u32, is_rigid(part))).collect();
     let mut rules = Interactions::none(&bodies);
-    let mut unknown = BTreeSet::new();
+    let (mut unknown, mut left_out) = (BTreeSet::new(), BTreeSet::new());
     for (a, &p) in classes.iter().enumerate() {
         for (b, &q) in classes.iter().enumerate().skip(a) {
             let (a, b) = (a as u32, b as u32);
@@ -169,13 +173,18 @@ pub(super) fn interactions(
             }
             let names = [&placed[p].name[..], &placed[q].name[..]];
             let own = table.pairs.iter().find(|pair| sorted([&pair.between[0], &pair.between[1]]) == sorted(names));
-            if own.is_none() && connected.contains(&sorted(names)) {
+            let bond = connected.get(&sorted(names)).filter(|_| own.is_none());
+            if let Some(&bond) = bond.filter(|bond| **bond != Bond::Ends) {
+                if bond == Bond::Lasts && !(is_held(p) && is_held(q)) {
+                    left_out.insert(sorted(names));
+                }
                 continue;
             }
             let softer = young(model, p).min(young(model, q));
             let modulus = own.and_then(|own| own.modulus).unwrap_or(table.stiffness * softer);
             if modulus.is_finite() {
-                let friction = own.and_then(|own| own.friction).unwrap_or(table.friction);
+                let of_contact = of_contacts.get(&[p.min(q), p.max(q)]).copied();
+                let friction = own.and_then(|own| own.friction).or(of_contact).unwrap_or(table.friction);
                 rules.set(a, b, Some(Interaction { modulus, friction }));
             } else if !(is_held(p) && is_held(q)) {
                 unknown.insert(sorted(names));
@@ -188,5 +197,58 @@ pub(super) fn interactions(
              pairs = [{{ between = [\"{a}\", \"{b}\"], modulus = 1e6 }}] with a pressure"
         ));
     }
+    warnings.extend(joined_pairs(&left_out));
     rules
+}
+
+/// Names of pairs in a message; more than these are counted.
+const LISTED: usize = 8;
+
+/// What becomes of pairs that joints connect.
+fn joined_pairs(pairs: &BTreeSet<[&str; 2]>) -> Option<String> {
+    let [a, b] = pairs.first()?;
+    let listed: Vec<String> = pairs.iter().take(LISTED).map(|[a, b]| format!("`{a}` and `{b}`")).collect();
+    let more = pairs.len().saturating_sub(LISTED);
+    let more = if more > 0 { format!(", and {more} more pairs") } else { String::new() };
+    Some(format!(
+        "general_contact: joints connect {}{more}: they do not act on each other and pass through each other, at the joint and elsewhere; name those that may meet in [general_contact]: \
+         pairs = [{{ between = [\"{a}\", \"{b}\"] }}] (of two rigid bodies with a `modulus`, a pressure)",
+        listed.join("; ")
+    ))
+}
+
+/// Takes pairs whose joints end later, and which lie in each other at the start, from the rules.
+pub(super) fn without_joined_overlaps(
+    scene: &Scene,
+    placed: &[Placed],
+    table: &Table,
+    facets: &[SkinFacet],
+    reference: &[f64],
+    rules: &mut Interactions,
+) -> Vec<String> {
+    let is_named =
+        |names: [&str; 2]| table.pairs.iter().any(|pair| sorted([&pair.between[0], &pair.between[1]]) == sorted(names));
+    let ends = connected(scene).into_iter().filter(|(names, bond)| *bond == Bond::Ends && !is_named(*names));
+    let known = ends.filter_map(|(names, _)| {
+        let [a, b] = names.map(|name| super::placed::index(placed, name));
+        Some((names, [a? as u32, b? as u32]))
+    });
+    let acting: Vec<_> = known.filter(|(_, pair)| rules.acts_between(*pair)).collect();
+    if acting.is_empty() {
+        return Vec::new();
+    }
+    let skin = Skin::new(facets.to_vec(), reference, &|_| None);
+    let overlaps = Overlaps::new(&skin, rules, reference);
+    let lies_in = |pair| !matches!(overlaps.relation(pair, &Vector3::zeros(), 0.0), Relation::Apart(_));
+    let out: Vec<_> = acting.into_iter().filter(|(_, pair)| lies_in(*pair)).collect();
+    for (_, pair) in &out {
+        rules.take_out(*pair);
+    }
+    let message = |[a, b]: [&str; 2]| {
+        format!(
+            "general_contact: a joint that ends later connects `{a}` and `{b}`, which lie in each other at the start: they do not act on each other, then either, and pass through each other; \
+             move one of them"
+        )
+    };
+    out.into_iter().map(|(names, _)| message(names)).collect()
 }

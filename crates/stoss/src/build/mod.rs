@@ -13,7 +13,11 @@ mod friction;
 mod general;
 pub(crate) mod general_schemes;
 #[cfg(feature = "general")]
+mod general_table;
+#[cfg(feature = "general")]
 mod interacting;
+#[cfg(feature = "multibody")]
+mod joined;
 mod law;
 mod mesh_files;
 mod missing;
@@ -26,7 +30,7 @@ mod multibody;
 mod multibody;
 #[cfg(feature = "nts")]
 mod nts;
-#[cfg(any(feature = "nts", feature = "mortar"))]
+#[cfg(any(feature = "nts", feature = "mortar", feature = "multibody"))]
 mod overlap;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod pair;
@@ -50,7 +54,7 @@ use contact::contacts;
 #[cfg(not(any(feature = "nts", feature = "mortar")))]
 use missing::contacts;
 
-pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface};
+pub use drawing::{Drawing, DrawnLine, DrawnPoint, DrawnSurface, Joined};
 pub use extreme::Extreme;
 pub use law::{FrictionLawResult, LawNameError, LawParameters, LawResult, OwnLaws, ParameterError};
 pub use plan::{ContactPlan, FrictionPlan};
@@ -172,9 +176,12 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
+        #[cfg(feature = "multibody")]
+        parts.drawing.joined.extend(joined::surroundings(scene, &placed, &model.reference));
         #[cfg(feature = "general")]
         if apart {
-            plans.extend(general::general(scene, &placed, &ties, &mut model, &mut problems, &mut warnings));
+            let joined = &mut parts.drawing.joined;
+            plans.extend(general::general(scene, &placed, &ties, joined, &mut model, &mut problems, &mut warnings));
         }
         multibody::constraints(scene, &placed, &mut parts, &mut model, &mut problems, &mut warnings);
         if problems.list.is_empty() {

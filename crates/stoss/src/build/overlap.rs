@@ -1,4 +1,4 @@
-//! Whether two bodies lie in each other, for a warning.
+//! Whether bodies, or points, lie in a mesh.
 
 use std::collections::HashMap;
 use stoss_mesh::Mesh;
@@ -32,7 +32,7 @@ impl<'a> Locator<'a> {
         x.map(|c| (c / self.size).floor() as i64)
     }
 
-    fn contains(&self, x: &[f64; 3]) -> bool {
+    pub fn contains(&self, x: &[f64; 3]) -> bool {
         let candidates = self.cells.get(&self.cell(x)).map_or(&[][..], Vec::as_slice);
         candidates.iter().any(|&element| {
             let corners = self.mesh.element_coordinates(element);
@@ -42,6 +42,7 @@ impl<'a> Locator<'a> {
     }
 
     /// Number of elements of another mesh whose centre lies in this one.
+    #[cfg(any(feature = "nts", feature = "mortar"))]
     pub fn centres_of(&self, other: &Mesh) -> usize {
         let centre = |element: u32| {
             let corners = other.element_coordinates(element);
@@ -74,6 +75,7 @@ fn is_inside(x: &[f64; 3], corners: [[f64; 3]; 4]) -> bool {
     })
 }
 
+#[cfg(any(feature = "nts", feature = "mortar"))]
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use super::extreme::Extreme;
 use super::multibody::Parts;
 use super::placed::{Placed, index};
 use crate::scene::{Quantity, Reduce, Scene};
-use crate::solver::{Model, Simulation};
+use crate::solver::{Model, Simulation, SurfaceForce};
 use stoss_contact::JointReport;
 use stoss_fe_solid::MaterialPoint;
 
@@ -103,8 +103,13 @@ impl Probe {
             Quantity::AngularMomentum => balance.angular_momentum,
             Quantity::Reaction => self.sum(simulation.reactions()),
             Quantity::ReactionMoment => self.moment(simulation.reactions(), &simulation.state().q),
-            Quantity::ContactForce => self.sum(simulation.contact_force()),
-            Quantity::ContactMoment => self.moment(simulation.contact_force(), &simulation.state().q),
+            Quantity::ContactForce => {
+                added(self.sum(simulation.contact_force()), self.moved(simulation).map(|moved| moved.force))
+            }
+            Quantity::ContactMoment => {
+                let carried = self.moment(simulation.contact_force(), &simulation.state().q);
+                added(carried, self.moved(simulation).map(|moved| moved.moment))
+            }
             Quantity::JointForce => self.joint(simulation).map_or([f64::NAN; 3], |joint| joint.force.map(|f| -f)),
             Quantity::JointMoment => self.joint(simulation).map_or([f64::NAN; 3], |joint| {
                 // About the point of the first side, on which the opposite force acts.
@@ -171,6 +176,12 @@ impl Probe {
         stoss_part::angular_velocity(directions, &simulation.state().q, &simulation.state().v)
     }
 
+    /// Where contact forces act on the surface rather than on the nodes that carry them.
+    fn moved<'a>(&'a self, simulation: &'a Simulation) -> impl Iterator<Item = &'a SurfaceForce> {
+        let all = simulation.moved_contact_force();
+        self.nodes().iter().filter_map(|node| all.get(node))
+    }
+
     /// Sum over the nodes; zero if the vector does not exist in this model.
     fn sum(&self, vector: &[f64]) -> [f64; 3] {
         let mut sum = [0.0; 3];
@@ -207,6 +218,11 @@ impl Probe {
         let count = self.nodes().len().max(1) as f64;
         self.sum(vector).map(|s| s / count)
     }
+}
+
+/// The sum of vectors.
+fn added(first: [f64; 3], others: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
+    others.fold(first, |sum, x| std::array::from_fn(|i| sum[i] + x[i]))
 }
 
 /// The place of a part among those of the model, and the nodes that stand for it with a quantity: forces of contact are those on all of its nodes, supports act

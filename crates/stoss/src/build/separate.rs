@@ -5,7 +5,8 @@ use super::tie::Ties;
 use super::{Placed, Problems};
 use crate::scene::{Initial, Scene, split_set};
 use crate::solver::Model;
-use stoss_contact_barrier::{Interactions, Overlaps, Relation, Separation, Skin};
+use stoss_contact_barrier::{Interaction, Interactions, Overlaps, Relation, Separation, Skin, SkinFacet};
+use stoss_mesh::BOUNDARY;
 use stoss_tensor::Vector3;
 
 /// A body is moved by no more than this part of the smallest extent of the box around it.
@@ -46,6 +47,36 @@ pub(super) fn inside(skin: &Skin, rules: &Interactions, model: &Model) -> Option
     rules.body_pairs().into_iter().map(relation).find(|(_, relation)| !matches!(relation, Relation::Apart(_)))
 }
 
+/// Two bodies of which one is wholly inside the other: of whole bodies, also where some of their surfaces are left out. [`inside`] knows only what acts.
+pub(super) fn enclosed(placed: &[Placed], rules: &Interactions, model: &Model) -> Option<[u32; 2]> {
+    let count = placed.len() as u32;
+    let facets_of = |part: u32| placed[part as usize].facets_of(BOUNDARY).unwrap_or_default();
+    let bounds = |part: u32| {
+        let x = |node: u32| Vector3::from_column_slice(&model.reference[3 * node as usize..3 * node as usize + 3]);
+        let none = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
+        facets_of(part).iter().flatten().fold(none, |[low, high], &node| [low.inf(&x(node)), high.sup(&x(node))])
+    };
+    let boxes: Vec<[Vector3; 2]> = (0..count).map(bounds).collect();
+    let holds = |outer: u32, inner: u32| {
+        let ([low, high], [first, last]) = (boxes[outer as usize], boxes[inner as usize]);
+        (0..3).all(|i| first[i] >= low[i] && last[i] <= high[i] && first[i] <= last[i])
+    };
+    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+    let is_near = |[a, b]: &[u32; 2]| (holds(*a, *b) || holds(*b, *a)) && rules.acts_between([*a, *b]);
+    let pairs: Vec<[u32; 2]> = pairs.filter(is_near).collect();
+    if pairs.is_empty() {
+        return None;
+    }
+    let mut all = Interactions::none(&(0..count).map(|part| (part, false)).collect::<Vec<_>>());
+    pairs.iter().for_each(|&[a, b]| all.set(a, b, Some(Interaction { modulus: 1.0, friction: 0.0 })));
+    let facets = (0..count)
+        .filter(|part| pairs.iter().any(|pair| pair.contains(part)))
+        .flat_map(|class| facets_of(class).into_iter().map(move |nodes| SkinFacet { nodes, class }));
+    let skin = Skin::new(facets.collect(), &model.reference, &|_| None);
+    let overlaps = Overlaps::new(&skin, &all, &model.reference);
+    pairs.into_iter().find(|pair| overlaps.is_enclosed(*pair))
+}
+
 /// A length as in other messages.
 fn format_length(length: f64) -> String {
     format!("{length:.3e}")
@@ -73,7 +104,8 @@ pub(super) fn separate(
     // What is wrong with the table is reported where the contact is made.
     let mut ignored = Problems { scene, list: Vec::new() };
     let Classes { facets, classes, apart } = interacting::facets(scene, placed, table, ties, &mut ignored);
-    let rules = interacting::interactions(scene, placed, table, model, &classes, &apart, &mut Vec::new());
+    let mut rules = interacting::interactions(scene, placed, table, model, &classes, &apart, &mut Vec::new());
+    interacting::without_joined_overlaps(scene, placed, table, &facets, &model.reference, &mut rules);
     if facets.is_empty() || !ignored.list.is_empty() {
         return true;
     }
@@ -152,13 +184,16 @@ fn motions(
                 );
                 return Err((message, "mend the scene there".into()));
             }
-            let limit = farthest(a) + farthest(b);
+            let most = [a, b].map(farthest);
+            let limit = most[0] + most[1];
             let found = overlaps.separation(bodies, &shift, gap, limit).ok_or_else(|| {
+                let may = [a, b].into_iter().zip(most).filter(|(_, most)| *most > 0.0);
+                let may = may.map(|(body, most)| format!("of `{}` by {}", name(body), format_length(most)));
                 let message = format!(
-                    "`{}` and `{}` lie too deep in each other: no motion of less than {}, a quarter of the smallest extent of what may be moved, takes them apart",
+                    "`{}` and `{}` lie too deep in each other: no motion {}, a quarter of the smallest extent, takes them apart",
                     name(a),
                     name(b),
-                    format_length(limit)
+                    may.collect::<Vec<_>>().join(" and ")
                 );
                 (message, "move one of them".to_owned())
             })?;

@@ -53,7 +53,16 @@ pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<S
         let left = 6 - held_motions(&model.reference, &prescribed);
         let names: Vec<String> = members.iter().map(|&b| format!("`{}`", scene.bodies[b].name)).collect();
         let names = names.join(" with ");
-        if prescribed.is_empty() && touches && scene.time.stabilise.is_none() {
+        let by_general = super::general_contact(scene).is_some() && !touches;
+        if by_general && (left == 0 || scene.time.stabilise.is_some()) {
+            continue;
+        }
+        if by_general {
+            list.push(format!(
+                "{names}: {left} of 6 rigid motions are held by nothing but general contact, which has no stiffness before surfaces are pressed on each other; a quasi-static run may find \
+                 the system singular. `stabilise` the run, or prescribe displacements that exclude them"
+            ));
+        } else if prescribed.is_empty() && touches && scene.time.stabilise.is_none() {
             list.push(format!(
                 "{names}: nothing but contact holds it; in a quasi-static run a rigid motion is left until other contacts or friction take it. Prescribe some displacements, or `stabilise` the run"
             ));

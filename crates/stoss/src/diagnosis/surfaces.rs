@@ -226,6 +226,43 @@ pub(super) fn facing_away(case: &Case<'_>) -> Vec<Finding> {
     list
 }
 
+/// General contact for two bodies, if the schemes carry it.
+fn by_general(case: &Case<'_>, names: &[String; 2]) -> Option<Remedy> {
+    let scene = case.scene;
+    let stages = scene.stages.iter().filter_map(|stage| stage.integrator.as_ref());
+    let mut schemes = scene.time.integrator.iter().chain(stages);
+    if !cfg!(feature = "general") || !schemes.all(crate::scene::Integrator::carries_general_contact) {
+        return None;
+    }
+    if scene.general_contact.as_ref().is_some_and(|table| !table.enabled) {
+        let change = Change::Set { key: "general_contact.enabled".into(), value: "true".into() };
+        let text = "or let general contact keep all bodies apart: set `general_contact.enabled = true`".into();
+        return Some(Remedy { text, changes: vec![change] });
+    }
+    let [a, b] = names;
+    let is_rigid = names.iter().all(|name| scene.rigids.iter().any(|rigid| rigid.name == *name));
+    let modulus = if is_rigid { ", modulus = 1e6" } else { "" };
+    let pair = format!("pairs = [{{ between = [\"{a}\", \"{b}\"]{modulus} }}]");
+    let is_on = scene.general_contact.is_some() || crate::build::general_contact(scene).is_some();
+    let (toml, text) = match (is_rigid, is_on) {
+        (false, false) => {
+            ("[general_contact]\n".to_owned(), "or let everything be in contact: `[general_contact]`".to_owned())
+        }
+        (true, false) => (
+            format!("[general_contact]\n{pair}\n"),
+            format!(
+                "or let everything be in contact: `[general_contact] {pair}`, with a modulus, a pressure, that is right for them"
+            ),
+        ),
+        (_, true) => {
+            return Some(Remedy::words(format!(
+                "or let general contact keep them apart: add `{pair}` to [general_contact], and see `enabled`, `include` and `exclude`"
+            )));
+        }
+    };
+    Some(Remedy { text, changes: vec![Change::Add { toml }] })
+}
+
 /// Bodies that collide although no contact is named between them.
 pub(super) fn missing_contact(case: &Case<'_>) -> Vec<Finding> {
     let mut done: Vec<[String; 2]> = Vec::new();
@@ -242,6 +279,7 @@ pub(super) fn missing_contact(case: &Case<'_>) -> Vec<Finding> {
             let text = format!("add it: `[[contact]] method = \"nts\", between = [\"{a}\", \"{b}\"]`");
             remedies.push(Remedy { text, changes: vec![Change::Add { toml }] });
         }
+        remedies.extend(by_general(case, &names));
         remedies.push(Remedy::words("or bond them with `[[tie]]` if they are one piece"));
         list.push(Finding {
             cause: Cause::MissingContact,

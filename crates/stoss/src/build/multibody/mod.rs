@@ -96,11 +96,6 @@ pub(super) fn constraints(
         warnings.extend(motion::velocities(scene, &couplings, &joints, model));
     }
     rigidity.into_iter().chain(couplings).for_each(|set| push(model, set));
-    parts.drawing.joined = scene
-        .joints
-        .iter()
-        .map(|item| item.between.each_ref().map(|side| side.split('.').next().unwrap_or(side).to_owned()))
-        .collect();
     for joint in joints {
         parts.joints.push(joint.map(|joint| {
             push(model, joint);

@@ -45,11 +45,15 @@ pub(super) fn model(model: &Model, points: &Points, drawing: &Drawing) -> WatchM
     });
     let bodies: Vec<WatchBody> = solids.chain(surfaces).collect();
     let mut ties = ties(model, points, &bodies);
-    for [a, b] in &drawing.joined {
+    for joined in &drawing.joined {
+        let [a, b] = &joined.parts;
         let place = |name: &String| bodies.iter().position(|body| body.name == *name);
         if let (Some(a), Some(b)) = (place(a), place(b)) {
-            let nodes = bodies[a].nodes.clone().chain(bodies[b].nodes.clone()).collect();
-            ties.push(TiedPair { nodes, bodies: [a.min(b), a.max(b)] });
+            let bodies = [a.min(b), a.max(b)];
+            match ties.iter_mut().find(|tie| tie.bodies == bodies) {
+                Some(tie) => tie.nodes.extend(&joined.nodes),
+                None => ties.push(TiedPair { nodes: joined.nodes.clone(), bodies }),
+            }
         }
     }
     WatchModel { bodies, reference: points.of_all(&model.reference, 3).into_owned(), ties }
