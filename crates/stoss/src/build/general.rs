@@ -7,7 +7,7 @@ use super::tie::Ties;
 use super::{ContactPlan, FrictionPlan, Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
 use crate::solver::{ContactPair, Coupling, Model};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, first_look, mitre,
 };
@@ -24,8 +24,17 @@ const TOUCH: f64 = 0.1;
 /// Of distances of inset surfaces, relative.
 const ROUND_OFF: f64 = 1e-6;
 
-/// Speed of slip below which friction falls, in parts of the largest speed at the start.
+/// Speed of slip below which friction of two bodies falls, in parts of their largest relative speed at the start.
 const SLIP: f64 = 0.01;
+
+/// The same of bodies that do not move relative to each other: part of the thickness that they creep at most in the whole run.
+const CREEP: f64 = 0.1;
+
+/// Relative speeds that are round-off, in parts of the speeds.
+const NO_SPEED: f64 = 1e-9;
+
+/// Pairs of bodies that the plan tells one by one.
+const MOST_NAMED: usize = 6;
 
 /// What helps bodies that lie in each other.
 const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
@@ -76,7 +85,7 @@ fn contact(
         );
         return None;
     }
-    let rules = interactions(scene, placed, table, model, &classes, &apart, warnings);
+    let mut rules = interactions(scene, placed, table, model, &classes, &apart, warnings);
     // Nobody has asked for bodies in contact with themselves alone.
     if is_default(scene) && !rules.acts_between_bodies() {
         return None;
@@ -85,17 +94,24 @@ fn contact(
     let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems)?;
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
-    let fastest = model.velocity.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max);
-    let slip_velocity = table.slip_velocity.unwrap_or(SLIP * fastest.sqrt());
+    let slip = slip_velocities(scene, table, &skin, &rules, model, thickness);
     let has_rates = scene.is_dynamic() || scene.stages.iter().any(|stage| stage.kind == Kind::Dynamic);
-    if has_friction && has_rates && slip_velocity == 0.0 {
-        let message =
-            "friction acts from some speed of slip on, and nothing moves at the start that would tell which is small";
+    if has_friction && has_rates && slip.is_none() {
+        let message = "friction acts from some speed of slip on, and nothing moves against anything else at the start, which would tell what is small";
         let remedy = "add `slip_velocity`, about a hundredth of the speed at which bodies will slide";
         problems.add("general_contact.friction".into(), table.friction, message, remedy);
         return None;
     }
-    let options = GeneralOptions { thickness, damping: table.damping, slip_velocity };
+    let mut slips: BTreeMap<String, f64> = BTreeMap::new();
+    if let Some(slip) = &slip {
+        rules.set_slip_velocities(|[a, b]| {
+            let value = slip(a, b);
+            let [a, b] = [a, b].map(|body| &placed[body as usize].name[..]);
+            slips.insert(if a == b { format!("{a} with itself") } else { format!("{a} and {b}") }, value);
+            value
+        });
+    }
+    let options = GeneralOptions { thickness, damping: table.damping };
     match GeneralContact::new(NAME, skin, rules, options) {
         Ok(contact) => {
             let method = Coupling::potential(contact);
@@ -125,9 +141,82 @@ fn contact(
             default_stiffness: false,
             stick: None,
             stepping: "step".to_owned(),
-            slip: None,
+            slip: Some(described(&slips, has_rates, has_statics(scene))),
         }),
     })
+}
+
+/// Speed of slip below which friction of two bodies falls. `None` if the scene does not give it and no two bodies move relative to each other.
+///
+/// It depends on the motion of the two relative to each other alone: not on a velocity that all have, nor on what others do.
+fn slip_velocities(
+    scene: &Scene,
+    table: &Table,
+    skin: &Skin,
+    rules: &Interactions,
+    model: &Model,
+    thickness: f64,
+) -> Option<impl Fn(u32, u32) -> f64 + use<>> {
+    let given = table.slip_velocity;
+    // Smallest and largest components of the velocities of each body.
+    let mut ranges: BTreeMap<u32, [[f64; 2]; 3]> = BTreeMap::new();
+    for facet in skin.facets() {
+        let range = ranges.entry(rules.body(facet.class)).or_insert([[f64::INFINITY, f64::NEG_INFINITY]; 3]);
+        for &node in facet.nodes.iter() {
+            for (c, [low, high]) in range.iter_mut().enumerate() {
+                let v = model.velocity[3 * node as usize + c];
+                (*low, *high) = (low.min(v), high.max(v));
+            }
+        }
+    }
+    let relative = move |a: u32, b: u32| {
+        let (Some(a), Some(b)) = (ranges.get(&a), ranges.get(&b)) else { return 0.0 };
+        let largest = |[low, high]: &[f64; 2]| low.abs().max(high.abs());
+        let components = a.iter().zip(b).map(|(a, b)| ((a[1] - b[0]).max(b[1] - a[0]), largest(a).max(largest(b))));
+        let squares = components.fold((0.0, 0.0), |(v, all), (d, largest)| (v + d * d, all + largest * largest));
+        let (speed, all) = (f64::sqrt(squares.0), f64::sqrt(squares.1));
+        if speed <= NO_SPEED * all { 0.0 } else { speed }
+    };
+    let bodies: BTreeSet<u32> = skin.facets().iter().map(|facet| rules.body(facet.class)).collect();
+    let moves = bodies.iter().any(|&a| bodies.iter().any(|&b| relative(a, b) > 0.0));
+    let end = scene.stages.iter().map(|stage| stage.until).fold(scene.time.end, f64::max);
+    (given.is_some() || moves).then(|| {
+        move |a: u32, b: u32| {
+            given.unwrap_or_else(|| match relative(a, b) {
+                0.0 => CREEP * thickness / end,
+                speed => SLIP * speed,
+            })
+        }
+    })
+}
+
+/// Whether a part of the run is static.
+fn has_statics(scene: &Scene) -> bool {
+    if scene.stages.is_empty() {
+        !scene.is_dynamic()
+    } else {
+        scene.stages.iter().any(|stage| stage.kind != Kind::Dynamic)
+    }
+}
+
+/// What friction does before it slides.
+fn described(slips: &BTreeMap<String, f64>, has_rates: bool, has_statics: bool) -> String {
+    let mut parts = Vec::new();
+    if has_statics {
+        parts.push("elastic before it begins (statics)".to_owned());
+    }
+    if has_rates {
+        let (low, high) = slips.values().fold((f64::INFINITY, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
+        parts.push(if low == high {
+            format!("creeps below {low:.4e}")
+        } else if slips.len() <= MOST_NAMED {
+            let list: Vec<String> = slips.iter().map(|(names, v)| format!("{v:.4e} ({names})")).collect();
+            format!("creeps below {}", list.join(", "))
+        } else {
+            format!("creeps below {low:.4e} to {high:.4e}, pair by pair")
+        });
+    }
+    parts.join("; ")
 }
 
 /// Whether nobody has asked for general contact.

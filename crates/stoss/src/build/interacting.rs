@@ -156,7 +156,7 @@ pub(super) fn interactions(
             let modulus = own.and_then(|own| own.modulus).unwrap_or(table.stiffness * softer);
             if modulus.is_finite() {
                 let friction = own.and_then(|own| own.friction).unwrap_or(table.friction);
-                rules.set(a, b, Some(Interaction { modulus, friction }));
+                rules.set(a, b, Some(Interaction { modulus, friction, slip_velocity: f64::INFINITY }));
             } else if !(is_held(p) && is_held(q)) {
                 unknown.insert(sorted(names));
             }
