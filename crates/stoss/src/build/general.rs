@@ -139,9 +139,9 @@ fn contact(
             parameters: coefficients,
             stiffness: None,
             default_stiffness: false,
-            stick: None,
-            stepping: "step".to_owned(),
-            slip: Some(described(&slips, has_rates, has_statics(scene))),
+            stick: has_statics(scene).then(|| "elastic".to_owned()),
+            stepping: if has_rates { "step" } else { "end" }.to_owned(),
+            slip: has_rates.then(|| described(&slips)),
         }),
     })
 }
@@ -164,7 +164,8 @@ fn slip_velocities(
         let range = ranges.entry(rules.body(facet.class)).or_insert([[f64::INFINITY, f64::NEG_INFINITY]; 3]);
         for &node in facet.nodes.iter() {
             for (c, [low, high]) in range.iter_mut().enumerate() {
-                let v = model.velocity[3 * node as usize + c];
+                // Of a scene without velocities there are none.
+                let v = model.velocity.get(3 * node as usize + c).copied().unwrap_or_default();
                 (*low, *high) = (low.min(v), high.max(v));
             }
         }
@@ -199,24 +200,17 @@ fn has_statics(scene: &Scene) -> bool {
     }
 }
 
-/// What friction does before it slides.
-fn described(slips: &BTreeMap<String, f64>, has_rates: bool, has_statics: bool) -> String {
-    let mut parts = Vec::new();
-    if has_statics {
-        parts.push("elastic before it begins (statics)".to_owned());
+/// Speeds of slip below which friction creeps in dynamics.
+fn described(slips: &BTreeMap<String, f64>) -> String {
+    let (low, high) = slips.values().fold((f64::INFINITY, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
+    if low == high {
+        return format!("creeps below {low:.4e}");
     }
-    if has_rates {
-        let (low, high) = slips.values().fold((f64::INFINITY, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
-        parts.push(if low == high {
-            format!("creeps below {low:.4e}")
-        } else if slips.len() <= MOST_NAMED {
-            let list: Vec<String> = slips.iter().map(|(names, v)| format!("{v:.4e} ({names})")).collect();
-            format!("creeps below {}", list.join(", "))
-        } else {
-            format!("creeps below {low:.4e} to {high:.4e}, pair by pair")
-        });
+    if slips.len() > MOST_NAMED {
+        return format!("creeps below {low:.4e} to {high:.4e}, pair by pair");
     }
-    parts.join("; ")
+    let list: Vec<String> = slips.iter().map(|(names, v)| format!("{v:.4e} ({names})")).collect();
+    format!("creeps below {}", list.join(", "))
 }
 
 /// Whether nobody has asked for general contact.
@@ -421,4 +415,54 @@ fn inner_pairs(scene: &Scene, placed: &[Placed]) -> impl Iterator<Item = [u32; 2
         let [a, b] = contact.surfaces();
         Some([part(a)?, part(b)?])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::build::build;
+    use crate::scene::parse;
+    use std::path::Path;
+
+    /// What `stoss check` tells of the friction of bodies with these velocities; the last one may be far away.
+    fn told(velocities: &[[f64; 3]], more: &str) -> String {
+        let mut text = "[scene]\ntitle = \"t\"\nkind = \"dynamic\"\n[time]\nend = 4\nstep = 0.1\nintegrator = { scheme = \"energy-momentum\" }\n\
+                        [general_contact]\nfriction = 0.3\nthickness = 0.02\n"
+            .to_owned()
+            + more;
+        for (k, velocity) in velocities.iter().enumerate() {
+            let z = 2 * k;
+            text += &format!(
+                "[[body]]\nname = \"{}\"\nmesh = {{ generator = \"block\", min = [0, 0, {z}], max = [1, 1, {}], divisions = [1, 1, 1] }}\n\
+                 material = {{ law = \"neo-hooke\", young = 1, poisson = 0.3 }}\ndensity = 1\nvelocity = {velocity:?}\n",
+                ["a", "b", "c"][k],
+                z + 1
+            );
+        }
+        let scene = parse(&text, "t.toml").unwrap_or_else(|e| panic!("{e}"));
+        match build(&scene, Path::new(".")) {
+            Ok(built) => built.contacts[0].friction.as_ref().unwrap().slip.clone().unwrap(),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    /// The speed of slip that counts as small follows from what two bodies do to each other: neither from a common velocity nor from what others do.
+    #[test]
+    fn creep_follows_from_relative_motion() {
+        let (rest, slow) = ([0.0; 3], [0.3, 0.0, -0.4]);
+        let two = told(&[rest, slow], "self = false\n");
+        assert_eq!(two, "creeps below 5.0000e-3");
+        let fast = [1e6, -1e6, 3e6];
+        let with = |v: [f64; 3]| std::array::from_fn(|c| v[c] + fast[c]);
+        assert!(told(&[fast, with(slow)], "self = false\n").starts_with("creeps below 5.0000e-3"));
+        let three = told(&[rest, slow, fast], "self = false\n");
+        assert!(three.contains("5.0000e-3 (a and b)") && three.contains("3.3166e4 (a and c)"), "{three}");
+        // At rest against each other: a tenth of the thickness in the time of the run.
+        let three = told(&[slow, slow, rest], "self = false\n");
+        assert!(three.contains("5.0000e-4 (a and b)") && three.contains("5.0000e-3 (a and c)"), "{three}");
+        assert_eq!(told(&[rest, slow], "self = false\nslip_velocity = 0.7\n"), "creeps below 7.0000e-1");
+        // Nothing tells what is small.
+        for v in [rest, slow] {
+            assert!(told(&[v, v], "").contains("add `slip_velocity`"), "{}", told(&[v, v], ""));
+        }
+    }
 }
