@@ -2,7 +2,7 @@
 
 use crate::proximity::{Candidate, Proximity};
 use crate::slip::SlipLine;
-use crate::{Friction, Interactions, Layer, PairStart, Skin, StepForce, Tangent};
+use crate::{Friction, FrictionForce, Interaction, Interactions, Layer, PairStart, Skin, StepForce, Stick, Tangent};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_contact::{
@@ -14,8 +14,18 @@ use stoss_geometry::{PairKind, closest};
 /// No start of a pair is known.
 const NONE: u32 = u32::MAX;
 
-/// Slip in a static step from which on all of the friction acts, in thicknesses.
-const STATIC_SLIP: f64 = 0.01;
+/// Shear stiffness of the layer of a pair that sticks, in moduli over thicknesses.
+const SHEAR: f64 = 10.0;
+
+/// Cosine of the angle between the normals of two facets, one of them turned around, from which on they face each other.
+const FACING: f64 = 0.5;
+
+/// Kinds of pairs, by their numbers in a checkpoint.
+const KINDS: [PairKind; 4] =
+    [PairKind::VertexTriangle, PairKind::EdgeEdge, PairKind::VertexEdge, PairKind::VertexVertex];
+
+/// Bytes of a spring in a checkpoint.
+const SPRING: usize = 49;
 
 /// Settings of [`GeneralContact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,14 +34,13 @@ pub struct GeneralOptions {
     pub thickness: f64,
     /// Time of the viscous layer, not negative.
     pub damping: f64,
-    /// Speed of slip below which friction falls to zero, positive. Without inertia, where nothing has a speed, slip of a hundredth of the thickness in a step takes its place.
-    pub slip_velocity: f64,
 }
 
 /// Contact of everything with everything: each point of integration of a skin against each triangle, each vertex against each triangle and each edge against each other with a small weight.
 ///
 /// Under [`ContactRule::EnergyMomentum`] the force of a step does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, `docs/theory/barrier.md`; under [`ContactRule::EndPoint`] it
-/// is the gradient at the end. Nothing passes through anything as long as each iterate is reached from the last by a motion that [`Potential::longest_step`] admits. It has no history.
+/// is the gradient at the end. Nothing passes through anything as long as each iterate is reached from the last by a motion that [`Potential::longest_step`] admits. Without friction, and in dynamics, it has no history;
+/// in statics pairs with friction hold like springs until they slide, and the stretch of these carries over from step to step.
 #[derive(Debug)]
 pub struct GeneralContact {
     name: String,
@@ -57,6 +66,20 @@ pub struct GeneralContact {
     groups: Vec<[u32; 2]>,
     /// Friction along the motion that was set last.
     line: Vec<SlipLine>,
+    /// Springs of pairs with friction at the start of the step, ascending.
+    springs: Vec<Spring>,
+    /// Those at the end of the step that was accepted last, until the next one begins.
+    next_springs: Option<Vec<Spring>>,
+}
+
+/// The friction of a pair that sticks, at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Spring {
+    kind: PairKind,
+    points: [u32; 4],
+    stretch: Vector3<f64>,
+    /// Its energy.
+    stored: f64,
 }
 
 impl GeneralContact {
@@ -96,6 +119,8 @@ impl GeneralContact {
             active: Vec::new(),
             groups: Vec::new(),
             line: Vec::new(),
+            springs: Vec::new(),
+            next_springs: None,
         })
     }
 
@@ -117,13 +142,36 @@ impl GeneralContact {
 
     fn friction(&self, candidate: &Candidate) -> Option<Friction> {
         let [a, b] = candidate.classes;
-        let coefficient = self.rules.between(a, b).map_or(0.0, |interaction| interaction.friction);
-        let slip_scale = if self.has_rates {
-            self.options.slip_velocity * self.step_size
+        let Interaction { modulus, friction, slip_velocity } = *self.rules.between(a, b)?;
+        if friction <= 0.0 {
+            return None;
+        }
+        let stick = if self.has_rates {
+            Stick::Creep { slip_scale: slip_velocity * self.step_size }
         } else {
-            STATIC_SLIP * self.options.thickness
+            let key = (candidate.term.kind, candidate.points);
+            let known = self.springs.binary_search_by_key(&key, |spring| (spring.kind, spring.points));
+            Stick::Spring {
+                stiffness: SHEAR * modulus / self.options.thickness * candidate.term.weight,
+                stretch: known.map_or_else(|_| Vector3::zeros(), |place| self.springs[place].stretch),
+            }
         };
-        (coefficient > 0.0).then_some(Friction { coefficient, slip_scale })
+        Some(Friction { coefficient: friction, stick })
+    }
+
+    /// Springs at the end of the step, ascending; none in dynamics.
+    fn stretched(&self) -> Vec<Spring> {
+        if self.has_rates || !self.rules.has_friction() {
+            return Vec::new();
+        }
+        let of = |&k: &u32| {
+            let Candidate { term, points, .. } = self.proximity.candidates[k as usize];
+            let FrictionForce { stretch, stored, .. } = self.force(k, None).friction;
+            (stored > 0.0).then_some(Spring { kind: term.kind, points, stretch, stored })
+        };
+        let mut springs: Vec<Spring> = self.active.iter().filter_map(of).collect();
+        springs.sort_unstable_by_key(|spring| (spring.kind, spring.points));
+        springs
     }
 
     /// After the candidates changed: which are in the layer at the start.
@@ -186,16 +234,16 @@ impl GeneralContact {
     }
 
     /// Forces at the surface nodes in the step, and distances at its end.
-    fn surface(&self) -> Surface {
+    fn surface(&self, triangles: &[Vector3<f64>]) -> Surface {
         let n = self.skin.surface_nodes().len();
         let zero = || vec![Vector3::zeros(); n];
-        let in_contact = vec![false; self.skin.facets().len()];
-        let mut surface = Surface { normal: zero(), friction: zero(), distance: vec![f64::INFINITY; n], in_contact };
+        let mut surface =
+            Surface { normal: zero(), friction: zero(), distance: vec![f64::INFINITY; n], meets: Vec::new() };
         for &k in &self.active {
             let candidate = &self.proximity.candidates[k as usize];
             let StepForce { barrier, friction } = self.force(k, None);
             if candidate.is_inner {
-                candidate.facets.iter().for_each(|&facet| surface.in_contact[facet as usize] = true);
+                surface.meets.extend(self.meeting(candidate, triangles));
             }
             for i in 0..4 {
                 self.skin.shares(candidate.points[i], 1.0, &mut |k, share| {
@@ -214,55 +262,115 @@ impl GeneralContact {
         surface
     }
 
+    /// A point of integration and a triangle that act on each other at the end of the step, if their surfaces face each other: the side of a block that stands on a plate does not face the plate, near as its lower edge may be.
+    fn meeting(&self, candidate: &Candidate, triangles: &[Vector3<f64>]) -> Option<Meeting> {
+        let [point, ref corners @ ..] = candidate.points;
+        let own = self.skin.triangle_of_inner(point)?;
+        let [f, g] = candidate.facets;
+        let other = if self.skin.facet_of_triangle(own) == f { g } else { f };
+        let mut of_other = self.skin.triangles_of(other).iter().copied();
+        let triangle = of_other.find(|&t| self.skin.triangles()[t as usize] == *corners)?;
+        let [a, b] = [own, triangle].map(|t| triangles[t as usize]);
+        let faces = a.dot(&b) < -FACING * a.norm() * b.norm();
+        let pair = closest(candidate.term.kind, &candidate.of(&self.x));
+        let is_near = pair.distance_squared < self.options.thickness * self.options.thickness;
+        let weights = std::array::from_fn(|i| -pair.weights[i + 1]);
+        (faces && is_near).then_some(Meeting { point, own, triangle, weights, weight: candidate.term.weight })
+    }
+
     fn place(skin: &Skin, q: &[f64], x: &mut Vec<Vector3<f64>>) {
         x.clear();
         x.extend((0..skin.point_count() as u32).map(|p| skin.at(p, q)));
     }
 }
 
-/// Forces at the places of [`Skin::surface_nodes`] and what they are spread over.
+/// Forces at the places of [`Skin::surface_nodes`], and where surfaces meet.
 struct Surface {
     normal: Vec<Vector3<f64>>,
     friction: Vec<Vector3<f64>>,
     distance: Vec<f64>,
-    /// Facets with a point of integration that acts or is acted on.
-    in_contact: Vec<bool>,
+    meets: Vec<Meeting>,
 }
 
-/// Vectors of the current areas that belong to the surface nodes, of facets in contact and of all, with their sizes.
+/// A point of integration in contact with a triangle.
+struct Meeting {
+    point: u32,
+    /// Triangle that the point is in.
+    own: u32,
+    triangle: u32,
+    /// Shares of the corners of that triangle in the place that the point is next to.
+    weights: [f64; 3],
+    /// Reference area that the pair stands for.
+    weight: f64,
+}
+
+/// Vectors of the current areas of the triangles.
+fn areas_of_triangles(skin: &Skin, q: &[f64]) -> Vec<Vector3<f64>> {
+    let node = |k: usize| {
+        let at = 3 * skin.surface_nodes()[k] as usize;
+        Vector3::new(q[at], q[at + 1], q[at + 2])
+    };
+    let position = |vertex: u32| {
+        let mut x = Vector3::zeros();
+        skin.shares(vertex, 1.0, &mut |k, share| x += node(k) * share);
+        x
+    };
+    let area = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(position);
+        (b - a).cross(&(c - a)) * 0.5
+    };
+    skin.triangles().iter().map(area).collect()
+}
+
+/// Vectors of the current areas that belong to the surface nodes, of what is in contact and of all, with their sizes.
+///
+/// A facet is in contact where its points of integration are, each of which stands for its part of the facet, or, if that is more, where those of others meet it (facets of rigid bodies, and large ones, whose own points do not act).
 struct Areas {
     vectors: [Vec<Vector3<f64>>; 2],
     sizes: [Vec<f64>; 2],
 }
 
 impl Areas {
-    fn of(skin: &Skin, q: &[f64], in_contact: &[bool]) -> Self {
+    fn of(skin: &Skin, triangles: &[Vector3<f64>], meets: &[Meeting]) -> Self {
         let n = skin.surface_nodes().len();
         let mut areas =
             Self { vectors: [(); 2].map(|()| vec![Vector3::zeros(); n]), sizes: [(); 2].map(|()| vec![0.0; n]) };
-        let node = |k: usize| {
-            let at = 3 * skin.surface_nodes()[k] as usize;
-            Vector3::new(q[at], q[at + 1], q[at + 2])
+        for (area, corners) in triangles.iter().zip(skin.triangles()) {
+            corners.iter().for_each(|&corner| areas.add(skin, 1, corner, area / 3.0, 1.0));
+        }
+        // A point may meet several triangles, and counts once.
+        let mut points: BTreeMap<(u32, u32), f64> = BTreeMap::new();
+        meets.iter().for_each(|m| *points.entry((m.point, m.own)).or_default() += 1.0);
+        let size = |t: u32| triangles[t as usize].norm();
+        let facet = |t: u32| skin.facet_of_triangle(t) as usize;
+        let mut by_own = vec![0.0; skin.facets().len()];
+        let mut by_others = vec![0.0; skin.facets().len()];
+        points.keys().for_each(|&(_, t)| by_own[facet(t)] += size(t) / 3.0);
+        // What the pair stands for, as it is now.
+        let met = |m: &Meeting| {
+            let stretch = size(m.own) / skin.area_of(m.own).max(f64::MIN_POSITIVE);
+            m.weight * stretch / points[&(m.point, m.own)]
         };
-        let position = |vertex: u32| {
-            let mut x = Vector3::zeros();
-            skin.shares(vertex, 1.0, &mut |k, share| x += node(k) * share);
-            x
-        };
-        for (t, corners) in skin.triangles().iter().enumerate() {
-            let [a, b, c] = corners.map(position);
-            let third = (b - a).cross(&(c - a)) / 6.0;
-            let (size, acts) = (third.norm(), in_contact[skin.facet_of_triangle(t as u32) as usize]);
-            for &corner in corners {
-                skin.shares(corner, 1.0, &mut |k, share| {
-                    for kind in usize::from(!acts)..2 {
-                        areas.vectors[kind][k] += third * share;
-                        areas.sizes[kind][k] += size * share;
-                    }
-                });
+        meets.iter().for_each(|m| by_others[facet(m.triangle)] += met(m));
+        for &(point, t) in points.keys().filter(|&&(_, t)| by_own[facet(t)] >= by_others[facet(t)]) {
+            areas.add(skin, 0, point, triangles[t as usize] / 3.0, 1.0);
+        }
+        for m in meets.iter().filter(|m| by_own[facet(m.triangle)] < by_others[facet(m.triangle)]) {
+            let area = triangles[m.triangle as usize].try_normalize(0.0).unwrap_or_default() * met(m);
+            for (&corner, share) in skin.triangles()[m.triangle as usize].iter().zip(m.weights) {
+                areas.add(skin, 0, corner, area, share);
             }
         }
         areas
+    }
+
+    /// Adds a share of the area at a point.
+    fn add(&mut self, skin: &Skin, kind: usize, point: u32, area: Vector3<f64>, share: f64) {
+        let size = area.norm();
+        skin.shares(point, share, &mut |k, share| {
+            self.vectors[kind][k] += area * share;
+            self.sizes[kind][k] += size * share;
+        });
     }
 
     /// Area and normal of a surface node.
@@ -333,6 +441,9 @@ impl Potential for GeneralContact {
     fn begin_step(&mut self, q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
         if !matches!(self.rule, ContactRule::EnergyMomentum | ContactRule::EndPoint) {
             return Err(ContactError::Rule { method: "general", rule: format!("{:?}", self.rule) });
+        }
+        if let Some(springs) = self.next_springs.take() {
+            self.springs = springs;
         }
         let Self { skin, rules, proximity, x_n, x, velocity, step_size, .. } = self;
         Self::place(skin, q_n, x_n);
@@ -472,11 +583,14 @@ impl Potential for GeneralContact {
         let mut work = ContactWork::default();
         for &k in &self.active {
             let StepForce { barrier, friction } = self.force(k, None);
-            work.stored += barrier.energy;
-            work.dissipated += barrier.dissipated + friction.dissipated;
-            work.friction_work += friction.dissipated;
+            work.stored += barrier.energy + friction.stored;
+            work.friction_stored += friction.stored;
+            work.friction_work += friction.work;
             work.damped += barrier.dissipated;
         }
+        // Springs whose pairs have gone lose their energy.
+        let before: f64 = self.springs.iter().map(|spring| spring.stored).sum();
+        work.dissipated = work.damped + (work.friction_work + before - work.friction_stored);
         Ok(work)
     }
 
@@ -493,12 +607,12 @@ impl Potential for GeneralContact {
             let x = candidate.of(&self.x);
             let distance = closest(candidate.term.kind, &x).distance_squared.sqrt();
             pair.distance = pair.distance.min(distance);
-            pair.friction_work += friction.dissipated;
+            pair.friction_work += friction.work;
             if distance < self.options.thickness {
                 pair.active += 1;
                 if candidate.is_inner {
                     let point = points.entry((bodies, candidate.points[0])).or_default();
-                    point.0 = candidate.term.weight;
+                    point.0 = candidate.term.weight.max(point.0);
                     point.1 += barrier.gradient[0];
                 }
             }
@@ -546,8 +660,9 @@ impl Potential for GeneralContact {
     }
 
     fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {
-        let surface = self.surface();
-        let areas = Areas::of(&self.skin, q_np1, &surface.in_contact);
+        let triangles = areas_of_triangles(&self.skin, q_np1);
+        let surface = self.surface(&triangles);
+        let areas = Areas::of(&self.skin, &triangles, &surface.meets);
         let mut list = Vec::new();
         for (k, &node) in self.skin.surface_nodes().iter().enumerate() {
             let (normal, friction, distance) = (surface.normal[k], surface.friction[k], surface.distance[k]);
@@ -569,5 +684,45 @@ impl Potential for GeneralContact {
 
     fn has_friction(&self) -> bool {
         self.rules.has_friction()
+    }
+
+    fn commit(&mut self, _q_np1: &[f64]) {
+        // What the step did is asked for afterwards, so its start is left as it is until the next one begins.
+        if self.next_springs.is_none() {
+            self.next_springs = Some(self.stretched());
+        }
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        let springs = self.next_springs.as_ref().unwrap_or(&self.springs);
+        let mut out = Vec::with_capacity(SPRING * springs.len());
+        for Spring { kind, points, stretch, stored } in springs {
+            // cannot fail: it is one of the kinds.
+            out.push(KINDS.iter().position(|k| k == kind).unwrap_or_default() as u8);
+            points.iter().for_each(|point| out.extend_from_slice(&point.to_le_bytes()));
+            stretch.iter().chain([stored]).for_each(|value| out.extend_from_slice(&value.to_le_bytes()));
+        }
+        out
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+        let wrong = |reason: String| ContactError::History { reason };
+        if bytes.len() % SPRING != 0 {
+            return Err(wrong(format!("{} bytes for springs of {SPRING} bytes", bytes.len())));
+        }
+        let read = |chunk: &[u8]| {
+            let kind =
+                *KINDS.get(chunk[0] as usize).ok_or_else(|| wrong(format!("no pair is of kind {}", chunk[0])))?;
+            let points = std::array::from_fn(|i| u32::from_le_bytes(std::array::from_fn(|k| chunk[1 + 4 * i + k])));
+            let count = self.skin.point_count();
+            if let Some(point) = points.iter().find(|&&point| point as usize >= count) {
+                return Err(wrong(format!("point {point} of {count}")));
+            }
+            let value = |i: usize| f64::from_le_bytes(std::array::from_fn(|k| chunk[17 + 8 * i + k]));
+            Ok(Spring { kind, points, stretch: Vector3::new(value(0), value(1), value(2)), stored: value(3) })
+        };
+        self.springs = bytes.chunks_exact(SPRING).map(read).collect::<Result<_, _>>()?;
+        self.next_springs = None;
+        Ok(())
     }
 }

@@ -9,6 +9,8 @@ pub struct Interaction {
     pub modulus: f64,
     /// Coefficient of friction.
     pub friction: f64,
+    /// In dynamics: speed of slip below which friction falls to zero, positive. Without inertia it has no part.
+    pub slip_velocity: f64,
 }
 
 /// A table of all pairs of classes. A class is a body, or a part of a body's surface that is treated differently; facets of the same class may act on each other, too.
@@ -40,6 +42,17 @@ impl Interactions {
             let pair = [self.bodies[k / n], self.bodies[k % n]];
             if pair == [a, b] || pair == [b, a] {
                 *entry = None;
+            }
+        }
+    }
+
+    /// Sets the [`Interaction::slip_velocity`] of each pair of classes that act on each other and have friction, from their bodies, the smaller number first.
+    pub fn set_slip_velocities(&mut self, mut of: impl FnMut([u32; 2]) -> f64) {
+        let n = self.bodies.len();
+        for k in 0..self.table.len() {
+            let [a, b] = [self.bodies[k / n], self.bodies[k % n]];
+            if let Some(interaction) = self.table[k].as_mut().filter(|interaction| interaction.friction > 0.0) {
+                interaction.slip_velocity = of([a.min(b), a.max(b)]);
             }
         }
     }
@@ -81,8 +94,8 @@ impl Interactions {
         self.bodies[class as usize]
     }
 
-    /// Share of the surface of `point`'s class that is summed against facets of the other: one half, because the other is summed too; one against rigid bodies, whose
-    /// points are not summed: their facets may be much larger than what they touch.
+    /// Share of the surface of `point`'s class that is summed against facets of the other that are as large: one half, because the other is summed too; one against rigid bodies, whose
+    /// points are not summed. What larger and smaller facets have is in [`Skin::point_weight`](crate::Skin::point_weight).
     pub fn share(&self, point: u32, facet: u32) -> f64 {
         match (self.rigid[point as usize], self.rigid[facet as usize]) {
             (false, true) => 1.0,

@@ -37,6 +37,6 @@ pub use overlap::{Overlaps, Relation, Separation};
 pub use pair::{PairForce, PairStart, PairTerm, StepForce};
 pub use parallel::Parallel;
 pub use skin::{Skin, SkinFacet, is_closed};
-pub use slip::{Friction, FrictionForce};
+pub use slip::{Friction, FrictionForce, Stick};
 pub use start::{FirstLook, Nearest, first_look};
 pub use tangent::Tangent;

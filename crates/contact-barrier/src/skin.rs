@@ -270,6 +270,16 @@ impl Skin {
         first..first + GAUSS.len() as u32
     }
 
+    /// The triangle that a point of integration is in; none for vertices.
+    pub fn triangle_of_inner(&self, point: u32) -> Option<u32> {
+        (point as usize).checked_sub(self.vertex_count).map(|k| (k / GAUSS.len()) as u32)
+    }
+
+    /// Reference area of a triangle.
+    pub fn area_of(&self, triangle: u32) -> f64 {
+        GAUSS.len() as f64 * self.point_area[self.inner_points(triangle).start as usize]
+    }
+
     /// Whether a point is one of integration.
     pub fn is_inner(&self, point: u32) -> bool {
         point as usize >= self.vertex_count
@@ -295,16 +305,25 @@ impl Skin {
         own.iter().any(|v| corners.contains(v))
     }
 
-    /// Weight of a point against a triangle, an area, for a share of the surface: one half where both sides are summed.
-    pub fn point_weight(&self, point: u32, share: f64) -> f64 {
-        let guard = if (point as usize) < self.vertex_count { 0.5 * GUARD } else { share };
-        guard * self.point_area[point as usize]
+    /// Weight of a point against a triangle, an area; `docs/theory/barrier.md` section 9.
+    ///
+    /// `share` is the part of its area that a point of integration has against a triangle as large as its own: one half where both sides are summed. Against a larger one it has more and against a smaller one
+    /// less, and the parts of two triangles against each other have the sum one. A vertex has a small part of the smaller of two areas: its own, and the largest of the triangle's corners.
+    pub fn point_weight(&self, point: u32, triangle: u32, share: f64) -> f64 {
+        let area = self.point_area[point as usize];
+        if (point as usize) < self.vertex_count {
+            let corners = self.triangles[triangle as usize].map(|v| self.point_area[v as usize]);
+            return 0.5 * GUARD * area.min(corners.into_iter().fold(0.0, f64::max));
+        }
+        let other = self.point_area[self.inner_points(triangle).start as usize];
+        let (by_own, by_other) = ((1.0 - share) * area * area, share * other * other);
+        if by_other > 0.0 { area * (by_other / (by_own + by_other)) } else { 0.0 }
     }
 
-    /// Weight of two edges, an area, and the factor that fades them out where they are parallel.
+    /// Weight of two edges, an area, and the factor that fades them out where they are parallel. It is a small part of the smaller one of the areas that belong to them.
     pub fn edge_weight(&self, [e, f]: [u32; 2]) -> (f64, Parallel) {
         let [e, f] = [e as usize, f as usize];
-        let weight = 0.25 * GUARD * (self.edge_area[e] + self.edge_area[f]);
+        let weight = 0.5 * GUARD * self.edge_area[e].min(self.edge_area[f]);
         (weight, Parallel::of_edges(self.edge_square[e], self.edge_square[f]))
     }
 }

@@ -5,23 +5,74 @@ use crate::tangent::Tangent;
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{PairKind, combine};
 
-/// Coulomb's law, smooth around zero slip.
+/// Coulomb's law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Coefficient of friction, not negative.
     pub coefficient: f64,
-    /// Slip in a step, a positive length, from which on all of the friction acts: a small velocity times the size of the step.
-    pub slip_scale: f64,
+    /// What it does before it slides.
+    pub stick: Stick,
 }
 
-/// Friction of a pair in a step; `docs/theory/barrier.md` (15) to (18).
+/// What friction does before it slides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stick {
+    /// It creeps: friction grows smoothly with the slip of the step.
+    Creep {
+        /// Slip in a step, a positive length, from which on all of the friction acts: a small velocity times the size of the step.
+        slip_scale: f64,
+    },
+    /// It holds like a spring across the pair that slides where its force reaches the limit. What it does not depend on is the number of steps.
+    Spring {
+        /// Force per length, positive.
+        stiffness: f64,
+        /// Vector by which the spring is stretched at the start of the step, a length; [`FrictionForce::stretch`] of the last one.
+        stretch: Vector3<f64>,
+    },
+}
+
+impl Stick {
+    /// Tangential force over the slip, its derivative by the slip over the slip, and its derivative by the normal force, for a slip of a length (with the stretch of a spring) and a limit `coefficient * normal force`.
+    fn law(&self, coefficient: f64, limit: f64, length: f64) -> Secant {
+        let slides = || Secant {
+            per_slip: limit / length,
+            change: -limit / (length * length * length),
+            by_normal: coefficient / length,
+        };
+        match *self {
+            Self::Creep { slip_scale } if length < slip_scale => {
+                let per_slip = (2.0 - length / slip_scale) / slip_scale;
+                // Of no influence where there is no slip.
+                let change = if length > 0.0 { -1.0 / (slip_scale * slip_scale * length) } else { 0.0 };
+                Secant { per_slip: per_slip * limit, change: change * limit, by_normal: per_slip * coefficient }
+            }
+            Self::Spring { stiffness, .. } if stiffness * length <= limit => {
+                Secant { per_slip: stiffness, change: 0.0, by_normal: 0.0 }
+            }
+            _ => slides(),
+        }
+    }
+}
+
+/// The law at a slip: `t = per_slip slip`, `dt = per_slip d(slip) + change slip (slip . d(slip)) + by_normal slip d(normal force)`.
+struct Secant {
+    per_slip: f64,
+    change: f64,
+    by_normal: f64,
+}
+
+/// Friction of a pair in a step; `docs/theory/barrier.md` (15) to (22).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionForce {
     /// To be added to a residual; the force on point `i` is `-gradient[i]`.
     pub gradient: [Vector3<f64>; 4],
-    /// Energy that friction takes in the step, `sum gradient_i . dx_i >= 0`.
-    pub dissipated: f64,
-    /// Length of the slip in the step, as the law sees it: that of a pair that is nearly degenerate fades out.
+    /// Work that friction takes out of the points in the step, `sum gradient_i . dx_i`. If it creeps all of it is lost, and it is not negative.
+    pub work: f64,
+    /// Energy in the spring at the end of the step; zero if friction creeps.
+    pub stored: f64,
+    /// Vector by which the spring is stretched at the end of the step, a length; zero if friction creeps.
+    pub stretch: Vector3<f64>,
+    /// Length of the slip in the step, with the stretch of the spring at its start, as the law sees it: that of a pair that is nearly degenerate fades out.
     pub slip: f64,
     /// Length of the normal force that the law sees: without the part from the gradient of the factor of nearly parallel edges.
     pub normal_force: f64,
@@ -33,7 +84,9 @@ impl FrictionForce {
     /// No friction.
     pub(crate) const NONE: Self = Self {
         gradient: [Vector3::new(0.0, 0.0, 0.0); 4],
-        dissipated: 0.0,
+        work: 0.0,
+        stored: 0.0,
+        stretch: Vector3::new(0.0, 0.0, 0.0),
         slip: 0.0,
         normal_force: 0.0,
         tangential_force: 0.0,
@@ -76,20 +129,23 @@ pub(crate) struct SlipLine {
     change: Vector3<f64>,
     /// Coefficient times normal force.
     limit: f64,
-    slip_scale: f64,
+    stick: Stick,
 }
 
 impl SlipLine {
     /// Energy, whose derivative by the slip the force of the law is, at a part of the motion.
     pub fn energy(&self, part: f64) -> f64 {
-        let (length, scale) = ((self.slip + self.change * part).norm(), self.slip_scale);
-        let of_slip = if length < scale {
-            let y = length / scale;
-            scale * y * y * (1.0 - y / 3.0)
-        } else {
-            length - scale / 3.0
-        };
-        self.limit * of_slip
+        let Self { slip, change, limit, stick } = self;
+        let length = (slip + change * part).norm();
+        match *stick {
+            Stick::Creep { slip_scale: scale } if length < scale => {
+                let y = length / scale;
+                limit * scale * y * y * (1.0 - y / 3.0)
+            }
+            Stick::Creep { slip_scale } => limit * (length - slip_scale / 3.0),
+            Stick::Spring { stiffness, .. } if stiffness * length <= *limit => 0.5 * stiffness * length * length,
+            Stick::Spring { stiffness, .. } => limit * (length - 0.5 * limit / stiffness),
+        }
     }
 }
 
@@ -101,13 +157,16 @@ impl Pressed {
             return None;
         }
         let (n, r) = (self.normal / normal_force, combine(&self.weights, &self.x));
+        let across = |v: Vector3<f64>| v - n * n.dot(&v);
         let slip = |motion: &[Vector3<f64>; 4]| {
             let spin = Spin::new(self.kind, &self.x, motion)?;
-            let relative = combine(&self.weights, motion) * spin.fade - (spin.total * spin.scale).cross(&r);
-            Some(relative - n * n.dot(&relative))
+            let omega = spin.total * spin.scale;
+            Some((combine(&self.weights, motion) * spin.fade - omega.cross(&r), omega))
         };
+        let ((slip, omega), (change, _)) = (slip(&self.dx)?, slip(d)?);
+        let slip = slip + Turned::new(&law.stick, &omega).stretch;
         let limit = law.coefficient * normal_force;
-        Some(SlipLine { slip: slip(&self.dx)?, change: slip(d)?, limit, slip_scale: law.slip_scale })
+        Some(SlipLine { slip: across(slip), change: across(change), limit, stick: law.stick })
     }
 
     /// The friction, and its tangent *added* to one that is there.
@@ -123,33 +182,30 @@ impl Pressed {
         let n = self.normal / normal_force;
         let (r, moved) = (combine(c, &self.x), combine(c, &self.dx));
         let omega = spin.total * spin.scale;
-        let relative = moved * fade - omega.cross(&r);
+        let turned = Turned::new(&law.stick, &omega);
+        let of_step = moved * fade - omega.cross(&r);
+        let relative = of_step + turned.stretch;
         let along_normal = n.dot(&relative);
         let slip = relative - n * along_normal;
         let length = slip.norm();
-        // Coefficient of the slip over the normal force, and its derivative by the length of the slip, over that length (of no influence where this is zero).
-        let (per_slip, change) = if length < law.slip_scale {
-            let scale = law.slip_scale;
-            let change = if length > 0.0 { -1.0 / (scale * scale * length) } else { 0.0 };
-            ((2.0 - length / scale) / scale * law.coefficient, change * law.coefficient)
-        } else {
-            (law.coefficient / length, -law.coefficient / (length * length * length))
-        };
-        let t = slip * (per_slip * normal_force);
+        let Secant { per_slip, change, by_normal: rate } =
+            law.stick.law(law.coefficient, law.coefficient * normal_force, length);
+        let t = slip * per_slip;
         let k = r.cross(&t);
         let couple = spin.couple(&k).map(|f| f * spin.scale);
         let gradient = std::array::from_fn(|i| t * (fade * c[i]) - couple[0] * signs[0][i] - couple[1] * signs[1][i]);
         if let Some((Variation { along, share, normal }, tangent)) = tangent {
-            let by_slip = (Matrix3::identity() * per_slip + slip * slip.transpose() * change) * normal_force;
+            let by_slip = Matrix3::identity() * per_slip + slip * slip.transpose() * change;
             let across = Matrix3::identity() - n * n.transpose();
             let by_relative = by_slip * across;
             let turn = (Matrix3::identity() * along_normal + n * relative.transpose()) * across;
-            let by_normal = slip * n.transpose() * per_slip - by_slip * turn / normal_force;
+            let by_normal = slip * n.transpose() * rate - by_slip * turn / normal_force;
             let by_edge = spin.by_edges(&k, *share);
             let couple_by_k = spin.couple_by_moment();
             let (r_cross, omega_cross, t_cross) = (r.cross_matrix(), omega.cross_matrix(), t.cross_matrix());
-            let relative_by_edge: [Matrix3<f64>; 2] =
-                std::array::from_fn(|e| moved * by_edge[e].fade.transpose() + r_cross * by_edge[e].omega);
+            let relative_by_edge: [Matrix3<f64>; 2] = std::array::from_fn(|e| {
+                moved * by_edge[e].fade.transpose() + (r_cross + turned.by_omega) * by_edge[e].omega
+            });
             let at_positions: [Vector3<f64>; 2] =
                 std::array::from_fn(|a| combine(&along.directions[a], &self.x) * *share);
             let at_motion: [Vector3<f64>; 2] =
@@ -186,12 +242,37 @@ impl Pressed {
                 }
             }
         }
+        let (stretch, stored) = match law.stick {
+            Stick::Creep { .. } => (Vector3::zeros(), 0.0),
+            Stick::Spring { stiffness, .. } => (t / stiffness, 0.5 * t.norm_squared() / stiffness),
+        };
         FrictionForce {
             gradient,
-            dissipated: t.dot(&slip),
+            work: t.dot(&(of_step - n * n.dot(&of_step))),
+            stored,
+            stretch,
             slip: length,
             normal_force,
-            tangential_force: fade * per_slip * normal_force * length,
+            tangential_force: fade * per_slip * length,
+        }
+    }
+}
+
+/// The stretch at the start of the step, turned with the pair, and its derivative by the spin: `(e + omega x e)/sqrt(1 + omega . omega)`, never longer than `e`.
+struct Turned {
+    stretch: Vector3<f64>,
+    by_omega: Matrix3<f64>,
+}
+
+impl Turned {
+    fn new(stick: &Stick, omega: &Vector3<f64>) -> Self {
+        match stick {
+            Stick::Creep { .. } => Self { stretch: Vector3::zeros(), by_omega: Matrix3::zeros() },
+            Stick::Spring { stretch: e, .. } => {
+                let scale = 1.0 / (1.0 + omega.norm_squared()).sqrt();
+                let stretch = (e + omega.cross(e)) * scale;
+                Self { stretch, by_omega: -(e.cross_matrix() + stretch * omega.transpose() * scale) * scale }
+            }
         }
     }
 }

@@ -52,7 +52,7 @@ pub struct SurfaceNode {
     pub friction: [f64; 3],
     /// Distance to the nearest other surface at the end of the step (infinite if none was looked at).
     pub distance: f64,
-    /// Current area of the facets in contact that belongs to the node; of all facets around it where none is, as at corners and edges.
+    /// Current area in contact that belongs to the node; of all facets around it where none is, as at corners and edges.
     pub area: f64,
 }
 
@@ -161,6 +161,14 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     }
     /// The step to `q_np1` was accepted.
     fn commit(&mut self, _q_np1: &[f64]) {}
+    /// Opaque history for checkpoints; empty if there is none.
+    fn save_history(&self) -> Vec<u8> {
+        Vec::new()
+    }
+    /// Restores what `save_history` wrote.
+    fn load_history(&mut self, _bytes: &[u8]) -> Result<(), ContactError> {
+        Ok(())
+    }
 }
 
 /// A potential as a constraint without slots.

@@ -1,6 +1,8 @@
 //! A cell that Stoss does not have, see docs/how-to-add/element.md: the tetrahedron with a bubble at its centre (MINI), as a table and nothing else.
 
-use stoss_reference_element::{CellKind, CellTable, Face, FaceKind, Family, Integration, Shape, ShapeGradient, quadrature};
+use stoss_reference_element::{
+    CellKind, CellTable, Face, FaceKind, Family, Integration, Shape, ShapeGradient, quadrature,
+};
 
 static TET5: CellTable = CellTable {
     name: "tet5",

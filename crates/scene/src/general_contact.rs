@@ -37,7 +37,7 @@ pub struct GeneralContact {
     /// Coefficient of friction of all pairs of bodies that `pairs` does not name.
     #[serde(default)]
     pub friction: f64,
-    /// Speed of slip below which friction falls to zero, positive: there bodies creep instead of sticking. By default a hundredth of the largest speed at the start; needed in dynamics with friction where nothing moves then.
+    /// Speed of slip in dynamics below which friction falls to zero, positive: there bodies creep instead of sticking. By default, for each two bodies, a hundredth of the largest speed of a point of one against a point of the other at the start, or, if they do not move against each other, a tenth of the thickness over the time of the run; needed with friction where nothing moves against anything else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip_velocity: Option<f64>,
     /// Time of a viscous layer, not negative: it damps the motion in the layer. Its loss is in the balance of energy.

@@ -5,7 +5,7 @@ use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, T
 use std::collections::BTreeMap;
 use std::ops::Range;
 use stoss_contact::{
-    Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History,
+    Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork,
     LocalContribution, Potential, Report, SlotReport, StepConfiguration, SurfaceForce, SurfaceNode, WithoutSlots,
 };
 use stoss_fe_solid::{MassKind, SolidBody};
@@ -164,23 +164,23 @@ impl Coupling {
         }
     }
 
-    /// What it carries from step to step; nothing for a potential.
-    pub(crate) fn history(&self) -> Option<&dyn History> {
+    /// What it carries from step to step, for checkpoints; empty if it carries nothing.
+    pub(crate) fn save_history(&self) -> Vec<u8> {
         match self {
-            Self::Contact(method) => Some(&**method),
-            Self::Bilateral(constraint) => Some(&**constraint),
-            Self::Potential(_) => None,
-            Self::Off(silent) => silent.0.history(),
+            Self::Contact(method) => method.save_history(),
+            Self::Bilateral(constraint) => constraint.save_history(),
+            Self::Potential(of) => of.0.save_history(),
+            Self::Off(silent) => silent.0.save_history(),
         }
     }
 
-    /// As [`Self::history`].
-    pub(crate) fn history_mut(&mut self) -> Option<&mut dyn History> {
+    /// Restores what [`Self::save_history`] wrote.
+    pub(crate) fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
         match self {
-            Self::Contact(method) => Some(&mut **method),
-            Self::Bilateral(constraint) => Some(&mut **constraint),
-            Self::Potential(_) => None,
-            Self::Off(silent) => silent.0.history_mut(),
+            Self::Contact(method) => method.load_history(bytes),
+            Self::Bilateral(constraint) => constraint.load_history(bytes),
+            Self::Potential(of) => of.0.load_history(bytes),
+            Self::Off(silent) => silent.0.load_history(bytes),
         }
     }
 

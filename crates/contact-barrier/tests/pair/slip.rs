@@ -1,9 +1,10 @@
 //! Friction: both momenta, work and loss, rigid motions, Coulomb's bound, and tangents against central differences.
 
 use super::*;
-use stoss_contact_barrier::{Friction, StepForce};
+use stoss_contact_barrier::{Friction, StepForce, Stick};
 
-const LAW: Friction = Friction { coefficient: 0.4, slip_scale: 0.05 };
+const SLIP_SCALE: f64 = 0.05;
+const LAW: Friction = Friction { coefficient: 0.4, stick: Stick::Creep { slip_scale: SLIP_SCALE } };
 const TOUCHING: [PairKind; 2] = [PairKind::VertexTriangle, PairKind::EdgeEdge];
 
 /// A pair of the size 1 with a distance of one to a thousandth of the layer at the start, and its motion. One in four is nearly or exactly degenerate: parallel edges, a triangle close to a line.
@@ -58,12 +59,9 @@ fn check(kind: PairKind, force: &StepForce, x_n: &Points, x: &Points, about: &Po
         work += g[i].dot(&(x[i] - x_n[i]));
         terms += g[i].norm() * (x[i] - x_n[i]).norm();
     }
-    assert!(
-        (work - friction.dissipated).abs() <= 1e-13 * terms,
-        "{kind:?} {work:e} {:e} {terms:e}",
-        friction.dissipated
-    );
-    assert!(friction.dissipated >= 0.0);
+    assert!((work - friction.work).abs() <= 1e-13 * terms, "{kind:?} {work:e} {:e} {terms:e}", friction.work);
+    // Of friction that creeps, which stores nothing.
+    assert!(friction.work >= 0.0 || friction.stored > 0.0);
     assert!(friction.tangential_force <= LAW.coefficient * friction.normal_force * (1.0 + 1e-14));
     let on_first: Vector3<f64> = g[..kind.first_count()].iter().sum();
     assert!((on_first.norm() - friction.tangential_force).abs() <= 1e-13 * scale);
@@ -99,11 +97,11 @@ fn friction_takes_energy_and_keeps_both_momenta() {
         assert!((normal.norm() - force.friction.normal_force).abs() <= 1e-13 * size, "{kind:?}");
         // What is left of the motion along the normal, where the slip is small against it.
         let motion = (0..4).map(|i| (x[i] - x_n[i]).norm()).fold(0.0, f64::max);
-        let left = LAW.coefficient * normal.norm() * motion / force.friction.slip.max(LAW.slip_scale);
+        let left = LAW.coefficient * normal.norm() * motion / force.friction.slip.max(SLIP_SCALE);
         assert!(normal.dot(&friction).abs() <= 1e-13 * size * (largest(&force.friction.gradient) + left), "{kind:?}");
         check(kind, &term(kind).at_end(&LAYER, &x_n, &x, Some(&LAW), None), &x_n, &x, &x);
-        acting += usize::from(force.friction.dissipated > 0.0);
-        full += usize::from(force.friction.slip > LAW.slip_scale);
+        acting += usize::from(force.friction.work > 0.0);
+        full += usize::from(force.friction.slip > SLIP_SCALE);
         features.insert(format!("{:?} {:?}", kind, closest(kind, &x).feature()));
     }
     assert!(acting > 30_000 && full > 10_000, "{acting} {full}");
@@ -118,12 +116,12 @@ fn a_rigid_motion_has_no_slip() {
         let (x_n, _) = pressed(&mut random, kind);
         let (turn, shift) = (Rotation3::new(vector(&mut random) * 1.5), vector(&mut random));
         let x = x_n.map(|x| turn * x + shift);
-        let law = Friction { slip_scale: 1e-3, ..LAW };
+        let law = Friction { stick: Stick::Creep { slip_scale: 1e-3 }, ..LAW };
         let friction = start(kind, 0.0, &x_n).step(&x, Some(&law), None).friction;
         let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
         let bound = if sine(kind, &middle) > 0.1 { 1e-13 } else { 1e-10 };
         assert!(friction.slip <= bound, "{kind:?} {:e} {x_n:?}", friction.slip);
-        assert!(friction.dissipated <= 1e-20 * friction.normal_force, "{:e}", friction.dissipated);
+        assert!(friction.work <= 1e-20 * friction.normal_force, "{:e}", friction.work);
         // At the end of a step: of second order in the angle.
         let small = Rotation3::new(vector(&mut random) * 1e-6);
         let x = x_n.map(|x| small * x + shift);
@@ -147,11 +145,11 @@ fn a_vertex_that_slides_on_a_triangle() {
         assert!((friction.normal_force - normal_force).abs() < 1e-14);
         assert!((friction.slip - 0.1).abs() < 1e-15);
         assert!((friction.tangential_force - 0.4 * normal_force).abs() < 1e-14);
-        assert!((friction.dissipated - 0.04 * normal_force).abs() < 1e-15);
+        assert!((friction.work - 0.04 * normal_force).abs() < 1e-15);
         assert!((friction.gradient[0] - Vector3::x() * (0.4 * normal_force)).norm() < 1e-14);
     }
     // Half of the scale: three quarters of the friction.
-    x[0].x = 0.2 + 0.5 * LAW.slip_scale;
+    x[0].x = 0.2 + 0.5 * SLIP_SCALE;
     let friction = start(PairKind::VertexTriangle, 0.0, &x_n).step(&x, Some(&LAW), None).friction;
     assert!((friction.tangential_force - 0.75 * 0.4 * normal_force).abs() < 1e-13);
 }
@@ -159,7 +157,7 @@ fn a_vertex_that_slides_on_a_triangle() {
 #[test]
 fn where_there_is_no_friction() {
     let none = |friction: stoss_contact_barrier::FrictionForce| {
-        friction.gradient == [Vector3::zeros(); 4] && friction.dissipated == 0.0 && friction.tangential_force == 0.0
+        friction.gradient == [Vector3::zeros(); 4] && friction.work == 0.0 && friction.tangential_force == 0.0
     };
     let mut random = Rng::with_seed(13);
     for k in 0..400 {
@@ -249,11 +247,168 @@ fn tangents_with_friction_are_derivatives() {
             worst = worst.max(difference / scale);
         }
         *checked.entry(format!("{:?} {:?}", kind, end.feature())).or_insert(0) += 1;
-        full += usize::from(here.friction.slip > LAW.slip_scale);
+        full += usize::from(here.friction.slip > SLIP_SCALE);
         let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
         faded += usize::from(sine(kind, &middle) < if kind == PairKind::EdgeEdge { 0.1 } else { 0.02 });
     }
     println!("worst {worst:e}, {checked:?}, full {full}, faded {faded}");
     assert!(checked.len() == 16 && checked.values().all(|&n| n > 10), "{checked:?}");
     assert!(full > 1000 && faded > 20, "{full} {faded}");
+}
+
+/// A spring of any stretch across the normal, and one of a stiffness at which about half of the pairs slide.
+fn spring(random: &mut Rng, kind: PairKind, x_n: &Points) -> Friction {
+    let pair = closest(kind, x_n);
+    let n = stoss_geometry::combine(&pair.weights, x_n).normalize();
+    let e = vector(random) * 10f64.powf(-4.0 * random.f64());
+    Friction { stick: Stick::Spring { stiffness: 10f64.powf(3.0 * random.f64()), stretch: e - n * n.dot(&e) }, ..LAW }
+}
+
+#[test]
+fn a_spring_gives_back_what_it_has_and_takes_the_rest() {
+    let mut random = Rng::with_seed(15);
+    let (mut sticking, mut sliding, mut given) = (0, 0, 0);
+    for k in 0..40_000 {
+        let kind = TOUCHING[k % 2];
+        let (x_n, x) = pressed(&mut random, kind);
+        let law = spring(&mut random, kind, &x_n);
+        let Stick::Spring { stiffness, stretch } = law.stick else { unreachable!() };
+        let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
+        for (force, about) in [
+            (start(kind, 0.0, &x_n).step(&x, Some(&law), None), middle),
+            (term(kind).at_end(&LAYER, &x_n, &x, Some(&law), None), x),
+        ] {
+            check(kind, &force, &x_n, &x, &about);
+            let friction = force.friction;
+            let before = 0.5 * stiffness * stretch.norm_squared();
+            assert!(
+                (friction.stored - 0.5 * stiffness * friction.stretch.norm_squared()).abs() <= 1e-14 * friction.stored
+            );
+            // A pair that opens loses its spring.
+            let lost = friction.work + before - friction.stored;
+            assert!(
+                lost >= -1e-13 * (friction.work.abs() + before),
+                "{kind:?} {lost:e} {:e} {before:e}",
+                friction.work
+            );
+            if friction.tangential_force == 0.0 {
+                continue;
+            }
+            let limit = LAW.coefficient * friction.normal_force;
+            let slides = stiffness * friction.slip > limit;
+            // What is carried over is what was felt.
+            let felt = if slides { limit } else { stiffness * friction.slip };
+            assert!((stiffness * friction.stretch.norm() - felt).abs() <= 1e-13 * felt, "{kind:?}");
+            sliding += usize::from(slides);
+            sticking += usize::from(!slides);
+            given += usize::from(friction.work < 0.0);
+        }
+    }
+    assert!(sticking > 10_000 && sliding > 10_000 && given > 1000, "{sticking} {sliding} {given}");
+}
+
+#[test]
+fn tangents_with_springs_are_derivatives() {
+    let mut random = Rng::with_seed(16);
+    let s = 1e-6;
+    let (mut checked, mut sliding, mut worst) = (std::collections::HashMap::new(), 0, 0.0f64);
+    for k in 0..40_000 {
+        let kind = TOUCHING[k % 2];
+        let (x_n, x) = pressed(&mut random, kind);
+        let end = closest(kind, &x);
+        if end.distance_squared < 0.01
+            || !LAYER.is_inside(end.distance_squared)
+            || !is_smooth(kind, &x, s)
+            || near_degenerate(kind, &x)
+        {
+            continue;
+        }
+        let law = spring(&mut random, kind, &x_n);
+        let Stick::Spring { stiffness, .. } = law.stick else { unreachable!() };
+        let at_end = |x: &Points| term(kind).at_end(&LAYER, &x_n, x, Some(&law), None).friction;
+        let here = at_end(&x);
+        // The slip and the normal force are large against the step of the differences, and the kink is far.
+        let near = (stiffness * here.slip / (LAW.coefficient * here.normal_force) - 1.0).abs();
+        if here.normal_force < 1e-3 || here.slip < 100.0 * s || near < 1e-3 * (1.0 + s * stiffness / here.normal_force)
+        {
+            continue;
+        }
+        let (mut with, mut without) = ([[f64::NAN; 12]; 12], [[f64::NAN; 12]; 12]);
+        term(kind).at_end(&LAYER, &x_n, &x, Some(&law), Some(&mut with));
+        term(kind).at_end(&LAYER, &x_n, &x, None, Some(&mut without));
+        let size = without.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+        for i in 0..12 {
+            (0..12).for_each(|j| with[i][j] -= without[i][j]);
+        }
+        let (difference, scale) = error(&with, &central(&x, s, |x| at_end(x).gradient));
+        assert!(
+            difference <= 1e-5 * scale + 1e-12 * size + 1e-7,
+            "{kind:?} {difference:e} {scale:e} {size:e} {law:?} {x_n:?} {x:?}"
+        );
+        worst = worst.max(difference / scale);
+        *checked.entry(format!("{:?} {:?}", kind, end.feature())).or_insert(0) += 1;
+        sliding += usize::from(stiffness * here.slip > LAW.coefficient * here.normal_force);
+    }
+    println!("worst {worst:e}, {checked:?}, sliding {sliding}");
+    assert!(checked.len() == 16 && checked.values().all(|&n| n > 10), "{checked:?}");
+    assert!(sliding > 1000 && checked.values().sum::<usize>() > sliding + 1000, "{sliding}");
+}
+
+/// A way of a tenth in one step and in many: the same force and the same stretch. Back by less than twice the stretch the spring does work.
+#[test]
+fn a_spring_does_not_ask_for_the_number_of_steps() {
+    let at = |x: f64| [[x, 0.3, 0.5], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
+    let along = |ways: &[f64], parts: u32| {
+        let (mut x, mut stretch, mut all) = (0.2, Vector3::zeros(), Vec::new());
+        for way in ways {
+            for _ in 0..parts {
+                let law = Friction { stick: Stick::Spring { stiffness: 100.0, stretch }, ..LAW };
+                let next = x + way / f64::from(parts);
+                let force = term(PairKind::VertexTriangle).at_end(&LAYER, &at(x), &at(next), Some(&law), None);
+                (x, stretch) = (next, force.friction.stretch);
+                all.push(force.friction);
+            }
+        }
+        *all.last().unwrap()
+    };
+    let normal_force = WEIGHT * 2.0 * 1.2;
+    let limit = 0.4 * normal_force / 100.0;
+    for (ways, stretch) in [
+        (&[0.1][..], limit),
+        (&[0.5 * limit], 0.5 * limit),
+        (&[0.1, -0.5 * limit], 0.5 * limit),
+        (&[0.1, -0.1], -limit),
+    ] {
+        for parts in [1, 7, 1000] {
+            let friction = along(ways, parts);
+            assert!((friction.stretch.x - stretch).abs() < 1e-12, "{ways:?} {parts}: {} {stretch}", friction.stretch.x);
+            assert!((friction.gradient[0].x - 100.0 * stretch).abs() < 1e-10);
+        }
+    }
+}
+
+/// The stretch turns with the pair, up to the square of the angle of a step, and never grows.
+#[test]
+fn a_spring_turns_with_its_pair() {
+    let mut random = Rng::with_seed(17);
+    for k in 0..2000 {
+        let kind = TOUCHING[k % 2];
+        let (x_n, _) = pressed(&mut random, kind);
+        if sine(kind, &x_n) < 0.1 || !LAYER.is_inside(closest(kind, &x_n).distance_squared) {
+            continue;
+        }
+        let law = spring(&mut random, kind, &x_n);
+        let Stick::Spring { stretch, .. } = law.stick else { unreachable!() };
+        let law = Friction { stick: Stick::Spring { stiffness: 1e-6, stretch }, ..LAW };
+        let mut axis = vector(&mut random);
+        axis *= 1e-3 / axis.norm();
+        let turn = Rotation3::new(axis);
+        let x = x_n.map(|x| turn * x);
+        let friction = term(kind).at_end(&LAYER, &x_n, &x, Some(&law), None).friction;
+        let gap = closest(kind, &x_n).distance_squared.sqrt();
+        if friction.normal_force > 1e-3 {
+            let missed = (friction.stretch - turn * stretch).norm();
+            assert!(missed <= 1e-5 * (stretch.norm() + gap), "{kind:?} {missed:e} {:e} {gap:e}", stretch.norm());
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Checkpoints of a run, and going on from them.
 
 use super::{Simulation, Stage};
-use crate::{Checkpoint, CheckpointError, Clock, ContactPair, SimulationError, StepControl, StepError};
+use crate::{Checkpoint, CheckpointError, Clock, SimulationError, StepControl, StepError};
 use std::collections::BTreeMap;
 use stoss_integrators::State;
 
@@ -36,8 +36,7 @@ impl Simulation {
 
     /// What each coupling carries from step to step.
     pub(super) fn histories(&self) -> Vec<Vec<u8>> {
-        let of = |pair: &ContactPair| pair.method.history().map_or_else(Vec::new, |history| history.save_history());
-        self.model.contacts.iter().map(of).collect()
+        self.model.contacts.iter().map(|pair| pair.method.save_history()).collect()
     }
 
     /// Continues from a checkpoint of the same scene in the present stage (of a new simulation: the first one), to the end of this simulation.
@@ -143,9 +142,7 @@ impl Simulation {
 
     pub(super) fn load_histories(&mut self, histories: &[Vec<u8>]) -> Result<(), StepError> {
         for (pair, bytes) in self.model.contacts.iter_mut().zip(histories) {
-            if let Some(history) = pair.method.history_mut() {
-                history.load_history(bytes)?;
-            }
+            pair.method.load_history(bytes)?;
         }
         Ok(())
     }

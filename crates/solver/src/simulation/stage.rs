@@ -308,6 +308,8 @@ impl Simulation {
                 }
             }
             Coupling::Potential(of) => {
+                // Springs that were stretched before have no meaning where the surfaces are now.
+                of.0.load_history(&[]).map_err(StepError::from)?;
                 self.stored[c][0] = of.0.energy(q).map_err(StepError::from)?;
             }
             Coupling::Off(_) => {}

@@ -9,7 +9,7 @@ use super::tie::Ties;
 use super::{ContactPlan, FrictionPlan, Joined, Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
 use crate::solver::{ContactPair, Coupling, Model};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, first_look, mitre,
 };
@@ -26,8 +26,17 @@ const TOUCH: f64 = 0.1;
 /// Of distances of inset surfaces, relative.
 const ROUND_OFF: f64 = 1e-6;
 
-/// Speed of slip below which friction falls, in parts of the largest speed at the start.
+/// Speed of slip below which friction of two bodies falls, in parts of their largest relative speed at the start.
 const SLIP: f64 = 0.01;
+
+/// The same of bodies that do not move relative to each other: part of the thickness that they creep at most in the whole run.
+const CREEP: f64 = 0.1;
+
+/// Relative speeds that are round-off, in parts of the speeds.
+const NO_SPEED: f64 = 1e-9;
+
+/// Pairs of bodies that the plan tells one by one.
+const MOST_NAMED: usize = 6;
 
 /// What helps bodies that lie in each other.
 const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
@@ -106,12 +115,10 @@ fn contact(
     let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems, warnings)?;
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
-    let fastest = model.velocity.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max);
-    let slip_velocity = table.slip_velocity.unwrap_or(SLIP * fastest.sqrt());
+    let slip = slip_velocities(scene, table, &skin, &rules, model, thickness);
     let has_rates = scene.is_dynamic() || scene.stages.iter().any(|stage| stage.kind == Kind::Dynamic);
-    if has_friction && has_rates && slip_velocity == 0.0 {
-        let message =
-            "friction acts from some speed of slip on, and nothing moves at the start that would tell which is small";
+    if has_friction && has_rates && slip.is_none() {
+        let message = "friction acts from some speed of slip on, and nothing moves against anything else at the start, which would tell what is small";
         let remedy = "add `slip_velocity`, about a hundredth of the speed at which bodies will slide";
         // Of the contacts whose edges are left to general contact, if it has none of its own.
         let (key, value) = match table.friction > 0.0 {
@@ -121,7 +128,16 @@ fn contact(
         problems.add(key.into(), value, message, remedy);
         return None;
     }
-    let options = GeneralOptions { thickness, damping: table.damping, slip_velocity };
+    let mut slips: BTreeMap<String, f64> = BTreeMap::new();
+    if let Some(slip) = &slip {
+        rules.set_slip_velocities(|[a, b]| {
+            let value = slip(a, b);
+            let [a, b] = [a, b].map(|body| &placed[body as usize].name[..]);
+            slips.insert(if a == b { format!("{a} with itself") } else { format!("{a} and {b}") }, value);
+            value
+        });
+    }
+    let options = GeneralOptions { thickness, damping: table.damping };
     match GeneralContact::new(NAME, skin, rules.clone(), options) {
         Ok(contact) => {
             let method = Coupling::potential(contact);
@@ -155,12 +171,79 @@ fn contact(
             parameters: coefficients,
             stiffness: None,
             default_stiffness: false,
-            stick: None,
-            stepping: "step".to_owned(),
-            slip: None,
+            stick: has_statics(scene).then(|| "elastic".to_owned()),
+            stepping: if has_rates { "step" } else { "end" }.to_owned(),
+            slip: has_rates.then(|| described(&slips)),
         }),
     };
     Some((plan, rules))
+}
+
+/// Speed of slip below which friction of two bodies falls. `None` if the scene does not give it and no two bodies move relative to each other.
+///
+/// It depends on the motion of the two relative to each other alone: not on a velocity that all have, nor on what others do.
+fn slip_velocities(
+    scene: &Scene,
+    table: &Table,
+    skin: &Skin,
+    rules: &Interactions,
+    model: &Model,
+    thickness: f64,
+) -> Option<impl Fn(u32, u32) -> f64 + use<>> {
+    let given = table.slip_velocity;
+    // Smallest and largest components of the velocities of each body.
+    let mut ranges: BTreeMap<u32, [[f64; 2]; 3]> = BTreeMap::new();
+    for facet in skin.facets() {
+        let range = ranges.entry(rules.body(facet.class)).or_insert([[f64::INFINITY, f64::NEG_INFINITY]; 3]);
+        for &node in facet.nodes.iter() {
+            for (c, [low, high]) in range.iter_mut().enumerate() {
+                // Of a scene without velocities there are none.
+                let v = model.velocity.get(3 * node as usize + c).copied().unwrap_or_default();
+                (*low, *high) = (low.min(v), high.max(v));
+            }
+        }
+    }
+    let relative = move |a: u32, b: u32| {
+        let (Some(a), Some(b)) = (ranges.get(&a), ranges.get(&b)) else { return 0.0 };
+        let largest = |[low, high]: &[f64; 2]| low.abs().max(high.abs());
+        let components = a.iter().zip(b).map(|(a, b)| ((a[1] - b[0]).max(b[1] - a[0]), largest(a).max(largest(b))));
+        let squares = components.fold((0.0, 0.0), |(v, all), (d, largest)| (v + d * d, all + largest * largest));
+        let (speed, all) = (f64::sqrt(squares.0), f64::sqrt(squares.1));
+        if speed <= NO_SPEED * all { 0.0 } else { speed }
+    };
+    let bodies: BTreeSet<u32> = skin.facets().iter().map(|facet| rules.body(facet.class)).collect();
+    let moves = bodies.iter().any(|&a| bodies.iter().any(|&b| relative(a, b) > 0.0));
+    let end = scene.stages.iter().map(|stage| stage.until).fold(scene.time.end, f64::max);
+    (given.is_some() || moves).then(|| {
+        move |a: u32, b: u32| {
+            given.unwrap_or_else(|| match relative(a, b) {
+                0.0 => CREEP * thickness / end,
+                speed => SLIP * speed,
+            })
+        }
+    })
+}
+
+/// Whether a part of the run is static.
+fn has_statics(scene: &Scene) -> bool {
+    if scene.stages.is_empty() {
+        !scene.is_dynamic()
+    } else {
+        scene.stages.iter().any(|stage| stage.kind != Kind::Dynamic)
+    }
+}
+
+/// Speeds of slip below which friction creeps in dynamics.
+fn described(slips: &BTreeMap<String, f64>) -> String {
+    let (low, high) = slips.values().fold((f64::INFINITY, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
+    if low == high {
+        return format!("creeps below {low:.4e}");
+    }
+    if slips.len() > MOST_NAMED {
+        return format!("creeps below {low:.4e} to {high:.4e}, pair by pair");
+    }
+    let list: Vec<String> = slips.iter().map(|(names, v)| format!("{v:.4e} ({names})")).collect();
+    format!("creeps below {}", list.join(", "))
 }
 
 /// Whether nobody has asked for general contact.
@@ -400,4 +483,54 @@ fn inner_pairs(scene: &Scene, placed: &[Placed]) -> impl Iterator<Item = [u32; 2
         let [a, b] = contact.surfaces();
         Some([part(a)?, part(b)?])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::build::build;
+    use crate::scene::parse;
+    use std::path::Path;
+
+    /// What `stoss check` tells of the friction of bodies with these velocities; the last one may be far away.
+    fn told(velocities: &[[f64; 3]], more: &str) -> String {
+        let mut text = "[scene]\ntitle = \"t\"\nkind = \"dynamic\"\n[time]\nend = 4\nstep = 0.1\nintegrator = { scheme = \"energy-momentum\" }\n\
+                        [general_contact]\nfriction = 0.3\nthickness = 0.02\n"
+            .to_owned()
+            + more;
+        for (k, velocity) in velocities.iter().enumerate() {
+            let z = 2 * k;
+            text += &format!(
+                "[[body]]\nname = \"{}\"\nmesh = {{ generator = \"block\", min = [0, 0, {z}], max = [1, 1, {}], divisions = [1, 1, 1] }}\n\
+                 material = {{ law = \"neo-hooke\", young = 1, poisson = 0.3 }}\ndensity = 1\nvelocity = {velocity:?}\n",
+                ["a", "b", "c"][k],
+                z + 1
+            );
+        }
+        let scene = parse(&text, "t.toml").unwrap_or_else(|e| panic!("{e}"));
+        match build(&scene, Path::new(".")) {
+            Ok(built) => built.contacts[0].friction.as_ref().unwrap().slip.clone().unwrap(),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    /// The speed of slip that counts as small follows from what two bodies do to each other: neither from a common velocity nor from what others do.
+    #[test]
+    fn creep_follows_from_relative_motion() {
+        let (rest, slow) = ([0.0; 3], [0.3, 0.0, -0.4]);
+        let two = told(&[rest, slow], "self = false\n");
+        assert_eq!(two, "creeps below 5.0000e-3");
+        let fast = [1e6, -1e6, 3e6];
+        let with = |v: [f64; 3]| std::array::from_fn(|c| v[c] + fast[c]);
+        assert!(told(&[fast, with(slow)], "self = false\n").starts_with("creeps below 5.0000e-3"));
+        let three = told(&[rest, slow, fast], "self = false\n");
+        assert!(three.contains("5.0000e-3 (a and b)") && three.contains("3.3166e4 (a and c)"), "{three}");
+        // At rest against each other: a tenth of the thickness in the time of the run.
+        let three = told(&[slow, slow, rest], "self = false\n");
+        assert!(three.contains("5.0000e-4 (a and b)") && three.contains("5.0000e-3 (a and c)"), "{three}");
+        assert_eq!(told(&[rest, slow], "self = false\nslip_velocity = 0.7\n"), "creeps below 7.0000e-1");
+        // Nothing tells what is small.
+        for v in [rest, slow] {
+            assert!(told(&[v, v], "").contains("add `slip_velocity`"), "{}", told(&[v, v], ""));
+        }
+    }
 }

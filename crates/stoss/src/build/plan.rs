@@ -41,11 +41,11 @@ pub struct FrictionPlan {
     pub stiffness: Option<f64>,
     /// True if the scene does not give that stiffness.
     pub default_stiffness: bool,
-    /// How stick is enforced, as in the scene; `None` for a law without stick.
+    /// How stick is enforced, as in the scene (general contact in statics: `elastic`); `None` for a law without stick.
     pub stick: Option<String>,
     /// Which traction of a step is in the equations: `end`, `step` (exact stick: one for the whole of it), or a midpoint variant as in the scene.
     pub stepping: String,
-    /// How mortar contact measures slip, as in the scene.
+    /// How mortar contact measures slip, as in the scene; in dynamics with general contact, below which speeds it is creep.
     pub slip: Option<String>,
 }
 

@@ -76,7 +76,7 @@ pub(super) fn fits(
     let inner = all.iter().map(|facet| SkinFacet { nodes: facet.nodes.map(number), class: 1 });
     let both = Skin::new(all.iter().copied().chain(inner).collect(), &q, &|_| None);
     let mut rules = Interactions::none(&[(0, false), (1, false)]);
-    rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0 }));
+    rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0, slip_velocity: 1.0 }));
     let look = first_look(&both, &rules, &q, depth);
     let near = look.nearest.values().any(|nearest| nearest.distance < LEAST * depth);
     look.crossings.is_empty() && !near

@@ -86,7 +86,9 @@ mod tests {
             friction_work: 0.0,
         };
         let node = SurfaceNode { node: 7, pressure, friction: [0.0, pressure, 0.0], distance, area: 1.0 };
-        ContactSummary { bodies: vec![pair], surface: vec![node], ..ContactSummary::default() }
+        let mut summary = ContactSummary::default();
+        (summary.bodies, summary.surface) = (vec![pair], vec![node]);
+        summary
     }
 
     #[test]

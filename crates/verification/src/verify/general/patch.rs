@@ -75,9 +75,9 @@ fn faces(n: [u32; 2], shift: f64) -> Outcome<Faces> {
     let lower = q.len() / 3;
     block(&mut facets, &mut q, n[1], [shift, shift, 0.5 * THICKNESS], 1);
     let mut rules = Interactions::none(&[(0, false), (1, false)]);
-    rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0 }));
+    rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0, slip_velocity: 1.0 }));
     let skin = Skin::new(facets, &q, &|_| None);
-    let options = GeneralOptions { thickness: THICKNESS, damping: 0.0, slip_velocity: 1.0 };
+    let options = GeneralOptions { thickness: THICKNESS, damping: 0.0 };
     Ok(Faces { contact: GeneralContact::new("faces", skin, rules, options)?, q, lower })
 }
 
@@ -105,7 +105,7 @@ fn without_guards(faces: &Faces) -> Vec<f64> {
     let mut force = vec![0.0; q.len() / 3];
     let is_lower = |point: u32| skin.terms(point).iter().all(|&(node, _)| (node as usize) < faces.lower);
     for p in skin.vertex_count() as u32..skin.point_count() as u32 {
-        for triangle in skin.triangles() {
+        for (t, triangle) in skin.triangles().iter().enumerate() {
             let points = [p, triangle[0], triangle[1], triangle[2]];
             let x = points.map(|point| skin.at(point, q));
             let pair = closest(PairKind::VertexTriangle, &x);
@@ -116,7 +116,7 @@ fn without_guards(faces: &Faces) -> Vec<f64> {
             let [_, slope, _] = layer.evaluate(pair.distance_squared);
             for (point, c) in points.into_iter().zip(pair.weights) {
                 for &(node, weight) in skin.terms(point) {
-                    force[node as usize] += skin.point_weight(p, 0.5) * slope * 2.0 * c * gap * weight;
+                    force[node as usize] += skin.point_weight(p, t as u32, 0.5) * slope * 2.0 * c * gap * weight;
                 }
             }
         }
