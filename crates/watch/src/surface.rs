@@ -2,7 +2,7 @@
 
 use crate::WatchFacet;
 use nalgebra::Vector3;
-use robust::{Coord3D, orient3d};
+use robust::{Coord, Coord3D, orient2d, orient3d};
 use std::collections::BTreeMap;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 use stoss_mesh::{Elements, FacetIndex};
@@ -30,6 +30,18 @@ fn side(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, p: &Vector3<f64>) 
     } else {
         0
     }
+}
+
+/// Whether a point is on a triangle, its edges and corners included. Exact.
+fn is_on(x: &Vector3<f64>, [a, b, c]: [&Vector3<f64>; 3]) -> bool {
+    if side(a, b, c, x) != 0 {
+        return false;
+    }
+    // In the plane: without the coordinate along which the triangle is seen largest.
+    let axis = (b - a).cross(&(c - a)).iamax();
+    let flat = |p: &Vector3<f64>| Coord { x: p[(axis + 1) % 3], y: p[(axis + 2) % 3] };
+    let turns = [[a, b], [b, c], [c, a]].map(|[p, q]| orient2d(flat(p), flat(q), flat(x)));
+    turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0)
 }
 
 /// How a segment meets a triangle.
@@ -388,6 +400,12 @@ impl Surface {
         if !self.is_closed || !self.bounds.contains(x) {
             return false;
         }
+        // Every ray of such a point would be degenerate, and bodies that lie on each other have many.
+        let mut on_surface = false;
+        self.tree.query(&Aabb::from_points([x]), |t| on_surface |= is_on(x, self.triangle(t)));
+        if on_surface {
+            return false;
+        }
         let size = (self.bounds.max - self.bounds.min).norm();
         'ray: for direction in DIRECTIONS {
             let end = x + Vector3::from(direction) * (2.0 * size);
@@ -403,7 +421,7 @@ impl Surface {
             }
             return winding != 0;
         }
-        // All rays meet an edge only if the point is on the surface.
+        // All rays meet an edge: the point is on the surface but for round-off.
         false
     }
 
@@ -463,6 +481,19 @@ mod tests {
     fn the_sign_of_a_side_is_that_of_the_outward_normal() {
         let [a, b, c] = [Vector3::zeros(), Vector3::x(), Vector3::y()];
         assert_eq!([1.0, -1.0, 0.0].map(|z| side(&a, &b, &c, &Vector3::new(0.1, 0.1, z))), [1, -1, 0]);
+    }
+
+    #[test]
+    fn points_on_a_triangle_are_told_exactly() {
+        let [a, b, c] = [Vector3::new(0.0, 0.0, 1.0), Vector3::new(2.0, 0.0, 1.5), Vector3::new(0.0, 2.0, 1.0)];
+        let at = |u: f64, v: f64| a + (b - a) * u + (c - a) * v;
+        for [u, v] in [[0.25, 0.25], [0.0, 0.0], [0.5, 0.5], [0.0, 0.75], [1.0, 0.0]] {
+            assert!(is_on(&at(u, v), [&a, &b, &c]) && is_on(&at(u, v), [&a, &c, &b]), "{u} {v}");
+            assert!(!is_on(&(at(u, v) + Vector3::z() * 1e-15), [&a, &b, &c]));
+        }
+        for [u, v] in [[-0.25, 0.25], [0.75, 0.5], [1.5, 0.0]] {
+            assert!(!is_on(&at(u, v), [&a, &b, &c]), "{u} {v}");
+        }
     }
 
     #[test]
