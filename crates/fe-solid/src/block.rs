@@ -7,6 +7,7 @@ use crate::{
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
     kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
     mixed::{self, Averages, Basis, Mixed, Parts},
+    nodal::NodalTetrahedra,
     viscous::{Viscosity, ViscousBlock},
 };
 use rayon::prelude::*;
@@ -35,6 +36,16 @@ pub(crate) struct Material<'a> {
     pub volume: Option<&'a dyn VolumetricEnergy>,
 }
 
+impl<'a> Material<'a> {
+    /// Of a mixed body.
+    pub fn volume(&self) -> &'a dyn VolumetricEnergy {
+        match self.volume {
+            Some(volume) => volume,
+            None => unreachable!("a mixed body has both parts of its law"),
+        }
+    }
+}
+
 /// Strain and place of a Gauss point.
 pub(crate) struct PointStrain {
     pub gauss_point: usize,
@@ -58,6 +69,14 @@ pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
     /// Forgets what [`Cells::begin_step`] kept.
     fn end_step(&mut self);
     fn has_begun(&self) -> bool;
+    /// Stencils of the tangent beside those of the elements.
+    fn stencil_count(&self) -> usize {
+        0
+    }
+    /// Global nodes of such a stencil.
+    fn stencil(&self, _k: usize) -> &[u32] {
+        &[]
+    }
     fn assemble(
         &self,
         material: Material<'_>,
@@ -117,11 +136,14 @@ pub(crate) struct Block<const N: usize, const G: usize> {
     at_nodes: Vec<Gradients<N>>,
 }
 
-/// The block of these cells. A new kind of cell needs a line here.
+/// The block of these cells. A new kind of cell needs a line here. `offset`: global number of the first node; `first_stencil`: number of the first stencil beside those of the
+/// elements, if the block has some.
 pub(crate) fn block(
     cells: &CellBlock,
     reference: &[[f64; 3]],
     options: SolidOptions,
+    offset: u32,
+    first_stencil: usize,
 ) -> Result<Box<dyn Cells>, Refused> {
     use Integration::{Full, Reduced};
     Ok(match (cells.kind(), options.integration) {
@@ -129,7 +151,13 @@ pub(crate) fn block(
         (CellKind::Hex20, Full) => Box::new(Block::<20, 27>::new(cells, reference, options)?),
         (CellKind::Hex20, Reduced) => Box::new(Block::<20, 8>::new(cells, reference, options)?),
         (CellKind::Hex27, Full) => Box::new(Block::<27, 27>::new(cells, reference, options)?),
-        (CellKind::Tet4, Full) => Box::new(Block::<4, 1>::new(cells, reference, options)?),
+        (CellKind::Tet4, Full) => {
+            let block = Block::<4, 1>::new(cells, reference, options)?;
+            match options.volumetric {
+                Volumetric::Displacement => Box::new(block),
+                Volumetric::Mixed => Box::new(NodalTetrahedra::new(block, cells.nodes(), offset, first_stencil)),
+            }
+        }
         (CellKind::Tet10, Full) => Box::new(Block::<10, 8>::new(cells, reference, options)?),
         (CellKind::Tet10, Reduced) => Box::new(Block::<10, 4>::new(cells, reference, options)?),
         (CellKind::Wedge6, Full) => Box::new(Block::<6, 6>::new(cells, reference, options)?),
@@ -176,7 +204,8 @@ impl<const N: usize, const G: usize> Block<N, G> {
         });
         let integration: Vec<ElementIntegration<N, G>> = elements.collect::<Result<_, _>>()?;
         let projection = match (options.volumetric, kind) {
-            (Volumetric::Displacement, _) => Projection::None,
+            // The averages of tet4 are those of nodes.
+            (Volumetric::Displacement, _) | (Volumetric::Mixed, CellKind::Tet4) => Projection::None,
             (Volumetric::Mixed, CellKind::Hex27) => {
                 let points = std::array::from_fn(|g| rule[g].0);
                 Projection::Linear(integration.iter().map(|e| mixed::linear(&e.weights, &points)).collect())
@@ -209,6 +238,12 @@ impl<const N: usize, const G: usize> Block<N, G> {
                 Averages::Linear(Mixed { parts: parts(material.volume?), integration, basis: bases[element] })
             }
         })
+    }
+
+    /// What [`Cells::begin_step`] kept of an element.
+    #[inline]
+    pub(crate) fn history(&self, element: usize) -> &[GaussPointHistory; G] {
+        &self.history[element]
     }
 
     /// Reference integrals of an element.

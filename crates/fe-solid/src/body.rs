@@ -28,8 +28,9 @@ pub enum Volumetric {
     #[default]
     Displacement,
     /// The part of the law that depends on the volume sees an average of `det F` (docs/theory/elements.md): a constant of each element, for hex27 a function
-    /// that is linear in natural coordinates. For nearly incompressible solids; of no use to tet4 and wedge6, which lock all the same. The law must have such a
-    /// part, [`HyperelasticLaw::volumetric`].
+    /// that is linear in natural coordinates, for tet4 the mean of the elements around each node. For nearly incompressible solids; of no use to wedge6, which
+    /// locks all the same. The law must have such a part, [`HyperelasticLaw::volumetric`]. With tet4 the tangent has more stencils than elements,
+    /// [`SolidBody::stencils`].
     Mixed,
 }
 
@@ -104,11 +105,13 @@ impl SolidBody {
             }
         }
         let mut blocks = Vec::with_capacity(mesh.elements.blocks().len());
+        let mut stencils = mesh.elements.len();
         for cells in mesh.elements.blocks() {
             let first = cells.first() as usize;
-            let mut block = block::block(cells, &mesh.nodes, options);
+            let mut block = block::block(cells, &mesh.nodes, options, node_offset, stencils);
             if let Err(Refused::NoRule) = block {
-                block = block::block(cells, &mesh.nodes, SolidOptions { integration: Integration::Full, ..options });
+                let options = SolidOptions { integration: Integration::Full, ..options };
+                block = block::block(cells, &mesh.nodes, options, node_offset, stencils);
             }
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
@@ -118,6 +121,7 @@ impl SolidBody {
                 }
                 Refused::NoRule => unreachable!("every kind of cell has a full rule"),
             })?);
+            stencils += blocks.last().map_or(0, |block: &Box<dyn Cells>| block.stencil_count());
         }
         let mut elements = Elements::new();
         elements.extend(&mesh.elements, |node| node + node_offset);
@@ -156,6 +160,14 @@ impl SolidBody {
     /// The elements with global node numbers.
     pub fn elements(&self) -> &Elements {
         &self.elements
+    }
+
+    /// Global nodes of each stencil of the tangent: those of the elements in their order, then those of nodes with averages of their own, which
+    /// mixed tet4 have.
+    pub fn stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
+        let of_nodes = |block: &'_ Box<dyn Cells>| block.stencil_count();
+        let more = self.blocks.iter().flat_map(move |block| (0..of_nodes(block)).map(move |k| block.stencil(k)));
+        self.elements.iter().chain(more)
     }
 
     /// Global number of the body's first node.
@@ -216,7 +228,7 @@ impl SolidBody {
     /// `target.factor * dF/dq_np1` to its values (formulation §3.3, §3.4). A target is left untouched under
     /// [`StressRule::Configuration`] with `theta = 0`, whose tangent is zero.
     ///
-    /// In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first
+    /// The target's stencils are [`Self::stencils`]. In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first
     /// call with a workspace (the first with a tangent, if there are some) nothing is allocated.
     ///
     /// # Errors

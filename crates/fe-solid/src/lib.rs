@@ -31,6 +31,7 @@ pub mod kernel;
 mod load;
 mod mass;
 mod mixed;
+mod nodal;
 mod point;
 mod recovery;
 mod viscous;
