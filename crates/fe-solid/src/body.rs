@@ -115,13 +115,14 @@ impl SolidBody {
             }
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
-            blocks.push(block.map_err(|refused| match refused {
+            let block: Box<dyn Cells> = block.map_err(|refused| match refused {
                 Refused::Inverted { element, gauss_point, determinant } => {
                     SolidError::InvertedReference { body: body(), element: first + element, gauss_point, determinant }
                 }
                 Refused::NoRule => unreachable!("every kind of cell has a full rule"),
-            })?);
-            stencils += blocks.last().map_or(0, |block: &Box<dyn Cells>| block.stencil_count());
+            })?;
+            stencils += block.stencil_count();
+            blocks.push(block);
         }
         let mut elements = Elements::new();
         elements.extend(&mesh.elements, |node| node + node_offset);
@@ -165,8 +166,7 @@ impl SolidBody {
     /// Global nodes of each stencil of the tangent: those of the elements in their order, then those of nodes with averages of their own, which
     /// mixed tet4 have.
     pub fn stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
-        let of_nodes = |block: &'_ Box<dyn Cells>| block.stencil_count();
-        let more = self.blocks.iter().flat_map(move |block| (0..of_nodes(block)).map(move |k| block.stencil(k)));
+        let more = self.blocks.iter().flat_map(|block| (0..block.stencil_count()).map(move |k| block.stencil(k)));
         self.elements.iter().chain(more)
     }
 
