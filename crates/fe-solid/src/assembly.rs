@@ -7,7 +7,7 @@
 use crate::{
     element::Failure,
     kernel::{self, LocalTangent, NodalVectors, TangentFactors},
-    nodal::Scratch,
+    scratch::Scratch,
 };
 use rayon::prelude::*;
 use std::ops::Range;

@@ -1,38 +1,18 @@
 //! A body of finite elements with one law. Not its mesh (only nodes and reference integrals are kept), not its unknowns.
 
 use crate::{
-    MassKind, MassMatrix, SolidError, SolidStep, StressRule,
+    MassKind, MassMatrix, SolidError, SolidOptions, SolidStep, StressRule, ViscousRate, Volumetric,
     assembly::{Additions, TangentTarget, Workspace},
-    block::{self, Cells, ElementFailure, Material, Refused},
+    blocks,
+    cells::{Cells, ElementFailure, Material, Refused},
     element::{Failure, FailureKind},
     mass,
+    viscous::Viscosity,
 };
 use std::sync::Arc;
 use stoss_continuum::{HyperelasticLaw, VolumetricSplit};
 use stoss_mesh::{CellBlock, Elements, Mesh};
 use stoss_reference_element::Integration;
-
-/// What elements of a body can do in more than one way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SolidOptions {
-    /// The points at which stress and stiffness are taken. Kinds of cells with one rule only take that one.
-    pub integration: Integration,
-    /// How the change of volume is treated.
-    pub volumetric: Volumetric,
-}
-
-/// How elements treat the change of volume.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Volumetric {
-    /// At each Gauss point, as the law says. Such elements lock near incompressibility, above a Poisson's ratio of about 0.45.
-    #[default]
-    Displacement,
-    /// The part of the law that depends on the volume sees an average of `det F` (docs/theory/elements.md): a constant of each element, for hex27 a function
-    /// that is linear in natural coordinates, for tet4 the mean of the elements around each node. For nearly incompressible solids; of no use to wedge6, which
-    /// locks all the same. The law must have such a part, [`HyperelasticLaw::volumetric`]. With tet4 the tangent has more stencils than elements,
-    /// [`SolidBody::stencils`].
-    Mixed,
-}
 
 /// Energy, force and tangent of a body of elements of any kinds.
 #[derive(Debug)]
@@ -108,10 +88,10 @@ impl SolidBody {
         let mut stencils = mesh.elements.len();
         for cells in mesh.elements.blocks() {
             let first = cells.first() as usize;
-            let mut block = block::block(cells, &mesh.nodes, options, node_offset, stencils);
+            let mut block = blocks::of_cells(cells, &mesh.nodes, options, node_offset, stencils);
             if let Err(Refused::NoRule) = block {
                 let options = SolidOptions { integration: Integration::Full, ..options };
-                block = block::block(cells, &mesh.nodes, options, node_offset, stencils);
+                block = blocks::of_cells(cells, &mesh.nodes, options, node_offset, stencils);
             }
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
@@ -258,6 +238,37 @@ impl SolidBody {
             let first = cells.first() as usize;
             let to = Additions { first, force_weight, force, target: &mut target, workspace };
             block.assemble(self.material(), cells.nodes(), step, to)
+        })
+    }
+
+    /// Adds the nodal forces of `S_v = b C_0 : E'` to `force` and, if a target is given, `target.factor` times their derivative with respect to the
+    /// unknown positions to its values. The isotropic part of `C_0` counts, that of [`stoss_continuum::HyperelasticLaw::small_strain_moduli`]; in a mixed body that of
+    /// the law without its energy of the change of volume, which would lock. Threads and allocation
+    /// are as in [`SolidBody::assemble`].
+    ///
+    /// # Errors
+    /// [`SolidError::Length`].
+    pub fn add_viscous_force(
+        &self,
+        rate: ViscousRate<'_>,
+        force: &mut [f64],
+        tangent: Option<TangentTarget<'_>>,
+        workspace: &mut Workspace,
+    ) -> Result<(), SolidError> {
+        self.check_length("the force", force)?;
+        self.check_length("the positions", rate.q)?;
+        self.check_length("the velocities", rate.v)?;
+        let moduli = self.material().law.small_strain_moduli();
+        let viscosity = Viscosity {
+            rate,
+            moduli: [rate.factor * moduli.lame_lambda(), rate.factor * moduli.shear],
+            factor: tangent.as_ref().map_or(1.0, |target| target.factor),
+        };
+        let mut tangent = tangent;
+        self.for_each_block(|block, cells| {
+            let first = cells.first() as usize;
+            let to = Additions { first, force_weight: 1.0, force, target: &mut tangent, workspace };
+            block.add_viscous_force(cells.nodes(), viscosity, to)
         })
     }
 

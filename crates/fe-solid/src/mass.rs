@@ -2,7 +2,8 @@
 
 use crate::{
     TangentTarget,
-    block::{Refused, natural_gradients},
+    cells::Refused,
+    element::natural_gradients,
     kernel::{self, Gradients, NodalVectors},
 };
 use std::sync::Arc;

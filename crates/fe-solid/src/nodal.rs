@@ -6,9 +6,11 @@
 use crate::{
     Level, SolidStep, StressRule,
     assembly::{self, Additions, ElementEvaluator},
-    block::{Block, Cells, ElementFailure, Material, PointStrain, gather},
-    element::{self, Failure, FailureKind},
+    block::Block,
+    cells::{Cells, ElementFailure, Material, PointStrain},
+    element::{self, Failure, FailureKind, gather},
     kernel::{self, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    scratch::Scratch,
     viscous::Viscosity,
 };
 use rayon::prelude::*;
@@ -72,28 +74,6 @@ impl Patches {
 
     fn stencil(&self, place: usize) -> &[u32] {
         &self.stencils[self.stencil_starts[place]..self.stencil_starts[place + 1]]
-    }
-}
-
-/// Room for what a step needs of all elements and nodes.
-#[derive(Debug, Default)]
-pub(crate) struct Scratch {
-    /// Of each element.
-    jacobians: Vec<f64>,
-    pressures: Vec<f64>,
-    /// Of each node: pressure, and its derivative.
-    nodal: Vec<(f64, f64)>,
-    /// The tangent of a node and the two vectors that it is the product of.
-    tangent: Vec<f64>,
-    works: Vec<[f64; 3]>,
-    changes: Vec<[f64; 3]>,
-}
-
-impl Scratch {
-    pub fn memory_bytes(&self) -> usize {
-        (self.jacobians.capacity() + self.pressures.capacity() + self.tangent.capacity()) * size_of::<f64>()
-            + self.nodal.capacity() * size_of::<(f64, f64)>()
-            + (self.works.capacity() + self.changes.capacity()) * size_of::<[f64; 3]>()
     }
 }
 
