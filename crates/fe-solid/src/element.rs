@@ -108,12 +108,14 @@ impl From<ConstitutiveError> for FailureKind {
 }
 
 /// `det F > 0` or the reason. Checked on `F` itself: `det C` is positive for an inverted element too.
+#[inline]
 fn check_orientation(f: &Matrix3, level: Level) -> Result<(), FailureKind> {
     let determinant = kernel::determinant(f);
     if determinant > 0.0 { Ok(()) } else { Err(FailureKind::Inverted { determinant, level }) }
 }
 
 /// `F` (checked) and `C` of an element's configuration at a Gauss point.
+#[inline]
 pub(crate) fn strain<const N: usize, const G: usize>(
     q: &NodalVectors<N>,
     integration: &ElementIntegration<N, G>,
@@ -201,6 +203,7 @@ pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
 }
 
 /// `(1 - theta) a + theta b`.
+#[inline]
 pub(crate) fn between<const N: usize>(a: &NodalVectors<N>, b: &NodalVectors<N>, theta: f64) -> NodalVectors<N> {
     let rest = 1.0 - theta;
     std::array::from_fn(|i| std::array::from_fn(|node| rest * a[i][node] + theta * b[i][node]))
