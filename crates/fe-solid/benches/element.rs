@@ -86,10 +86,15 @@ fn laws() -> Vec<Arc<dyn HyperelasticLaw>> {
     ]
 }
 
-fn bodies(criterion: &mut Criterion) {
+fn on_one_thread(criterion: &mut Criterion) {
     // While it exists this thread is the one worker of the current pool: the serial path.
     let _pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("a pool");
     assert_eq!(rayon::current_num_threads(), 1);
+    bodies(criterion);
+    cells(criterion);
+}
+
+fn bodies(criterion: &mut Criterion) {
     for (name, n) in [("element", 1), ("body of 512 elements", 8)] {
         let mut group = criterion.benchmark_group(name);
         for law in laws() {
@@ -122,7 +127,6 @@ fn bodies(criterion: &mut Criterion) {
 
 /// Every cell with each of its rules, without and with averages: two cubes a direction, filled with cells. The number of Gauss points is in the name.
 fn cells(criterion: &mut Criterion) {
-    let _pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("a pool");
     let mut group = criterion.benchmark_group("cells");
     for (kind, integration) in common::CASES {
         let mesh = common::cells(&[kind], [2; 3], 0.0, 0.0, 0);
@@ -195,6 +199,6 @@ criterion_group! {
         .sample_size(30)
         .warm_up_time(std::time::Duration::from_millis(300))
         .measurement_time(std::time::Duration::from_secs(1));
-    targets = kernels, bodies, cells
+    targets = kernels, on_one_thread
 }
 criterion_main!(benches);

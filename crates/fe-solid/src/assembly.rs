@@ -7,6 +7,7 @@
 use crate::{
     element::Failure,
     kernel::{self, LocalTangent, NodalVectors, TangentFactors},
+    scratch::Scratch,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -38,6 +39,7 @@ pub struct TangentTarget<'a> {
 pub struct Workspace {
     computing: Vec<Portion>,
     adding: Vec<Portion>,
+    pub(crate) nodal: Scratch,
 }
 
 impl Workspace {
@@ -46,6 +48,7 @@ impl Workspace {
         let portions = self.computing.iter().chain(&self.adding);
         (self.computing.capacity() + self.adding.capacity()) * size_of::<Portion>()
             + portions.map(Portion::memory_bytes).sum::<usize>()
+            + self.nodal.memory_bytes()
     }
 }
 
@@ -148,7 +151,7 @@ pub(crate) fn assemble<const N: usize, const G: usize>(
     evaluator: &impl ElementEvaluator<N, G>,
     to: Additions<'_, '_>,
 ) -> Result<(), (usize, Failure)> {
-    let Additions { first: number, force_weight, force, target, workspace: Workspace { computing, adding } } = to;
+    let Additions { first: number, force_weight, force, target, workspace: Workspace { computing, adding, .. } } = to;
     let threads = rayon::current_num_threads();
     let (grain, want_tangent) = (grain(N), target.is_some());
     if threads == 1 || nodes.len() <= grain {

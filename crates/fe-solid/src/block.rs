@@ -1,96 +1,21 @@
-//! The elements of one kind in a body: their reference integrals, and what the body asks of them. The numbers of nodes and points are constants
-//! inside of [`Block`] and unknown outside of [`Cells`], which is called once a block.
+//! The elements of one kind in a body: their reference integrals, and the averages that are those of an element.
 
 use crate::{
     Level, SolidOptions, SolidStep, StressRule, Volumetric,
     assembly::{self, Additions, ElementEvaluator},
-    element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
-    kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    cells::{Cells, ElementFailure, Material, PointStrain, Refused},
+    element::{self, ElementStep, Failure, FailureKind, GaussPointHistory, gather, natural_gradients},
+    kernel::{self, ElementIntegration, Gradients, LocalTangent, NodalVectors, TangentFactors},
     mixed::{self, Averages, Basis, Mixed, Parts},
-    viscous::{Viscosity, ViscousBlock},
+    viscous::{Viscosity, ViscousElements},
 };
 use rayon::prelude::*;
-use stoss_continuum::{HyperelasticLaw, SymmetricTensor2, VolumetricEnergy};
+use stoss_continuum::SymmetricTensor2;
 use stoss_mesh::CellBlock;
-use stoss_reference_element::{CellKind, Integration, Rule};
+use stoss_reference_element::{CellKind, Rule};
 
 /// Elements that one thread takes at once in sums over the body; fixed, because it fixes the order of the sum.
 const CHUNK: usize = 64;
-
-/// An element of the block and what is wrong with it.
-pub(crate) type ElementFailure = (usize, Failure);
-
-/// Why a block cannot be made.
-pub(crate) enum Refused {
-    /// `det dX/dxi` of an element at a Gauss point.
-    Inverted { element: usize, gauss_point: usize, determinant: f64 },
-    /// The kind has no such rule.
-    NoRule,
-}
-
-/// The law of a body: `W(C)` and, in a mixed body, `U` of the averaged change of volume.
-#[derive(Clone, Copy)]
-pub(crate) struct Material<'a> {
-    pub law: &'a dyn HyperelasticLaw,
-    pub volume: Option<&'a dyn VolumetricEnergy>,
-}
-
-/// Strain and place of a Gauss point.
-pub(crate) struct PointStrain {
-    pub gauss_point: usize,
-    pub deformation_gradient: Matrix3,
-    pub right_cauchy_green: SymmetricTensor2,
-    pub volume: f64,
-    /// Averaged pressure, positive in tension, and `U`; zero if nothing is averaged.
-    pub pressure: f64,
-    pub volumetric_energy: f64,
-}
-
-/// What a body asks of a block. `nodes` are the global nodes of all its elements; elements are counted in the block.
-pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
-    fn boxed(&self) -> Box<dyn Cells>;
-    fn rule(&self) -> Rule;
-    fn memory_bytes(&self) -> usize;
-    /// Adds the volumes of all Gauss points, one after the other.
-    fn add_volume(&self, total: &mut f64);
-    fn element_volume(&self, element: usize) -> f64;
-    fn begin_step(&mut self, material: Material<'_>, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure>;
-    /// Forgets what [`Cells::begin_step`] kept.
-    fn end_step(&mut self);
-    fn has_begun(&self) -> bool;
-    fn assemble(
-        &self,
-        material: Material<'_>,
-        nodes: &[u32],
-        step: SolidStep<'_>,
-        to: Additions<'_, '_>,
-    ) -> Result<(), ElementFailure>;
-    fn add_viscous_force(
-        &self,
-        nodes: &[u32],
-        viscosity: Viscosity<'_>,
-        to: Additions<'_, '_>,
-    ) -> Result<(), ElementFailure>;
-    /// Adds the energies of all elements, one after the other.
-    fn add_energy(
-        &self,
-        material: Material<'_>,
-        nodes: &[u32],
-        q: &[f64],
-        total: &mut f64,
-    ) -> Result<(), ElementFailure>;
-    /// The strains at the Gauss points of an element.
-    fn visit_points(
-        &self,
-        material: Material<'_>,
-        nodes: &[u32],
-        element: usize,
-        q: &[f64],
-        visit: &mut dyn FnMut(PointStrain) -> Result<(), FailureKind>,
-    ) -> Result<(), Failure>;
-    /// The node of an element with the smallest `det dx/dxi`, and that determinant (the last one that is not a number, if there is one).
-    fn worst_node(&self, nodes: &[u32], element: usize, q: &[f64]) -> (usize, f64);
-}
 
 /// How the change of volume is averaged.
 #[derive(Clone, Debug)]
@@ -117,51 +42,8 @@ pub(crate) struct Block<const N: usize, const G: usize> {
     at_nodes: Vec<Gradients<N>>,
 }
 
-/// The block of these cells. A new kind of cell needs a line here.
-pub(crate) fn block(
-    cells: &CellBlock,
-    reference: &[[f64; 3]],
-    options: SolidOptions,
-) -> Result<Box<dyn Cells>, Refused> {
-    use Integration::{Full, Reduced};
-    Ok(match (cells.kind(), options.integration) {
-        (CellKind::Hex8, Full) => Box::new(Block::<8, 8>::new(cells, reference, options)?),
-        (CellKind::Hex20, Full) => Box::new(Block::<20, 27>::new(cells, reference, options)?),
-        (CellKind::Hex20, Reduced) => Box::new(Block::<20, 8>::new(cells, reference, options)?),
-        (CellKind::Hex27, Full) => Box::new(Block::<27, 27>::new(cells, reference, options)?),
-        (CellKind::Tet4, Full) => Box::new(Block::<4, 1>::new(cells, reference, options)?),
-        (CellKind::Tet10, Full) => Box::new(Block::<10, 8>::new(cells, reference, options)?),
-        (CellKind::Tet10, Reduced) => Box::new(Block::<10, 4>::new(cells, reference, options)?),
-        (CellKind::Wedge6, Full) => Box::new(Block::<6, 6>::new(cells, reference, options)?),
-        (CellKind::Wedge15, Full) => Box::new(Block::<15, 21>::new(cells, reference, options)?),
-        (CellKind::Hex8 | CellKind::Hex27 | CellKind::Tet4 | CellKind::Wedge6 | CellKind::Wedge15, Reduced) => {
-            return Err(Refused::NoRule);
-        }
-    })
-}
-
-/// An element's values from a vector of the model (length checked before).
-#[inline]
-pub(crate) fn gather<const N: usize>(nodes: &[u32; N], x: &[f64]) -> NodalVectors<N> {
-    let mut local = [[0.0; N]; 3];
-    for (node, &global) in nodes.iter().enumerate() {
-        let at = 3 * global as usize;
-        let value = &x[at..at + 3];
-        for i in 0..3 {
-            local[i][node] = value[i];
-        }
-    }
-    local
-}
-
-/// Gradients of the shape functions in natural coordinates.
-pub(crate) fn natural_gradients<const N: usize>(kind: CellKind, xi: [f64; 3]) -> Gradients<N> {
-    let gradient = (kind.table().shape_gradient)(xi);
-    std::array::from_fn(|a| std::array::from_fn(|node| gradient[node][a]))
-}
-
 impl<const N: usize, const G: usize> Block<N, G> {
-    fn new(cells: &CellBlock, reference: &[[f64; 3]], options: SolidOptions) -> Result<Self, Refused> {
+    pub fn new(cells: &CellBlock, reference: &[[f64; 3]], options: SolidOptions) -> Result<Self, Refused> {
         let kind = cells.kind();
         let rule = kind.rule(options.integration).ok_or(Refused::NoRule)?;
         let natural: [Gradients<N>; G] = std::array::from_fn(|g| natural_gradients(kind, rule[g].0));
@@ -176,7 +58,8 @@ impl<const N: usize, const G: usize> Block<N, G> {
         });
         let integration: Vec<ElementIntegration<N, G>> = elements.collect::<Result<_, _>>()?;
         let projection = match (options.volumetric, kind) {
-            (Volumetric::Displacement, _) => Projection::None,
+            // The averages of tet4 are those of nodes.
+            (Volumetric::Displacement, _) | (Volumetric::Mixed, CellKind::Tet4) => Projection::None,
             (Volumetric::Mixed, CellKind::Hex27) => {
                 let points = std::array::from_fn(|g| rule[g].0);
                 Projection::Linear(integration.iter().map(|e| mixed::linear(&e.weights, &points)).collect())
@@ -209,6 +92,12 @@ impl<const N: usize, const G: usize> Block<N, G> {
                 Averages::Linear(Mixed { parts: parts(material.volume?), integration, basis: bases[element] })
             }
         })
+    }
+
+    /// What [`Cells::begin_step`] kept of an element.
+    #[inline]
+    pub(crate) fn history(&self, element: usize) -> &[GaussPointHistory; G] {
+        &self.history[element]
     }
 
     /// Reference integrals of an element.
@@ -326,7 +215,7 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
         to: Additions<'_, '_>,
     ) -> Result<(), ElementFailure> {
         let nodes = elements(nodes);
-        assembly::assemble(nodes, &ViscousBlock { block: self, nodes, viscosity }, to)
+        assembly::assemble(nodes, &ViscousElements { integration: &self.integration, nodes, viscosity }, to)
     }
 
     fn add_energy(

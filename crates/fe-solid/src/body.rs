@@ -1,37 +1,18 @@
 //! A body of finite elements with one law. Not its mesh (only nodes and reference integrals are kept), not its unknowns.
 
 use crate::{
-    MassKind, MassMatrix, SolidError, SolidStep, StressRule,
+    MassKind, MassMatrix, SolidError, SolidOptions, SolidStep, StressRule, ViscousRate, Volumetric,
     assembly::{Additions, TangentTarget, Workspace},
-    block::{self, Cells, ElementFailure, Material, Refused},
+    blocks,
+    cells::{Cells, ElementFailure, Material, Refused},
     element::{Failure, FailureKind},
     mass,
+    viscous::Viscosity,
 };
 use std::sync::Arc;
 use stoss_continuum::{HyperelasticLaw, VolumetricSplit};
 use stoss_mesh::{CellBlock, Elements, Mesh};
 use stoss_reference_element::Integration;
-
-/// What elements of a body can do in more than one way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SolidOptions {
-    /// The points at which stress and stiffness are taken. Kinds of cells with one rule only take that one.
-    pub integration: Integration,
-    /// How the change of volume is treated.
-    pub volumetric: Volumetric,
-}
-
-/// How elements treat the change of volume.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Volumetric {
-    /// At each Gauss point, as the law says. Such elements lock near incompressibility, above a Poisson's ratio of about 0.45.
-    #[default]
-    Displacement,
-    /// The part of the law that depends on the volume sees an average of `det F` (docs/theory/elements.md): a constant of each element, for hex27 a function
-    /// that is linear in natural coordinates. For nearly incompressible solids; of no use to tet4 and wedge6, which lock all the same. The law must have such a
-    /// part, [`HyperelasticLaw::volumetric`].
-    Mixed,
-}
 
 /// Energy, force and tangent of a body of elements of any kinds.
 #[derive(Debug)]
@@ -104,20 +85,24 @@ impl SolidBody {
             }
         }
         let mut blocks = Vec::with_capacity(mesh.elements.blocks().len());
+        let mut stencils = mesh.elements.len();
         for cells in mesh.elements.blocks() {
             let first = cells.first() as usize;
-            let mut block = block::block(cells, &mesh.nodes, options);
+            let mut block = blocks::of_cells(cells, &mesh.nodes, options, node_offset, stencils);
             if let Err(Refused::NoRule) = block {
-                block = block::block(cells, &mesh.nodes, SolidOptions { integration: Integration::Full, ..options });
+                let options = SolidOptions { integration: Integration::Full, ..options };
+                block = blocks::of_cells(cells, &mesh.nodes, options, node_offset, stencils);
             }
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
-            blocks.push(block.map_err(|refused| match refused {
+            let block: Box<dyn Cells> = block.map_err(|refused| match refused {
                 Refused::Inverted { element, gauss_point, determinant } => {
                     SolidError::InvertedReference { body: body(), element: first + element, gauss_point, determinant }
                 }
                 Refused::NoRule => unreachable!("every kind of cell has a full rule"),
-            })?);
+            })?;
+            stencils += block.stencil_count();
+            blocks.push(block);
         }
         let mut elements = Elements::new();
         elements.extend(&mesh.elements, |node| node + node_offset);
@@ -156,6 +141,13 @@ impl SolidBody {
     /// The elements with global node numbers.
     pub fn elements(&self) -> &Elements {
         &self.elements
+    }
+
+    /// Global nodes of each stencil of the tangent: those of the elements in their order, then those of nodes with averages of their own, which
+    /// mixed tet4 have.
+    pub fn stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
+        let more = self.blocks.iter().flat_map(|block| (0..block.stencil_count()).map(move |k| block.stencil(k)));
+        self.elements.iter().chain(more)
     }
 
     /// Global number of the body's first node.
@@ -216,7 +208,7 @@ impl SolidBody {
     /// `target.factor * dF/dq_np1` to its values (formulation §3.3, §3.4). A target is left untouched under
     /// [`StressRule::Configuration`] with `theta = 0`, whose tangent is zero.
     ///
-    /// In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first
+    /// The target's stencils are [`Self::stencils`]. In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first
     /// call with a workspace (the first with a tangent, if there are some) nothing is allocated.
     ///
     /// # Errors
@@ -246,6 +238,37 @@ impl SolidBody {
             let first = cells.first() as usize;
             let to = Additions { first, force_weight, force, target: &mut target, workspace };
             block.assemble(self.material(), cells.nodes(), step, to)
+        })
+    }
+
+    /// Adds the nodal forces of `S_v = b C_0 : E'` to `force` and, if a target is given, `target.factor` times their derivative with respect to the
+    /// unknown positions to its values. The isotropic part of `C_0` counts, that of [`stoss_continuum::HyperelasticLaw::small_strain_moduli`]; in a mixed body that of
+    /// the law without its energy of the change of volume, which would lock. Threads and allocation
+    /// are as in [`SolidBody::assemble`].
+    ///
+    /// # Errors
+    /// [`SolidError::Length`].
+    pub fn add_viscous_force(
+        &self,
+        rate: ViscousRate<'_>,
+        force: &mut [f64],
+        tangent: Option<TangentTarget<'_>>,
+        workspace: &mut Workspace,
+    ) -> Result<(), SolidError> {
+        self.check_length("the force", force)?;
+        self.check_length("the positions", rate.q)?;
+        self.check_length("the velocities", rate.v)?;
+        let moduli = self.material().law.small_strain_moduli();
+        let viscosity = Viscosity {
+            rate,
+            moduli: [rate.factor * moduli.lame_lambda(), rate.factor * moduli.shear],
+            factor: tangent.as_ref().map_or(1.0, |target| target.factor),
+        };
+        let mut tangent = tangent;
+        self.for_each_block(|block, cells| {
+            let first = cells.first() as usize;
+            let to = Additions { first, force_weight: 1.0, force, target: &mut tangent, workspace };
+            block.add_viscous_force(cells.nodes(), viscosity, to)
         })
     }
 

@@ -2,9 +2,10 @@
 
 use crate::{
     Level,
-    kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
 };
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
+use stoss_reference_element::CellKind;
 
 /// Which stress acts on which configuration during a step (formulation §3.3, §3.4, §11).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +54,26 @@ pub struct SolidStep<'a> {
     pub rule: StressRule,
 }
 
+/// An element's values from a vector of the model (length checked before).
+#[inline]
+pub(crate) fn gather<const N: usize>(nodes: &[u32; N], x: &[f64]) -> NodalVectors<N> {
+    let mut local = [[0.0; N]; 3];
+    for (node, &global) in nodes.iter().enumerate() {
+        let at = 3 * global as usize;
+        let value = &x[at..at + 3];
+        for i in 0..3 {
+            local[i][node] = value[i];
+        }
+    }
+    local
+}
+
+/// Gradients of the shape functions in natural coordinates.
+pub(crate) fn natural_gradients<const N: usize>(kind: CellKind, xi: [f64; 3]) -> Gradients<N> {
+    let gradient = (kind.table().shape_gradient)(xi);
+    std::array::from_fn(|a| std::array::from_fn(|node| gradient[node][a]))
+}
+
 /// What the energy-momentum stress keeps of `q_n` at a Gauss point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GaussPointHistory {
@@ -87,12 +108,14 @@ impl From<ConstitutiveError> for FailureKind {
 }
 
 /// `det F > 0` or the reason. Checked on `F` itself: `det C` is positive for an inverted element too.
+#[inline]
 fn check_orientation(f: &Matrix3, level: Level) -> Result<(), FailureKind> {
     let determinant = kernel::determinant(f);
     if determinant > 0.0 { Ok(()) } else { Err(FailureKind::Inverted { determinant, level }) }
 }
 
 /// `F` (checked) and `C` of an element's configuration at a Gauss point.
+#[inline]
 pub(crate) fn strain<const N: usize, const G: usize>(
     q: &NodalVectors<N>,
     integration: &ElementIntegration<N, G>,
@@ -180,6 +203,7 @@ pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
 }
 
 /// `(1 - theta) a + theta b`.
+#[inline]
 pub(crate) fn between<const N: usize>(a: &NodalVectors<N>, b: &NodalVectors<N>, theta: f64) -> NodalVectors<N> {
     let rest = 1.0 - theta;
     std::array::from_fn(|i| std::array::from_fn(|node| rest * a[i][node] + theta * b[i][node]))

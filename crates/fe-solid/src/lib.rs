@@ -19,24 +19,29 @@
 //! Free of units: with lengths in L and stresses in P, forces are in P L^2 and energies in P L^3.
 //!
 //! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress rules at the Gauss
-//! points of one element), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants), [`SolidBody`] (all
-//! elements, order, threads, scatter). A new kind of cell is a line in `block::block` and one in `mass`.
+//! points of one element), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants) and `nodal` (tet4 with averages at nodes), behind the trait `cells::Cells`; [`SolidBody`] (all
+//! elements, order, threads, scatter). A new kind of cell is a line in `blocks` and one in `mass`.
 
 mod assembly;
 mod block;
+mod blocks;
 mod body;
+mod cells;
 mod element;
 mod error;
 pub mod kernel;
 mod load;
 mod mass;
 mod mixed;
+mod nodal;
+mod options;
 mod point;
 mod recovery;
+mod scratch;
 mod viscous;
 
 pub use assembly::{TangentTarget, Workspace};
-pub use body::{InsideOut, SolidBody, SolidOptions, Volumetric};
+pub use body::{InsideOut, SolidBody};
 pub use element::{SolidStep, StressRule};
 pub use error::{Level, SolidError};
 pub use load::{
@@ -44,6 +49,7 @@ pub use load::{
     surface_area,
 };
 pub use mass::{MassKind, MassMatrix};
+pub use options::{SolidOptions, Volumetric};
 pub use point::{MaterialPoint, PointState};
 pub use recovery::{GaussPointState, principal_stresses, von_mises};
 pub use viscous::ViscousRate;

@@ -2,7 +2,8 @@
 
 use crate::{
     TangentTarget,
-    block::{Refused, natural_gradients},
+    cells::Refused,
+    element::natural_gradients,
     kernel::{self, Gradients, NodalVectors},
 };
 use std::sync::Arc;
@@ -177,22 +178,25 @@ impl Block {
     }
 
     /// `out += factor M x` with a consistent mass.
+    // Not inlined: the code of one kind of cells is slower amid that of the others.
+    #[inline(never)]
     fn multiply_add<const N: usize>(&self, nodes: &[[u32; N]], factor: f64, x: &[f64], out: &mut [f64]) {
         for (nodes, block) in nodes.iter().zip(self.consistent::<N>()) {
             let local = nodes.map(|node| {
                 let at = 3 * node as usize;
                 [x[at], x[at + 1], x[at + 2]]
             });
-            for (&node, row) in nodes.iter().zip(block) {
+            for node in 0..N {
                 let mut sum = [0.0; 3];
-                for (m, v) in row.iter().zip(&local) {
+                for other in 0..N {
                     for i in 0..3 {
-                        sum[i] += m * v[i];
+                        sum[i] += block[node][other] * local[other][i];
                     }
                 }
-                let at = 3 * node as usize;
+                let at = 3 * nodes[node] as usize;
+                let out = &mut out[at..at + 3];
                 for i in 0..3 {
-                    out[at + i] += factor * sum[i];
+                    out[i] += factor * sum[i];
                 }
             }
         }

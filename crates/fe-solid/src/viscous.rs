@@ -6,11 +6,9 @@
 //! no force, the power is `sum w E' : b C_0 : E' >= 0`, and with `F S_v` the resultant and the moment about the positions are zero.
 
 use crate::{
-    SolidBody, SolidError, TangentTarget, Workspace,
-    assembly::{Additions, ElementEvaluator},
-    block::{self, Block},
-    element::Failure,
-    kernel::{self, LocalTangent, Matrix3, NodalVectors, TangentFactors, VOIGT},
+    assembly::ElementEvaluator,
+    element::{Failure, gather},
+    kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors, VOIGT},
 };
 
 /// Where and how fast the viscous stress acts. Vectors of the model, node-major, `3 * nodes` entries.
@@ -26,39 +24,6 @@ pub struct ViscousRate<'a> {
     pub slopes: [f64; 2],
 }
 
-impl SolidBody {
-    /// Adds the nodal forces of `S_v = b C_0 : E'` to `force` and, if a target is given, `target.factor` times their derivative with respect to the
-    /// unknown positions to its values. The isotropic part of `C_0` counts, that of [`stoss_continuum::HyperelasticLaw::small_strain_moduli`]; in a mixed body that of
-    /// the law without its energy of the change of volume, which would lock. Threads and allocation
-    /// are as in [`SolidBody::assemble`].
-    ///
-    /// # Errors
-    /// [`SolidError::Length`].
-    pub fn add_viscous_force(
-        &self,
-        rate: ViscousRate<'_>,
-        force: &mut [f64],
-        tangent: Option<TangentTarget<'_>>,
-        workspace: &mut Workspace,
-    ) -> Result<(), SolidError> {
-        self.check_length("the force", force)?;
-        self.check_length("the positions", rate.q)?;
-        self.check_length("the velocities", rate.v)?;
-        let moduli = self.material().law.small_strain_moduli();
-        let viscosity = Viscosity {
-            rate,
-            moduli: [rate.factor * moduli.lame_lambda(), rate.factor * moduli.shear],
-            factor: tangent.as_ref().map_or(1.0, |target| target.factor),
-        };
-        let mut tangent = tangent;
-        self.for_each_block(|block, cells| {
-            let first = cells.first() as usize;
-            let to = Additions { first, force_weight: 1.0, force, target: &mut tangent, workspace };
-            block.add_viscous_force(cells.nodes(), viscosity, to)
-        })
-    }
-}
-
 /// The law of the viscous stress and the motion it acts on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Viscosity<'a> {
@@ -69,14 +34,14 @@ pub(crate) struct Viscosity<'a> {
     pub factor: f64,
 }
 
-/// A block under its viscous stress, as the loop over elements sees it.
-pub(crate) struct ViscousBlock<'a, const N: usize, const G: usize> {
-    pub block: &'a Block<N, G>,
+/// Elements under their viscous stress, as the loop over them sees it.
+pub(crate) struct ViscousElements<'a, const N: usize, const G: usize> {
+    pub integration: &'a [ElementIntegration<N, G>],
     pub nodes: &'a [[u32; N]],
     pub viscosity: Viscosity<'a>,
 }
 
-impl<const N: usize, const G: usize> ElementEvaluator<N, G> for ViscousBlock<'_, N, G> {
+impl<const N: usize, const G: usize> ElementEvaluator<N, G> for ViscousElements<'_, N, G> {
     fn evaluate(
         &self,
         element: usize,
@@ -84,9 +49,9 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for ViscousBlock<'_,
         tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
     ) -> Result<(), Failure> {
         let Viscosity { rate, moduli: [lambda, shear], factor } = self.viscosity;
-        let integration = self.block.integration(element);
+        let integration = &self.integration[element];
         let nodes = &self.nodes[element];
-        let (q, v) = (block::gather(nodes, rate.q), block::gather(nodes, rate.v));
+        let (q, v) = (gather(nodes, rate.q), gather(nodes, rate.v));
         let mut tangent = tangent;
         *force = [[0.0; N]; 3];
         for g in 0..G {

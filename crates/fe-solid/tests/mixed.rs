@@ -198,6 +198,7 @@ fn free_flight_keeps_energy_and_momenta() {
     let law: Arc<dyn HyperelasticLaw> = Arc::new(NeoHooke::new(5e3, 1.0).unwrap());
     for (kind, divisions) in [
         (CellKind::Hex8, [2, 1, 1]),
+        (CellKind::Tet4, [2, 1, 1]),
         (CellKind::Hex20, [1, 1, 1]),
         (CellKind::Hex27, [1, 1, 1]),
         (CellKind::Tet10, [1, 1, 1]),
@@ -306,6 +307,8 @@ fn averages_cure_the_locking_of_cooks_membrane() {
     for (kind, integration, volumetric, expected) in [
         (CellKind::Hex8, Full, Volumetric::Displacement, 2.16),
         (CellKind::Hex8, Full, Volumetric::Mixed, 5.84),
+        (CellKind::Tet4, Full, Volumetric::Displacement, 2.15),
+        (CellKind::Tet4, Full, Volumetric::Mixed, 2.63),
         (CellKind::Hex20, Full, Volumetric::Mixed, 7.18),
         (CellKind::Hex27, Full, Volumetric::Mixed, 6.84),
         (CellKind::Tet10, Reduced, Volumetric::Mixed, 6.33),
@@ -374,6 +377,41 @@ fn large_compression() {
     }
 }
 
+/// Tetrahedra with averages at nodes beside other cells: the stencils of the nodes come after those of all elements.
+#[test]
+fn stencils_of_nodes_follow_those_of_elements() {
+    let mesh = cells(&[CellKind::Tet4], [2, 1, 1], 0.1, 0.0, 3);
+    let mut two = mesh.clone();
+    let shift = two.nodes.len() as u32;
+    let cube = cells(&[CellKind::Hex8], [1, 1, 1], 0.1, 0.0, 5);
+    two.nodes.extend(cube.nodes.iter().map(|x| [x[0] + 5.0, x[1], x[2]]));
+    two.elements.extend(&cube.elements, |n| n + shift);
+    two.elements.extend(&mesh.elements, |n| n + shift + 8);
+    two.nodes.extend(mesh.nodes.iter().map(|x| [x[0] + 10.0, x[1], x[2]]));
+    let law = &stiff_laws(100.0)[0];
+    let (one, both) = (mixed_body(&mesh, law, Integration::Full), mixed_body(&two, law, Integration::Full));
+    assert_eq!(one.stencils().count(), 12 + 12);
+    assert_eq!(both.stencils().count(), 12 + 1 + 12 + 12 + 12);
+    assert!(both.stencils().take(25).eq(both.elements().iter()));
+    let q = Random(7).perturbed(&positions(&two), 0.05);
+    let at = |body: &SolidBody, q: &[f64]| {
+        force_and_tangent(body, SolidStep { q_n: q, q_np1: q, rule: StressRule::END_POINT })
+    };
+    let (force, tangent) = at(&both, &q);
+    let count = positions(&mesh).len();
+    for first in [0, count + 24] {
+        let mut part = q[first..first + count].to_vec();
+        part.iter_mut().step_by(3).for_each(|x| *x -= if first == 0 { 0.0 } else { 10.0 });
+        let (f, k) = at(&one, &part);
+        for i in 0..count {
+            assert!((f[i] - force[first + i]).abs() < 1e-11 * max_abs(&force));
+            for j in 0..count {
+                assert!((k[i][j] - tangent[first + i][first + j]).abs() < 1e-11 * max_abs(&k[i]));
+            }
+        }
+    }
+}
+
 #[test]
 fn an_average_that_is_not_positive_is_named() {
     let mesh = cells(&[CellKind::Hex27], [1, 1, 1], 0.0, 0.0, 0);
@@ -409,7 +447,7 @@ fn a_law_without_a_volumetric_part_is_refused() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    for kind in [CellKind::Hex8, CellKind::Hex27] {
+    for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet4] {
         let mesh = cells(&[kind], [4, 3, 3], 0.1, 0.01, 1);
         let mut random = Random(2);
         let q_n = random.perturbed(&positions(&mesh), 0.02);

@@ -9,7 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, Workspace};
-use stoss_reference_element::Integration;
+use stoss_reference_element::{CellKind, Integration};
 
 struct Counting;
 
@@ -58,15 +58,19 @@ fn assembly_allocates_nothing_once_warm() {
     let mesh = distorted_block([6, 5, 5], 0.1, 1);
     assert!(ALLOCATIONS.load(Ordering::Relaxed) > before, "the counter counts");
     COUNTED.set(false);
-    let mut random = Random(2);
-    let q_n = random.perturbed(&positions(&mesh), 0.1);
-    let q_np1 = random.perturbed(&q_n, 0.1);
+    // Averages within elements and at nodes; cells of other sizes.
+    let of_kind = |kind, divisions| cells(&[kind], divisions, 0.1, 0.0, 1);
+    let others = [of_kind(CellKind::Tet4, [3, 3, 3]), of_kind(CellKind::Hex27, [3, 3, 2])];
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.start_handler(|_| COUNTED.set(true)).build().unwrap();
-        let mixed = stiff_laws(1e3).into_iter().map(|law| mixed_body(&mesh, &law, Integration::Full));
-        for mut body in laws().iter().map(|law| body(&mesh, law)).chain(mixed) {
-            let law = body.law().name().to_string();
+        let mixed = |mesh| mixed_body(mesh, &stiff_laws(1e3)[1], Integration::Full);
+        let all = laws().into_iter().map(|law| (&mesh, body(&mesh, &law)));
+        for (mesh, mut body) in all.chain([&mesh, &others[0], &others[1]].map(|mesh| (mesh, mixed(mesh)))) {
+            let law = format!("{} {:?}", body.law().name(), mesh.elements.kinds());
+            let mut random = Random(2);
+            let q_n = random.perturbed(&positions(mesh), 0.02);
+            let q_np1 = random.perturbed(&q_n, 0.02);
             let (pattern, map) = pattern(&body, q_n.len());
             let (mut force, mut values) = (vec![0.0; q_n.len()], vec![0.0; pattern.nnz()]);
             let mut workspace = Workspace::default();

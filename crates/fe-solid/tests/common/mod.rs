@@ -73,11 +73,8 @@ pub fn force(body: &SolidBody, step: SolidStep<'_>) -> Result<Vec<f64>, SolidErr
 
 /// Pattern and scatter map of a body all of whose components are unknowns.
 pub fn pattern(body: &SolidBody, unknowns: usize) -> (SparsityPattern, ScatterMap) {
-    let stencils: Vec<Vec<u32>> = body
-        .elements()
-        .iter()
-        .map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect())
-        .collect();
+    let stencils: Vec<Vec<u32>> =
+        body.stencils().map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect()).collect();
     let iter = || stencils.iter().map(Vec::as_slice);
     let pattern = SparsityPattern::from_stencils(unknowns, iter()).unwrap();
     let map = ScatterMap::new(&pattern, iter()).unwrap();

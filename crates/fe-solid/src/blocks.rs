@@ -1,0 +1,42 @@
+//! Which block computes which cells.
+
+use crate::{
+    SolidOptions, Volumetric,
+    block::Block,
+    cells::{Cells, Refused},
+    nodal::NodalTetrahedra,
+};
+use stoss_mesh::CellBlock;
+use stoss_reference_element::{CellKind, Integration};
+
+/// The block of these cells. A new kind of cell needs a line here. `offset`: global number of the first node; `first_stencil`: number of the first stencil beside those of the
+/// elements, if the block has some.
+pub(crate) fn of_cells(
+    cells: &CellBlock,
+    reference: &[[f64; 3]],
+    options: SolidOptions,
+    offset: u32,
+    first_stencil: usize,
+) -> Result<Box<dyn Cells>, Refused> {
+    use Integration::{Full, Reduced};
+    Ok(match (cells.kind(), options.integration) {
+        (CellKind::Hex8, Full) => Box::new(Block::<8, 8>::new(cells, reference, options)?),
+        (CellKind::Hex20, Full) => Box::new(Block::<20, 27>::new(cells, reference, options)?),
+        (CellKind::Hex20, Reduced) => Box::new(Block::<20, 8>::new(cells, reference, options)?),
+        (CellKind::Hex27, Full) => Box::new(Block::<27, 27>::new(cells, reference, options)?),
+        (CellKind::Tet4, Full) => {
+            let block = Block::<4, 1>::new(cells, reference, options)?;
+            match options.volumetric {
+                Volumetric::Displacement => Box::new(block),
+                Volumetric::Mixed => Box::new(NodalTetrahedra::new(block, cells.nodes(), offset, first_stencil)),
+            }
+        }
+        (CellKind::Tet10, Full) => Box::new(Block::<10, 8>::new(cells, reference, options)?),
+        (CellKind::Tet10, Reduced) => Box::new(Block::<10, 4>::new(cells, reference, options)?),
+        (CellKind::Wedge6, Full) => Box::new(Block::<6, 6>::new(cells, reference, options)?),
+        (CellKind::Wedge15, Full) => Box::new(Block::<15, 21>::new(cells, reference, options)?),
+        (CellKind::Hex8 | CellKind::Hex27 | CellKind::Tet4 | CellKind::Wedge6 | CellKind::Wedge15, Reduced) => {
+            return Err(Refused::NoRule);
+        }
+    })
+}

@@ -1,0 +1,25 @@
+//! What elements of a body can do in more than one way.
+
+use stoss_reference_element::Integration;
+
+/// What elements of a body can do in more than one way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolidOptions {
+    /// The points at which stress and stiffness are taken. Kinds of cells with one rule only take that one.
+    pub integration: Integration,
+    /// How the change of volume is treated.
+    pub volumetric: Volumetric,
+}
+
+/// How elements treat the change of volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Volumetric {
+    /// At each Gauss point, as the law says. Such elements lock near incompressibility, above a Poisson's ratio of about 0.45.
+    #[default]
+    Displacement,
+    /// The part of the law that depends on the volume sees an average of `det F` (docs/theory/elements.md): a constant of each element, for hex27 a function
+    /// that is linear in natural coordinates, for tet4 the mean of the elements around each node. For nearly incompressible solids; of no use to wedge6, which
+    /// locks all the same. The law must have such a part, [`stoss_continuum::HyperelasticLaw::volumetric`]. With tet4 the tangent has more stencils than elements,
+    /// [`crate::SolidBody::stencils`].
+    Mixed,
+}

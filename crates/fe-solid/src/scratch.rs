@@ -1,0 +1,23 @@
+//! Room for the averages at nodes, kept from call to call.
+
+/// Room for what a step needs of all elements and nodes.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    /// Of each element.
+    pub jacobians: Vec<f64>,
+    pub pressures: Vec<f64>,
+    /// Of each node: pressure, and its derivative.
+    pub nodal: Vec<(f64, f64)>,
+    /// The tangent of a node and the two vectors that it is the product of.
+    pub tangent: Vec<f64>,
+    pub works: Vec<[f64; 3]>,
+    pub changes: Vec<[f64; 3]>,
+}
+
+impl Scratch {
+    pub fn memory_bytes(&self) -> usize {
+        (self.jacobians.capacity() + self.pressures.capacity() + self.tangent.capacity()) * size_of::<f64>()
+            + self.nodal.capacity() * size_of::<(f64, f64)>()
+            + (self.works.capacity() + self.changes.capacity()) * size_of::<[f64; 3]>()
+    }
+}
