@@ -328,8 +328,8 @@ impl System {
         let mut first_stencil = Vec::new();
         for body in &model.bodies {
             first_stencil.push(solids.starts.len());
-            for element in body.solid.elements().iter() {
-                solids.push(|out| numbering.node_equations(element, out));
+            for stencil in body.solid.stencils() {
+                solids.push(|out| numbering.node_equations(stencil, out));
             }
         }
         first_stencil.push(solids.starts.len());

@@ -118,7 +118,9 @@ fn of_element(model: &Model, body: &str, element: usize) -> Place {
 fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
     match cause {
         StepError::Solid(
-            SolidError::InvertedElement { body, element, .. } | SolidError::Constitutive { body, element, .. },
+            SolidError::InvertedElement { body, element, .. }
+            | SolidError::CollapsedElement { body, element, .. }
+            | SolidError::Constitutive { body, element, .. },
         ) => (FailureKind::InvertedElement, of_element(model, body, *element)),
         StepError::InsideOut { body, found, .. } => {
             let place = of_element(model, body, found.element);
