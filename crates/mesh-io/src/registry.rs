@@ -50,8 +50,8 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, MeshIoError> {
 /// As for [`read_mesh`], but for what is wrong with the mesh itself.
 pub fn read_contents(path: impl AsRef<Path>) -> Result<Contents, MeshIoError> {
     let path = path.as_ref();
-    let bytes = regular(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
-    read_contents_from_bytes(path, &bytes, &mut regular)
+    let bytes = crate::include::regular(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
+    read_contents_from_bytes(path, &bytes, &mut crate::include::regular)
 }
 
 /// [`read_contents`] for bytes in memory; `path` chooses the format and stands in messages, `include` gives the files that the
@@ -87,12 +87,4 @@ pub fn read_contents_from_bytes(
 pub fn read_mesh_from_str(path: impl AsRef<Path>, text: &str) -> Result<Mesh, MeshIoError> {
     let mut none = |_: &Path| Err(io::Error::new(io::ErrorKind::Unsupported, "a text in memory includes no files"));
     read_contents_from_bytes(path, text.as_bytes(), &mut none)?.mesh(None)
-}
-
-/// The content of a regular file; a pipe or a device may have no end.
-pub(crate) fn regular(path: &Path) -> io::Result<Vec<u8>> {
-    if std::fs::metadata(path)?.is_file() {
-        return std::fs::read(path);
-    }
-    Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file; save it as one and name that"))
 }

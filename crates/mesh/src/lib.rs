@@ -22,6 +22,7 @@
 
 mod check;
 mod convert;
+mod element;
 mod elements;
 mod error;
 mod facet;
@@ -33,11 +34,12 @@ pub mod surface;
 mod transform;
 
 pub use check::Coincident;
+pub use element::ElementCoordinates;
 pub use elements::{CellBlock, Elements};
 pub use error::{ElementPoint, MeshError, SetKind};
 pub use facet::{Facet, FacetIndex};
 pub use mesh::{ALL, BOUNDARY, Mesh};
-pub use quality::{ElementCoordinates, QualityReport};
+pub use quality::QualityReport;
 pub use region::Region;
 pub use surface::{MassProperties, SurfaceMesh};
 pub use transform::Rotation;

@@ -1,87 +1,7 @@
-//! Jacobians of the elements and the quality report.
+//! The quality report.
 
-use std::ops::Deref;
-
-use stoss_reference_element::{CellKind, Family, Integration, MAX_CELL_NODES};
-
-use crate::{ElementPoint, Mesh};
-
-/// Places of the nodes of one element, a slice of as many as it has.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ElementCoordinates {
-    kind: CellKind,
-    /// Zeros beyond the nodes.
-    places: [[f64; 3]; MAX_CELL_NODES],
-}
-
-impl ElementCoordinates {
-    /// Of an element with these nodes.
-    pub(crate) fn new(kind: CellKind, element: &[u32], nodes: &[[f64; 3]]) -> Self {
-        let mut places = [[0.0; 3]; MAX_CELL_NODES];
-        for (x, &n) in places.iter_mut().zip(element) {
-            *x = nodes[n as usize];
-        }
-        Self { kind, places }
-    }
-
-    /// Kind of the element.
-    pub fn kind(&self) -> CellKind {
-        self.kind
-    }
-
-    /// With other places.
-    pub(crate) fn map(mut self, place: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
-        self.places[..self.kind.node_count()].iter_mut().for_each(|x| *x = place(*x));
-        self
-    }
-
-    /// The place of the natural coordinates `xi`.
-    pub fn at(&self, xi: [f64; 3]) -> [f64; 3] {
-        let n = (self.kind.table().shape)(xi);
-        std::array::from_fn(|i| self.iter().zip(n).map(|(x, n)| n * x[i]).sum())
-    }
-
-    /// `J = sum_I X_I (x) grad N_I` (formulation §3.2) at natural coordinates: row the spatial, column the natural direction.
-    pub fn jacobian(&self, xi: [f64; 3]) -> [[f64; 3]; 3] {
-        let dn = (self.kind.table().shape_gradient)(xi);
-        std::array::from_fn(|i| std::array::from_fn(|k| self.iter().zip(dn).map(|(x, dn)| x[i] * dn[k]).sum()))
-    }
-}
-
-impl ElementCoordinates {
-    /// The smallest scaled Jacobian (see [`QualityReport::min_scaled_jacobian`]) at a node, and the node.
-    pub fn worst_node(&self) -> (f64, usize) {
-        let table = self.kind.table();
-        let at = |xi: [f64; 3]| {
-            let j = self.jacobian(xi);
-            scaled(table.family, &j, xi, det(&j))
-        };
-        let nodes = table.nodes.iter().enumerate().map(|(k, &xi)| (at(xi), k));
-        nodes.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((1.0, 0))
-    }
-}
-
-impl Deref for ElementCoordinates {
-    type Target = [[f64; 3]];
-    fn deref(&self) -> &[[f64; 3]] {
-        &self.places[..self.kind.node_count()]
-    }
-}
-
-/// The first point of an element at which `det J` is not positive: Gauss points, and of quadratic elements the nodes, which they invert at first.
-pub(crate) fn first_not_positive(x: &ElementCoordinates) -> Option<(ElementPoint, f64)> {
-    let gauss = gauss_points(x.kind).enumerate().map(|(g, (xi, _))| (ElementPoint::Gauss(g), xi));
-    let nodes = x.kind.table().nodes.iter().enumerate().filter(|_| x.kind.is_quadratic());
-    gauss
-        .chain(nodes.map(|(n, &xi)| (ElementPoint::Node(n), xi)))
-        .map(|(point, xi)| (point, det(&x.jacobian(xi))))
-        .find(|(_, jacobian)| jacobian.is_nan() || *jacobian <= 0.0)
-}
-
-/// Points and weights of the rule for the stiffness.
-fn gauss_points(kind: CellKind) -> impl Iterator<Item = ([f64; 3], f64)> {
-    kind.rule(Integration::Full).unwrap_or_default().iter().copied()
-}
+use crate::Mesh;
+use crate::element::{det, edge_range, first_not_positive, gauss_points, scaled};
 
 /// What [`Mesh::quality`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,48 +27,6 @@ pub struct QualityReport {
     pub volume: f64,
 }
 
-/// Determinant of a 3 x 3 matrix.
-pub(crate) fn det(m: &[[f64; 3]; 3]) -> f64 {
-    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-}
-
-/// `det J` over the lengths of the tangents that meet at the corner nearest to the point, times the factor that makes it 1 for equal edges.
-fn scaled(family: Family, j: &[[f64; 3]; 3], xi: [f64; 3], det: f64) -> f64 {
-    let column = |k: usize| -> [f64; 3] { [j[0][k], j[1][k], j[2][k]] };
-    let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let difference = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| j[i][a] - j[i][b]) };
-    // Tangents along the edges of the simplex in the first `d` directions at its corner nearest to the point.
-    let simplex = |d: usize| -> Vec<[f64; 3]> {
-        let rest = 1.0 - xi[..d].iter().sum::<f64>();
-        let nearest = (0..d).max_by(|&a, &b| xi[a].total_cmp(&xi[b])).filter(|&a| xi[a] > rest);
-        match nearest {
-            None => (0..d).map(column).collect(),
-            Some(a) => (0..d).map(|k| if k == a { column(a) } else { difference(k, a) }).collect(),
-        }
-    };
-    let (tangents, factor) = match family {
-        Family::Hexahedron => ((0..3).map(column).collect(), 1.0),
-        Family::Tetrahedron => (simplex(3), 2f64.sqrt()),
-        Family::Wedge => (simplex(2).into_iter().chain([column(2)]).collect::<Vec<_>>(), 2.0 / 3f64.sqrt()),
-    };
-    let lengths: f64 = tangents.into_iter().map(length).product();
-    if lengths > 0.0 { factor * det / lengths } else { 0.0 }
-}
-
-/// Distance of two points.
-pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
-}
-
-/// Shortest and longest edge of an element, between corners.
-pub(crate) fn edge_range(x: &ElementCoordinates) -> (f64, f64) {
-    x.kind.edges().iter().fold((f64::INFINITY, 0.0_f64), |(min, max), &[a, b]| {
-        let d = distance(x[usize::from(a)], x[usize::from(b)]);
-        (min.min(d), max.max(d))
-    })
-}
-
 impl Mesh {
     /// Measures the mesh. An empty mesh gives infinities and a volume of zero.
     pub fn quality(&self) -> QualityReport {
@@ -166,8 +44,8 @@ impl Mesh {
         for e in 0..self.elements.len() as u32 {
             let x = self.element_coordinates(e);
             let mut smallest = f64::INFINITY;
-            let table = x.kind.table();
-            let points = gauss_points(x.kind).map(|(xi, _)| xi).chain(table.nodes.iter().copied());
+            let table = x.kind().table();
+            let points = gauss_points(x.kind()).map(|(xi, _)| xi).chain(table.nodes.iter().copied());
             for xi in points {
                 let j = x.jacobian(xi);
                 smallest = smallest.min(scaled(table.family, &j, xi, det(&j)));

@@ -314,7 +314,7 @@ impl FaceKind {
                 }
             }
             Self::Quad9 => {
-                let lines = xi.map(crate::cells::line);
+                let lines = xi.map(crate::line::line);
                 for (out, v) in out.iter_mut().zip(QUAD) {
                     let at = |a: usize| {
                         lines[a][if v[a] < 0.0 {

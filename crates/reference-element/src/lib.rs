@@ -25,11 +25,13 @@ mod cells;
 mod face;
 mod facet;
 pub mod hex8;
+mod line;
 pub mod quad4;
 pub mod quadrature;
+mod table;
 pub mod tri3;
 pub mod triangle;
 
-pub use cell::{CellKind, CellTable, Face, Family, Integration, MAX_CELL_NODES, Rule, Shape, ShapeGradient};
 pub use face::{FaceGradient, FaceKind, FaceNodes, FaceShape, MAX_FACE_NODES, Trace};
 pub use facet::{FacetKind, FacetNodes, MAX_NODES, Nodal};
+pub use table::{CellKind, CellTable, Face, Family, Integration, MAX_CELL_NODES, Rule, Shape, ShapeGradient};

@@ -17,6 +17,7 @@
 //! all others (materials, steps, ...) are skipped; [`deck`] keeps
 //! them for a reader of the whole file.
 
+mod block;
 mod data;
 mod data_lines;
 pub mod deck;

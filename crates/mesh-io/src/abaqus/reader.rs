@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::deck::Block;
+use super::block::Block;
 use super::keyword::{Item, Keyword, next};
 use super::model::{Instance, Kind, Names, Part};
 use super::section::Section;

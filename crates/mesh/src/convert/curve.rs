@@ -14,7 +14,7 @@
 use std::collections::BTreeMap;
 
 use crate::Mesh;
-use crate::quality::distance;
+use crate::element::distance;
 
 /// Cosine of the angle of two facets from which on their edge is not smooth: 50 degrees, between that of a circle in eight parts and that in six.
 const FEATURE: f64 = 0.642_787_609_686_539_4;

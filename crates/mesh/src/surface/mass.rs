@@ -6,9 +6,9 @@ use stoss_reference_element::{CellKind, Family, Rule, quadrature};
 
 use super::SurfaceMesh;
 use super::revolution::tip_radius;
+use crate::element::det;
 use crate::error::parameter;
 use crate::generate::validate;
-use crate::quality::det;
 use crate::{Mesh, MeshError};
 
 /// Largest part of the trace by which a tensor of inertia may violate symmetry or positivity of its Euler tensor: that

@@ -11,8 +11,9 @@
 //! ```
 //! hex27 adds the centres of the faces -xi, +xi, -eta, +eta, -zeta, +zeta (20 to 25) and of the cell (26).
 
-use super::{gradient, line, shape};
-use crate::cell::{CellKind, CellTable, Face, Family, Integration};
+use super::{gradient, shape};
+use crate::line::line;
+use crate::table::{CellKind, CellTable, Face, Family, Integration};
 use crate::{FaceKind, hex8, quadrature};
 
 const EDGES: [[u8; 3]; 12] = [

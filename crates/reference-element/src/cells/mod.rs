@@ -8,7 +8,7 @@ pub(crate) use hex::{HEX8, HEX20, HEX27};
 pub(crate) use tet::{TET4, TET10};
 pub(crate) use wedge::{WEDGE6, WEDGE15};
 
-use crate::cell::{MAX_CELL_NODES, Shape, ShapeGradient};
+use crate::table::{MAX_CELL_NODES, Shape, ShapeGradient};
 
 /// Values at the nodes of a cell with `N` nodes, with zeros behind them.
 fn padded<const N: usize, T: Copy>(values: [T; N], zero: T) -> [T; MAX_CELL_NODES] {
@@ -23,9 +23,4 @@ fn shape<const N: usize>(values: [f64; N]) -> Shape {
 
 fn gradient<const N: usize>(values: [[f64; 3]; N]) -> ShapeGradient {
     padded(values, [0.0; 3])
-}
-
-/// The quadratic functions of the line at -1, +1 and 0: values and derivatives.
-pub(crate) fn line(x: f64) -> [[f64; 2]; 3] {
-    [[0.5 * x * (x - 1.0), x - 0.5], [0.5 * x * (x + 1.0), x + 0.5], [1.0 - x * x, -2.0 * x]]
 }

@@ -4,7 +4,7 @@
 //! at the corners and `4 L_a L_b` in the middles of the edges `01 12 20 03 13 23` (4 to 9).
 
 use super::{gradient, shape};
-use crate::cell::{CellKind, CellTable, Face, Family, Integration};
+use crate::table::{CellKind, CellTable, Face, Family, Integration};
 use crate::{FaceKind, quadrature};
 
 const EDGES: [[u8; 3]; 6] = [[0, 1, 4], [1, 2, 5], [2, 0, 6], [0, 3, 7], [1, 3, 8], [2, 3, 9]];

@@ -5,7 +5,7 @@
 //! `L (1 + z)(2 L + z - 2) / 2` at the corners, `2 L_a L_b (1 + z)` on the edges of the triangles and `L (1 - zeta^2)` on the others.
 
 use super::{gradient, shape};
-use crate::cell::{CellKind, CellTable, Face, Family, Integration};
+use crate::table::{CellKind, CellTable, Face, Family, Integration};
 use crate::{FaceKind, quadrature};
 
 const EDGES: [[u8; 3]; 9] =

@@ -1,7 +1,7 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
 use super::general_schemes::{Bond, connected, sorted};
-use super::general_table;
+use super::general_table::{self, NAME};
 use super::interacting::{Classes, THICKNESS, facets, interactions, point, shortest_edge, without_joined_overlaps};
 use super::rigid_inset::{Frame, fits};
 use super::separate;
@@ -13,9 +13,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, first_look, mitre,
 };
-
-/// Name in messages and tables.
-pub(super) const NAME: &str = "general";
 
 /// Thinnest layer that is made, in parts of the shortest edge.
 const THINNEST: f64 = 1e-4;

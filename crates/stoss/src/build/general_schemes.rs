@@ -82,6 +82,7 @@ pub(super) fn connected(scene: &Scene) -> BTreeMap<[&str; 2], Bond> {
 }
 
 /// Whether general contact keeps two parts apart.
+#[cfg(any(test, feature = "output"))]
 pub(crate) fn keeps_apart(scene: &Scene, [a, b]: [&str; 2]) -> bool {
     let Some(table) = general_contact(scene) else { return false };
     let takes_part = |part: &str| {

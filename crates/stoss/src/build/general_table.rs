@@ -6,6 +6,9 @@ use super::{Placed, Problems};
 use crate::scene::{Edges, Friction, GeneralContact as Table, Scene, split_set};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Name in messages and tables.
+pub(super) const NAME: &str = "general";
+
 /// Friction of contacts that leave their edges to general contact, by their two parts, the one with the smaller number first: the largest coefficient of several contacts.
 pub(super) fn of_contacts(scene: &Scene, placed: &[Placed], warnings: &mut Vec<String>) -> BTreeMap<[usize; 2], f64> {
     let mut known: BTreeMap<[usize; 2], f64> = BTreeMap::new();
@@ -72,8 +75,7 @@ pub(super) fn check(
             problems.add(key, names, message, "remove the pair, or set `self = true`");
         }
     }
-    for (c, contact) in scene.contacts.iter().enumerate().filter(|(_, contact)| contact.label() == super::general::NAME)
-    {
+    for (c, contact) in scene.contacts.iter().enumerate().filter(|(_, contact)| contact.label() == NAME) {
         let message = "is the name of general contact in tables and files";
         problems.add(format!("contact[{c}].name"), contact.label(), message, "choose another name");
     }

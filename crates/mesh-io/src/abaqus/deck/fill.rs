@@ -1,11 +1,12 @@
 //! From keywords to a [`Deck`].
 
-use super::rows::{Block, Row};
+use super::rows::Row;
 use super::{
     Amplitude, Behavior, ContactPair, Deck, DeckPlace, Elastic, ElementLoad, Ends, Force, Friction, Hyperelastic,
     InitialVelocity, Interaction, LeftOut, LoadKind, Material, Prescribed, Procedure, SolidSection, Step, Support,
     SurfacePressure, Tie, Times,
 };
+use crate::abaqus::block::Block;
 use crate::{Contents, MeshIoError};
 
 /// Keywords of the mesh, which its reader has read or refused, and those without a meaning of their own.

@@ -23,8 +23,7 @@ use std::path::{Path, PathBuf};
 use crate::Contents;
 use crate::include::Include;
 use crate::place::Place;
-use crate::{MeshIoError, registry};
-pub(super) use rows::Block;
+use crate::{MeshIoError, include};
 
 /// A line of one of the files of a deck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -434,8 +433,8 @@ impl Deck {
 /// As [`crate::read_contents`]; also numbers and names of materials, steps and so on that are missing or no numbers.
 pub fn read_deck(path: impl AsRef<Path>) -> Result<Deck, MeshIoError> {
     let path = path.as_ref();
-    let bytes = registry::regular(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
-    read_deck_from_bytes(path, &bytes, &mut registry::regular)
+    let bytes = include::regular(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
+    read_deck_from_bytes(path, &bytes, &mut include::regular)
 }
 
 /// [`read_deck`] for bytes in memory; `path` stands in messages, `include` gives the files that the file includes.

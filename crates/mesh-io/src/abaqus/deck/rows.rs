@@ -1,17 +1,12 @@
 //! Keywords with their data lines, and what stands in these.
 
 use super::{DeckPlace, Target};
+use crate::abaqus::block::Block;
 use crate::abaqus::data;
-use crate::abaqus::keyword::{Keyword, fields, unquote};
+use crate::abaqus::keyword::{fields, unquote};
 use crate::lines::real;
 use crate::place::Place;
 use crate::{Contents, MeshIoError};
-
-/// A keyword that is not one of the mesh, with its data lines.
-pub(crate) struct Block {
-    pub keyword: Keyword,
-    pub rows: Vec<(String, Place)>,
-}
 
 /// A data line with errors that say where it is.
 #[derive(Clone, Copy)]
@@ -22,11 +17,6 @@ pub(super) struct Row<'a> {
 }
 
 impl Block {
-    /// The name without spaces: CalculiX takes `*ENDSTEP` for `*END STEP`.
-    pub fn name(&self) -> String {
-        self.keyword.name.replace(' ', "")
-    }
-
     pub fn place(&self) -> DeckPlace {
         self.keyword.place.into()
     }
@@ -34,26 +24,6 @@ impl Block {
     /// The data lines.
     pub(super) fn rows<'a>(&'a self, contents: &'a Contents) -> impl Iterator<Item = Row<'a>> {
         self.rows.iter().map(move |(text, at)| Row { contents, text, at: *at })
-    }
-
-    /// True if data lines may stand in a file of their own, `INPUT=`; of other keywords that parameter means something else.
-    pub fn takes_input(&self) -> bool {
-        const NAMES: [&str; 13] = [
-            "AMPLITUDE",
-            "BOUNDARY",
-            "CLOAD",
-            "CONTACTPAIR",
-            "DENSITY",
-            "DLOAD",
-            "DSLOAD",
-            "ELASTIC",
-            "FRICTION",
-            "HYPERELASTIC",
-            "INITIALCONDITIONS",
-            "SURFACEBEHAVIOR",
-            "TIE",
-        ];
-        NAMES.contains(&self.name().as_str())
     }
 
     /// The first data line, or an error at the keyword.

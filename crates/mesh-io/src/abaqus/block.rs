@@ -1,0 +1,37 @@
+//! A keyword with its data lines, as it stands in the file.
+
+use super::keyword::Keyword;
+use crate::place::Place;
+
+/// A keyword that is not one of the mesh, with its data lines.
+pub(crate) struct Block {
+    pub keyword: Keyword,
+    pub rows: Vec<(String, Place)>,
+}
+
+impl Block {
+    /// The name without spaces: CalculiX takes `*ENDSTEP` for `*END STEP`.
+    pub fn name(&self) -> String {
+        self.keyword.name.replace(' ', "")
+    }
+
+    /// True if data lines may stand in a file of their own, `INPUT=`; of other keywords that parameter means something else.
+    pub fn takes_input(&self) -> bool {
+        const NAMES: [&str; 13] = [
+            "AMPLITUDE",
+            "BOUNDARY",
+            "CLOAD",
+            "CONTACTPAIR",
+            "DENSITY",
+            "DLOAD",
+            "DSLOAD",
+            "ELASTIC",
+            "FRICTION",
+            "HYPERELASTIC",
+            "INITIALCONDITIONS",
+            "SURFACEBEHAVIOR",
+            "TIE",
+        ];
+        NAMES.contains(&self.name().as_str())
+    }
+}
