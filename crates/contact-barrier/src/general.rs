@@ -586,7 +586,7 @@ impl Potential for GeneralContact {
         }
         // Springs whose pairs have gone lose their energy.
         let before: f64 = self.springs.iter().map(|spring| spring.stored).sum();
-        work.dissipated = work.damped + (work.friction_work + before - work.friction_stored);
+        work.dissipated = work.damped + (work.friction_work + before - work.friction_stored).max(0.0);
         Ok(work)
     }
 

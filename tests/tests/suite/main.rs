@@ -10,6 +10,7 @@ mod facets;
 mod failing;
 mod friction;
 mod general_contact;
+mod general_sizes;
 mod increments;
 mod joint_probes;
 mod lean;
