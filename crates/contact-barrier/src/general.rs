@@ -681,7 +681,7 @@ impl Potential for GeneralContact {
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
         let wrong = |reason: String| ContactError::History { reason };
-        if bytes.len() % SPRING != 0 {
+        if !bytes.len().is_multiple_of(SPRING) {
             return Err(wrong(format!("{} bytes for springs of {SPRING} bytes", bytes.len())));
         }
         let read = |chunk: &[u8]| {
