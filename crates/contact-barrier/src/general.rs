@@ -590,7 +590,7 @@ impl Potential for GeneralContact {
         }
         // Springs whose pairs have gone lose their energy.
         let before: f64 = self.springs.iter().map(|spring| spring.stored).sum();
-        work.dissipated = work.damped + (work.friction_work + before - work.friction_stored);
+        work.dissipated = work.damped + (work.friction_work + before - work.friction_stored).max(0.0);
         Ok(work)
     }
 
@@ -707,7 +707,7 @@ impl Potential for GeneralContact {
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
         let wrong = |reason: String| ContactError::History { reason };
-        if bytes.len() % SPRING != 0 {
+        if !bytes.len().is_multiple_of(SPRING) {
             return Err(wrong(format!("{} bytes for springs of {SPRING} bytes", bytes.len())));
         }
         let read = |chunk: &[u8]| {

@@ -8,6 +8,9 @@ use stoss_reference_element::FacetNodes;
 /// Weight of the vertices and edges against that of the surface, which keeps out what points of integration do not see: corners, and edges that cross.
 const GUARD: f64 = 0.01;
 
+/// Ratio of two areas from which on the larger one no longer counts as it is: what it meets then has no more of it than this many of its own.
+const UNEVEN: f64 = 3.0;
+
 /// Barycentric coordinates of the three points of integration of a triangle.
 const GAUSS: [[f64; 3]; 3] =
     [[2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
@@ -307,23 +310,27 @@ impl Skin {
 
     /// Weight of a point against a triangle, an area; `docs/theory/barrier.md` section 9.
     ///
-    /// `share` is the part of its area that a point of integration has against a triangle as large as its own: one half where both sides are summed. Against a larger one it has more and against a smaller one
-    /// less, and the parts of two triangles against each other have the sum one. A vertex has a small part of the smaller of two areas: its own, and the largest of the triangle's corners.
+    /// `share` is the part of its area that a point of integration has against a triangle of about the size of its own: one half where both sides are summed. Against a much larger one it has more and against a much
+    /// smaller one less, and the parts of two triangles against each other have the sum one. A vertex has a small part of its area, and not more than of a few of the largest at the triangle's corners.
     pub fn point_weight(&self, point: u32, triangle: u32, share: f64) -> f64 {
         let area = self.point_area[point as usize];
         if (point as usize) < self.vertex_count {
             let corners = self.triangles[triangle as usize].map(|v| self.point_area[v as usize]);
-            return 0.5 * GUARD * area.min(corners.into_iter().fold(0.0, f64::max));
+            return 0.5 * GUARD * area.min(UNEVEN * corners.into_iter().fold(0.0, f64::max));
         }
         let other = self.point_area[self.inner_points(triangle).start as usize];
-        let (by_own, by_other) = ((1.0 - share) * area * area, share * other * other);
+        // Sizes as far as they differ by more than a little.
+        let bound = UNEVEN * area.min(other);
+        let [own, other] = [area.max(bound), other.max(bound)];
+        let (by_own, by_other) = ((1.0 - share) * own * own, share * other * other);
         if by_other > 0.0 { area * (by_other / (by_own + by_other)) } else { 0.0 }
     }
 
-    /// Weight of two edges, an area, and the factor that fades them out where they are parallel. It is a small part of the smaller one of the areas that belong to them.
+    /// Weight of two edges, an area, and the factor that fades them out where they are parallel. It is a small part of the mean of the areas that belong to them, and not more than of a few of the smaller one.
     pub fn edge_weight(&self, [e, f]: [u32; 2]) -> (f64, Parallel) {
         let [e, f] = [e as usize, f as usize];
-        let weight = 0.5 * GUARD * self.edge_area[e].min(self.edge_area[f]);
+        let (own, other) = (self.edge_area[e], self.edge_area[f]);
+        let weight = 0.25 * GUARD * (own + other).min(2.0 * UNEVEN * own.min(other));
         (weight, Parallel::of_edges(self.edge_square[e], self.edge_square[f]))
     }
 }

@@ -12,6 +12,7 @@ mod failing;
 mod friction;
 mod general_contact;
 mod general_joints;
+mod general_sizes;
 mod general_table;
 mod increments;
 mod joint_probes;

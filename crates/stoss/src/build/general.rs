@@ -188,14 +188,19 @@ fn slip_velocities(
     thickness: f64,
 ) -> Option<impl Fn(u32, u32) -> f64 + use<>> {
     let given = table.slip_velocity;
+    // Of a scene without velocities there are none; nodes of rigid bodies go with what carries them.
+    let of = |node: u32, c: usize| model.velocity.get(3 * node as usize + c).copied().unwrap_or_default();
+    let velocity = |node: u32, c: usize| match model.embedding.carriers(node) {
+        Some(carriers) => carriers.iter().map(|&(carrier, weight)| weight * of(carrier, c)).sum(),
+        None => of(node, c),
+    };
     // Smallest and largest components of the velocities of each body.
     let mut ranges: BTreeMap<u32, [[f64; 2]; 3]> = BTreeMap::new();
     for facet in skin.facets() {
         let range = ranges.entry(rules.body(facet.class)).or_insert([[f64::INFINITY, f64::NEG_INFINITY]; 3]);
         for &node in facet.nodes.iter() {
             for (c, [low, high]) in range.iter_mut().enumerate() {
-                // Of a scene without velocities there are none.
-                let v = model.velocity.get(3 * node as usize + c).copied().unwrap_or_default();
+                let v: f64 = velocity(node, c);
                 (*low, *high) = (low.min(v), high.max(v));
             }
         }
@@ -525,6 +530,17 @@ mod tests {
         let three = told(&[slow, slow, rest], "self = false\n");
         assert!(three.contains("5.0000e-4 (a and b)") && three.contains("5.0000e-3 (a and c)"), "{three}");
         assert_eq!(told(&[rest, slow], "self = false\nslip_velocity = 0.7\n"), "creeps below 7.0000e-1");
+        // A rigid body moves, or spins.
+        let rigid = |motion: &str| {
+            told(
+                &[rest],
+                &format!(
+                    "self = false\n[[rigid]]\nname = \"r\"\nshape = {{ kind = \"cylinder\", radius = 0.5, length = 1, divisions = [8, 1, 1] }}\nposition = [0, 0, -3]\ndensity = 1\n{motion}\n"
+                ),
+            )
+        };
+        assert_eq!(rigid("velocity = [0, 0, 2]"), "creeps below 2.0000e-2");
+        assert_eq!(rigid("angular_velocity = [0, 0, 4]"), "creeps below 2.8284e-2");
         // Nothing tells what is small.
         for v in [rest, slow] {
             assert!(told(&[v, v], "").contains("add `slip_velocity`"), "{}", told(&[v, v], ""));
