@@ -27,6 +27,9 @@ const KINDS: [PairKind; 4] =
 /// Bytes of a spring in a checkpoint.
 const SPRING: usize = 49;
 
+/// Iterations of a step with inertia in which motions are shortened because they pass very many facets; then the step is given up.
+const WILD: u32 = 3;
+
 /// Settings of [`GeneralContact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneralOptions {
@@ -64,6 +67,8 @@ pub struct GeneralContact {
     active: Vec<u32>,
     /// Pairs of facets that had an active pair in the step: they grow only, so that stencils seldom change.
     groups: Vec<[u32; 2]>,
+    /// Motions of the step that were shortened because they pass very many facets.
+    shortened: u32,
     /// Friction along the motion that was set last.
     line: Vec<SlipLine>,
     /// Springs of pairs with friction at the start of the step, ascending.
@@ -118,6 +123,7 @@ impl GeneralContact {
             starts: Vec::new(),
             active: Vec::new(),
             groups: Vec::new(),
+            shortened: 0,
             line: Vec::new(),
             springs: Vec::new(),
             next_springs: None,
@@ -453,11 +459,15 @@ impl Potential for GeneralContact {
         self.renew_starts();
         self.proximity.keep(&self.inside_n);
         self.groups.clear();
+        self.shortened = 0;
         self.activate();
         Ok(())
     }
 
     fn renew(&mut self, q_np1: &[f64]) -> Result<bool, ContactError> {
+        if self.has_rates && self.shortened >= WILD {
+            return Err(ContactError::TooFar { contact: self.name.clone(), iterations: self.shortened });
+        }
         let Self { skin, rules, proximity, x, .. } = self;
         Self::place(skin, q_np1, x);
         if let Some(point) = x.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
@@ -483,6 +493,7 @@ impl Potential for GeneralContact {
         if changed {
             self.renew_starts();
         }
+        self.shortened += u32::from(part < 1.0);
         fraction
     }
 

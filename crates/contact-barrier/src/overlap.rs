@@ -401,7 +401,7 @@ mod tests {
         assert_eq!(overlaps.separation([0, 1], &Vector3::zeros(), 0.0, 0.1), None);
         assert!(overlaps.is_enclosed([0, 1]) && overlaps.is_enclosed([1, 0]));
         // It looks out.
-        q[..24].iter_mut().for_each(|x| *x += 0.4);
+        q[..24].iter_mut().for_each(|x| *x += 0.6);
         let overlaps = Overlaps::new(&skin, &rules, &q);
         assert_eq!(overlaps.relation([0, 1], &Vector3::zeros(), 0.01), Relation::Cross);
         assert!(!overlaps.is_enclosed([0, 1]) && !overlaps.is_enclosed([1, 0]));

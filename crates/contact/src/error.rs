@@ -76,6 +76,16 @@ pub enum ContactError {
         /// Global node.
         node: u32,
     },
+    /// Motions of a step past so many facets that it cannot come to an end soon.
+    #[error(
+        "in {iterations} iterations bodies moved past so many facets at once that contact {contact} has too many pairs to look at: the step is much too long; try smaller steps"
+    )]
+    TooFar {
+        /// Name of the contact.
+        contact: String,
+        /// Iterations in which that was so.
+        iterations: u32,
+    },
     /// A search option is out of its range.
     #[error("search option `{option}` must be {range}, but is {value}")]
     Option {

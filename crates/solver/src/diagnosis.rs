@@ -57,7 +57,7 @@ pub(crate) fn blocked(model: &Model, q: &[f64], is_prescribed: &dyn Fn(u32) -> b
     if let Some(second) = second {
         place += &format!(" and {}", node_name(model, second.node, q));
     }
-    let all = is_prescribed(first.node) && second.is_none_or(|second| is_prescribed(second.node));
+    let all = is_prescribed(first.node) && second.is_some_and(|second| is_prescribed(second.node));
     let remedy = match all {
         true => {
             "nothing can give way there, for the motion of all of it is prescribed: change it, or leave a larger gap"

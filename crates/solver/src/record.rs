@@ -81,7 +81,7 @@ pub struct ContactSummary {
     /// What general contact does at surface nodes, ascending; those where nothing acts and nothing is near may be missing.
     pub surface: Vec<SurfaceNode>,
     /// Where forces act on surfaces that lie inside their bodies, against the nodes that carry them.
-    pub(crate) moved: BTreeMap<u32, SurfaceForce>,
+    pub moved: BTreeMap<u32, SurfaceForce>,
 }
 
 /// One contact pair at the end of a step.

@@ -1,8 +1,9 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
-use super::general_schemes::{Bond, connected, sorted};
+use super::general_schemes::{Bond, connected, owner, sorted};
 use super::general_table::{self, NAME};
 use super::interacting::{Classes, THICKNESS, facets, interactions, point, shortest_edge, without_joined_overlaps};
+use super::joined::held_of;
 use super::rigid_inset::{Frame, fits};
 use super::separate;
 use super::tie::Ties;
@@ -13,6 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, first_look, mitre,
 };
+use stoss_mesh::BOUNDARY;
 
 /// Thinnest layer that is made, in parts of the shortest edge.
 const THINNEST: f64 = 1e-4;
@@ -60,13 +62,31 @@ pub(super) fn general(
     }
     let (plan, rules) = made?;
     let part = |name: &String| super::placed::index(placed, name).map(|part| part as u32);
+    let acts = |joined: &Joined| {
+        let [a, b] = joined.parts.each_ref().map(part);
+        a.zip(b).is_some_and(|(a, b)| rules.acts_between([a, b]))
+    };
     let connected = connected(scene);
     joined.retain(|joined| {
-        let [a, b] = joined.parts.each_ref().map(part);
-        let ends = connected.get(&sorted(joined.parts.each_ref().map(|name| &name[..]))) == Some(&Bond::Ends);
-        !ends || a.zip(b).is_none_or(|(a, b)| !rules.acts_between([a, b]))
+        let names = sorted(joined.parts.each_ref().map(|name| &name[..]));
+        connected.get(&names) != Some(&Bond::Ends) || !acts(joined)
     });
+    // Facets around what a joint holds on to are left out.
+    for joined in joined.iter_mut().filter(|joined| acts(joined)) {
+        let held: BTreeSet<u32> = held_between(scene, placed, &joined.parts);
+        let facets = joined.parts.iter().filter_map(|name| super::placed::index(placed, name));
+        let facets = facets.flat_map(|part| placed[part].facets_of(BOUNDARY).unwrap_or_default());
+        let around = facets.filter(|facet| facet.iter().any(|node| held.contains(node)));
+        joined.nodes.extend(around.collect::<Vec<_>>().iter().flatten());
+    }
     Some(plan)
+}
+
+/// Nodes that joints between two parts hold on to, but for those that hold all of a part.
+fn held_between(scene: &Scene, placed: &[Placed], parts: &[String; 2]) -> BTreeSet<u32> {
+    let names = sorted(parts.each_ref().map(|name| &name[..]));
+    let joints = scene.joints.iter().filter(|joint| sorted(joint.between.each_ref().map(|side| owner(side))) == names);
+    joints.flat_map(|joint| held_of(placed, &joint.between)).collect()
 }
 
 fn contact(

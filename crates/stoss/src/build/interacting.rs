@@ -3,10 +3,11 @@
 use super::condition::resolve;
 use super::general_schemes::{Bond, connected, owner, sorted};
 use super::general_table::of_contacts;
+use super::joined::held;
 use super::tie::Ties;
 use super::young;
 use super::{Placed, Problems};
-use crate::scene::{Edges, GeneralContact as Table, Scene, split_set};
+use crate::scene::{Edges, GeneralContact as Table, Scene};
 use crate::solver::{Model, short};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{Interaction, Interactions, Overlaps, Relation, Skin, SkinFacet};
@@ -135,18 +136,6 @@ fn sides(scene: &Scene, placed: &[Placed], ties: &Ties) -> Vec<Side> {
         }
     }
     sides
-}
-
-/// Nodes that a side of a joint holds on to, and whether these are all nodes of the surface of a part.
-fn held(placed: &[Placed], side: &str) -> (BTreeSet<u32>, bool) {
-    let (part, set) = split_set(side).unwrap_or((side, BOUNDARY));
-    let nodes_of = |set: &str| {
-        let part = super::placed::index(placed, part)?;
-        placed[part].nodes_of(set).ok()
-    };
-    let nodes: BTreeSet<u32> = nodes_of(set).into_iter().flatten().collect();
-    let is_whole = nodes_of(BOUNDARY).is_none_or(|all| all.iter().all(|node| nodes.contains(node)));
-    (nodes, is_whole)
 }
 
 /// Who acts on whom, and how.

@@ -9,6 +9,9 @@ use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
 use stoss_tensor::Vector3;
 
+/// Pairs of facets of which all are looked at.
+const MOST: usize = 1_000_000;
+
 /// Corners of a section that the joint is in the middle of belong to its surroundings, relative.
 const ROUND_OFF: f64 = 1e-6;
 
@@ -75,7 +78,25 @@ fn distance(joint: &Joint, x: &Vector3) -> f64 {
     }
 }
 
-/// For each joint between two parts with surfaces, the nodes around it: as far as one part lies in the other in the reference, and half the diagonal of the thinner one's section beyond; and the corners of facets that lie in the other.
+/// Nodes that a side of a joint holds on to, and whether these are all nodes of the surface of a part.
+pub(super) fn held(placed: &[Placed], side: &str) -> (BTreeSet<u32>, bool) {
+    let (part, set) = split_set(side).unwrap_or((side, BOUNDARY));
+    let nodes_of = |set: &str| {
+        let part = super::placed::index(placed, part)?;
+        placed[part].nodes_of(set).ok()
+    };
+    let nodes: BTreeSet<u32> = nodes_of(set).into_iter().flatten().collect();
+    let is_whole = nodes_of(BOUNDARY).is_none_or(|all| all.iter().all(|node| nodes.contains(node)));
+    (nodes, is_whole)
+}
+
+/// Nodes that the sides of a joint hold on to, but for those that hold all of a part.
+pub(super) fn held_of(placed: &[Placed], sides: &[String; 2]) -> BTreeSet<u32> {
+    let held = sides.iter().map(|side| held(placed, side)).filter(|(_, is_whole)| !is_whole);
+    held.flat_map(|(nodes, _)| nodes).collect()
+}
+
+/// For each joint between two parts with surfaces, the nodes around it: those of the sets that it holds on to; as far as one part lies in the other in the reference, and half the diagonal of the thinner one's section beyond; and the corners of facets that lie in the other.
 pub(super) fn surroundings(scene: &Scene, placed: &[Placed], reference: &[f64]) -> Vec<Joined> {
     let mut list = Vec::new();
     for joint in &scene.joints {
@@ -85,7 +106,9 @@ pub(super) fn surroundings(scene: &Scene, placed: &[Placed], reference: &[f64]) 
         let (Some(a), Some(b)) = (Body::new(a, reference), Body::new(b, reference)) else { continue };
         let (mut nodes, mut overlap) = (BTreeSet::new(), 0.0_f64);
         for (own, other) in [(&a, &b), (&b, &a)] {
-            for facet in &own.facets {
+            // Many facets are small ones: some of them tell how far one part lies in the other.
+            let pairs = if other.locator.is_some() { 0 } else { own.facets.len() * other.facets.len() };
+            for facet in own.facets.iter().step_by(1 + pairs / MOST) {
                 let corners: Vec<Vector3> = facet.iter().map(|&node| at(reference, node)).collect();
                 let count = corners.len();
                 let centre = corners.iter().sum::<Vector3>() / count as f64;
@@ -98,8 +121,16 @@ pub(super) fn surroundings(scene: &Scene, placed: &[Placed], reference: &[f64]) 
             }
         }
         let reach = (overlap + a.section().min(b.section())) * (1.0 + ROUND_OFF);
-        let near = |node: &u32| distance(joint, &at(reference, *node)) <= reach;
-        nodes.extend([&a, &b].into_iter().flat_map(|body| body.facets.iter().flatten()).copied().filter(near));
+        nodes.extend(held_of(placed, &joint.between));
+        let away = |node: &u32| distance(joint, &at(reference, *node));
+        for facet in [&a, &b].into_iter().flat_map(|body| &body.facets) {
+            nodes.extend(facet.iter().copied().filter(|node| away(node) <= reach));
+            // The middle of a large facet may be near though its corners are not: it counts as one of them.
+            let centre = facet.iter().map(|&node| at(reference, node)).sum::<Vector3>() / facet.len() as f64;
+            if distance(joint, &centre) <= reach {
+                nodes.extend(facet.iter().copied().min_by(|a, b| away(a).total_cmp(&away(b))));
+            }
+        }
         list.push(Joined { parts: parts.map(str::to_owned), nodes: nodes.into_iter().collect() });
     }
     list

@@ -16,7 +16,7 @@ pub(crate) mod general_schemes;
 mod general_table;
 #[cfg(feature = "general")]
 mod interacting;
-#[cfg(feature = "multibody")]
+#[cfg(any(feature = "general", feature = "multibody"))]
 mod joined;
 mod law;
 mod mesh_files;
@@ -30,7 +30,7 @@ mod multibody;
 mod multibody;
 #[cfg(feature = "nts")]
 mod nts;
-#[cfg(any(feature = "nts", feature = "mortar", feature = "multibody"))]
+#[cfg(any(feature = "nts", feature = "mortar", feature = "general", feature = "multibody"))]
 mod overlap;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod pair;
@@ -176,7 +176,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
-        #[cfg(feature = "multibody")]
+        #[cfg(any(feature = "general", feature = "multibody"))]
         parts.drawing.joined.extend(joined::surroundings(scene, &placed, &model.reference));
         #[cfg(feature = "general")]
         if apart {
