@@ -78,10 +78,16 @@ fn static_friction_does_not_fade_with_the_number_of_steps() {
             let work = balance.friction_stored + balance.dissipation;
             assert!((balance.friction_work - work).abs() <= 1e-10 * work, "{step}: {balance:?}");
         }
-        assert!(run.balance().friction_stored > 0.0 && run.balance().dissipation > 100.0 * run.balance().friction_stored);
+        assert!(
+            run.balance().friction_stored > 0.0 && run.balance().dissipation > 100.0 * run.balance().friction_stored
+        );
         ratios.push(ratio);
     }
-    assert!(ratios.iter().all(|ratio| (ratio - 0.3).abs() < 1e-3), "{ratios:?}");
+    // Facets interlock by some hundredths of the friction, whatever the steps.
+    assert!(
+        ratios.iter().all(|ratio| (ratio / ratios[0] - 1.0).abs() < 2e-3 && (ratio - 0.3).abs() < 0.02),
+        "{ratios:?}"
+    );
 }
 
 /// What springs of friction hold is in the checkpoint.
