@@ -15,6 +15,7 @@
 //!
 //! Signs: a `gradient` is that of an energy, to be added to a residual; the force on the nodes is minus it.
 
+mod areas;
 mod general;
 mod inset;
 mod interactions;

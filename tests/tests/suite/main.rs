@@ -13,6 +13,7 @@ mod friction;
 mod general_contact;
 mod general_joints;
 mod general_sizes;
+mod general_start;
 mod general_table;
 mod increments;
 mod joint_probes;

@@ -1,0 +1,91 @@
+//! Bodies that lie in each other at the start: they are told, refused, or moved apart.
+
+use crate::general_contact::{MATERIAL, cube, head, try_build};
+use stoss::solver::Simulation;
+
+fn ball(name: &str, at: [f64; 3], radius: f64) -> String {
+    format!(
+        "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"ball\", radius = {radius:?}, divisions = [2, 2, 2] }}\nposition = {at:?}\n{MATERIAL}\n"
+    )
+}
+
+#[test]
+fn the_depth_of_a_crossing_is_told() {
+    let plain = |x: f64, y: f64, z: f64| {
+        head("energy-momentum", 0.1, 1.0)
+            + &cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2)
+            + &cube("b", [x, y, z], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2)
+            + "[general_contact]\n"
+    };
+    let error = try_build(&plain(0.2, 0.1, 0.9)).unwrap_err();
+    assert!(error.contains("1.000e-1 deep (the way out of `a` is along (0, 0, -1))"), "{error}");
+    let error = try_build(&plain(-0.97, 0.2, 0.3)).unwrap_err();
+    assert!(error.contains("3.000e-2 deep (the way out of `a` is along (1, 0, 0))"), "{error}");
+    let small = cube("b", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2).replace("0.5", "0.1");
+    let text = head("energy-momentum", 0.1, 1.0) + &cube("a", [0.0; 3], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2) + &small;
+    let error = try_build(&(text + "[general_contact]\n")).unwrap_err();
+    assert!(error.contains("lies inside"), "{error}");
+}
+
+/// Means of the places of the nodes of bodies with so many nodes.
+fn places(simulation: &Simulation, nodes: &[usize]) -> Vec<[f64; 3]> {
+    let q = &simulation.state().q;
+    let mut first = 0;
+    let mut list = Vec::new();
+    for &n in nodes {
+        list.push(std::array::from_fn(|i| (first..first + n).map(|k| q[3 * k + i]).sum::<f64>() / n as f64));
+        first += n;
+    }
+    list
+}
+
+#[test]
+fn bodies_that_lie_in_each_other_are_separated() {
+    let contact = "[general_contact]\nthickness = 0.01\ninitial = \"separate\"\n";
+    let upright = |name: &str, at: [f64; 3]| cube(name, at, [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2);
+    let fixed = "[[prescribe]]\nset = \"a.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
+    let gap = 0.0101;
+    // Two free blocks share the way, and nothing acts; the first of three in a row is fixed.
+    let text = head("energy-momentum", 0.1, 0.5) + &upright("a", [0.0; 3]) + &upright("b", [0.2, 0.1, 0.95]) + contact;
+    let mut built = try_build(&text).unwrap();
+    let [a, b] = places(&built.simulation, &[27, 27])[..] else { panic!() };
+    let half = 0.5 * (0.05 + gap);
+    assert!((a[2] + half).abs() < 1e-5 && (b[2] - 0.95 - half).abs() < 1e-5, "{a:?} {b:?}");
+    assert!((b[0] - 0.2).abs() < 1e-12 && a[0].abs() < 1e-12);
+    assert!(built.bodies.iter().any(|line| line.starts_with("b: moved by 3.005e-2")), "{:?}", built.bodies);
+    assert!(built.simulation.balance().total().abs() < 1e-25);
+    while !built.simulation.finished() {
+        let record = built.simulation.advance().unwrap();
+        assert!(record.balance.strain < 1e-25 && record.contact.unwrap().bodies.is_empty());
+    }
+    let row = upright("a", [0.0; 3]) + &upright("b", [0.0, 0.05, 0.97]) + &upright("c", [0.1, 0.0, 1.92]);
+    let built = try_build(&(head("energy-momentum", 0.1, 1.0) + &row + fixed + contact)).unwrap();
+    let [a, b, c] = places(&built.simulation, &[27, 27, 27])[..] else { panic!() };
+    assert!(a.iter().all(|x| x.abs() < 1e-12));
+    assert!((b[2] - 1.0 - gap).abs() < 1e-5 && (c[2] - 2.0 - 2.0 * gap).abs() < 2e-5, "{b:?} {c:?}");
+    // A small ball in a block that stands: the ball goes.
+    let text = head("energy-momentum", 0.1, 1.0) + &upright("a", [0.0; 3]) + &ball("s", [0.1, 0.07, 0.77], 0.3) + fixed;
+    let built = try_build(&(text.clone() + contact)).unwrap();
+    let nodes = built.simulation.model().node_count() - 27;
+    let before = try_build(&(text.replace("0.77]", "0.9]") + contact)).unwrap();
+    let [s, o] = [&built, &before].map(|built| places(&built.simulation, &[27, nodes])[1]);
+    assert!((s[2] - o[2] + 0.9 - 0.8 - gap).abs() < 1e-4 && (s[0] - o[0]).hypot(s[1] - o[1]) < 1e-6, "{s:?} {o:?}");
+}
+
+#[test]
+fn bodies_that_cannot_be_separated_are_refused() {
+    let contact = "[general_contact]\ninitial = \"separate\"\n";
+    let upright = |name: &str, at: [f64; 3]| cube(name, at, [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2);
+    let fixed = |body: &str| {
+        format!("[[prescribe]]\nset = \"{body}.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n")
+    };
+    let two = |z: f64| head("energy-momentum", 0.1, 1.0) + &upright("a", [0.0; 3]) + &upright("b", [0.0, 0.0, z]);
+    let both = try_build(&(two(0.95) + &fixed("a") + &fixed("b") + contact)).unwrap_err();
+    assert!(both.contains("neither may be moved") && both.contains("has prescribed motion"), "{both}");
+    let deep = try_build(&(two(0.6) + &fixed("a") + contact)).unwrap_err();
+    assert!(deep.contains("too deep"), "{deep}");
+    // Between two fixed ones there is no room.
+    let between = upright("c", [0.0, 0.0, 1.9]);
+    let squeezed = try_build(&(two(0.95) + &between + &fixed("a") + &fixed("c") + contact)).unwrap_err();
+    assert!(squeezed.contains("there is no room") && !squeezed.contains("deep"), "{squeezed}");
+}
