@@ -16,7 +16,7 @@ use stoss_geometry::{PairKind, closest};
 const NONE: u32 = u32::MAX;
 
 /// Shear stiffness of the layer of a pair that sticks, in moduli over thicknesses.
-const SHEAR: f64 = 10.0;
+const SHEAR: f64 = 3.0;
 
 /// Cosine of the angle between the normals of two facets, one of them turned around, from which on they face each other.
 const FACING: f64 = 0.5;

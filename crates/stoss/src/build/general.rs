@@ -236,14 +236,13 @@ fn slip_velocities(
     let bodies: BTreeSet<u32> = skin.facets().iter().map(|facet| rules.body(facet.class)).collect();
     let moves = bodies.iter().any(|&a| bodies.iter().any(|&b| relative(a, b) > 0.0));
     let end = scene.stages.iter().map(|stage| stage.until).fold(scene.time.end, f64::max);
-    (given.is_some() || moves).then(|| {
-        move |a: u32, b: u32| {
-            given.unwrap_or_else(|| match relative(a, b) {
-                0.0 => CREEP * thickness / end,
-                speed => SLIP * speed,
-            })
-        }
-    })
+    let of_pair = move |a: u32, b: u32| {
+        given.unwrap_or_else(|| match relative(a, b) {
+            0.0 => CREEP * thickness / end,
+            speed => SLIP * speed,
+        })
+    };
+    (given.is_some() || moves).then_some(of_pair)
 }
 
 /// Whether a part of the run is static.
