@@ -200,7 +200,10 @@ fn the_check_names_what_is_wrong() {
         MeshError::DuplicateNodes { first: 1, second: 12, .. }
     ));
     assert!(matches!(
-        broken(&|m| m.elements.push(m.elements.kind(0), &m.elements[0].to_vec())),
+        broken(&|m| {
+            let (kind, first) = (m.elements.kind(0), m.elements[0].to_vec());
+            m.elements.push(kind, &first);
+        }),
         MeshError::OverlappingElements { elements: [0, 2], .. }
     ));
     assert!(matches!(

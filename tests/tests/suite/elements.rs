@@ -114,7 +114,7 @@ fn frames_show_nodes_and_not_what_contact_sees() {
     let options = RunOptions { out: folder.path().join("out"), ..RunOptions::default() };
     let outcome = run_scene(&path, &options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(outcome.verdict.level, Level::Sound);
-    let frame = stoss::mesh_io::read_vtu(&folder.path().join("out/frames/frame_000001.vtu")).unwrap();
+    let frame = stoss::mesh_io::read_vtu(folder.path().join("out/frames/frame_000001.vtu")).unwrap();
     assert_eq!(frame.points.len(), nodes);
     let kinds: Vec<String> = frame.elements.kinds().iter().map(|kind| kind.to_string()).collect();
     assert_eq!(kinds, ["hex27", "tet10"]);
