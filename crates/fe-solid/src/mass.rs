@@ -280,6 +280,15 @@ impl MassMatrix {
         }
     }
 
+    /// Adds the diagonal `M_II`, positive at all nodes with mass, to each component of a vector of the model.
+    pub fn add_diagonal(&self, out: &mut [f64]) {
+        self.for_each(|node, other, m| {
+            if node == other {
+                out[3 * node..3 * node + 3].iter_mut().for_each(|sum| *sum += m);
+            }
+        });
+    }
+
     /// `out += factor M x` for vectors of the model.
     pub fn multiply_add(&self, factor: f64, x: &[f64], out: &mut [f64]) {
         match self.kind {

@@ -54,7 +54,6 @@ struct Data {
     nodes: &'static [[f64; 2]],
     linear: FacetKind,
     pieces: &'static [&'static [u8]],
-    triangles: &'static [[u8; 3]],
     trace: Trace,
     rule: &'static [([f64; 2], f64)],
     vtk: u8,
@@ -73,7 +72,6 @@ static TRI3: Data = Data {
     nodes: &tri3::VERTICES,
     linear: FacetKind::Tri3,
     pieces: &[&[0, 1, 2]],
-    triangles: &[[0, 1, 2]],
     trace: Trace { vertices: &[CORNERS[0], CORNERS[1], CORNERS[2]], facets: &[&[0, 1, 2]] },
     rule: &triangle::THREE,
     vtk: 5,
@@ -84,7 +82,6 @@ static QUAD4: Data = Data {
     nodes: &quad4::VERTICES,
     linear: FacetKind::Quad4,
     pieces: &[&[0, 1, 2, 3]],
-    triangles: &[[0, 1, 2], [0, 2, 3]],
     trace: Trace { vertices: &CORNERS, facets: &[&[0, 1, 2, 3]] },
     rule: &GAUSS_QUAD_2,
     vtk: 9,
@@ -95,7 +92,6 @@ static TRI6: Data = Data {
     nodes: &TRI,
     linear: FacetKind::Tri3,
     pieces: &[&[0, 3, 5], &[3, 1, 4], &[5, 4, 2], &[3, 4, 5]],
-    triangles: &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
     trace: Trace {
         vertices: &[
             CORNERS[0],
@@ -116,7 +112,6 @@ static QUAD8: Data = Data {
     nodes: &QUAD_8,
     linear: FacetKind::Quad4,
     pieces: &[&[0, 4, 7], &[4, 1, 5], &[5, 2, 6], &[7, 6, 3], &[4, 5, 6, 7]],
-    triangles: &[[0, 4, 7], [4, 1, 5], [5, 2, 6], [7, 6, 3], [4, 5, 6], [4, 6, 7]],
     trace: Trace {
         vertices: &[
             CORNERS[0],
@@ -149,7 +144,6 @@ static QUAD9: Data = Data {
     nodes: &QUAD,
     linear: FacetKind::Quad4,
     pieces: QUARTERS,
-    triangles: &[[0, 4, 8], [0, 8, 7], [4, 1, 5], [4, 5, 8], [8, 5, 2], [8, 2, 6], [7, 8, 6], [7, 6, 3]],
     trace: Trace {
         vertices: &[
             CORNERS[0],
@@ -229,11 +223,6 @@ impl FaceKind {
     /// Linear facets that the face is divided into, as local nodes: triangles and quadrilaterals with the orientation of the face.
     pub fn pieces(self) -> &'static [&'static [u8]] {
         self.data().pieces
-    }
-
-    /// Triangles that the face is divided into for pictures and coarse purposes, as local nodes.
-    pub fn triangles(self) -> &'static [[u8; 3]] {
-        self.data().triangles
     }
 
     /// The piecewise linear surface that contact sees of the face.

@@ -35,7 +35,7 @@ pub struct Rigid {
     /// A simple shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
-    /// Generator or file of a mesh of hexahedra, of which the boundary is the surface.
+    /// Generator or file of a mesh, of which the boundary is the surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<MeshSource>,
     /// A surface of triangles from a file.

@@ -35,6 +35,12 @@ impl PartMass {
         vector.checked_sub(self.first as usize).and_then(|k| self.directions.get(k)).copied().unwrap_or(false)
     }
 
+    fn add_diagonal(&self, out: &mut [f64]) {
+        for &(i, _, m) in self.entries.iter().filter(|(i, j, _)| i == j) {
+            out[3 * i as usize..3 * i as usize + 3].iter_mut().for_each(|sum| *sum += m);
+        }
+    }
+
     fn multiply_add(&self, factor: f64, x: &[f64], out: &mut [f64]) {
         self.for_each(|i, j, m| {
             for d in 0..3 {
@@ -106,6 +112,14 @@ impl Masses {
     pub fn angular_momentum(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
         let parts = self.parts.iter().map(|mass| mass.angular_momentum(q, v));
         sum(self.bodies.iter().map(|mass| mass.angular_momentum(q, v)).chain(parts))
+    }
+
+    /// The diagonal of the mass, as a vector of the model.
+    pub fn diagonal(&self, components: usize) -> Vec<f64> {
+        let mut diagonal = vec![0.0; components];
+        self.bodies.iter().for_each(|mass| mass.add_diagonal(&mut diagonal));
+        self.parts.iter().for_each(|mass| mass.add_diagonal(&mut diagonal));
+        diagonal
     }
 
     /// Sum of all masses.

@@ -4,7 +4,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{SolidBody, SolidError, SolidOptions, SolidStep, TangentTarget, Volumetric, Workspace};
+use stoss_fe_solid::{
+    SolidBody, SolidError, SolidOptions, SolidStep, StressRule, TangentTarget, Volumetric, Workspace,
+};
 use stoss_linalg::{ScatterMap, SparsityPattern};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::{Elements, Mesh, generate::Block};
@@ -255,4 +257,26 @@ pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
         b[k] = (b[k] - dot(&a[k][k + 1..], &b[k + 1..])) / a[k][k];
     }
     b
+}
+
+/// Forces with and without a tangent are the same, the tangent is the difference of the force, and but for the conserving step it is symmetric up to `symmetric` of its size.
+pub fn check_tangents(body: &mut SolidBody, q_n: &[f64], q_np1: &[f64], symmetric: f64, place: &str) {
+    for rule in [StressRule::Configuration { theta: 0.3 }, StressRule::END_POINT, StressRule::EnergyMomentum] {
+        body.begin_step(q_n, rule).unwrap();
+        let at = |q: &[f64]| force(body, SolidStep { q_n, q_np1: q, rule }).unwrap();
+        let (with_tangent, tangent) = force_and_tangent(body, SolidStep { q_n, q_np1, rule });
+        let alone = at(q_np1);
+        assert!(with_tangent.iter().zip(&alone).all(|(a, b)| (a - b).abs() < 1e-13 * max_abs(&alone)));
+        let scale = tangent.iter().map(|row| max_abs(row)).fold(0.0, f64::max);
+        for j in (0..q_np1.len()).step_by(2) {
+            let column = derivative(q_np1, j, 2e-4, at);
+            for i in 0..q_np1.len() {
+                let difference = (tangent[i][j] - column[i]).abs();
+                assert!(difference < 1e-8 * scale, "{place} {rule:?} ({i},{j}): {difference:e} of {scale:e}");
+                if rule != StressRule::EnergyMomentum {
+                    assert!((tangent[i][j] - tangent[j][i]).abs() < symmetric * scale, "{place} {rule:?} ({i},{j})");
+                }
+            }
+        }
+    }
 }

@@ -194,9 +194,11 @@ pub(super) fn gravity(scene: &Scene, model: &mut Model, problems: &mut Problems<
     let mut patterns = Vec::new();
     for axis in AXES {
         let made = pattern(components, "gravity", problems, |force| {
+            // The force of the very mass that is accelerated: with another, lumped bodies would not fall alike at all nodes.
+            let along: Vec<f64> = (0..components).map(|c| axis[c % 3]).collect();
             for (item, body) in scene.bodies.iter().zip(&model.bodies) {
-                let density = item.density.unwrap_or(0.0);
-                body.solid.body_force(axis.map(|a| density * a), force)?;
+                let mass = body.solid.mass(item.density.unwrap_or(0.0), body.mass_kind);
+                mass.multiply_add(1.0, &along, force);
             }
             for part in &model.parts {
                 part.weight(axis, &mut |vector, f| {
