@@ -117,6 +117,8 @@ pub(crate) trait ElementEvaluator<const N: usize, const G: usize>: Sync {
 pub(crate) struct Additions<'a, 'b> {
     /// Number of the block's first element in the body.
     pub first: usize,
+    /// The iterate before, see [`crate::SolidBody::assemble_after`].
+    pub before: Option<&'a [f64]>,
     pub force_weight: f64,
     pub force: &'a mut [f64],
     pub target: &'a mut Option<TangentTarget<'b>>,
@@ -151,7 +153,14 @@ pub(crate) fn assemble<const N: usize, const G: usize>(
     evaluator: &impl ElementEvaluator<N, G>,
     to: Additions<'_, '_>,
 ) -> Result<(), (usize, Failure)> {
-    let Additions { first: number, force_weight, force, target, workspace: Workspace { computing, adding, .. } } = to;
+    let Additions {
+        first: number,
+        before: _,
+        force_weight,
+        force,
+        target,
+        workspace: Workspace { computing, adding, .. },
+    } = to;
     let threads = rayon::current_num_threads();
     let (grain, want_tangent) = (grain(N), target.is_some());
     if threads == 1 || nodes.len() <= grain {

@@ -205,7 +205,8 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
     ) -> Result<(), ElementFailure> {
         let nodes = elements(nodes);
         let factor = to.target.as_ref().map_or(1.0, |target| target.factor);
-        assembly::assemble(nodes, &BlockStep { block: self, material, nodes, step, factor }, to)
+        let before = to.before;
+        assembly::assemble(nodes, &BlockStep { block: self, material, nodes, step, before, factor }, to)
     }
 
     fn add_viscous_force(
@@ -284,6 +285,8 @@ struct BlockStep<'a, const N: usize, const G: usize> {
     material: Material<'a>,
     nodes: &'a [[u32; N]],
     step: SolidStep<'a>,
+    /// The iterate before.
+    before: Option<&'a [f64]>,
     factor: f64,
 }
 
@@ -294,7 +297,7 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for BlockStep<'_, N,
         force: &mut NodalVectors<N>,
         tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
     ) -> Result<(), Failure> {
-        let Self { block, material, nodes, step, factor } = self;
+        let Self { block, material, nodes, step, before, factor } = self;
         let (rule, at) = (step.rule, |q| gather(&nodes[element], q));
         let q_np1 = at(if rule.reads_end() { step.q_np1 } else { step.q_n });
         let q_n = if rule.reads_start() && rule.reads_end() { at(step.q_n) } else { q_np1 };
@@ -302,7 +305,10 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for BlockStep<'_, N,
         let step = ElementStep { rule, q_n: &q_n, q_np1: &q_np1, history };
         match block.averages(*material, element) {
             None => element::force_and_tangent(material.law, block.integration(element), step, *factor, force, tangent),
-            Some(averages) => averages.force_and_tangent(step, block.jacobians.get(element), *factor, force, tangent),
+            Some(averages) => {
+                let before = before.map(|before| gather(&nodes[element], before));
+                averages.force_and_tangent(step, block.jacobians.get(element), before.as_ref(), *factor, force, tangent)
+            }
         }
     }
 }

@@ -222,7 +222,30 @@ impl SolidBody {
         tangent: Option<TangentTarget<'_>>,
         workspace: &mut Workspace,
     ) -> Result<(), SolidError> {
+        self.assemble_after(None, step, force_weight, force, tangent, workspace)
+    }
+
+    /// As [`Self::assemble`], for the tangent of an iterate that followed `before` by a linear solution. In a mixed body the stress that stiffens the
+    /// tangent then has the pressures of that linear solution, not those of the volumes at `q_np1`: Newton's method for displacements and pressures, from which the
+    /// pressures were eliminated (docs/theory/elements.md#mixed-iteration). Near incompressibility it converges from much farther away, because the volumes that a large rotation
+    /// of an iterate makes are not multiplied by the bulk modulus. The force does not depend on `before`, and the tangent is the derivative of the force where the
+    /// iteration ends.
+    ///
+    /// # Errors
+    /// Those of [`Self::assemble`].
+    pub fn assemble_after(
+        &self,
+        before: Option<&[f64]>,
+        step: SolidStep<'_>,
+        force_weight: f64,
+        force: &mut [f64],
+        tangent: Option<TangentTarget<'_>>,
+        workspace: &mut Workspace,
+    ) -> Result<(), SolidError> {
         self.check_length("the force", force)?;
+        if let Some(before) = before {
+            self.check_length("the positions before", before)?;
+        }
         if step.rule.reads_end() {
             self.check_length("the positions q_np1", step.q_np1)?;
         }
@@ -236,7 +259,7 @@ impl SolidBody {
         }
         self.for_each_block(|block, cells| {
             let first = cells.first() as usize;
-            let to = Additions { first, force_weight, force, target: &mut target, workspace };
+            let to = Additions { first, before, force_weight, force, target: &mut target, workspace };
             block.assemble(self.material(), cells.nodes(), step, to)
         })
     }
@@ -267,7 +290,7 @@ impl SolidBody {
         let mut tangent = tangent;
         self.for_each_block(|block, cells| {
             let first = cells.first() as usize;
-            let to = Additions { first, force_weight: 1.0, force, target: &mut tangent, workspace };
+            let to = Additions { first, before: None, force_weight: 1.0, force, target: &mut tangent, workspace };
             block.add_viscous_force(cells.nodes(), viscosity, to)
         })
     }

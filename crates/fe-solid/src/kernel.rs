@@ -48,6 +48,11 @@ pub fn determinant(m: &Matrix3) -> f64 {
         + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
 }
 
+/// `cof M : D`, the derivative of the determinant of `m` along `d`.
+pub fn determinant_change(m: &Matrix3, d: &Matrix3) -> f64 {
+    determinant(&[d[0], m[1], m[2]]) + determinant(&[m[0], d[1], m[2]]) + determinant(&[m[0], m[1], d[2]])
+}
+
 /// Gradients of the shape functions and the volume weights of an element with reference positions `x`.
 ///
 /// `natural[g][A][I]` is `dN_I/dxi_A` at Gauss point `g`, `gauss_weights` the weights of the rule.

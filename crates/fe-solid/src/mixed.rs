@@ -98,11 +98,12 @@ impl<const N: usize, const G: usize> Averages<'_, N, G> {
         &self,
         step: ElementStep<'_, N, G>,
         jacobians: Option<&[f64; G]>,
+        before: Option<&NodalVectors<N>>,
         factor: f64,
         force: &mut NodalVectors<N>,
         tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
     ) -> Result<(), Failure> {
-        for_both!(self, mixed => mixed.force_and_tangent(step, jacobians, factor, force, tangent))
+        for_both!(self, mixed => mixed.force_and_tangent(step, jacobians, before, factor, force, tangent))
     }
 }
 
@@ -195,6 +196,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         &self,
         step: ElementStep<'_, N, G>,
         jacobians: Option<&[f64; G]>,
+        before: Option<&NodalVectors<N>>,
         factor: f64,
         force: &mut NodalVectors<N>,
         tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
@@ -202,20 +204,21 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         *force = [[0.0; N]; 3];
         match (step.rule, step.history, jacobians) {
             (StressRule::EnergyMomentum, Some(history), Some(jacobians)) => {
-                self.energy_momentum(step, history, jacobians, factor, force, tangent)
+                self.energy_momentum(step, history, jacobians, before, factor, force, tangent)
             }
             // The body hands over the history whenever the rule is energy-momentum.
             (StressRule::EnergyMomentum, ..) => unreachable!("energy-momentum rule without history"),
             (StressRule::Configuration { theta }, ..) => {
                 if !step.rule.reads_start() {
-                    return self.one_configuration(step.q_np1, Level::End, factor, force, tangent);
+                    return self.one_configuration(step.q_np1, Level::End, before, factor, force, tangent);
                 }
                 if !step.rule.reads_end() {
-                    return self.one_configuration(step.q_n, Level::Start, 0.0, force, None);
+                    return self.one_configuration(step.q_n, Level::Start, None, 0.0, force, None);
                 }
                 self.state(step.q_np1, Level::End)?;
                 let q = element::between(step.q_n, step.q_np1, theta);
-                self.one_configuration(&q, Level::Intermediate, theta * factor, force, tangent)
+                let before = before.map(|before| element::between(step.q_n, before, theta));
+                self.one_configuration(&q, Level::Intermediate, before.as_ref(), theta * factor, force, tangent)
             }
         }
     }
@@ -225,6 +228,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         &self,
         q: &NodalVectors<N>,
         level: Level,
+        before: Option<&NodalVectors<N>>,
         factor: f64,
         force: &mut NodalVectors<N>,
         mut tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
@@ -232,6 +236,12 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         let state = self.state(q, level)?;
         let (pressure, slope) = Self::at_points(|g| self.parts.volume.pressure(state.dilatations[g]));
         let pressure = self.average(&pressure);
+        let continued = match before {
+            Some(before) if tangent.is_some() => self
+                .continued(&state, before, |g, dilatations| self.parts.volume.pressure(dilatations[g]))
+                .unwrap_or(pressure),
+            _ => pressure,
+        };
         let mut changes = [[[0.0; N]; 3]; A];
         for g in 0..G {
             let (f, c, j) = (&state.deformation_gradients[g], &state.right_cauchy_green[g], state.jacobians[g]);
@@ -243,9 +253,13 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
                 continue;
             };
             let (rest, moduli) = self.parts.rest.stress_and_elasticity(c).map_err(|e| FailureKind::from(e).at(g))?;
+            kernel::add_force(f, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+            let (of_pressure, of_pressure_moduli) = match before {
+                None => (of_pressure, of_pressure_moduli),
+                Some(_) => pressure_stress(continued[g], c, j),
+            };
             let stress = (rest + of_pressure).to_voigt();
             let moduli = moduli + of_pressure_moduli;
-            kernel::add_force(f, &stress, gradients, weight, force);
             kernel::tangent_factors(f, f, &moduli.0, &stress, 1.0, gradients, weight, g, true, factors);
             self.add_change_of_volume(g, f, c, j, &mut changes);
         }
@@ -262,6 +276,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         step: ElementStep<'_, N, G>,
         history: &[GaussPointHistory; G],
         jacobians: &[f64; G],
+        before: Option<&NodalVectors<N>>,
         factor: f64,
         force: &mut NodalVectors<N>,
         mut tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
@@ -270,6 +285,12 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         let start = self.average(jacobians);
         let (pressure, slope) = Self::at_points(|g| self.parts.volume.quotient(start[g], state.dilatations[g]));
         let pressure = self.average(&pressure);
+        let continued = match before {
+            Some(before) if tangent.is_some() => self
+                .continued(&state, before, |g, dilatations| self.parts.volume.quotient(start[g], dilatations[g]))
+                .unwrap_or(pressure),
+            _ => pressure,
+        };
         let q_mid = element::between(step.q_n, step.q_np1, 0.5);
         let (mut works, mut changes) = ([[[0.0; N]; 3]; A], [[[0.0; N]; 3]; A]);
         for g in 0..G {
@@ -288,9 +309,9 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             let (rest, mut moduli) =
                 stoss_continuum::energy_momentum_stress_and_tangent(self.parts.rest, c_n, *energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-            let stress = (rest + of_pressure).to_voigt();
-            moduli.add_scaled(2.0 * pressure[g], &jacobian_gradient_tangent(c_n, jacobians[g], c, j, &k));
-            kernel::add_force(&f_mid, &stress, gradients, weight, force);
+            kernel::add_force(&f_mid, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+            let stress = (rest + k * (2.0 * continued[g])).to_voigt();
+            moduli.add_scaled(2.0 * continued[g], &jacobian_gradient_tangent(c_n, jacobians[g], c, j, &k));
             kernel::tangent_factors(&f_mid, f, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
             for (psi, work) in self.basis.iter().zip(&mut works) {
                 kernel::add_force(&f_mid, &k.to_voigt(), gradients, 2.0 * weight * psi[g], work);
@@ -302,6 +323,28 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             self.add_pressure_changes(&works, &changes, &slope, factor, tangent);
         }
         Ok(())
+    }
+
+    /// The pressures at the Gauss points that a linear step from the iterate `before` led to: `p + p' dtheta`, all three at `before`, with the linear change
+    /// `cof F : dF` of the volume. With these in the place of the pressures the tangent is that of Newton's method for displacements *and* pressures, from which the
+    /// latter were eliminated; the force is the same. `pressure` is a pressure and its derivative at a point for given dilatations. `None` if `before` has no state.
+    fn continued(
+        &self,
+        state: &State<G>,
+        before: &NodalVectors<N>,
+        pressure: impl Fn(usize, &[f64; G]) -> (f64, f64),
+    ) -> Option<[f64; G]> {
+        let from = self.state(before, Level::End).ok()?;
+        let mut linear = [0.0; G];
+        for (g, linear) in linear.iter_mut().enumerate() {
+            let (f0, f1) = (&from.deformation_gradients[g], &state.deformation_gradients[g]);
+            let difference: Matrix3 = std::array::from_fn(|i| std::array::from_fn(|j| f1[i][j] - f0[i][j]));
+            *linear = kernel::determinant_change(f0, &difference);
+        }
+        let change = self.average(&linear);
+        let (value, slope) = Self::at_points(|g| pressure(g, &from.dilatations));
+        // Of a constant the values at the points are the same; of a linear function each point has its own.
+        Some(self.average(&std::array::from_fn(|g| value[g] + slope[g] * change[g])))
     }
 
     /// Adds a point's part of the derivatives of `sum_h w_h psi_a J_h` by the nodes: `cof F grad N = F (J C^-1) grad N`.

@@ -152,7 +152,7 @@ impl NodalTetrahedra {
         to: Additions<'_, '_>,
         scratch: &mut Scratch,
     ) -> Result<(), ElementFailure> {
-        let Additions { first, force_weight, force, target, workspace } = to;
+        let Additions { first, before, force_weight, force, target, workspace } = to;
         let end = |element: usize| gather(&nodes[element], step.q_np1);
         let (level, theta) = match step.rule {
             StressRule::EnergyMomentum => (Level::End, 1.0),
@@ -189,7 +189,7 @@ impl NodalTetrahedra {
             pressures: &scratch.pressures,
             factor: theta * target.as_ref().map_or(1.0, |target| target.factor),
         };
-        assembly::assemble(nodes, &element, Additions { first, force_weight, force, target, workspace })?;
+        assembly::assemble(nodes, &element, Additions { first, before, force_weight, force, target, workspace })?;
         let Some(target) = target else { return Ok(()) };
         let Scratch { nodal, tangent, works, changes, .. } = scratch;
         for node in 0..self.patches.len() {
@@ -384,9 +384,9 @@ impl Cells for NodalTetrahedra {
         step: SolidStep<'_>,
         to: Additions<'_, '_>,
     ) -> Result<(), ElementFailure> {
-        let Additions { first, force_weight, force, target, workspace } = to;
+        let Additions { first, before, force_weight, force, target, workspace } = to;
         let mut scratch = std::mem::take(&mut workspace.nodal);
-        let to = Additions { first, force_weight, force, target, workspace: &mut *workspace };
+        let to = Additions { first, before, force_weight, force, target, workspace: &mut *workspace };
         let volume = material.volume();
         let result = self.assemble_with(material, volume, nodes.as_chunks().0, step, to, &mut scratch);
         workspace.nodal = scratch;

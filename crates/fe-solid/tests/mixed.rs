@@ -454,3 +454,74 @@ fn any_number_of_threads_gives_the_same_bits() {
         }
     }
 }
+
+/// The tangent of an iterate that followed another: with the same positions it is the usual one, the force never changes, and Newton's method ends quadratically, from where it
+/// does not end without.
+#[test]
+fn pressures_of_the_linear_solution_widen_the_reach_of_the_iteration() {
+    let law: Arc<dyn HyperelasticLaw> = Arc::new(NeoHooke::new(1e6, 1.0).unwrap());
+    for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15] {
+        let mesh = cells(&[kind], [2; 3], 0.0, 0.0, 0);
+        let mut body = mixed_body(&mesh, &law, Integration::Full);
+        let x = positions(&mesh);
+        let after = |before: Option<&[f64]>, q: &[f64], body: &SolidBody, step: SolidStep<'_>| {
+            let (pattern, map) = pattern(body, q.len());
+            let (mut values, mut force) = (vec![0.0; pattern.nnz()], vec![0.0; q.len()]);
+            let target = TangentTarget { map: &map, first_stencil: 0, factor: 1.0, values: &mut values };
+            body.assemble_after(before, step, 1.0, &mut force, Some(target), &mut Workspace::default()).unwrap();
+            (force, dense(&pattern, &values))
+        };
+        let mut random = Random(71);
+        let (q_n, q) = (random.perturbed(&x, 0.02), random.perturbed(&x, 0.02));
+        for rule in [StressRule::END_POINT, StressRule::MIDPOINT, StressRule::EnergyMomentum] {
+            body.begin_step(&q_n, rule).unwrap();
+            let step = SolidStep { q_n: &q_n, q_np1: &q, rule };
+            let (force, tangent) = after(None, &q, &body, step);
+            let (same_force, same) = after(Some(&q), &q, &body, step);
+            let (far_force, far) = after(Some(&x), &q, &body, step);
+            assert!(force == same_force && force == far_force, "{kind} {rule:?}");
+            let scale = tangent.iter().map(|row| max_abs(row)).fold(0.0, f64::max);
+            let distance = |other: &[Vec<f64>]| {
+                tangent.iter().flatten().zip(other.iter().flatten()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()))
+            };
+            assert!(distance(&same) < 1e-9 * scale, "{kind} {rule:?}: {:e}", distance(&same) / scale);
+            assert!(distance(&far) > 1e-6 * scale, "{kind} {rule:?}: the pressures are not looked at");
+        }
+        // The top moves down by 0.4 of an edge; the others follow by the linear response of the body at rest.
+        let free: Vec<usize> = (0..x.len()).filter(|c| (x[c - c % 3 + 2] - 1.0).abs() < 0.9).collect();
+        let moved: Vec<usize> = (0..x.len()).filter(|c| c % 3 == 2 && x[*c] > 1.9).collect();
+        let rest = SolidStep { q_n: &x, q_np1: &x, rule: StressRule::END_POINT };
+        let k = force_and_tangent(&body, rest).1;
+        let right = free.iter().map(|&r| moved.iter().map(|&c| 0.4 * k[r][c]).sum()).collect();
+        let response = solve(free.iter().map(|&r| free.iter().map(|&c| k[r][c]).collect()).collect(), right);
+        let mut start = x.clone();
+        moved.iter().for_each(|&c| start[c] -= 0.4);
+        free.iter().zip(&response).for_each(|(&c, d)| start[c] += d);
+        let iterate = |continued: bool| {
+            let (mut q, mut before) = (start.clone(), Some(x.clone()));
+            let mut sizes = Vec::new();
+            for _ in 0..12 {
+                let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+                let from = before.as_deref().filter(|_| continued);
+                if force(&body, step).is_err() {
+                    break;
+                }
+                let (f, k) = after(from, &q, &body, step);
+                let right: Vec<f64> = free.iter().map(|&c| -f[c]).collect();
+                let k = free.iter().map(|&r| free.iter().map(|&c| k[r][c]).collect()).collect();
+                before = Some(q.clone());
+                let change = solve(k, right);
+                free.iter().zip(&change).for_each(|(&c, d)| q[c] += d);
+                sizes.push(max_abs(&change));
+                if max_abs(&change) < 1e-9 {
+                    break;
+                }
+            }
+            sizes
+        };
+        let (with, without) = (iterate(true), iterate(false));
+        assert!(with.last().unwrap() < &1e-9, "{kind}: {with:?}");
+        // hex8 is robust enough at this distance.
+        assert!(kind == CellKind::Hex8 || without.last().unwrap() > &1e-3, "{kind}: {without:?}");
+    }
+}

@@ -11,7 +11,7 @@ use crate::{LoadKind, Model, PhaseTime, StepError};
 use std::ops::Range;
 use std::sync::Arc;
 use stoss_contact::Auxiliary;
-use stoss_fe_solid::{TangentTarget, Workspace};
+use stoss_fe_solid::{TangentTarget, Volumetric, Workspace};
 use stoss_integrators::{Buffers, EndPoint};
 use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
 
@@ -103,6 +103,9 @@ pub(crate) struct System {
     pub rhs: Vec<f64>,
     pub increment: Vec<f64>,
     pub base_increment: Vec<f64>,
+    /// Positions at which the linear equations were solved last in this step, if `has_linearised`; empty without mixed bodies.
+    pub linearised: Vec<f64>,
+    pub has_linearised: bool,
     pub base_pressures: Vec<Vec<f64>>,
     /// Auxiliaries of the iterate and their increments (of condensed ones only).
     pub base_auxiliaries: Vec<Vec<f64>>,
@@ -454,6 +457,8 @@ impl System {
             rhs: vec![0.0; n],
             increment: vec![0.0; n],
             base_increment: vec![0.0; components],
+            linearised: if has_mixed(model) { model.reference.clone() } else { Vec::new() },
+            has_linearised: false,
             base_pressures: slot_equation.iter().map(|s| vec![0.0; s.len()]).collect(),
             base_auxiliaries: no_auxiliaries(model),
             auxiliary_increment: no_auxiliaries(model),
@@ -521,6 +526,7 @@ impl System {
             + self.follower.capacity()
             + self.arms.capacity()
             + self.base_increment.capacity()
+            + self.linearised.capacity()
             + 2 * self.rhs.capacity();
         8 * floats
             + self.buffers.memory_bytes()
@@ -654,4 +660,9 @@ impl System {
         }
         Ok(())
     }
+}
+
+/// Whether a body has averaged changes of volume.
+fn has_mixed(model: &Model) -> bool {
+    model.bodies.iter().any(|body| body.solid.options().volumetric == Volumetric::Mixed)
 }

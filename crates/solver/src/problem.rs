@@ -501,6 +501,10 @@ impl StepProblem<'_> {
         for own in &s.own {
             s.base_increment[own.clone()].copy_from_slice(&self.iterate.increment[own.clone()]);
         }
+        if !s.linearised.is_empty() {
+            s.linearised.copy_from_slice(&self.iterate.q);
+            s.has_linearised = true;
+        }
         for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
             base.copy_from_slice(pressures);
         }

@@ -191,7 +191,8 @@ impl SecondOrderSystem for FeSystem<'_> {
                 factor,
                 values: &mut s.solid_values,
             });
-            body.solid.assemble(solid_step, 1.0, out, target, &mut s.workspaces[b])?;
+            let before = s.has_linearised.then_some(&s.linearised[..]);
+            body.solid.assemble_after(before, solid_step, 1.0, out, target, &mut s.workspaces[b])?;
         }
         if !self.model.parts.is_empty() {
             self.add_part_forces(step, rule, tangent, out)?;

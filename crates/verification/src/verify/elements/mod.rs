@@ -1,4 +1,9 @@
-//! Elements of all kinds: uniform pressure between any two, bending, incompressibility, conservation through contact.
+//! Elements of all kinds: uniform pressure between any two, bending, incompressibility, convergence, conservation through contact.
+
+mod closed_forms;
+mod equilibrium;
+mod inf_sup;
+mod manufactured;
 
 use stoss::solver::Simulation;
 use stoss_reference_cases::patch::unevenness;
@@ -40,6 +45,9 @@ impl Suite for Elements {
         membrane(&mut findings, bench.quick)?;
         impacts(&mut findings, bench.quick)?;
         flights(&mut findings)?;
+        manufactured::measure(&mut findings, bench.quick)?;
+        closed_forms::measure(&mut findings, bench.quick)?;
+        inf_sup::measure(&mut findings, bench.quick)?;
         Ok(findings)
     }
 }
