@@ -26,6 +26,7 @@ pub(super) fn bodies(
     model: &mut Model,
     mesh_files: &mut MeshFiles,
     problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
 ) -> (Vec<Placed>, Vec<String>) {
     // Whether surfaces of bodies act on each other at all.
     let in_contact = !scene.contacts.is_empty() || !scene.ties.is_empty() || super::general_contact(scene).is_some();
@@ -81,7 +82,8 @@ pub(super) fn bodies(
                 model.velocity.extend_from_slice(&body.initial_velocity(*x));
             }
         }
-        let moduli = law.small_strain_moduli();
+        let (moduli, quality) = (law.small_strain_moduli(), mesh.quality());
+        warnings.extend(quality.warning().map(|warning| format!("body `{}`: {warning}", body.name)));
         lines.push(format!(
             "{}: {} nodes, {}{}, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
             body.name,
@@ -91,7 +93,7 @@ pub(super) fn bodies(
             law.name(),
             moduli.young_modulus(),
             moduli.poisson_ratio(),
-            mesh.quality(),
+            quality,
         ));
         lines.extend(notes.iter().map(|note| format!("{}: note: {note}", body.name)));
         model.bodies.push(crate::solver::Body {

@@ -153,11 +153,12 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut problems = Problems { scene, list: Vec::new() };
     let mut model = Model::default();
     let mut mesh_files = MeshFiles::new(folder);
-    let (mut placed, mut bodies) = body::bodies(scene, laws, &mut model, &mut mesh_files, &mut problems);
+    let mut warnings = Vec::new();
+    let (mut placed, mut bodies) =
+        body::bodies(scene, laws, &mut model, &mut mesh_files, &mut problems, &mut warnings);
     let mut parts = multibody::parts(scene, &mut model, &mut mesh_files, &mut problems);
     placed.append(&mut parts.placed);
     bodies.append(&mut parts.lines);
-    let mut warnings = Vec::new();
     let (mut probes, mut plans, mut names) = (Vec::new(), Vec::new(), BTreeMap::new());
     let mut set_lines = Vec::new();
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
@@ -241,7 +242,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
 pub(crate) fn placed_parts(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Vec<Placed> {
     let mut problems = Problems { scene, list: Vec::new() };
     let (mut model, mut files) = (Model::default(), MeshFiles::new(folder));
-    let (mut placed, _) = body::bodies(scene, laws, &mut model, &mut files, &mut problems);
+    let (mut placed, _) = body::bodies(scene, laws, &mut model, &mut files, &mut problems, &mut Vec::new());
     placed.append(&mut multibody::parts(scene, &mut model, &mut files, &mut problems).placed);
     placed
 }
