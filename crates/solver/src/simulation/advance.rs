@@ -387,13 +387,17 @@ impl Simulation {
             pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
         }
         self.state = next;
-        if self.scheme.is_some() && (!self.prescribed.is_empty() || self.has_guides()) {
+        // Velocities from momenta lack the next impulse of the constraints, and get it in the next step.
+        let are_guided = rule.impulse.is_none() && self.has_guides();
+        if self.scheme.is_some() && (!self.prescribed.is_empty() || are_guided) {
             // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
             let before = self.kinetic(&self.state.v);
             let mut v = std::mem::take(&mut self.state.v);
             let mut followed = self.model.embedding.followed(&v);
             self.set_prescribed_velocities(time, &mut v);
-            self.guide(time, |held| held.rate, &mut v);
+            if are_guided {
+                self.guide(time, |held| held.rate, &mut v);
+            }
             self.model.embedding.follow_changes(&mut v, &mut followed);
             self.state.v = v;
             work += self.kinetic(&self.state.v) - before;
