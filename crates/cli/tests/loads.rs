@@ -113,3 +113,44 @@ checkpoint_every = 3
     assert!(steps[1] <= 0.02 && steps.iter().any(|dt| *dt > 0.1), "{steps:?}");
     assert!(summary.to_string().contains("stabilisation has taken"), "{summary}");
 }
+
+/// A block slides on an inclined plane that moves and lets go of it: resumed with the same bits, and the work of the plane is in the ledger.
+#[test]
+fn a_guide_that_moves_and_is_released_is_resumed_with_the_same_bits() {
+    let scene = r#"
+[scene]
+title = "guide"
+kind = "dynamic"
+[time]
+end = 0.2
+step = 0.01
+integrator = { scheme = "energy-momentum" }
+[[body]]
+name = "bar"
+mesh = { generator = "block", size = [1, 1, 1], divisions = [2, 2, 2] }
+rotation = { axis = [0, 1, 0], degrees = 30 }
+material = { law = "neo-hooke", young = 1000.0, poisson = 0.3 }
+density = 1.0
+[[prescribe]]
+name = "lift"
+set = "bar.bottom"
+normal = ["sin(pi / 6)", 0, "cos(pi / 6)"]
+displacement = { table = [[0.0, 0.0], [0.1, 0.05]] }
+[[event]]
+name = "release"
+release = "lift"
+time = 0.15
+[[probe]]
+name = "force"
+set = "bar.bottom"
+quantity = "reaction"
+[output]
+checkpoint_every = 3
+"#;
+    let (columns, summary) = run(scene, "0.11");
+    let (work, total) = (column(&columns, "external_work"), column(&columns, "total"));
+    let (start, largest) = (total[0] - work[0], total.iter().copied().fold(0.0, f64::max));
+    assert!(largest > 0.01);
+    assert!(total.iter().zip(work).all(|(total, work)| (total - work - start).abs() < 1e-9 * largest));
+    assert_eq!(summary["verdict"]["level"], "sound");
+}

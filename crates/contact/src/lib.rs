@@ -26,9 +26,9 @@ pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use line::ContactLine;
 pub use method::{
-    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, History, JointCoordinate,
-    JointReport, JointTorques, LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration, clear_inactive,
-    multipliers_of,
+    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, Held, History,
+    JointCoordinate, JointReport, JointTorques, LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration,
+    clear_inactive, multipliers_of,
 };
 pub use potential::{BodyPair, Potential, SurfaceForce, SurfaceNode, WithoutSlots};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};

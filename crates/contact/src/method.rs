@@ -193,6 +193,19 @@ pub struct JointTorques {
     pub limit: f64,
 }
 
+/// A node that the ground holds along a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    /// Its global number.
+    pub node: u32,
+    /// The direction, of length one.
+    pub direction: [f64; 3],
+    /// What `direction . x` of its position has to be, a length.
+    pub place: f64,
+    /// Rate of `place` just after the time, a length per time.
+    pub rate: f64,
+}
+
 /// How the surfaces of a discretisation are covered by what it integrates over.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coverage {
@@ -279,6 +292,10 @@ pub trait Report: Send + Sync + std::fmt::Debug {
     }
     /// What a joint does at the end of a step at `q`; `None` for everything else.
     fn joint(&self, _q: &[f64], _multipliers: &[f64]) -> Option<JointReport> {
+        None
+    }
+    /// What a slot holds at a time, if it lets the ground hold a node along a direction and does nothing else; `None` for everything else.
+    fn held(&self, _slot: usize, _time: f64) -> Option<Held> {
         None
     }
     /// Gap, normal and feature of every slot at a configuration, for output and probes.

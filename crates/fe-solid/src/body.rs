@@ -12,7 +12,7 @@ use crate::{
 use std::sync::Arc;
 use stoss_continuum::{HyperelasticLaw, VolumetricSplit};
 use stoss_mesh::{CellBlock, Elements, Mesh};
-use stoss_reference_element::Integration;
+use stoss_reference_element::{CellKind, Integration};
 
 /// Energy, force and tangent of a body of elements of any kinds.
 #[derive(Debug)]
@@ -136,6 +136,11 @@ impl SolidBody {
     /// What the body was made with.
     pub fn options(&self) -> SolidOptions {
         self.options
+    }
+
+    /// Whether elements have modes without stiffness of their own, which their neighbours have to take: hex20 with reduced integration.
+    pub fn has_own_modes(&self) -> bool {
+        self.options.integration == Integration::Reduced && self.elements.kinds().contains(&CellKind::Hex20)
     }
 
     /// The elements with global node numbers.

@@ -88,7 +88,7 @@ pub enum MeshIoError {
         /// The file.
         path: PathBuf,
     },
-    /// The Jacobian determinant of an element is not positive at a Gauss point, or at a node of a quadratic element.
+    /// The Jacobian determinant of an element is not positive at a Gauss point, or at another point of a quadratic element.
     #[error(
         "{}:{line}: element {element} ({kind}) with nodes {nodes:?} has det J = {jacobian:e} at {point}: it is inverted or degenerate; \
          {remedy}", path.display()

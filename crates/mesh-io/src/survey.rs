@@ -130,6 +130,7 @@ impl Contents {
             |e: u32| elements.get(e as usize).map_or(e, |&old| self.element_source[old as usize].number as u32);
         let mut quality = mesh.quality();
         quality.worst_element = in_file(quality.worst_element);
+        quality.least_valid_element = in_file(quality.least_valid_element);
         quality.slenderest_element = in_file(quality.slenderest_element);
         MeshSurvey {
             nodes: mesh.nodes.len(),
@@ -176,6 +177,9 @@ impl fmt::Display for Survey {
             let (low, high) = mesh.bounding_box;
             writeln!(f, "bounding box: {low:?} to {high:?}")?;
             writeln!(f, "quality: {}", mesh.quality)?;
+            if let Some(warning) = mesh.quality.warning() {
+                writeln!(f, "warning: {warning}")?;
+            }
             if mesh.pieces > 1 {
                 writeln!(f, "pieces without a common node: {}", mesh.pieces)?;
             }

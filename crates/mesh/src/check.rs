@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::element::{distance, edge_range, first_not_positive};
+use crate::element::{distance, edge_range, not_positive};
 use crate::{Facet, FacetIndex, Mesh, MeshError, SetKind};
 
 /// Two nodes are one if they are closer than this times the shortest edge of the mesh. Files with 6 digits of an element
@@ -27,7 +27,7 @@ pub struct Coincident {
 
 impl Mesh {
     /// Checks that the mesh can be computed with: elements exist, their nodes exist and differ, coordinates are finite,
-    /// `det J > 0` at all Gauss points, no unused and no coincident nodes, no overlapping elements, sets in range.
+    /// `det J > 0` at all Gauss points, and of quadratic elements wherever [`crate::ElementCoordinates::validity`] looks, no unused and no coincident nodes, no overlapping elements, sets in range.
     ///
     /// # Errors
     /// The first problem found, in this order.
@@ -101,7 +101,9 @@ impl Mesh {
             if let Some(i) = (1..nodes.len()).find(|&i| nodes[..i].contains(&nodes[i])) {
                 return Err(MeshError::RepeatedNode { element, nodes: nodes.to_vec(), node: nodes[i] });
             }
-            if let Some((point, jacobian)) = first_not_positive(&self.element_coordinates(element)) {
+            let x = self.element_coordinates(element);
+            let validity = x.kind().is_quadratic().then(|| x.validity());
+            if let Some((point, jacobian)) = not_positive(&x, validity.as_ref()) {
                 return Err(MeshError::InvertedElement { element, nodes: nodes.to_vec(), point, jacobian });
             }
         }

@@ -22,12 +22,14 @@ impl std::fmt::Display for SetKind {
 }
 
 /// A point of an element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ElementPoint {
     /// A point of the rule for its stiffness.
     Gauss(usize),
     /// A node, counted in the element.
     Node(usize),
+    /// Natural coordinates.
+    Natural([f64; 3]),
 }
 
 impl std::fmt::Display for ElementPoint {
@@ -35,6 +37,7 @@ impl std::fmt::Display for ElementPoint {
         match self {
             ElementPoint::Gauss(point) => write!(f, "Gauss point {point}"),
             ElementPoint::Node(node) => write!(f, "its node {node}"),
+            ElementPoint::Natural([x, y, z]) => write!(f, "natural coordinates ({x}, {y}, {z})"),
         }
     }
 }
@@ -142,7 +145,7 @@ pub enum MeshError {
         /// The node that occurs twice.
         node: u32,
     },
-    /// The Jacobian determinant of an element is not positive at a Gauss point, or at a node of a quadratic element.
+    /// The Jacobian determinant of an element is not positive at a Gauss point, or at another point of a quadratic element.
     #[error(
         "element {element} with nodes {nodes:?} has det J = {jacobian:e} at {point}: it is inverted or degenerate; \
          check the order of its nodes (bottom counter-clockwise seen from the top, then top) and that nodes on edges lie near their middles"

@@ -6,7 +6,7 @@
 //! * [`generate`]: block, hexahedron, indenter, hollow ball, hollow torus, ball, cylinder, L-shaped block;
 //! * [`SurfaceMesh`]: triangles and quadrilaterals without a volume mesh, with its generators in [`surface`];
 //! * [`MassProperties`]: mass, centre and Euler tensor of a surface's inside, of a mesh, of simple shapes;
-//! * [`QualityReport`], [`Mesh::quality`], [`Mesh::check`]: quality, and everything that makes a mesh unusable as a named error.
+//! * [`QualityReport`], [`Mesh::quality`], [`Validity`], [`Mesh::check`]: quality, and everything that makes a mesh unusable as a named error.
 //!
 //! # What it is not
 //! No files (`stoss-mesh-io`), no physics, no current configuration: coordinates are those of the reference configuration.
@@ -32,6 +32,7 @@ mod quality;
 mod region;
 pub mod surface;
 mod transform;
+mod validity;
 
 pub use check::Coincident;
 pub use element::ElementCoordinates;
@@ -43,6 +44,7 @@ pub use quality::QualityReport;
 pub use region::Region;
 pub use surface::{MassProperties, SurfaceMesh};
 pub use transform::Rotation;
+pub use validity::Validity;
 
 /// The largest number of elements that a generator makes.
 pub const MAX_ELEMENTS: usize = 20_000_000;

@@ -1,7 +1,8 @@
 //! The quality report.
 
 use crate::Mesh;
-use crate::element::{det, edge_range, first_not_positive, gauss_points, scaled};
+use crate::element::{det, edge_range, gauss_points, not_positive, scaled};
+use crate::validity::POOR;
 
 /// What [`Mesh::quality`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +18,16 @@ pub struct QualityReport {
     pub max_aspect_ratio: f64,
     /// The element that has it.
     pub slenderest_element: u32,
-    /// Number of elements with `det J <= 0` at a Gauss point, or at a node of a quadratic element.
+    /// Smallest lower bound of `det J` in a whole element over its mean in the linear cell with the same corners ([`crate::Validity::bound`]): 1 for
+    /// parallelepipeds, straight tetrahedra and prisms.
+    pub min_validity: f64,
+    /// The element that has it.
+    pub least_valid_element: u32,
+    /// Number of elements with such a bound below 0.1.
+    pub poor_elements: usize,
+    /// Those of them for which it stays open if `det J` is positive everywhere ([`crate::Validity::is_open`]).
+    pub open_elements: usize,
+    /// Number of elements with `det J <= 0` at a Gauss point, or at another point of a quadratic element.
     pub inverted_elements: usize,
     /// Length of the shortest edge.
     pub min_edge: f64,
@@ -36,6 +46,10 @@ impl Mesh {
             worst_element: 0,
             max_aspect_ratio: 0.0,
             slenderest_element: 0,
+            min_validity: f64::INFINITY,
+            least_valid_element: 0,
+            poor_elements: 0,
+            open_elements: 0,
             inverted_elements: 0,
             min_edge: f64::INFINITY,
             max_edge: 0.0,
@@ -51,7 +65,13 @@ impl Mesh {
                 smallest = smallest.min(scaled(table.family, &j, xi, det(&j)));
             }
             report.volume += table.mass.iter().map(|&(xi, weight)| det(&x.jacobian(xi)) * weight).sum::<f64>();
-            report.inverted_elements += usize::from(first_not_positive(&x).is_some());
+            let validity = x.validity();
+            report.inverted_elements += usize::from(not_positive(&x, Some(&validity)).is_some());
+            report.poor_elements += usize::from(validity.bound < POOR);
+            report.open_elements += usize::from(validity.is_open());
+            if validity.bound < report.min_validity {
+                (report.min_validity, report.least_valid_element) = (validity.bound, e);
+            }
             if smallest < report.min_scaled_jacobian {
                 (report.min_scaled_jacobian, report.worst_element) = (smallest, e);
             }
@@ -67,18 +87,42 @@ impl Mesh {
     }
 }
 
+impl QualityReport {
+    /// A sentence on elements whose `det J` is nearly zero at a point, or may be; `None` if there are none.
+    pub fn warning(&self) -> Option<String> {
+        if self.poor_elements == 0 {
+            return None;
+        }
+        let count = match self.poor_elements {
+            1 => "1 element has".to_owned(),
+            n => format!("{n} elements have"),
+        };
+        let open = match self.open_elements {
+            0 => String::new(),
+            n => format!("; for {n} of them no bound above zero was found"),
+        };
+        Some(format!(
+            "{count} a Jacobian below {POOR} of its mean in the element, or no better bound; the worst is element {} with {:.3}{open}. Small \
+             deformations turn such corners inside out: move nodes on edges nearer to their middles, or remesh",
+            self.least_valid_element, self.min_validity
+        ))
+    }
+}
+
 impl std::fmt::Display for QualityReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} elements, volume {:.6e}, edges {:.3e} to {:.3e}, smallest scaled Jacobian {:.3} (element {}), largest aspect ratio \
-             {:.2} (element {}), {} inverted",
+            "{} elements, volume {:.6e}, edges {:.3e} to {:.3e}, smallest scaled Jacobian {:.3} (element {}), det J above {:.3} of its mean \
+             (element {}), largest aspect ratio {:.2} (element {}), {} inverted",
             self.elements,
             self.volume,
             self.min_edge,
             self.max_edge,
             self.min_scaled_jacobian,
             self.worst_element,
+            self.min_validity,
+            self.least_valid_element,
             self.max_aspect_ratio,
             self.slenderest_element,
             self.inverted_elements

@@ -4,28 +4,52 @@ use crate::error::{PartDataError, not_negative};
 use std::ops::Range;
 use stoss_part::{ForceRule, LocalForce, Part, PartError, PartStep};
 
-/// Springs and dashpots of one node, along the axes of space.
+/// The axes of space.
+pub const AXES_OF_SPACE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Springs and dashpots of one node, along three axes that are fixed in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportedNode {
     /// Its vector.
     pub vector: u32,
     /// `X`, where the springs have no force.
     pub at: [f64; 3],
-    /// `k_i`, a force per length for each component.
+    /// `a_i`, orthonormal.
+    pub axes: [[f64; 3]; 3],
+    /// `k_i`, a force per length along each axis.
     pub stiffness: [f64; 3],
-    /// `d_i`, a force per velocity for each component.
+    /// `d_i`, a force per velocity along each axis.
     pub damping: [f64; 3],
 }
 
 /// An elastic support: springs and dashpots from nodes to fixed points of the ground.
 ///
-/// With `u = x - X` of each node the energy is `V = 1/2 sum_i k_i u_i^2`, whose discrete gradient is `k_i (u_i,n + u_i,n+1) / 2`. The dashpots have the force
-/// `d_i (u_i,n+1 - u_i,n) / dt` whatever the rule, and take `d_i (u_i,n+1 - u_i,n)^2 / dt` out of a step. Components do not act on each other.
+/// With `u_i = a_i . (x - X)` of each node the energy is `V = 1/2 sum_i k_i u_i^2`, whose discrete gradient is `k_i (u_i,n + u_i,n+1) / 2`. The dashpots have the force
+/// `d_i (u_i,n+1 - u_i,n) / dt` whatever the rule, and take `d_i (u_i,n+1 - u_i,n)^2 / dt` out of a step. Axes do not act on each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticSupport {
     name: String,
     nodes: Vec<SupportedNode>,
     length: f64,
+}
+
+impl SupportedNode {
+    /// Components along the axes of `x - from`, where these have the node's vector.
+    fn along(&self, x: &[f64], from: &[f64]) -> [f64; 3] {
+        let first = 3 * self.vector as usize;
+        self.axes.map(|axis| (0..3).map(|k| axis[k] * (x[first + k] - from[k])).sum())
+    }
+
+    /// `u_i`, how far the springs are stretched.
+    fn stretch(&self, q: &[f64]) -> [f64; 3] {
+        self.along(q, &self.at)
+    }
+
+    /// Components along the axes of the motion in a step.
+    fn motion(&self, step: &PartStep<'_>) -> [f64; 3] {
+        let first = 3 * self.vector as usize;
+        self.along(step.q_np1, &step.q_n[first..first + 3])
+    }
 }
 
 impl ElasticSupport {
@@ -78,14 +102,17 @@ impl Part for ElasticSupport {
             local.vectors.clear();
             local.vectors.push(node.vector);
             local.reset(want_tangent);
-            for i in 0..3 {
-                let at = 3 * node.vector as usize + i;
-                let (old, new) = (step.q_n[at], step.q_np1[at]);
+            let (old, new, motion) = (node.stretch(step.q_n), node.stretch(step.q_np1), node.motion(&step));
+            for (i, axis) in node.axes.iter().enumerate() {
                 let damper = if step.has_rates { node.damping[i] / step.dt } else { 0.0 };
-                let between = (1.0 - theta) * (old - node.at[i]) + theta * (new - node.at[i]);
-                local.residual[i] = node.stiffness[i] * between + damper * (new - old);
-                if want_tangent {
-                    local.tangent[4 * i] = theta * node.stiffness[i] + damper;
+                let between = (1.0 - theta) * old[i] + theta * new[i];
+                let force = node.stiffness[i] * between + damper * motion[i];
+                let slope = theta * node.stiffness[i] + damper;
+                for k in 0..3 {
+                    local.residual[k] += force * axis[k];
+                    for l in (0..3).filter(|_| want_tangent) {
+                        local.tangent[3 * k + l] += slope * axis[k] * axis[l];
+                    }
                 }
             }
             visit(&local);
@@ -95,7 +122,7 @@ impl Part for ElasticSupport {
 
     fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
         let energy = |node: &SupportedNode| -> f64 {
-            (0..3).map(|i| 0.5 * node.stiffness[i] * (q[3 * node.vector as usize + i] - node.at[i]).powi(2)).sum()
+            node.stretch(q).iter().zip(node.stiffness).map(|(u, k)| 0.5 * k * u * u).sum()
         };
         Ok(self.nodes.iter().map(energy).sum())
     }
@@ -105,8 +132,7 @@ impl Part for ElasticSupport {
             return 0.0;
         }
         let loss = |node: &SupportedNode| -> f64 {
-            let first = 3 * node.vector as usize;
-            (0..3).map(|i| node.damping[i] * (step.q_np1[first + i] - step.q_n[first + i]).powi(2) / step.dt).sum()
+            node.motion(&step).iter().zip(node.damping).map(|(u, d)| d * u * u / step.dt).sum()
         };
         self.nodes.iter().map(loss).sum()
     }
@@ -134,8 +160,11 @@ mod tests {
     use super::*;
 
     fn support() -> ElasticSupport {
-        let node = |vector, at| SupportedNode { vector, at, stiffness: [2.0, 0.0, 5.0], damping: [0.3, 0.7, 0.0] };
-        ElasticSupport::new("support", vec![node(0, [0.1, 0.2, 0.3]), node(2, [0.0; 3])], 1.0).unwrap()
+        let (stiffness, damping) = ([2.0, 0.0, 5.0], [0.3, 0.7, 0.0]);
+        let node = |vector, at, axes| SupportedNode { vector, at, axes, stiffness, damping };
+        let inclined = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]];
+        let nodes = vec![node(0, [0.1, 0.2, 0.3], AXES_OF_SPACE), node(2, [0.0; 3], inclined)];
+        ElasticSupport::new("support", nodes, 1.0).unwrap()
     }
 
     fn force(support: &ElasticSupport, step: PartStep<'_>) -> (Vec<f64>, Vec<[f64; 9]>) {
@@ -180,7 +209,8 @@ mod tests {
 
     #[test]
     fn negative_data_are_refused() {
-        let node = SupportedNode { vector: 0, at: [0.0; 3], stiffness: [0.0, -1.0, 0.0], damping: [0.0; 3] };
+        let stiffness = [0.0, -1.0, 0.0];
+        let node = SupportedNode { vector: 0, at: [0.0; 3], axes: AXES_OF_SPACE, stiffness, damping: [0.0; 3] };
         assert!(ElasticSupport::new("x", vec![node], 1.0).is_err());
     }
 }

@@ -328,8 +328,8 @@ impl Series {
     }
 }
 
-/// `[[prescribe]]`: displacement components of a set, given as functions of time, or a rigid motion of the set. Exactly one of `displacement`,
-/// `fixed = true` and `rotation`.
+/// `[[prescribe]]`: displacement components of a set, given as functions of time, its displacement along a direction, or a rigid motion of the set. Exactly one of
+/// `displacement`, `fixed = true` and `rotation`.
 ///
 /// With `rigid` in the place of `set` it is a rigid body that moves, all of it: where there is no `rotation` it does not turn, and components that are not
 /// named do not move.
@@ -357,10 +357,14 @@ pub struct Prescribe {
     /// Components, each at most once. Not with a `rotation`, which prescribes all three, and not with a rigid body that is `fixed`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub components: Vec<Component>,
-    /// Displacement from the reference position, one value a component.
+    /// Instead of `components`: a direction of any length but zero along which the nodes are held, or moved by `displacement`, while they slide freely across it. With
+    /// `fixed = true` a plane of symmetry, or a sliding support, in any direction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<[f64; 3]>,
+    /// Displacement from the reference position, one value a component, or the one along `normal`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Series>,
-    /// `true`: the components do not move.
+    /// `true`: the components, or the displacement along `normal`, are zero.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fixed: bool,
     /// Rotation of the set's reference positions, at any angle.
@@ -372,6 +376,11 @@ pub struct Prescribe {
 }
 
 impl Prescribe {
+    /// Whether it is along a direction that is no axis of space.
+    pub fn is_inclined(&self) -> bool {
+        self.normal.is_some_and(|normal| normal.iter().filter(|&&n| n != 0.0).count() > 1)
+    }
+
     /// The prescribed components: all three with a rotation, and of a rigid body that is fixed. They are the columns of [`Self::rows`]; the other
     /// components of a rigid body do not move.
     pub fn prescribed_components(&self) -> Vec<Component> {
@@ -381,10 +390,11 @@ impl Prescribe {
         }
     }
 
-    /// Rows `[time, value, ...]` with one value a prescribed component: of the displacement, or of the translation after a rotation.
+    /// Rows `[time, value, ...]` with one value a prescribed component, or one along the normal: of the displacement, or of the translation after a rotation.
     pub fn rows(&self) -> Vec<Vec<f64>> {
         match self.displacement.as_ref().or(self.translation.as_ref()) {
             Some(series) => series.rows(),
+            None if self.normal.is_some() => vec![vec![0.0; 2]],
             None => vec![vec![0.0; 1 + self.prescribed_components().len()]],
         }
     }

@@ -233,6 +233,11 @@ impl Scene {
         self.bodies.iter().position(|body| body.name == name)
     }
 
+    /// Whether a prescribed motion is along a direction that is no axis of space: such ones have multipliers.
+    pub fn has_guides(&self) -> bool {
+        self.prescriptions.iter().any(Prescribe::is_inclined)
+    }
+
     /// True for a dynamic scene.
     pub fn is_dynamic(&self) -> bool {
         self.header.kind == Kind::Dynamic

@@ -15,6 +15,9 @@ named! {
     }
 }
 
+/// Sine of the angle between the directions of a frame below which they count as one.
+const SMALLEST_SINE: f64 = 1e-6;
+
 /// `[[support]]`: springs and dashpots from a set of a deformable body to the ground, without force in the reference configuration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -25,6 +28,10 @@ pub struct Support {
     /// What the numbers are given for.
     #[serde(default = "Support::default_per")]
     pub per: SupportPer,
+    /// Two directions that do not lie on one line, of any length: the first axis, and a direction in the plane of the first and the second axis; the third is across both.
+    /// The axes of space if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<[[f64; 3]; 2]>,
     /// Stiffness along the three axes: force per length, and per area or node.
     #[serde(default)]
     pub stiffness: [f64; 3],
@@ -34,6 +41,31 @@ pub struct Support {
 }
 
 impl Support {
+    /// Orthonormal axes of stiffness and damping; `None` if the two directions of the frame lie on one line.
+    pub fn axes(&self) -> Option<[[f64; 3]; 3]> {
+        let Some([first, second]) = self.frame else {
+            return Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        };
+        let unit = |v: [f64; 3]| {
+            let size = v.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+            let v = v.map(|x| x / size);
+            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            v.map(|x| x / length)
+        };
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        let (first, second) = (unit(first), unit(second));
+        let third = cross(first, second);
+        let sine = third.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // Also what is no number is refused.
+        if !(sine > SMALLEST_SINE) {
+            return None;
+        }
+        let third = third.map(|x| x / sine);
+        Some([first, cross(third, first), third])
+    }
+
     /// Name of the part that the support with this number in the scene becomes.
     pub fn part_name(&self, number: usize) -> String {
         format!("support[{number}] of {}", self.set)

@@ -248,10 +248,12 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
         return format!("body {name} is unstable at this load and step size: try smaller steps");
     }
     let supports = model.prescriptions.iter().zip(&system.acting.prescriptions).filter(|(_, acts)| **acts);
-    let held = supports.flat_map(|(p, _)| &p.nodes).any(|node| body.nodes.contains(node));
+    let mut held = supports.flat_map(|(p, _)| &p.nodes).any(|node| body.nodes.contains(node));
     let mut touches = false;
     for (pair, active) in model.contacts.iter().zip(active) {
-        pair.method.stencils(active, &mut |nodes, _| touches |= nodes.iter().any(|node| body.nodes.contains(node)));
+        let is_support = pair.method.held(0, 0.0).is_some();
+        let reached = if is_support { &mut held } else { &mut touches };
+        pair.method.stencils(active, &mut |nodes, _| *reached |= nodes.iter().any(|node| body.nodes.contains(node)));
     }
     let contact = if model.keeps_apart() {
         "; general contact has no stiffness before surfaces are pressed on each other: where it has to hold the body, set `stabilise`"
@@ -272,5 +274,15 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
              displacements, or try smaller steps"
         ),
     };
-    reason + contact
+    reason + contact + single_rows(body)
+}
+
+/// What else may be the matter with reduced integration.
+fn single_rows(body: &crate::Body) -> &'static str {
+    if body.solid.has_own_modes() {
+        "; hex20 with reduced integration has modes without stiffness of its own where nothing beside it takes them, as in a single row of elements: use two elements across, or \
+         `integration = \"full\"`"
+    } else {
+        ""
+    }
 }

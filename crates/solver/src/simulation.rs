@@ -1,6 +1,7 @@
 //! The run: state, steps, ledger.
 
 mod advance;
+mod guides;
 mod pairs;
 mod restart;
 mod stage;
@@ -239,6 +240,7 @@ impl Simulation {
         }
         simulation.set_prescribed_positions_at_start();
         simulation.set_bilateral();
+        simulation.start_guided();
         simulation.complete_initial_state()?;
         if !dynamic {
             simulation.close_touching()?;
@@ -274,6 +276,7 @@ impl Simulation {
             }
             active.copy_from_slice(&can_move);
         }
+        self.drop_dependent_directions();
     }
 
     /// Activates slots whose node touches the master, see [`TOUCHING`].
@@ -377,11 +380,6 @@ impl Simulation {
     pub fn active(&self) -> &[Vec<bool>] {
         &self.active
     }
-    /// Force that the supports exerted on prescribed components in the last step (`3 * nodes`; empty without prescriptions;
-    /// zero at free components).
-    pub fn reactions(&self) -> &[f64] {
-        &self.reactions
-    }
     /// Force of contact and ties on each node in the last step (`3 * nodes`; empty without either).
     pub fn contact_force(&self) -> &[f64] {
         &self.contact_force
@@ -459,7 +457,7 @@ impl Simulation {
             contact_search: self.model.has_unilateral_contact(),
             contact_matrix: !self.system.solid_to_global.is_empty(),
             contact_force: !self.contact_force.is_empty(),
-            reactions: !self.reactions.is_empty(),
+            reactions: !self.reactions.is_empty() || self.has_guides(),
             dead_loads: !self.system.dead.is_empty(),
             follower_pressure: !self.system.follower.is_empty(),
             mass_solver: self.system.mass_solver.is_some(),

@@ -84,6 +84,7 @@ pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescrib
             set: set?,
             rigid: rigid?,
             components: Vec::new(),
+            normal: None,
             displacement: None,
             fixed: false,
             rotation: Some(rotation),
@@ -91,14 +92,17 @@ pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescrib
         });
     }
     let fixed = table.default("fixed", false, Node::boolean);
-    let components = if table.has("rigid") && fixed == Some(true) {
+    let normal = table.optional("normal", Node::direction);
+    let components = if table.has("normal") {
+        across(table)
+    } else if table.has("rigid") && fixed == Some(true) {
         table.default("components", Vec::new(), |n| {
             n.fail("is not needed: a rigid body is fixed as a whole", "remove it, or write a `displacement`")
         })
     } else {
         table.required("components", "components = [\"x\", \"z\"]", components)
     };
-    let count = components.as_ref().map(Vec::len);
+    let count = if table.has("normal") { Some(1) } else { components.as_ref().map(Vec::len) };
     let translation: Option<()> = if table.has("translation") {
         table.fail("translation", "belongs to a `rotation`", "call it `displacement`, or add a `rotation`")
     } else {
@@ -124,11 +128,29 @@ pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescrib
         set: set?,
         rigid: rigid?,
         components: components?,
+        normal: normal?,
         displacement: displacement?,
         fixed: fixed?,
         rotation: None,
         translation: None,
     })
+}
+
+/// What excludes a normal; no components.
+fn across(table: &Table<'_>) -> Option<Vec<Component>> {
+    let mut alone = Some(Vec::new());
+    for (key, remedy) in [
+        (
+            "components",
+            "remove it: a normal prescribes the displacement along itself; hold components by a [[prescribe]] of their own",
+        ),
+        ("rigid", "name a `set`, or let the rigid body slide on a [[joint]] to the ground"),
+    ] {
+        if table.has(key) {
+            alone = table.fail(key, "excludes `normal`", remedy);
+        }
+    }
+    alone
 }
 
 /// The name of a rigid body that is not fixed.
@@ -172,6 +194,7 @@ fn rigid_motion(table: &Table<'_>) -> Option<(PrescribedRotation, Option<Series>
     let mut alone = Some(());
     for (key, remedy) in [
         ("components", "remove it: a rotation prescribes all three components"),
+        ("normal", "remove it: a rotation prescribes all three components"),
         ("displacement", "call it `translation`, with three values"),
         ("fixed", "remove it, or the rotation"),
     ] {

@@ -8,10 +8,19 @@ use crate::{Kind, PartKind, Support, SupportPer, split_set};
 pub(super) fn support(table: &Table<'_>, world: &World<'_>) -> Option<Support> {
     let set = table.required("set", "set = \"block.bottom\"", |n| supported_set(n, world));
     let per = table.default("per", Support::default_per(), |n| n.choice(SupportPer::NAMES, SupportPer::from_name));
+    let frame = table.optional("frame", |n| n.array(Node::direction));
     let stiffness = table.default("stiffness", [0.0; 3], |n| n.array(Node::not_negative));
     let damping = table.default("damping", [0.0; 3], |n| n.array(Node::not_negative));
     table.finish();
-    let support = Support { set: set?, per: per?, stiffness: stiffness?, damping: damping? };
+    let support = Support { set: set?, per: per?, frame: frame?, stiffness: stiffness?, damping: damping? };
+    if support.axes().is_none() {
+        let message = "its two directions lie on one line";
+        return table.fail(
+            "frame",
+            message,
+            "give the first axis and another direction, for instance [[1, 1, 0], [-1, 1, 0]]",
+        );
+    }
     if support.stiffness == [0.0; 3] && support.damping == [0.0; 3] {
         return table.fail("stiffness", "a support needs stiffness or damping", "add `stiffness = [0.0, 0.0, 1e5]`");
     }

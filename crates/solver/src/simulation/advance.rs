@@ -387,12 +387,17 @@ impl Simulation {
             pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
         }
         self.state = next;
-        if self.scheme.is_some() && !self.prescribed.is_empty() {
+        // Velocities from momenta lack the next impulse of the constraints, and get it in the next step.
+        let are_guided = rule.impulse.is_none() && self.has_guides();
+        if self.scheme.is_some() && (!self.prescribed.is_empty() || are_guided) {
             // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
             let before = self.kinetic(&self.state.v);
             let mut v = std::mem::take(&mut self.state.v);
             let mut followed = self.model.embedding.followed(&v);
             self.set_prescribed_velocities(time, &mut v);
+            if are_guided {
+                self.guide(time, |held| held.rate, &mut v);
+            }
             self.model.embedding.follow_changes(&mut v, &mut followed);
             self.state.v = v;
             work += self.kinetic(&self.state.v) - before;
@@ -410,6 +415,7 @@ impl Simulation {
         self.stored = stored;
         self.pressures = iterate.pressures;
         self.active = iterate.active;
+        self.take_guides_from_contact_force();
         let balance = self.measure_balance(strain, self.balance.external_work + work + contact_work.driven);
         let before = self.balance;
         let stored_by_normal = |stored: f64, by_friction: f64| stored - by_friction;

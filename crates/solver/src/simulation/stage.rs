@@ -395,6 +395,7 @@ impl Simulation {
                 self.model.embedding.follow(&mut v);
             }
             self.set_prescribed_velocities(self.state.time, &mut v);
+            self.guide(self.state.time, |held| held.rate, &mut v);
             self.model.embedding.follow(&mut v);
         }
         self.state.v = v;

@@ -9,6 +9,7 @@ use crate::scene::{
     Refinement as SceneRefinement, Rotation as SceneRotation, Rotations, Scene, SetDefinition, Volumetric,
 };
 use crate::solver::{Damping, Model};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{MassKind, SolidBody, SolidError, SolidOptions, Volumetric as SolidVolumetric};
@@ -26,6 +27,7 @@ pub(super) fn bodies(
     model: &mut Model,
     mesh_files: &mut MeshFiles,
     problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
 ) -> (Vec<Placed>, Vec<String>) {
     // Whether surfaces of bodies act on each other at all.
     let in_contact = !scene.contacts.is_empty() || !scene.ties.is_empty() || super::general_contact(scene).is_some();
@@ -81,7 +83,11 @@ pub(super) fn bodies(
                 model.velocity.extend_from_slice(&body.initial_velocity(*x));
             }
         }
-        let moduli = law.small_strain_moduli();
+        let (moduli, quality) = (law.small_strain_moduli(), mesh.quality());
+        warnings.extend(quality.warning().map(|warning| format!("body `{}`: {warning}", body.name)));
+        if body.integration == Integration::Reduced {
+            warnings.extend(single_rows(&body.name, &mesh));
+        }
         lines.push(format!(
             "{}: {} nodes, {}{}, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
             body.name,
@@ -91,7 +97,7 @@ pub(super) fn bodies(
             law.name(),
             moduli.young_modulus(),
             moduli.poisson_ratio(),
-            mesh.quality(),
+            quality,
         ));
         lines.extend(notes.iter().map(|note| format!("{}: note: {note}", body.name)));
         model.bodies.push(crate::solver::Body {
@@ -108,6 +114,30 @@ pub(super) fn bodies(
         placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law, traces }, first_node });
     }
     (placed, lines)
+}
+
+/// Says which elements of hex20 with reduced integration have neighbours in one direction at most: nothing beside them takes their modes without stiffness.
+fn single_rows(name: &str, mesh: &Mesh) -> Option<String> {
+    let faces = CellKind::Hex20.faces();
+    let mut outside: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for facet in mesh.boundary_facets() {
+        if mesh.elements.kind(facet.element as usize) == CellKind::Hex20 {
+            outside.entry(facet.element).or_default().push(usize::from(facet.local));
+        }
+    }
+    let are_opposite = |a: usize, b: usize| !faces[a].nodes.iter().any(|node| faces[b].nodes.contains(node));
+    let directions = |list: &[usize]| {
+        let pairs = list.iter().enumerate().flat_map(|(k, &a)| list[k + 1..].iter().map(move |&b| (a, b)));
+        pairs.filter(|&(a, b)| are_opposite(a, b)).count()
+    };
+    let mut single = outside.iter().filter(|(_, list)| directions(list) >= 2);
+    let (first, _) = single.next()?;
+    Some(format!(
+        "body `{name}`: {} of {} elements are in a single row (the first is element {first}): hex20 with `integration = \"reduced\"` has modes without stiffness there, unless supports or other \
+         bodies take them, and the system is then singular. Use two elements across, or `integration = \"full\"`",
+        single.count() + 1,
+        mesh.elements.len()
+    ))
 }
 
 /// Names of kinds of cells, for people.

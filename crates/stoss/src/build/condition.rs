@@ -1,6 +1,7 @@
 //! Prescribed motion, loads, contact.
 
 use super::Problems;
+use super::guide::{self, Guided};
 use super::placed::{self, Placed};
 use crate::scene::{LoadKind as SceneLoad, Scene, known, split_set};
 use crate::solver::{AxisRotation, Load, LoadKind, Model, Prescription, Table};
@@ -89,13 +90,15 @@ fn table(key: String, rows: &[Vec<f64>], columns: usize, problems: &mut Problems
 /// What a prescription of a rigid body moves: its nodes, those of them that are directions, and rows with three values each.
 pub(super) type RigidMotion = (Vec<u32>, Vec<u32>, Vec<Vec<f64>>);
 
+/// Adds the prescribed components. For each prescription of the scene its place in the model, and those along a normal that is no axis of space, which have none.
 pub(super) fn prescriptions(
     scene: &Scene,
     placed: &[Placed],
     rigid: &dyn Fn(&crate::scene::Prescribe) -> Option<RigidMotion>,
     model: &mut Model,
     problems: &mut Problems<'_>,
-) {
+) -> (Vec<Option<usize>>, Vec<Guided>) {
+    let (mut places, mut guided) = (vec![None; scene.prescriptions.len()], Vec::new());
     // Of every component the first prescription: its place in the model and in the scene.
     let mut owner: Vec<Option<(usize, usize)>> = vec![None; model.reference.len()];
     for (p, item) in scene.prescriptions.iter().enumerate() {
@@ -110,11 +113,18 @@ pub(super) fn prescriptions(
             None => {
                 let found = resolve(placed, &place, target, problems, Placed::nodes_of);
                 let components: Vec<u8> = item.prescribed_components().iter().map(|c| c.index() as u8).collect();
-                (found.map(|(_, nodes)| (nodes, Vec::new())), components, item.rows())
+                let (components, rows) = match item.normal.and_then(guide::axis) {
+                    None => (components, item.rows()),
+                    // Along an axis of space, or against it.
+                    Some((axis, sign)) => {
+                        (vec![axis], item.rows().iter().map(|row| vec![row[0], sign * row[1]]).collect())
+                    }
+                };
+                (found.map(|(_, nodes)| (nodes, Vec::new())), components, rows)
             }
         };
         let values = if item.rotation.is_some() { "translation" } else { "displacement" };
-        let displacement = table(format!("{key}.{values}"), &rows, components.len(), problems);
+        let displacement = table(format!("{key}.{values}"), &rows, rows[0].len() - 1, problems);
         let rotation = match &item.rotation {
             Some(rotation) => {
                 let Some(degrees) = table(format!("{key}.rotation.degrees"), &rotation.degrees.rows(), 1, problems)
@@ -132,6 +142,10 @@ pub(super) fn prescriptions(
             None => None,
         };
         let (Some((nodes, directions)), Some(displacement)) = (found, displacement) else { continue };
+        if let Some(normal) = item.normal.filter(|_| components.is_empty()) {
+            guided.push(Guided { item: p, nodes, normal, displacement });
+            continue;
+        }
         let name = item.name.clone().unwrap_or(key);
         let prescription = Prescription { name, nodes, directions, components, displacement, rotation };
         let Prescription { nodes, components, .. } = &prescription;
@@ -155,8 +169,10 @@ pub(super) fn prescriptions(
                 owner[3 * n as usize + c as usize].get_or_insert((model.prescriptions.len(), p));
             }
         }
+        places[p] = Some(model.prescriptions.len());
         model.prescriptions.push(prescription);
     }
+    (places, guided)
 }
 
 pub(super) fn loads(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {

@@ -170,6 +170,10 @@ fn held_nodes(scene: &Scene, placed: &[Placed], model: &Model) -> BTreeSet<u32> 
     let held = prescribed(model);
     let is_held = |node: u32| (0..3).any(|i| held[3 * node as usize + i]);
     let mut held: BTreeSet<u32> = (0..model.node_count() as u32).filter(|&node| is_held(node)).collect();
+    let inclined = scene.prescriptions.iter().filter(|item| item.is_inclined()).filter_map(|item| item.set.as_deref());
+    for set in inclined {
+        held.extend(resolve(placed, "", set, &mut ignored, Placed::nodes_of).into_iter().flat_map(|(_, nodes)| nodes));
+    }
     let mut seen = BTreeSet::new();
     for surface in surfaces {
         let sides = surface.iter().filter_map(|set| Side::find(placed, "", set, &mut ignored));

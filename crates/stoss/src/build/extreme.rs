@@ -55,7 +55,7 @@ impl Extreme {
             Quantity::Displacement => self.vectors(&state.q, Some(&model.reference)),
             Quantity::Position => self.vectors(&state.q, None),
             Quantity::Velocity => self.vectors(&state.v, None),
-            Quantity::Reaction => self.vectors(simulation.reactions(), None),
+            Quantity::Reaction => self.vectors(&simulation.reactions(), None),
             Quantity::ContactForce => {
                 let (mut forces, moved) = (simulation.contact_force().to_vec(), simulation.moved_contact_force());
                 for of in self.nodes.iter().filter_map(|node| moved.get(node)) {

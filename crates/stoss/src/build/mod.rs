@@ -14,6 +14,7 @@ mod general;
 pub(crate) mod general_schemes;
 #[cfg(feature = "general")]
 mod general_table;
+mod guide;
 #[cfg(feature = "general")]
 mod interacting;
 #[cfg(any(feature = "general", feature = "multibody"))]
@@ -153,11 +154,11 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut problems = Problems { scene, list: Vec::new() };
     let mut model = Model::default();
     let mut mesh_files = MeshFiles::new(folder);
-    let (mut placed, mut bodies) = body::bodies(scene, laws, &mut model, &mut mesh_files, &mut problems);
+    let mut warnings = Vec::new();
+    let (mut placed, mut bodies) = body::bodies(scene, laws, &mut model, &mut mesh_files, &mut problems, &mut warnings);
     let mut parts = multibody::parts(scene, &mut model, &mut mesh_files, &mut problems);
     placed.append(&mut parts.placed);
     bodies.append(&mut parts.lines);
-    let mut warnings = Vec::new();
     let (mut probes, mut plans, mut names) = (Vec::new(), Vec::new(), BTreeMap::new());
     let mut set_lines = Vec::new();
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
@@ -166,9 +167,8 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     }
     if problems.list.is_empty() {
         multibody::fix(scene, &parts, &mut model);
-        let fixed = model.prescriptions.len();
         let rigid = |item: &crate::scene::Prescribe| multibody::prescribe_rigid(item, &parts);
-        condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
+        let (places, guided) = condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
         let mut ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         #[cfg(feature = "general")]
         let apart = separate::separate(scene, &mut placed, &ties, &mut model, &mut problems, &mut bodies);
@@ -176,6 +176,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
+        let guides = guide::add(scene, guided, &places, &ties.tied, &mut model, &mut problems);
         #[cfg(any(feature = "general", feature = "multibody"))]
         parts.drawing.joined.extend(joined::surroundings(scene, &placed, &model.reference));
         #[cfg(feature = "general")]
@@ -192,7 +193,8 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
         // Places in the model are known only if nothing was left out.
         if problems.list.is_empty() {
-            names = named(scene, fixed, &parts);
+            let places = places.iter().enumerate().filter_map(|(p, place)| Some((p, Named::Prescription((*place)?))));
+            names = named(scene, &places.chain(guides).collect(), &parts);
         }
     }
     let schedule = Schedule::new(scene, &names, &probes, &mut problems);
@@ -241,17 +243,16 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
 pub(crate) fn placed_parts(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Vec<Placed> {
     let mut problems = Problems { scene, list: Vec::new() };
     let (mut model, mut files) = (Model::default(), MeshFiles::new(folder));
-    let (mut placed, _) = body::bodies(scene, laws, &mut model, &mut files, &mut problems);
+    let (mut placed, _) = body::bodies(scene, laws, &mut model, &mut files, &mut problems, &mut Vec::new());
     placed.append(&mut multibody::parts(scene, &mut model, &mut files, &mut problems).placed);
     placed
 }
 
-/// What the names of a scene are in the model: loads and contacts as in the scene, prescriptions behind those of fixed bodies.
-fn named(scene: &Scene, fixed: usize, parts: &multibody::Parts) -> BTreeMap<String, Named> {
+/// What the names of a scene are in the model: loads and contacts as in the scene, prescriptions where they were put.
+fn named(scene: &Scene, prescribed: &BTreeMap<usize, Named>, parts: &multibody::Parts) -> BTreeMap<String, Named> {
     let loads = scene.loads.iter().enumerate().filter_map(|(l, load)| Some((load.name.clone()?, Named::Load(l))));
     let prescriptions = scene.prescriptions.iter().enumerate();
-    let prescriptions =
-        prescriptions.filter_map(|(p, item)| Some((item.name.clone()?, Named::Prescription(fixed + p))));
+    let prescriptions = prescriptions.filter_map(|(p, item)| Some((item.name.clone()?, *prescribed.get(&p)?)));
     let contacts = scene.contacts.iter().enumerate().map(|(c, item)| (item.label(), Named::Contact(c)));
     let joints = scene.joints.iter().zip(&parts.joints);
     let joints = joints.filter_map(|(item, place)| Some((item.name.clone(), Named::Contact((*place)?))));
@@ -279,6 +280,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                 && scene.ties.is_empty()
                 && scene.joints.is_empty()
                 && scene.rigids.is_empty()
+                && !scene.has_guides()
                 && scene.beams.is_empty();
             if !(scheme.claims().constraints || free) {
                 let constrained: Vec<&str> = SCHEMES
@@ -289,7 +291,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                 problems.add(
                     "time.integrator.scheme".into(),
                     &integrator.scheme,
-                    "cannot carry constraints, but the scene has contact, ties, joints, rigid bodies or beams",
+                    "cannot carry constraints, but the scene has contact, ties, joints, rigid bodies, beams, or a prescribed motion along a normal that is no axis of space",
                     format!("choose one of {}, or remove them", constrained.join(", ")),
                 );
             }

@@ -41,6 +41,7 @@ pub(super) fn contact(
             return None;
         }
     };
+    warnings.extend(quadratic(pair, model));
     let complementarity = pair.prepare(&mut method, constraint, model, problems, warnings);
     let mut plan = None;
     if let Some(friction) = &item.friction {
@@ -72,6 +73,25 @@ pub(super) fn contact(
     let plan = pair.plan(&*method, constraint, plan);
     model.contacts.push(ContactPair { name: item.label(), method, complementarity, restores: false });
     Some(plan)
+}
+
+/// What to know of quadratic faces here.
+fn quadratic(pair: &PairInput<'_>, model: &Model) -> Option<String> {
+    let [slave, master] = pair.facets;
+    let mut nodes = slave.iter().chain(master).flatten();
+    if !nodes.any(|node| model.traces.contains_key(node)) {
+        return None;
+    }
+    let is_redundant = pair.item.enforcement == Enforced::Multiplier
+        && slave.iter().flatten().any(|&node| model.follows_its_face(node));
+    let redundant = "; exact pressures in the middle of the slave's 8-node faces are redundant, and the system may be singular where the slave is as fine as the master or finer";
+    Some(format!(
+        "{}: node-to-surface contact of quadratic faces does not pass a uniform pressure between meshes that do not match: pressures at nodes are wrong by tens of per cent \
+         (up to 36 % between two blocks){}. Use `method = \"mortar\"`, or `[general_contact]`{}",
+        pair.item.label(),
+        if is_redundant { redundant } else { "" },
+        if is_redundant { ", or a penalty" } else { "" }
+    ))
 }
 
 fn augmentation(item: &crate::scene::Contact) -> stoss_contact_nts::AugmentedOptions {

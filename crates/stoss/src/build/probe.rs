@@ -101,8 +101,8 @@ impl Probe {
             Quantity::StrainEnergy => [balance.strain, 0.0, 0.0],
             Quantity::LinearMomentum => balance.linear_momentum,
             Quantity::AngularMomentum => balance.angular_momentum,
-            Quantity::Reaction => self.sum(simulation.reactions()),
-            Quantity::ReactionMoment => self.moment(simulation.reactions(), &simulation.state().q),
+            Quantity::Reaction => self.sum(&simulation.reactions()),
+            Quantity::ReactionMoment => self.moment(&simulation.reactions(), &simulation.state().q),
             Quantity::ContactForce => {
                 added(self.sum(simulation.contact_force()), self.moved(simulation).map(|moved| moved.force))
             }

@@ -259,7 +259,10 @@ fn hold(scene: &Scene, placed: &[Placed], model: &Model, p: usize) -> Option<&'s
     let nodes = placed[p].first_node..placed[p].first_node + mesh.nodes.len() as u32;
     let is_own = |set: &str| split_set(set).is_some_and(|(part, _)| part == placed[p].name);
     let joined = scene.joints.iter().map(|joint| &joint.between).chain(scene.springs.iter().map(|s| &s.between));
-    if model.prescriptions.iter().flat_map(|item| &item.nodes).any(|node| nodes.contains(node)) {
+    let inclined = scene.prescriptions.iter().filter(|item| item.is_inclined());
+    if model.prescriptions.iter().flat_map(|item| &item.nodes).any(|node| nodes.contains(node))
+        || inclined.filter_map(|item| item.set.as_deref()).any(is_own)
+    {
         Some("has prescribed motion")
     } else if scene.supports.iter().any(|support| is_own(&support.set)) {
         Some("has a support")

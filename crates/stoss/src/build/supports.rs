@@ -32,14 +32,21 @@ pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<S
         let mut prescribed = Vec::new();
         for prescription in &model.prescriptions {
             for &node in prescription.nodes.iter().filter(|&&node| is_member(node)) {
-                prescribed.extend(prescription.components.iter().map(|&component| (node, usize::from(component))));
+                prescribed.extend(prescription.components.iter().map(|&c| (node, AXES[usize::from(c)])));
             }
         }
         // Springs of supports hold as well; dashpots hold nothing in statics.
         for support in &scene.supports {
-            let held = (0..3).filter(|&i| support.stiffness[i] > 0.0);
+            let Some(axes) = support.axes() else { continue };
+            let held = (0..3).filter(|&i| support.stiffness[i] > 0.0).map(move |i| axes[i]);
             let nodes = nodes_of(placed, &support.set).into_iter().filter(|&node| is_member(node));
-            prescribed.extend(nodes.flat_map(|node| held.clone().map(move |i| (node, i))));
+            prescribed.extend(nodes.flat_map(|node| held.clone().map(move |axis| (node, axis))));
+        }
+        for item in scene.prescriptions.iter().filter(|item| item.is_inclined()) {
+            let (Some(set), Some(normal)) = (&item.set, item.normal) else { continue };
+            let size = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+            let nodes = nodes_of(placed, set).into_iter().filter(|&node| is_member(node));
+            prescribed.extend(nodes.map(|node| (node, normal.map(|n| n / size))));
         }
         let touches = scene
             .contacts
@@ -85,8 +92,10 @@ fn nodes_of(placed: &[Placed], set: &str) -> Vec<u32> {
     nodes().unwrap_or_default()
 }
 
-/// How many of the six rigid motions of a body these prescribed components (node, component) exclude.
-fn held_motions(reference: &[f64], prescribed: &[(u32, usize)]) -> usize {
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// How many of the six rigid motions of a body these held directions (node, unit direction) exclude.
+fn held_motions(reference: &[f64], prescribed: &[(u32, [f64; 3])]) -> usize {
     let position = |node: u32| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) };
     let count = prescribed.len().max(1) as f64;
     let centre: [f64; 3] =
@@ -94,12 +103,10 @@ fn held_motions(reference: &[f64], prescribed: &[(u32, usize)]) -> usize {
     let arm = |node: u32| -> [f64; 3] { std::array::from_fn(|i| position(node)[i] - centre[i]) };
     let size = prescribed.iter().flat_map(|&(node, _)| arm(node)).fold(0.0_f64, |size, x| size.max(x.abs()));
     let mut gram = [[0.0; 6]; 6];
-    for &(node, i) in prescribed {
+    for &(node, d) in prescribed {
         let x = arm(node).map(|x| if size > 0.0 { x / size } else { 0.0 });
-        // Component i of a + w x X, in terms of a and w.
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        let mut row = [0.0; 6];
-        (row[i], row[3 + j], row[3 + k]) = (1.0, x[k], -x[j]);
+        // d . (a + w x X) = d . a + (X x d) . w, in terms of a and w.
+        let row = [d[0], d[1], d[2], x[1] * d[2] - x[2] * d[1], x[2] * d[0] - x[0] * d[2], x[0] * d[1] - x[1] * d[0]];
         for a in 0..6 {
             for b in 0..6 {
                 gram[a][b] += row[a] * row[b];
@@ -134,13 +141,13 @@ fn rank(mut matrix: [[f64; 6]; 6]) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::held_motions;
+    use super::{AXES, held_motions};
 
     const REFERENCE: [f64; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
     #[test]
     fn rigid_motions_are_counted() {
-        let all = |nodes: &[u32]| nodes.iter().flat_map(|&node| (0..3).map(move |i| (node, i))).collect::<Vec<_>>();
+        let all = |nodes: &[u32]| nodes.iter().flat_map(|&node| AXES.map(move |axis| (node, axis))).collect::<Vec<_>>();
         assert_eq!(held_motions(&REFERENCE, &[]), 0);
         assert_eq!(held_motions(&REFERENCE, &all(&[0])), 3);
         // Two nodes leave the rotation about the line through them.
@@ -148,7 +155,11 @@ mod tests {
         assert_eq!(held_motions(&REFERENCE, &all(&[0, 1, 2])), 6);
         // The symmetry planes of a block.
         assert_eq!(
-            held_motions(&REFERENCE, &[(0, 0), (2, 0), (3, 0), (0, 1), (1, 1), (3, 1), (0, 2), (1, 2), (2, 2)]),
+            held_motions(
+                &REFERENCE,
+                &[(0, 0), (2, 0), (3, 0), (0, 1), (1, 1), (3, 1), (0, 2), (1, 2), (2, 2)]
+                    .map(|(n, i): (u32, usize)| (n, AXES[i]))
+            ),
             6
         );
     }

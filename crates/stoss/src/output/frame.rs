@@ -205,6 +205,7 @@ pub(super) fn with(
     } else {
         ContactFields::default()
     };
+    let reactions = simulation.reactions();
     let candidates: [(SceneField, &str, usize, &[f64]); 14] = [
         (SceneField::Displacement, "displacement", 3, &displacement),
         (SceneField::Velocity, "velocity", 3, &state.v),
@@ -214,7 +215,7 @@ pub(super) fn with(
         (SceneField::DeformationGradient, "deformation_gradient", 9, solid.deformation_gradient.as_flattened()),
         (SceneField::GreenLagrangeStrain, "green_lagrange_strain", 6, solid.green_lagrange.as_flattened()),
         (SceneField::LogarithmicStrain, "logarithmic_strain", 6, solid.logarithmic.as_flattened()),
-        (SceneField::Reaction, "reaction", 3, simulation.reactions()),
+        (SceneField::Reaction, "reaction", 3, &reactions),
         (SceneField::ContactPressure, "contact_pressure", 1, &contact.pressure),
         (SceneField::Gap, "gap", 1, &contact.gap),
         (SceneField::ContactStatus, "contact_status", 1, &contact.status),

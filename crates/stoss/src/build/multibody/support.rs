@@ -20,9 +20,12 @@ pub(super) fn supports(scene: &Scene, placed: &[Placed], model: &mut Model, prob
                 .and_then(|(body, facets)| Some((body, areas(&facets, model, &key, problems)?))),
         };
         let Some((body, weights)) = weights else { continue };
+        // cannot fail: the reader refused other frames.
+        let Some(axes) = item.axes() else { continue };
         let node = |(vector, weight): (u32, f64)| SupportedNode {
             vector,
             at: std::array::from_fn(|i| model.reference[3 * vector as usize + i]),
+            axes,
             stiffness: item.stiffness.map(|k| k * weight),
             damping: item.damping.map(|d| d * weight),
         };

@@ -1,0 +1,297 @@
+//! Nodes that the ground holds along a direction and that slide freely across it: symmetry planes and sliding supports in any direction.
+
+use crate::Table;
+use stoss_contact::{
+    Constraint, ContactError, ContactRule, ContactWork, Held, History, LocalContribution, Report, SlotReport,
+    StepConfiguration,
+};
+
+/// Part of the length scale by which a motion may miss what a slot without a multiplier of its own asks for.
+const MISSED: f64 = 1.0e-6;
+
+/// Holds nodes along one direction `d` of unit length: `phi = d . (x - X) - u(t) = 0` for each of them, with a multiplier that is the force of the ground
+/// along `d`.
+///
+/// The equation is linear, its gradient `d` constant: it is the same under every rule of a scheme, and the work of the force in a step is
+/// `lambda d . (x_np1 - x_n) = lambda (u_np1 - u_n)`, thus nothing for a direction that does not move. Sliding along the plane is free of force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guide {
+    name: String,
+    length: f64,
+    direction: [f64; 3],
+    /// Global number and `d . X` of each node.
+    nodes: Vec<(u32, f64)>,
+    displacement: Table,
+    times: [f64; 2],
+    has_rates: bool,
+    /// Forces at the end of the last accepted step, for the work of a motion in statics.
+    forces: Vec<f64>,
+}
+
+impl Guide {
+    /// For nodes with these places in the reference (`3 * nodes` of the model), along a direction of any length, by the one column of `displacement` (a length);
+    /// violations are judged against `length`. `None` if the direction is zero or not finite.
+    pub fn new(
+        name: &str,
+        nodes: &[u32],
+        direction: [f64; 3],
+        displacement: Table,
+        reference: &[f64],
+        length: f64,
+    ) -> Option<Self> {
+        // By the largest entry first, so that the squares are finite and not zero.
+        let largest = direction.iter().fold(0.0, |largest: f64, d| largest.max(d.abs()));
+        if !direction.iter().all(|d| d.is_finite()) || largest == 0.0 || displacement.columns() != 1 {
+            return None;
+        }
+        let direction = direction.map(|d| d / largest);
+        let size = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+        let direction = direction.map(|d| d / size);
+        let along = |node: u32| (0..3).map(|i| direction[i] * reference[3 * node as usize + i]).sum();
+        Some(Self {
+            name: name.to_owned(),
+            length,
+            direction,
+            nodes: nodes.iter().map(|&node| (node, along(node))).collect(),
+            displacement,
+            times: [0.0; 2],
+            has_rates: false,
+            forces: vec![0.0; nodes.len()],
+        })
+    }
+
+    /// Whether what it asks for changes with time.
+    pub fn moves(&self) -> bool {
+        !self.displacement.is_constant()
+    }
+}
+
+impl Report for Guide {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.length
+    }
+
+    fn conserves_linear_momentum(&self) -> bool {
+        false
+    }
+
+    fn conserves_angular_momentum(&self) -> bool {
+        false
+    }
+
+    fn verify_inactive(&self, q_np1: &[f64], active: &[bool]) -> Result<(), ContactError> {
+        for (slot, _) in active.iter().enumerate().filter(|(_, active)| !**active) {
+            let Some(held) = self.held(slot, self.times[1]) else { continue };
+            let missed = (held.place - along(&held, q_np1)).abs();
+            if missed.is_nan() || missed > MISSED * self.length {
+                let reason = format!(
+                    "node {} is {missed:.2e} from where its normal holds it, because other prescribed motions of the node contradict that; remove one of them, or let \
+                     them agree",
+                    held.node
+                );
+                return Err(ContactError::Joint { joint: self.name.clone(), reason });
+            }
+        }
+        Ok(())
+    }
+
+    fn held(&self, slot: usize, time: f64) -> Option<Held> {
+        let &(node, reference) = self.nodes.get(slot)?;
+        Some(Held {
+            node,
+            direction: self.direction,
+            place: reference + self.displacement.value(time, 0),
+            rate: self.displacement.slope(time, 0),
+        })
+    }
+
+    fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        Ok(Vec::new())
+    }
+}
+
+/// `d . x`.
+pub(crate) fn along(held: &Held, x: &[f64]) -> f64 {
+    (0..3).map(|i| held.direction[i] * x[3 * held.node as usize + i]).sum()
+}
+
+impl Constraint for Guide {
+    fn slot_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn slot_weight(&self, _slot: usize) -> f64 {
+        1.0
+    }
+
+    fn is_symmetric(&self, _rule: ContactRule) -> bool {
+        true
+    }
+
+    fn set_times(&mut self, time_n: f64, time_np1: f64) {
+        self.times = [time_n, time_np1];
+    }
+
+    fn set_has_rates(&mut self, has_rates: bool) {
+        self.has_rates = has_rates;
+    }
+
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for (slot, (node, _)) in self.nodes.iter().enumerate().filter(|&(slot, _)| active[slot]) {
+            visit(&[*node], &[slot as u32]);
+        }
+    }
+
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        multipliers: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let moved = self.displacement.value(self.times[1], 0);
+        let mut local = LocalContribution::default();
+        for (slot, &(node, reference)) in self.nodes.iter().enumerate().filter(|&(slot, _)| active[slot]) {
+            local.nodes.clear();
+            local.nodes.push(node);
+            local.slots.clear();
+            local.slots.push(slot as u32);
+            local.reset(want_tangent);
+            let place: f64 = (0..3).map(|i| self.direction[i] * step.q_np1[3 * node as usize + i]).sum();
+            local.residual[3] = reference + moved - place;
+            for (i, d) in self.direction.into_iter().enumerate() {
+                local.residual[i] = -multipliers[slot] * d;
+                if want_tangent {
+                    local.tangent[4 * i + 3] = -d;
+                    local.tangent[12 + i] = -d;
+                }
+            }
+            visit(&local);
+        }
+        Ok(())
+    }
+}
+
+impl History for Guide {
+    fn work(&self, _q_np1: &[f64], multipliers: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+        let [from, to] = self.times.map(|time| self.displacement.value(time, 0));
+        // Forces of statics are those of the end of a step: their work is that of the trapezium rule.
+        let force = |(slot, last): (usize, &f64)| match (active[slot], self.has_rates) {
+            (false, _) => 0.0,
+            (true, true) => multipliers[slot],
+            (true, false) => 0.5 * (multipliers[slot] + last),
+        };
+        let force: f64 = self.forces.iter().enumerate().map(force).sum();
+        Ok(ContactWork { driven: force * (to - from), ..ContactWork::default() })
+    }
+
+    fn commit(&mut self, _q_np1: &[f64], multipliers: &[f64], active: &[bool]) {
+        for ((force, multiplier), active) in self.forces.iter_mut().zip(multipliers).zip(active) {
+            *force = if *active { *multiplier } else { 0.0 };
+        }
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.forces.iter().flat_map(|force| force.to_le_bytes()).collect()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+        let (numbers, rest) = bytes.as_chunks::<8>();
+        if numbers.len() != self.forces.len() || !rest.is_empty() {
+            let reason = format!("{}: {} bytes for {} nodes", self.name, bytes.len(), self.nodes.len());
+            return Err(ContactError::History { reason });
+        }
+        self.forces = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REFERENCE: [f64; 6] = [0.1, 0.2, 0.3, 1.0, -2.0, 0.5];
+
+    fn guide() -> Guide {
+        let table = Table::from_rows(&[vec![0.0, 0.0], vec![2.0, 0.4]], 1).unwrap();
+        Guide::new("cut", &[1, 0], [3.0, 0.0, -4.0], table, &REFERENCE, 1.0).unwrap()
+    }
+
+    fn contributions(guide: &Guide, q: &[f64], multipliers: &[f64]) -> Vec<LocalContribution> {
+        let mut list = Vec::new();
+        let step = StepConfiguration { q_n: &REFERENCE, q_np1: q, rule: ContactRule::EnergyMomentum };
+        guide.assemble(step, multipliers, &[true; 2], true, &mut |local| list.push(local.clone())).unwrap();
+        list
+    }
+
+    /// The tangent is the difference of residuals, which are linear.
+    #[test]
+    fn the_tangent_is_the_derivative() {
+        let mut guide = guide();
+        guide.set_times(0.5, 1.0);
+        let (q, p) = ([0.3, 0.1, -0.2, 1.4, 0.3, 0.9], [0.7, -1.2]);
+        let here = contributions(&guide, &q, &p);
+        for (k, local) in here.iter().enumerate() {
+            for column in 0..4 {
+                let (mut q, mut p) = (q, p);
+                match column {
+                    3 => p[k] += 0.5,
+                    i => q[3 * local.nodes[0] as usize + i] += 0.5,
+                }
+                let moved = &contributions(&guide, &q, &p)[k];
+                for row in 0..4 {
+                    let derivative = (moved.residual[row] - local.residual[row]) / 0.5;
+                    assert!((derivative - local.tangent[4 * row + column]).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    /// A node at its place has no row, forces are along the direction, and their work is that of the motion.
+    #[test]
+    fn work_is_that_of_the_motion() {
+        let mut guide = guide();
+        guide.set_times(0.0, 1.0);
+        guide.set_has_rates(true);
+        let d = [0.6, 0.0, -0.8];
+        let u = 0.2;
+        let q: Vec<f64> =
+            REFERENCE.iter().enumerate().map(|(c, x)| x + u * d[c % 3] + [0.8, 5.0, 0.6][c % 3]).collect();
+        let p = [3.0, -1.0];
+        let mut work = 0.0;
+        for local in contributions(&guide, &q, &p) {
+            assert!(local.residual[3].abs() < 1e-15, "{:?}", local.residual);
+            let first = 3 * local.nodes[0] as usize;
+            work -= (0..3).map(|i| local.residual[i] * (q[first + i] - REFERENCE[first + i])).sum::<f64>();
+        }
+        let told = guide.work(&q, &p, &[true; 2]).unwrap().driven;
+        assert!((told - 2.0 * u).abs() < 1e-15 && (work - told).abs() < 1e-14, "{told} {work}");
+        assert!(guide.moves());
+        // In statics by the mean of the forces.
+        guide.set_has_rates(false);
+        guide.commit(&q, &[1.0, 1.0], &[true, false]);
+        let saved = guide.save_history();
+        let mut other = self::guide();
+        other.load_history(&saved).unwrap();
+        other.set_times(0.0, 1.0);
+        assert!((other.work(&q, &p, &[true; 2]).unwrap().driven - 0.5 * (4.0 - 1.0) * u).abs() < 1e-15);
+        assert!(other.load_history(&saved[1..]).is_err());
+    }
+
+    #[test]
+    fn directions_of_any_length_but_zero() {
+        let make = |d| Guide::new("a", &[0], d, Table::constant(&[0.0]), &REFERENCE, 1.0);
+        assert_eq!(make([0.0; 3]), None);
+        assert_eq!(make([f64::NAN, 1.0, 0.0]), None);
+        assert_eq!(make([1.0, f64::INFINITY, 0.0]), None);
+        for size in [1e-300, 1.0, 1e300] {
+            let held = make([3.0 * size, 4.0 * size, 0.0]).unwrap().held(0, 0.0).unwrap();
+            assert!((held.direction[0] - 0.6).abs() < 1e-15 && (held.direction[1] - 0.8).abs() < 1e-15);
+        }
+    }
+}
