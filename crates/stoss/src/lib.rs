@@ -28,6 +28,8 @@ pub use stoss_linalg as linalg;
 pub use stoss_materials as materials;
 pub use stoss_mesh as mesh;
 #[cfg(any(feature = "mesh-files", feature = "output"))]
+pub use stoss_deck_import as deck_import;
+#[cfg(feature = "mesh-files")]
 pub use stoss_mesh_io as mesh_io;
 #[cfg(feature = "multibody")]
 pub use stoss_multibody as multibody;
