@@ -242,17 +242,20 @@ pub(crate) fn bodies(
         let number = piece_of.iter().max().map_or(0, |last| last + 1);
         let mut own: Vec<Vec<u32>> = vec![Vec::new(); number];
         elements.iter().zip(&piece_of).for_each(|(&e, &piece)| own[piece].push(e));
-        for elements in own {
+        for (piece, elements) in own.into_iter().enumerate() {
+            // Pieces of one material may have elements of different types.
+            let types = self::variants(solids, &elements);
             let nodes = elements.iter().flat_map(|&e| mesh.elements[e as usize].iter().copied()).collect();
             let set = mesh.element_sets.iter().find(|(_, set)| **set == elements).map(|(name, _)| name.clone());
-            let section = section_of[elements[0] as usize].map(|s| deck.sections[s].elements.clone());
-            let name = clean(&set.or(section).unwrap_or_else(|| material.name.clone()), &mut taken);
+            let section = section_of[elements[0] as usize].map_or(&material.name, |s| &deck.sections[s].elements);
+            let numbered = if number > 1 { format!("{section}-{}", piece + 1) } else { section.clone() };
+            let name = clean(&set.unwrap_or(numbered), &mut taken);
             all.push(Body {
                 name,
                 material: material.name.clone(),
                 law: law.clone(),
                 density: material.density,
-                is_reduced: variants.is_reduced,
+                is_reduced: types.is_reduced,
                 is_mixed: is_mixed(&law),
                 elements,
                 nodes,

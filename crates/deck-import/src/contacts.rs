@@ -42,7 +42,7 @@ fn surfaces(
         };
         if of_nodes {
             let consequence =
-                format!("{name} is a surface of nodes: it is taken for the boundary facets that have no other nodes");
+                format!("{name} is a surface of nodes: it is taken for the boundary facets whose corners they are");
             list.add(place, what, consequence, "");
         }
         Some(surface)

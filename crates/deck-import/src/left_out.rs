@@ -1,5 +1,6 @@
 //! The list of what a scene lacks of its deck.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
@@ -76,8 +77,7 @@ impl List {
     }
 
     /// All entries with those of the reader, in the order of the deck.
-    pub fn finish(mut self, deck: &Deck, lookup: &crate::sets::Lookup<'_>) -> Vec<LeftOut> {
-        let _ = lookup;
+    pub fn finish(mut self, deck: &Deck) -> Vec<LeftOut> {
         for other in deck.contents.other_elements() {
             let file = file_name(&other.path);
             let number = self.files.iter().position(|name| *name == file).unwrap_or(0);
@@ -106,13 +106,33 @@ impl List {
         if !output.is_empty() {
             self.add_general(
                 output.join(", "),
-                "requests of output: every step has a frame with displacements, stresses and contact fields",
+                "requests of output; every step has a frame with displacements, stresses and contact fields",
                 "for values of nodes and points add [[probe]]",
             );
         }
         self.entries.sort_by_key(|(place, _)| *place);
-        self.entries.into_iter().map(|(_, entry)| entry).collect()
+        once(self.entries.into_iter().map(|(_, entry)| entry))
     }
+}
+
+/// Entries that say the same of many lines once, with their number.
+fn once(entries: impl Iterator<Item = LeftOut>) -> Vec<LeftOut> {
+    let mut all: Vec<(LeftOut, usize)> = Vec::new();
+    let mut known = BTreeMap::new();
+    for entry in entries {
+        let text = (entry.what.clone(), entry.consequence.clone(), entry.remedy.clone());
+        let index = *known.entry(text).or_insert(all.len());
+        match all.get_mut(index) {
+            Some((_, more)) => *more += 1,
+            None => all.push((entry, 0)),
+        }
+    }
+    let told = |(entry, more): (LeftOut, usize)| match more {
+        0 => entry,
+        1 => LeftOut { what: format!("{} (and 1 more line)", entry.what), ..entry },
+        n => LeftOut { what: format!("{} (and {n} more lines)", entry.what), ..entry },
+    };
+    all.into_iter().map(told).collect()
 }
 
 /// What it changes that a keyword is left out, and what to do.
@@ -182,7 +202,7 @@ fn meaning(what: &str) -> (&'static str, &'static str) {
             "the nodes move on their own, and what acts on the reference node is lost",
             "see [[joint]], `moment` of [[load]], and `rotation` of [[prescribe]]",
         ),
-        "TRANSFORM,TYPE=R" | "TRANSFORM" => (
+        "TRANSFORM" => (
             "supports and forces in these axes are left out, but for nodes of which all three components are fixed",
             "turn the mesh so that the axes are x, y and z, or use `rotation` of [[prescribe]]",
         ),

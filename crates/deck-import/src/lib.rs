@@ -95,7 +95,7 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
     loads::loads(deck, &bodies, &lookup, &timeline, &mut cover, &mut scene, &mut list);
     let velocities = initial::velocities(deck, &bodies, &lookup, &timeline, &mut list);
     let (sources, mesh) = cover.finish();
-    let left_out = list.finish(deck, &lookup);
+    let left_out = list.finish(deck);
     let mapped = scene.mapped(&bodies, &timeline);
     let text = write::scene(deck, names, &bodies, &sources, &velocities, &timeline, &scene, &mapped, &left_out);
     Ok(Import { scene: text, mesh, mapped, left_out })

@@ -124,15 +124,17 @@ impl<'a> Lookup<'a> {
         if found.is_empty() { self.element_set(set).unwrap_or_default().members } else { sorted(found.into_iter()) }
     }
 
-    /// The facets of a surface. A surface of nodes is the boundary facets all of whose nodes belong to it; true then.
+    /// The facets of a surface. A surface of nodes is the boundary facets all of whose corners belong to it; true then.
     pub fn surface(&self, name: &str) -> Option<(Meant<Facet>, bool)> {
         if let Some(facets) = find(&self.facet_sets, &self.solids.mesh.facet_sets, name) {
             return Some((facets, false));
         }
         let nodes: BTreeSet<u32> = self.node_set(name)?.members.into_iter().collect();
         let boundary = self.solids.mesh.boundary_facets();
-        let members: Vec<Facet> =
-            boundary.into_iter().filter(|facet| facet.nodes.iter().all(|node| nodes.contains(node))).collect();
+        let members: Vec<Facet> = boundary
+            .into_iter()
+            .filter(|facet| facet.nodes.corners().iter().all(|node| nodes.contains(node)))
+            .collect();
         if members.is_empty() { None } else { Some((Meant { name: None, members }, true)) }
     }
 

@@ -51,19 +51,20 @@ impl Timeline {
                 Some(stage) => stages.push(stage),
                 None => {
                     let loads = step.supports.len() + step.forces.len() + step.loads.len() + step.pressures.len();
-                    let consequence = match loads {
-                        0 => "the step is not in the scene".to_owned(),
-                        n => format!("the step is not in the scene, with its {n} supports and loads"),
-                    };
-                    list.add(step.place, "*STEP", consequence, "");
+                    if loads > 0 {
+                        let consequence = format!(
+                            "its {loads} supports and loads act in later steps only, as far as they last until then"
+                        );
+                        list.add(step.place, "*STEP that is left out", consequence, "");
+                    }
                 }
             }
         }
         if stages.is_empty() {
             list.add_general(
                 "no step with *STATIC or *DYNAMIC",
-                "the scene has one static step of length 1, with the supports of the model",
-                "set [time] and loads",
+                "the scene has one static step of length 1, with the supports and loads of all steps",
+                "set [time], supports and loads as you need them",
             );
             stages.push(Stage {
                 step: None,
@@ -181,7 +182,7 @@ fn integrator(alpha: Option<f64>, is_explicit: bool, has_contact: bool) -> (Stri
     }
     // alpha is that of Hilber, Hughes and Taylor, -0.05 by default, at least -1/3: rho = (1 + alpha) / (1 - alpha).
     let alpha = alpha.unwrap_or(-0.05).clamp(-1.0 / 3.0, 0.0);
-    let rho = (1.0 + alpha) / (1.0 - alpha);
+    let rho = ((1.0 + alpha) / (1.0 - alpha)).clamp(0.5, 1.0);
     (format!("{{ scheme = \"hht\", rho_inf = {} }}", number(rho)), None)
 }
 

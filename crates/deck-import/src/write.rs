@@ -13,7 +13,8 @@ use crate::{FileNames, LeftOut};
 
 /// A finite number in TOML, with all its digits.
 pub(crate) fn number(value: f64) -> String {
-    format!("{value:?}")
+    // Zero has no sign here.
+    if value == 0.0 { "0.0".to_owned() } else { format!("{value:?}") }
 }
 
 /// A list of numbers.
