@@ -9,8 +9,9 @@ use crate::bodies::Bodies;
 use crate::cover::Cover;
 use crate::left_out::List;
 use crate::sets::{Lookup, Meant};
+use crate::text::number;
 use crate::timeline::Timeline;
-use crate::write::{Tables, number};
+use crate::write::Tables;
 
 /// `ROUGH` of `*FRICTION`: a coefficient that nothing overcomes.
 const ROUGH: f64 = 10.0;

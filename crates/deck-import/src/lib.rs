@@ -12,7 +12,7 @@
 //! | `cover` | names of sets for what is acted on, new sets where the deck has none |
 //! | `supports`, `loads`, `contacts` | the tables of the scene |
 //! | `left_out` | the list |
-//! | `write` | TOML |
+//! | `write`, `text` | the scene; TOML |
 //!
 //! # What it is not
 //! No file is written and no scene is checked here: that is for the program, which has the scene's reader.
@@ -28,6 +28,7 @@ mod material;
 mod records;
 mod sets;
 mod supports;
+mod text;
 mod timeline;
 mod write;
 

@@ -12,8 +12,9 @@ use crate::left_out::List;
 use crate::records::{Acting, chains};
 use crate::sets::{Lookup, Meant};
 use crate::supports::{by_history, local, named, without_local};
+use crate::text::{number, text, vector};
 use crate::timeline::Timeline;
-use crate::write::{Tables, number, series, text, vector};
+use crate::write::{Tables, series};
 
 /// What all loads need.
 struct Loads<'a, 'b> {

@@ -2,7 +2,7 @@
 
 use stoss_mesh_io::deck::{Hyperelastic, Material};
 
-use crate::write::{list, number};
+use crate::text::{list, number};
 
 /// Volumetric exponent of the Ogden law: `kappa/4 (J^2 - 1 - 2 ln J)`.
 const BETA: f64 = -2.0;

@@ -24,7 +24,7 @@ pub(crate) struct Lookup<'a> {
     elements: BTreeMap<u64, Vec<u32>>,
 }
 
-fn by_upper<'a, T>(sets: &'a BTreeMap<String, T>) -> BTreeMap<String, &'a String> {
+fn by_upper<T>(sets: &BTreeMap<String, T>) -> BTreeMap<String, &String> {
     sets.keys().map(|name| (name.to_uppercase(), name)).collect()
 }
 

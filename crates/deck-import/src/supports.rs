@@ -12,8 +12,9 @@ use crate::history::{History, Value, amplitude, history};
 use crate::left_out::List;
 use crate::records::{Acting, Chain, chains};
 use crate::sets::{Lookup, Meant};
+use crate::text::text;
 use crate::timeline::Timeline;
-use crate::write::{Tables, series, text};
+use crate::write::{Tables, series};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 

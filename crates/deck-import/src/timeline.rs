@@ -3,7 +3,7 @@
 use stoss_mesh_io::deck::{Deck, Procedure, Step, Times};
 
 use crate::left_out::List;
-use crate::write::number;
+use crate::text::number;
 
 /// A step of the deck as a part of the run.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,51 +1,16 @@
-//! The text of the scene.
+//! The tables of the scene.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use stoss_mesh_io::deck::{Deck, Target};
+use stoss_mesh_io::deck::Deck;
 
 use crate::bodies::{Bodies, Body};
 use crate::cover::Source;
 use crate::history::History;
+use crate::text::{comment, list, number, string, vector};
 use crate::timeline::Timeline;
 use crate::{FileNames, LeftOut};
-
-/// A finite number in TOML, with all its digits.
-pub(crate) fn number(value: f64) -> String {
-    // Zero has no sign here.
-    if value == 0.0 { "0.0".to_owned() } else { format!("{value:?}") }
-}
-
-/// A list of numbers.
-pub(crate) fn list(values: &[f64]) -> String {
-    let values: Vec<String> = values.iter().copied().map(number).collect();
-    format!("[{}]", values.join(", "))
-}
-
-pub(crate) fn vector(values: [f64; 3]) -> String {
-    list(&values)
-}
-
-/// A string in TOML.
-fn string(text: &str) -> String {
-    toml::Value::from(text).to_string()
-}
-
-/// A line of a comment: control characters would end it, or be an error.
-fn comment(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
-}
-
-/// What a line of the deck names, for people.
-pub(crate) fn text(target: &Target) -> String {
-    match target {
-        Target::All => "the model".to_owned(),
-        Target::Set(name) => name.clone(),
-        Target::Number { number, instance: None } => format!("number {number}"),
-        Target::Number { number, instance: Some(instance) } => format!("number {number} of {instance}"),
-    }
-}
 
 /// A function of time with one column for each history: a number or list if it is constant, else a table.
 pub(crate) fn series(columns: &[&History]) -> String {
@@ -259,14 +224,5 @@ mod tests {
             series(&[&ramp, &late]),
             "{ table = [[0.0, 0.0, 0.0], [0.5, 1.0, 0.0], [1.0, 2.0, 0.5], [1.5, 2.0, 1.0]] }"
         );
-    }
-
-    #[test]
-    fn text_of_the_deck_cannot_break_the_scene() {
-        assert_eq!(comment("a\nb\u{1b}"), "a b ");
-        for text in ["plain", "it's \"quoted\"", "back\\slash", "tab\tand\u{7f}", "ünïcode"] {
-            let table: toml::Table = format!("a = {}", string(text)).parse().unwrap();
-            assert_eq!(table["a"].as_str(), Some(text));
-        }
     }
 }
