@@ -110,9 +110,10 @@ fn materials_of_one_mesh_are_tied_and_steps_are_stages() {
         tables(&import, "prescribe").into_iter().filter(|table| table.get("name") == Some(&off[0])).collect();
     assert_eq!((off.len(), strings(&ended, "set")), (1, vec!["hard.right".to_owned()]));
     assert_eq!(ended[0]["displacement"].to_string(), "{ table = [[0.0, 0.0], [1.0, 0.004]] }");
-    let [load] = tables(&import, "load").try_into().unwrap();
-    let force = "{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [3.0, 0.1, 0.0, 0.0]] }";
-    assert_eq!(load["force"].to_string(), force);
+    let loads = tables(&import, "load");
+    assert_eq!(strings(&loads, "set"), ["hard.corners", "hard.edges", "hard.middle"]);
+    let force = "{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [3.0, 0.1125, 0.0, 0.0]] }";
+    assert_eq!(loads[1]["force"].to_string(), force);
 }
 
 #[test]
