@@ -311,3 +311,37 @@ fn broken_decks_never_panic() {
         }
     }
 }
+
+/// Two C3D20R on each other, of two materials: a body has the reduced rule, the tie dual multipliers.
+#[test]
+fn quadratic_bodies_of_two_materials() {
+    let mut nodes: Vec<[u32; 3]> = Vec::new();
+    let mut number = |at: [u32; 3]| {
+        let found = nodes.iter().position(|&node| node == at);
+        1 + found.unwrap_or_else(|| {
+            nodes.push(at);
+            nodes.len() - 1
+        })
+    };
+    let square = [[0, 0], [2, 0], [2, 2], [0, 2]];
+    let sides = [[1, 0], [2, 1], [1, 2], [0, 1]];
+    let mut elements = String::new();
+    for (e, low) in [0, 2].into_iter().enumerate() {
+        let rings = [(square, low), (square, low + 2), (sides, low), (sides, low + 2), (square, low + 1)];
+        let all = rings.iter().flat_map(|(ring, z)| ring.map(|[x, y]| [x, y, *z]));
+        let numbers: Vec<String> = all.map(|at| number(at).to_string()).collect();
+        elements += &format!("*ELEMENT, TYPE=C3D20R, ELSET=E{e}\n{}, {}\n", e + 1, numbers.join(", "));
+    }
+    let lines: Vec<String> =
+        nodes.iter().enumerate().map(|(n, [x, y, z])| format!("{}, {x}, {y}, {z}\n", n + 1)).collect();
+    let material =
+        |e: u32| format!("*MATERIAL, NAME=M{e}\n*ELASTIC\n{e}0.0, 0.1\n*SOLID SECTION, ELSET=E{e}, MATERIAL=M{e}\n");
+    let text = format!("*NODE\n{}{elements}{}{}", lines.concat(), material(0).replace("00.0", "50.0"), material(1));
+    let import = imported(&text);
+    assert_eq!(strings(&tables(&import, "body"), "integration"), ["reduced", "reduced"]);
+    let [tie] = tables(&import, "tie").try_into().unwrap();
+    assert_eq!(tie["multipliers"].as_str(), Some("dual"));
+    let scene: toml::Table = import.scene.parse().unwrap();
+    assert_eq!(scene["solver"]["relative_tolerance"].as_float(), Some(1e-6));
+    assert!(entry(&import, "ties of quadratic faces").consequence.contains("1e-6"));
+}
