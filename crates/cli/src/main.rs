@@ -8,6 +8,7 @@ mod diagnose;
 mod diagnostics;
 mod examples;
 mod follow;
+mod import;
 mod interrupt;
 mod job;
 mod mesh;
@@ -75,6 +76,8 @@ enum Command {
         #[command(subcommand)]
         command: mesh::MeshCommand,
     },
+    /// Writes a scene from an Abaqus or CalculiX deck (.inp), as far as it maps, with a list of what is left out.
+    Import(import::Import),
     /// Writes a new scene, taken from an example.
     Init {
         /// Name of the scene: NAME.toml is written, unless there is such a file.
@@ -119,6 +122,7 @@ fn main() -> ExitCode {
         Command::Judge { out } => judge(&out),
         Command::Diagnose { out } => diagnose::diagnose(&out),
         Command::Mesh { command } => mesh::command(command),
+        Command::Import(asked) => import::import(&asked),
         Command::Init { name, from } => examples::init(&name, from.as_deref()),
         Command::Examples { name } => examples::examples(name.as_deref()),
         Command::Completions { shell } => shell::completions(shell, Arguments::command()),

@@ -45,6 +45,8 @@ pub struct Contents {
     pub(crate) node_source: Vec<Source>,
     pub(crate) elements: Elements,
     pub(crate) element_source: Vec<Source>,
+    /// The type of each element by its name in the format, where the format has variants of a cell.
+    pub(crate) element_types: Vec<&'static str>,
     /// Types of the cells that are read: how many, and the first.
     pub(crate) cells: BTreeMap<String, (usize, Place)>,
     pub(crate) others: Vec<Other>,
@@ -52,6 +54,8 @@ pub struct Contents {
     pub(crate) notes: Vec<String>,
     /// Instances of parts, by name.
     pub(crate) instances: BTreeMap<String, BTreeSet<u32>>,
+    /// The parts of the instances.
+    pub(crate) parts: BTreeMap<String, String>,
     pub(crate) node_sets: BTreeMap<String, BTreeSet<u32>>,
     pub(crate) element_sets: BTreeMap<String, BTreeSet<u32>>,
     pub(crate) facet_sets: BTreeMap<String, BTreeSet<(u32, usize)>>,

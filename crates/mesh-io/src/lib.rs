@@ -33,6 +33,7 @@ mod lines;
 mod place;
 mod pvd;
 mod registry;
+mod solids;
 mod stl;
 mod survey;
 #[cfg(feature = "vtkhdf")]
@@ -49,6 +50,7 @@ pub use error::MeshIoError;
 pub use include::Include;
 pub use pvd::{PvdEntry, PvdWriter, read_pvd_from_str};
 pub use registry::{FORMATS, Format, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};
+pub use solids::{OtherElements, Solids};
 pub use stl::{SurfaceFile, read_surface, read_surface_counted, read_surface_from_bytes};
 pub use survey::{CellCount, MeshSurvey, Survey};
 #[cfg(feature = "vtkhdf")]

@@ -8,7 +8,7 @@
 //! | `mortar` | mortar contact and mesh ties ([`contact_mortar`]) |
 //! | `multibody` | rigid bodies, beams, strings, springs and joints ([`multibody`]) |
 //! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
-//! | `mesh-files` | Gmsh and Abaqus readers |
+//! | `mesh-files` | Gmsh and Abaqus readers, scenes from Abaqus and CalculiX decks ([`deck_import`]) |
 //! | `vtkhdf` | frames of a run in one HDF5 file |
 //! | `output` | folders of results, the [`watch`] on every run, and [`run`], which the program `stoss` is a thin layer over |
 //!
@@ -21,6 +21,8 @@ pub use stoss_contact_mortar as contact_mortar;
 #[cfg(feature = "nts")]
 pub use stoss_contact_nts as contact_nts;
 pub use stoss_continuum as continuum;
+#[cfg(feature = "mesh-files")]
+pub use stoss_deck_import as deck_import;
 pub use stoss_fe_solid as fe_solid;
 pub use stoss_integrators as integrators;
 pub use stoss_linalg as linalg;

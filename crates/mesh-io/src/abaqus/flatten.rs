@@ -114,6 +114,7 @@ impl Flatten {
         }
         for Solid { number, kind, nodes, place } in &instance.part.elements {
             self.builder.element(*number, kind.kind, nodes, kind.name, *place)?;
+            self.builder.contents.element_types.push(kind.name);
         }
         Ok(())
     }
@@ -241,6 +242,7 @@ impl Flatten {
         let elements: BTreeSet<u32> = self.builder.element_numbers(i).map(|(_, index)| index).collect();
         if !elements.is_empty() {
             self.builder.contents.instances.insert(name.to_owned(), elements);
+            self.builder.contents.parts.insert(name.to_owned(), self.instances[i].part.name.clone());
         }
     }
 

@@ -3,15 +3,14 @@
 use super::rows::Row;
 use super::{
     Amplitude, Behavior, ContactPair, Deck, DeckPlace, Elastic, ElementLoad, Ends, Force, Friction, Hyperelastic,
-    InitialVelocity, Interaction, LeftOut, LoadKind, Material, Prescribed, Procedure, SolidSection, Step, Support,
-    SurfacePressure, Tie, Times,
+    InitialVelocity, Interaction, LeftOut, LoadKind, LocalAxes, Material, Prescribed, Procedure, SolidSection, Step,
+    Support, SurfacePressure, Tie, Times,
 };
 use crate::abaqus::block::Block;
 use crate::{Contents, MeshIoError};
 
 /// Keywords of the mesh, which its reader has read or refused, and those without a meaning of their own.
-const MESH: [&str; 9] =
-    ["PART", "ENDPART", "ASSEMBLY", "ENDASSEMBLY", "ENDINSTANCE", "NODE", "SURFACE", "PREPRINT", "NOTE"];
+const MESH: [&str; 7] = ["ASSEMBLY", "ENDASSEMBLY", "ENDINSTANCE", "NODE", "SURFACE", "PREPRINT", "NOTE"];
 /// Keywords that ask for output.
 const OUTPUT: [&str; 23] = [
     "NODEPRINT",
@@ -73,13 +72,16 @@ struct Filler<'a> {
     contents: &'a Contents,
     deck: Deck,
     owner: Owner,
+    /// The part that is open.
+    part: Option<String>,
     /// Within `*STEP` and `*END STEP`.
     in_step: bool,
 }
 
 /// The deck of a mesh and the other keywords of its file.
 pub(super) fn deck(contents: Contents, blocks: &[Block]) -> Result<Deck, MeshIoError> {
-    let mut filler = Filler { contents: &contents, deck: Deck::default(), owner: Owner::Nothing, in_step: false };
+    let mut filler =
+        Filler { contents: &contents, deck: Deck::default(), owner: Owner::Nothing, part: None, in_step: false };
     blocks.iter().try_for_each(|block| filler.block(block))?;
     let deck = filler.deck;
     Ok(Deck { contents, ..deck })
@@ -112,7 +114,18 @@ impl Filler<'_> {
                 let elements = block.require(self.contents, "ELSET")?;
                 let material = block.require(self.contents, "MATERIAL")?;
                 self.other_parameters(block, &["ELSET", "MATERIAL"]);
-                self.deck.sections.push(SolidSection { elements, material, place: block.place() });
+                let part = self.part.clone();
+                self.deck.sections.push(SolidSection { elements, material, part, place: block.place() });
+            }
+            "PART" => self.part = block.keyword.value("NAME").map(str::to_owned),
+            "ENDPART" => self.part = None,
+            "TRANSFORM" => {
+                let kind = block.keyword.value("TYPE").unwrap_or("R");
+                let (is_cylindrical, place) = (kind.eq_ignore_ascii_case("C"), block.place());
+                if let Some(nodes) = block.keyword.value("NSET") {
+                    self.deck.local_axes.push(LocalAxes { nodes: nodes.to_owned(), is_cylindrical, place });
+                }
+                self.leave(place, format!("*TRANSFORM, TYPE={}", kind.to_uppercase()));
             }
             "AMPLITUDE" => self.amplitude(block)?,
             "CONTACTPAIR" => self.contact_pair(block)?,

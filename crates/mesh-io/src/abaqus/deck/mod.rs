@@ -9,6 +9,7 @@
 //! | `*HEADING` | [`Deck::title`] |
 //! | `*MATERIAL` with `*DENSITY`, `*ELASTIC` (isotropic), `*HYPERELASTIC` | [`Material`] |
 //! | `*SOLID SECTION` | [`SolidSection`] |
+//! | `*TRANSFORM` | which nodes have it ([`LocalAxes`]) |
 //! | `*AMPLITUDE` (tabular) | [`Amplitude`] |
 //! | `*SURFACE INTERACTION` with `*FRICTION`, `*SURFACE BEHAVIOR`; `*CONTACT PAIR`; `*TIE` | [`Interaction`], [`ContactPair`], [`Tie`] |
 //! | `*INITIAL CONDITIONS, TYPE=VELOCITY` | [`InitialVelocity`] |
@@ -98,6 +99,19 @@ pub struct SolidSection {
     pub elements: String,
     /// The material.
     pub material: String,
+    /// The part in which the section stands, where it stands in one: the set is one of its instances then.
+    pub part: Option<String>,
+    /// Its place.
+    pub place: DeckPlace,
+}
+
+/// Nodes whose supports and forces have components in axes of their own (`*TRANSFORM`).
+#[derive(Debug, Clone, PartialEq)]
+pub struct LocalAxes {
+    /// The node set.
+    pub nodes: String,
+    /// True for cylindrical axes (`TYPE=C`), false for rectangular ones.
+    pub is_cylindrical: bool,
     /// Its place.
     pub place: DeckPlace,
 }
@@ -396,6 +410,8 @@ pub struct Deck {
     pub materials: Vec<Material>,
     /// Sections.
     pub sections: Vec<SolidSection>,
+    /// Nodes with axes of their own. The axes are not kept: each of these stands in [`Deck::left_out`], too.
+    pub local_axes: Vec<LocalAxes>,
     /// Amplitudes.
     pub amplitudes: Vec<Amplitude>,
     /// Properties of contacts.

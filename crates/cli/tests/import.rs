@@ -1,0 +1,152 @@
+//! `stoss import`: decks that are imported, checked and run, with known answers.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    /// With a deck of the tests of the crate that imports.
+    fn new(deck: &str) -> Folder {
+        let folder = Folder(tempfile::tempdir().unwrap());
+        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../deck-import/tests/data").join(deck);
+        std::fs::copy(from, folder.path(deck)).unwrap();
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn stoss(&self, arguments: &[&str]) -> (Option<i32>, String) {
+        let command = Command::new(env!("CARGO_BIN_EXE_stoss")).args(arguments).current_dir(self.0.path()).output();
+        let Output { status, stdout, stderr } = command.unwrap();
+        (status.code(), String::from_utf8([stdout, stderr].concat()).unwrap())
+    }
+
+    /// Imports the deck, adds text to the scene and runs it; the last row of `probes.csv` by its heads.
+    fn run(&self, deck: &str, more: &str) -> Vec<(String, f64)> {
+        let (code, text) = self.stoss(&["import", deck, "-o", "scene.toml"]);
+        assert_eq!(code, Some(0), "{text}");
+        let (code, text) = self.stoss(&["check", "scene.toml"]);
+        assert_eq!(code, Some(0), "{text}");
+        let scene = std::fs::read_to_string(self.path("scene.toml")).unwrap();
+        std::fs::write(self.path("scene.toml"), format!("{scene}{more}")).unwrap();
+        let (code, text) = self.stoss(&["run", "scene.toml", "--out", "out", "--quiet", "--no-report"]);
+        assert_eq!(code, Some(0), "{text}");
+        let probes = std::fs::read_to_string(self.path("out/probes.csv")).unwrap();
+        let mut lines = probes.lines();
+        let heads = lines.next().unwrap().split(',').map(str::to_owned);
+        heads.zip(lines.next_back().unwrap().split(',').map(|value| value.parse().unwrap())).collect()
+    }
+}
+
+fn value(row: &[(String, f64)], head: &str) -> f64 {
+    row.iter().find(|(name, _)| name == head).unwrap_or_else(|| panic!("no {head} in {row:?}")).1
+}
+
+const PRESS: &str = r#"
+[[probe]]
+name = "floor"
+set = "lower.bottom"
+quantity = "reaction"
+[[probe]]
+name = "below"
+body = "lower"
+point = [0.3, 0.4, 0.8]
+quantity = "cauchy_stress"
+[[probe]]
+name = "above"
+body = "upper"
+point = [0.7, 0.2, 1.1]
+quantity = "cauchy_stress"
+"#;
+
+/// The dead pressure 8 on the unit square passes the contact with friction: its sum at the floor, and a uniform stress in both blocks.
+#[test]
+fn pressed_blocks_have_the_pressure_everywhere() {
+    let row = Folder::new("press.inp").run("press.inp", PRESS);
+    assert!((value(&row, "floor.z") - 8.0).abs() < 1e-9, "{row:?}");
+    // Areas grow by 2 nu p / E.
+    let stress = -8.0 / (1.0 + 0.3 * 8.0 / 1e5_f64).powi(2);
+    for point in ["below", "above"] {
+        assert!((value(&row, &format!("{point}.zz")) - stress).abs() < 1e-5, "{row:?}");
+        for across in ["xx", "yy", "xy", "yz", "xz"] {
+            assert!(value(&row, &format!("{point}.{across}")).abs() < 1e-5, "{across} {row:?}");
+        }
+    }
+}
+
+const BAR: &str = r#"
+[[probe]]
+name = "end"
+set = "hard.right"
+quantity = "displacement"
+[[probe]]
+name = "joint"
+body = "soft"
+point = [1, 0, 0]
+quantity = "displacement"
+[[probe]]
+name = "left"
+set = "soft.left"
+quantity = "reaction"
+"#;
+
+/// The second step releases the end and pulls it with forces that make a uniform traction: each half of the bar, of area and length 1, is strained by what its
+/// law says, `S = E e`, `F = S (1 + u)`, `e = u + u^2/2`.
+#[test]
+fn a_bar_of_two_materials_is_pulled() {
+    let row = Folder::new("bar.inp").run("bar.inp", BAR);
+    let force = 0.9;
+    let stretch = |young: f64| {
+        let mut u = force / young;
+        for _ in 0..20 {
+            u = force / young / ((1.0 + u) * (1.0 + 0.5 * u));
+        }
+        u
+    };
+    let (soft, hard) = (stretch(1000.0), stretch(3000.0));
+    assert!((value(&row, "left.x") + force).abs() < 1e-8, "{row:?}");
+    assert!((value(&row, "joint.x") / soft - 1.0).abs() < 1e-7, "{row:?} {soft}");
+    assert!((value(&row, "end.x") / (soft + hard) - 1.0).abs() < 1e-7, "{row:?}");
+}
+
+#[test]
+fn what_is_left_out_is_said_and_files_stay() {
+    let folder = Folder::new("left-out.inp");
+    let (code, text) = folder.stoss(&["import", "left-out.inp"]);
+    assert_eq!(code, Some(0), "{text}");
+    for part in
+        ["left out or changed:", "left-out.inp:33: *PLASTIC: there is no plasticity", "next: stoss check left-out.toml"]
+    {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+    assert!(folder.path("left-out.toml").exists() && folder.path("left-out.mesh.inp").exists());
+    let (code, text) = folder.stoss(&["import", "left-out.inp"]);
+    assert!(code == Some(1) && text.contains("--force"), "{text}");
+    assert_eq!(folder.stoss(&["import", "left-out.inp", "--force"]).0, Some(0));
+    // Never the deck itself.
+    let (code, text) = folder.stoss(&["import", "left-out.inp", "--force", "-o", "left-out.inp"]);
+    assert!(code == Some(2) && text.contains("is the deck"), "{text}");
+    // From another folder the scene has the whole path.
+    std::fs::create_dir(folder.path("sub")).unwrap();
+    assert_eq!(folder.stoss(&["import", "left-out.inp", "-o", "sub/scene.toml"]).0, Some(0));
+    assert_eq!(folder.stoss(&["check", "sub/scene.toml"]).0, Some(0));
+}
+
+#[test]
+fn decks_that_cannot_be_read() {
+    let folder = Folder::new("bar.inp");
+    let (code, text) = folder.stoss(&["import", "none.inp"]);
+    assert!(code == Some(1) && text.contains("none.inp"), "{text}");
+    let deck = std::fs::read_to_string(folder.path("bar.inp")).unwrap();
+    std::fs::write(folder.path("bad.inp"), deck.replace("3000.0, 0.0", "wood, 0.0")).unwrap();
+    let (code, text) = folder.stoss(&["import", "bad.inp"]);
+    assert!(code == Some(2) && text.contains("bad.inp:92") && !folder.path("bad.toml").exists(), "{text}");
+    // A dynamic step needs a density: the scene is there to be mended, and the problem is told.
+    let dynamic = deck.replace("*STATIC\n1.0, 2.0", "*DYNAMIC\n0.1, 2.0");
+    std::fs::write(folder.path("light.inp"), dynamic).unwrap();
+    let (code, text) = folder.stoss(&["import", "light.inp"]);
+    assert!(code == Some(2) && text.contains("density") && folder.path("light.toml").exists(), "{text}");
+}

@@ -1,0 +1,328 @@
+//! Bodies: one for each material and connected piece.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use stoss_mesh::{Elements, Facet};
+use stoss_mesh_io::Solids;
+use stoss_mesh_io::deck::Deck;
+use stoss_reference_element::Integration;
+
+use crate::ImportError;
+use crate::left_out::List;
+use crate::material::{self, Law};
+use crate::sets::Lookup;
+
+/// A body of the scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub name: String,
+    /// Name of its material in the deck.
+    pub material: String,
+    pub law: Law,
+    pub density: Option<f64>,
+    /// `integration = "reduced"`.
+    pub is_reduced: bool,
+    /// `volumetric = "mixed"`.
+    pub is_mixed: bool,
+    /// Sorted.
+    pub elements: Vec<u32>,
+    pub nodes: BTreeSet<u32>,
+}
+
+/// All bodies, and what is known of nodes and facets.
+pub(crate) struct Bodies {
+    pub all: Vec<Body>,
+    /// The body of an element.
+    of_element: Vec<Option<u32>>,
+    /// Facets that two elements share; of bodies they are no boundary but where these differ.
+    inner: BTreeSet<(u32, u8)>,
+    /// Facets between two bodies that share nodes: (slave, master) with the facets of both.
+    pub interfaces: BTreeMap<(usize, usize), Vec<Facet>>,
+    /// A node that several bodies share belongs to the first of them.
+    owner: BTreeMap<u32, usize>,
+}
+
+impl Bodies {
+    pub fn of_element(&self, element: u32) -> Option<usize> {
+        self.of_element[element as usize].map(|body| body as usize)
+    }
+
+    /// The body that gets the force on a node: of several that share it only one.
+    pub fn owner(&self, node: u32) -> Option<usize> {
+        self.owner.get(&node).copied()
+    }
+
+    /// Does a facet lie inside of its body?
+    pub fn is_inner(&self, facet: &Facet) -> bool {
+        self.inner.contains(&(facet.element, facet.local))
+    }
+
+    pub fn name(&self, body: usize) -> &str {
+        &self.all[body].name
+    }
+}
+
+/// Pieces of which no two have a node in common: the number of its piece for each of the elements.
+fn pieces(elements: &Elements, chosen: &[u32], nodes: usize) -> Vec<usize> {
+    fn root(parent: &mut [u32], mut node: u32) -> u32 {
+        while parent[node as usize] != node {
+            parent[node as usize] = parent[parent[node as usize] as usize];
+            node = parent[node as usize];
+        }
+        node
+    }
+    let mut parent: Vec<u32> = (0..nodes as u32).collect();
+    for &e in chosen {
+        let own = &elements[e as usize];
+        let first = root(&mut parent, own[0]);
+        for &node in &own[1..] {
+            let other = root(&mut parent, node);
+            parent[other as usize] = first;
+        }
+    }
+    let mut numbers = BTreeMap::new();
+    let mut number = |root| {
+        let next = numbers.len();
+        *numbers.entry(root).or_insert(next)
+    };
+    chosen.iter().map(|&e| number(root(&mut parent, elements[e as usize][0]))).collect()
+}
+
+/// A name that a scene takes: letters, digits, `-`, `_`; not taken yet.
+pub(crate) fn clean(name: &str, taken: &mut BTreeSet<String>) -> String {
+    const WORDS: [&str; 6] = ["x", "y", "z", "nearest", "normal", "ground"];
+    let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    let mut name: String = name.chars().map(|c| if good(c) { c } else { '-' }).collect();
+    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) || WORDS.contains(&name.as_str()) {
+        name = format!("body-{name}");
+    }
+    let name = name.trim_end_matches('-').to_owned();
+    let mut unique = name.clone();
+    let mut number = 2;
+    while !taken.insert(unique.to_uppercase()) {
+        unique = format!("{name}-{number}");
+        number += 1;
+    }
+    unique
+}
+
+/// How elements with several rules and pressures are computed.
+struct Variants {
+    is_reduced: bool,
+    is_hybrid: bool,
+    notes: Vec<(String, String)>,
+}
+
+fn variants(solids: &Solids, elements: &[u32]) -> Variants {
+    let mut types: BTreeMap<&str, (u32, usize)> = BTreeMap::new();
+    for &e in elements {
+        if let Some(&name) = solids.element_types.get(e as usize) {
+            types.entry(name).or_insert((e, 0)).1 += 1;
+        }
+    }
+    let kind = |name: &str| solids.mesh.elements.kind(types[name].0 as usize);
+    let letters = |name: &str| {
+        let rest = name.trim_start_matches("C3D").trim_start_matches(|c: char| c.is_ascii_digit());
+        rest.to_owned()
+    };
+    let can_reduce = |name: &str| kind(name).rule(Integration::Reduced).is_some();
+    let reducible: Vec<&str> = types.keys().copied().filter(|name| can_reduce(name)).collect();
+    let reduced: Vec<&str> = reducible.iter().copied().filter(|name| letters(name).contains('R')).collect();
+    let is_reduced = !reduced.is_empty() && reduced.len() == reducible.len();
+    let hybrid: Vec<&str> = types.keys().copied().filter(|name| letters(name).contains('H')).collect();
+    let mut notes = Vec::new();
+    if !reduced.is_empty() && !is_reduced {
+        notes.push((
+            format!("a body has one rule: {} are fully integrated, as {}", reduced.join(", "), reducible.join(", ")),
+            "choose `integration = \"reduced\"` for all of them if you like".to_owned(),
+        ));
+    }
+    if !hybrid.is_empty() && hybrid.len() < types.len() {
+        notes.push((
+            "some elements of the body have an independent pressure: here all of them are mixed".to_owned(),
+            String::new(),
+        ));
+    }
+    for (name, (_, count)) in &types {
+        let letters = letters(name);
+        let here = if *name == "C3D8" {
+            "C3D8 has mean dilatations in CalculiX; here it is stiffer where the material is nearly incompressible or bends"
+        } else if letters.contains('R') && !can_reduce(name) {
+            "it is fully integrated here, without hourglass modes: stiffer in bending"
+        } else if letters.contains('I') {
+            "it has no incompatible modes here: stiffer in bending"
+        } else if letters.contains('M') || letters.contains("HS") {
+            "its modified shape functions and mass, or extrapolation of stresses, are not used"
+        } else {
+            continue;
+        };
+        let remedy = "for bending add `cell = \"quadratic\"` to the body";
+        notes.push((format!("{count} elements {name}: {here}"), remedy.to_owned()));
+    }
+    Variants { is_reduced, is_hybrid: !hybrid.is_empty(), notes }
+}
+
+/// The bodies of a deck.
+pub(crate) fn bodies(
+    deck: &Deck,
+    solids: &Solids,
+    lookup: &Lookup<'_>,
+    list: &mut List,
+) -> Result<Bodies, ImportError> {
+    let mesh = &solids.mesh;
+    let count = mesh.elements.len();
+    let find = |name: &str| deck.materials.iter().position(|m| m.name.eq_ignore_ascii_case(name));
+    // The section of each element: the last that names it.
+    let mut section_of: Vec<Option<usize>> = vec![None; count];
+    let mut reasons = Vec::new();
+    for (s, section) in deck.sections.iter().enumerate() {
+        let elements = match &section.part {
+            Some(part) => lookup.elements_of_part(part, &section.elements),
+            None => lookup.element_set(&section.elements).unwrap_or_default().members,
+        };
+        elements.iter().for_each(|&e| section_of[e as usize] = Some(s));
+    }
+    let mut of_material: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+    let mut bare = 0;
+    for (e, section) in section_of.iter().enumerate() {
+        let Some(section) = section.map(|s| &deck.sections[s]) else {
+            bare += 1;
+            continue;
+        };
+        match find(&section.material) {
+            Some(material) => of_material.entry(material).or_default().push(e as u32),
+            None => {
+                let reason = format!("{}: there is no material {}", list.place(section.place), section.material);
+                if !reasons.contains(&reason) {
+                    list.add(
+                        section.place,
+                        "*SOLID SECTION",
+                        format!("there is no material {}: its elements are not in the scene", section.material),
+                        "name one that there is",
+                    );
+                    reasons.push(reason);
+                }
+            }
+        }
+    }
+    if bare > 0 {
+        reasons.push(format!("{bare} elements have no *SOLID SECTION"));
+        list.add_general(
+            format!("{bare} elements without *SOLID SECTION"),
+            "they are not in the scene",
+            "give them a section with a material",
+        );
+    }
+    let mut all = Vec::new();
+    let mut taken = BTreeSet::new();
+    for (&m, elements) in &of_material {
+        let material = &deck.materials[m];
+        let variants = variants(solids, elements);
+        let is_mixed = |law: &Law| variants.is_hybrid || law.is_incompressible && material.hyperelastic.is_some();
+        let law = match material::law(material, variants.is_hybrid) {
+            Ok(law) => law,
+            Err(reason) => {
+                reasons.push(format!("{}: {reason}", list.place(material.place)));
+                let consequence = format!("{reason}: its {} elements are not in the scene", elements.len());
+                list.add(material.place, "*MATERIAL", consequence, "give it elastic constants that map");
+                continue;
+            }
+        };
+        let notes = law.notes.iter().chain(&variants.notes);
+        notes.for_each(|(note, remedy)| list.add(material.place, format!("material {}", material.name), note, remedy));
+        if law.is_incompressible && !is_mixed(&law) {
+            list.add(
+                material.place,
+                format!("material {}", material.name),
+                "it is nearly incompressible, and elements lock",
+                "choose `law = \"neo-hooke\"` and `volumetric = \"mixed\"`",
+            );
+        }
+        let piece_of = pieces(&mesh.elements, elements, mesh.nodes.len());
+        let number = piece_of.iter().max().map_or(0, |last| last + 1);
+        let mut own: Vec<Vec<u32>> = vec![Vec::new(); number];
+        elements.iter().zip(&piece_of).for_each(|(&e, &piece)| own[piece].push(e));
+        for (piece, elements) in own.into_iter().enumerate() {
+            // Pieces of one material may have elements of different types.
+            let types = self::variants(solids, &elements);
+            let nodes = elements.iter().flat_map(|&e| mesh.elements[e as usize].iter().copied()).collect();
+            let set = mesh.element_sets.iter().find(|(_, set)| **set == elements).map(|(name, _)| name.clone());
+            let section = section_of[elements[0] as usize].map_or(&material.name, |s| &deck.sections[s].elements);
+            let numbered = if number > 1 { format!("{section}-{}", piece + 1) } else { section.clone() };
+            let name = clean(&set.unwrap_or(numbered), &mut taken);
+            all.push(Body {
+                name,
+                material: material.name.clone(),
+                law: law.clone(),
+                density: material.density,
+                is_reduced: types.is_reduced,
+                is_mixed: is_mixed(&law),
+                elements,
+                nodes,
+            });
+        }
+    }
+    if all.is_empty() {
+        let reasons = if reasons.is_empty() { "there is no *SOLID SECTION".to_owned() } else { reasons.join("; ") };
+        return Err(ImportError::NoBody { file: deck.contents.path().display().to_string(), reasons });
+    }
+    Ok(join(all, solids, list))
+}
+
+/// What bodies have in common.
+fn join(all: Vec<Body>, solids: &Solids, list: &mut List) -> Bodies {
+    let mesh = &solids.mesh;
+    let mut of_element = vec![None; mesh.elements.len()];
+    let mut owner = BTreeMap::new();
+    let mut shared: BTreeMap<(usize, usize), BTreeSet<u32>> = BTreeMap::new();
+    for (b, body) in all.iter().enumerate() {
+        body.elements.iter().for_each(|&e| of_element[e as usize] = Some(b as u32));
+        for &node in &body.nodes {
+            let first = *owner.entry(node).or_insert(b);
+            if first != b {
+                shared.entry((b, first)).or_default().insert(node);
+            }
+        }
+    }
+    let index = mesh.facet_index();
+    let mut inner = BTreeSet::new();
+    let mut interfaces: BTreeMap<(usize, usize), Vec<Facet>> = BTreeMap::new();
+    for (element, of) in of_element.iter().enumerate() {
+        let kind = mesh.elements.kind(element);
+        for local in 0..kind.faces().len() {
+            let facet = mesh.facet(element as u32, local);
+            let mut others = index.find(facet.nodes.corners()).filter(|other| other.element != facet.element);
+            let Some(other) = others.next() else { continue };
+            match (of, of_element[other.element as usize]) {
+                (Some(a), Some(b)) if *a == b => {
+                    inner.insert((facet.element, facet.local));
+                }
+                (Some(a), Some(b)) => {
+                    let pair = ((*a).max(b) as usize, (*a).min(b) as usize);
+                    interfaces.entry(pair).or_default().push(facet);
+                }
+                _ => {}
+            }
+        }
+    }
+    for ((b, a), nodes) in &shared {
+        if !interfaces.contains_key(&(*b, *a)) {
+            list.add_general(
+                format!("bodies {} and {}", all[*a].name, all[*b].name),
+                format!(
+                    "they have different materials and share {} nodes but no facet: they are not joined there, but by what ties others join them",
+                    nodes.len()
+                ),
+                "give them the same material, or let them share facets",
+            );
+        }
+    }
+    if !interfaces.is_empty() {
+        list.add_general(
+            "bodies of different materials that share nodes",
+            "they are joined by ties: forces pass by multipliers, and displacements agree in the mean of each facet",
+            "",
+        );
+    }
+    Bodies { all, of_element, inner, interfaces, owner }
+}

@@ -1,0 +1,103 @@
+//! Scenes from Abaqus and CalculiX decks.
+//!
+//! [`import`] turns a [`Deck`] into the text of a scene (TOML), as far as the deck maps, and a list of everything that it leaves out: keyword, place, what
+//! that changes and what to do. Nothing is left out without an entry. `docs/guide.md` has the table of keywords.
+//!
+//! | module | is |
+//! |---|---|
+//! | `bodies` | sections to bodies: one for each material and connected piece |
+//! | `material` | laws |
+//! | `timeline`, `history` | steps to stages; what several steps say of one degree of freedom to one function of time |
+//! | `records` | which steps act on which node, facet or element |
+//! | `cover` | names of sets for what is acted on, new sets where the deck has none |
+//! | `supports`, `loads`, `contacts` | the tables of the scene |
+//! | `left_out` | the list |
+//! | `write`, `text` | the scene; TOML |
+//!
+//! # What it is not
+//! No file is written and no scene is checked here: that is for the program, which has the scene's reader.
+
+mod bodies;
+mod contacts;
+mod cover;
+mod history;
+mod initial;
+mod left_out;
+mod loads;
+mod material;
+mod records;
+mod sets;
+mod supports;
+mod text;
+mod timeline;
+mod write;
+
+pub use left_out::LeftOut;
+
+use stoss_mesh::Mesh;
+use stoss_mesh_io::MeshIoError;
+use stoss_mesh_io::deck::Deck;
+
+/// How files are called in the scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileNames {
+    /// The deck, relative to the folder of the scene.
+    pub deck: String,
+    /// The mesh that is written beside the scene if the sets of the deck do not suffice.
+    pub mesh: String,
+}
+
+/// A scene made from a deck.
+#[derive(Clone, Debug)]
+pub struct Import {
+    /// The scene (TOML), with what was mapped and what was left out in comments at its head.
+    pub scene: String,
+    /// The mesh to be written under [`FileNames::mesh`]: that of the deck, with the sets that the deck has no name for. None if the scene refers to the
+    /// deck itself.
+    pub mesh: Option<Mesh>,
+    /// What was mapped, one line each.
+    pub mapped: Vec<String>,
+    /// What was left out, in the order of the deck; first what concerns no line of it.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Why there is no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum ImportError {
+    /// The mesh cannot be used.
+    #[error(transparent)]
+    Mesh(#[from] MeshIoError),
+    /// No element has a material that maps.
+    #[error("{file}: no element has an elastic material, so there is no body: {reasons}")]
+    NoBody {
+        /// The deck.
+        file: String,
+        /// What the sections and materials lack, with lines, and what to do.
+        reasons: String,
+    },
+}
+
+/// Makes a scene of a deck.
+///
+/// # Errors
+/// [`ImportError`].
+pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
+    let solids = deck.contents.solids()?;
+    deck.contents.check_solids()?;
+    let mut list = left_out::List::new(deck);
+    let lookup = sets::Lookup::new(&deck.contents, &solids);
+    let bodies = bodies::bodies(deck, &solids, &lookup, &mut list)?;
+    let timeline = timeline::Timeline::new(deck, &mut list);
+    let mut cover = cover::Cover::new(deck, &solids, &bodies, names);
+    let mut scene = write::Tables::default();
+    contacts::ties(deck, &bodies, &lookup, &mut cover, &mut scene, &mut list);
+    contacts::pairs(deck, &bodies, &lookup, &timeline, &mut cover, &mut scene, &mut list);
+    supports::supports(deck, &bodies, &lookup, &timeline, &mut cover, &mut scene, &mut list);
+    loads::loads(deck, &bodies, &lookup, &timeline, &mut cover, &mut scene, &mut list);
+    let velocities = initial::velocities(deck, &bodies, &lookup, &timeline, &mut list);
+    let (sources, mesh) = cover.finish();
+    let left_out = list.finish(deck);
+    let mapped = scene.mapped(&bodies, &timeline);
+    let text = write::scene(deck, names, &bodies, &sources, &velocities, &timeline, &scene, &mapped, &left_out);
+    Ok(Import { scene: text, mesh, mapped, left_out })
+}

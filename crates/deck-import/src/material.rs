@@ -1,0 +1,184 @@
+//! Laws of materials.
+
+use stoss_mesh_io::deck::{Hyperelastic, Material};
+
+use crate::text::{list, number};
+
+/// Volumetric exponent of the Ogden law: `kappa/4 (J^2 - 1 - 2 ln J)`.
+const BETA: f64 = -2.0;
+/// Poisson's ratio of a hyperelastic material without a volumetric parameter.
+const RATIO: f64 = 0.475;
+
+/// A law as the scene writes it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Law {
+    /// As `{ law = "neo-hooke", young = 1.0, poisson = 0.3 }`.
+    pub text: String,
+    /// What was made of it, for the head of the scene.
+    pub said: String,
+    /// What is not as in the deck, with what to do.
+    pub notes: Vec<(String, String)>,
+    /// Hexahedra lock, or nearly.
+    pub is_incompressible: bool,
+}
+
+/// The law of a material, or what it lacks. `mixed`: the elements have an independent pressure.
+pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
+    if let Some(hyperelastic) = &material.hyperelastic {
+        return ogden(hyperelastic);
+    }
+    let Some(elastic) = material.elastic else {
+        return Err(format!("material {} has no isotropic *ELASTIC and no *HYPERELASTIC", material.name));
+    };
+    let (young, poisson) = (elastic.modulus, elastic.ratio);
+    if !(young > 0.0 && poisson > -1.0 && poisson < 0.5) {
+        return Err(format!(
+            "material {} has E = {young} and nu = {poisson}: E must be positive, nu between -1 and 0.5",
+            material.name
+        ));
+    }
+    let is_incompressible = poisson > 0.45;
+    let (name, notes) = if mixed {
+        let note =
+            "the law is neo-hooke, with the same moduli at small strains: saint-venant-kirchhoff has no mixed form";
+        ("neo-hooke", vec![(note.to_owned(), String::new())])
+    } else {
+        ("saint-venant-kirchhoff", Vec::new())
+    };
+    let text = format!("{{ law = \"{name}\", young = {}, poisson = {} }}", number(young), number(poisson));
+    Ok(Law { text, said: format!("*ELASTIC is {name}"), notes, is_incompressible })
+}
+
+/// Laws whose isochoric part is a sum of powers of the isochoric stretches are the Ogden law.
+fn ogden(given: &Hyperelastic) -> Result<Law, String> {
+    let c = &given.coefficients;
+    let at = |index: usize| c.get(index).copied();
+    let need = |index: usize| at(index).ok_or_else(|| format!("*HYPERELASTIC, {} needs more numbers", given.law));
+    let mut notes = Vec::new();
+    let law = given.law.replace(' ', "");
+    // Coefficients and exponents of the scene's law, and the first volumetric parameter D1.
+    let (mu, alpha, d) = match (law.as_str(), given.terms) {
+        ("NEOHOOKE", _) | ("REDUCEDPOLYNOMIAL", 1) => (vec![2.0 * need(0)?], vec![2.0], at(1)),
+        ("MOONEY-RIVLIN", _) | ("POLYNOMIAL", 1) => (vec![2.0 * need(0)?, -2.0 * need(1)?], vec![2.0, -2.0], at(2)),
+        ("OGDEN", n @ 1..=6) => {
+            let mut mu = Vec::new();
+            let mut alpha = Vec::new();
+            for term in 0..n {
+                let (m, a) = (need(2 * term)?, need(2 * term + 1)?);
+                if a == 0.0 {
+                    return Err(format!("*HYPERELASTIC, OGDEN: the exponent {} is zero", term + 1));
+                }
+                mu.push(2.0 * m / a);
+                alpha.push(a);
+            }
+            if n > 1 && (1..n).any(|term| at(2 * n + term).is_some_and(|d| d != 0.0)) {
+                notes.push(("of the volumetric parameters only D1 is used".to_owned(), String::new()));
+            }
+            (mu, alpha, at(2 * n))
+        }
+        ("YEOH", _) => {
+            notes.push((
+                "of *HYPERELASTIC, YEOH only the first term maps: the material is too soft at large strains".to_owned(),
+                "fit an Ogden law to the same tests".to_owned(),
+            ));
+            (vec![2.0 * need(0)?], vec![2.0], at(3))
+        }
+        _ => {
+            return Err(format!(
+                "*HYPERELASTIC, {} with {} terms does not map: fit an Ogden law to the same tests",
+                given.law, given.terms
+            ));
+        }
+    };
+    let shear = 0.5 * mu.iter().zip(&alpha).map(|(mu, alpha)| mu * alpha).sum::<f64>();
+    if !(shear > 0.0 && shear.is_finite()) {
+        return Err(format!(
+            "*HYPERELASTIC, {}: the shear modulus at small strains is {shear}, not positive",
+            given.law
+        ));
+    }
+    let kappa = match d {
+        Some(d) if d > 0.0 => 2.0 / d,
+        _ => {
+            notes.push((
+                format!("it has no volumetric parameter D1: the bulk modulus is that of Poisson's ratio {RATIO}, as in CalculiX"),
+                "change `kappa` of the material if another one is meant".to_owned(),
+            ));
+            2.0 * shear * (1.0 + RATIO) / (3.0 * (1.0 - 2.0 * RATIO))
+        }
+    };
+    notes.push((
+        "the volumetric energy is kappa/4 (J^2 - 1 - 2 ln J) in the place of (J - 1)^2/D1: the same bulk modulus at small strains".to_owned(),
+        String::new(),
+    ));
+    let text = format!(
+        "{{ law = \"ogden\", mu = {}, alpha = {}, kappa = {}, beta = {} }}",
+        list(&mu),
+        list(&alpha),
+        number(kappa),
+        number(BETA)
+    );
+    let said = format!("*HYPERELASTIC, {} is ogden with the same isochoric energy", given.law);
+    Ok(Law { text, said, notes, is_incompressible: kappa > 10.0 * shear })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stoss_mesh_io::deck::{DeckPlace, Elastic};
+
+    fn material(elastic: Option<(f64, f64)>, hyperelastic: Option<(&str, usize, &[f64])>) -> Material {
+        Material {
+            name: "m".to_owned(),
+            density: None,
+            elastic: elastic.map(|(modulus, ratio)| Elastic { modulus, ratio }),
+            hyperelastic: hyperelastic.map(|(law, terms, coefficients)| Hyperelastic {
+                law: law.to_owned(),
+                terms,
+                coefficients: coefficients.to_vec(),
+            }),
+            place: DeckPlace { file: 0, line: 1 },
+        }
+    }
+
+    #[test]
+    fn elasticity_is_saint_venant_kirchhoff_or_mixed_neo_hooke() {
+        let steel = material(Some((2.1e5, 0.3)), None);
+        let svk = "{ law = \"saint-venant-kirchhoff\", young = 210000.0, poisson = 0.3 }";
+        assert_eq!(law(&steel, false).unwrap().text, svk);
+        let mixed = law(&steel, true).unwrap();
+        assert!(mixed.text.contains("neo-hooke") && mixed.notes.len() == 1, "{mixed:?}");
+        for bad in [(0.0, 0.3), (1.0, 0.5), (1.0, -1.0), (-1.0, 0.0), (f64::NAN, 0.3)] {
+            assert!(law(&material(Some(bad), None), false).is_err(), "{bad:?}");
+        }
+        assert!(law(&material(None, None), false).unwrap_err().contains("no isotropic"));
+    }
+
+    /// Shear and bulk modulus at small strains, read from the text: `mu = sum mu_p alpha_p / 2`, `kappa`.
+    #[test]
+    fn hyperelastic_laws_keep_their_moduli() {
+        let of = |name: &str, terms, c: &[f64]| law(&material(None, Some((name, terms, c))), false);
+        let neo = of("NEOHOOKE", 1, &[3.0, 0.01]).unwrap();
+        assert!(neo.text.contains("mu = [6.0], alpha = [2.0], kappa = 200.0"), "{}", neo.text);
+        assert!(neo.is_incompressible);
+        let mooney = of("MOONEY-RIVLIN", 1, &[3.0, 0.5, 1.0]).unwrap();
+        // The shear modulus is 2 (C10 + C01) = 7 = (6 * 2 + -1 * -2) / 2.
+        assert!(mooney.text.contains("mu = [6.0, -1.0], alpha = [2.0, -2.0], kappa = 2.0"), "{}", mooney.text);
+        // Abaqus: the shear modulus is the sum of mu_i = 5; here 2 mu_i / alpha_i.
+        let two = of("OGDEN", 2, &[4.0, 2.0, 1.0, -4.0, 0.5, 0.0]).unwrap();
+        assert!(two.text.contains("mu = [4.0, -0.5], alpha = [2.0, -4.0], kappa = 4.0"), "{}", two.text);
+        let free = of("NEOHOOKE", 1, &[1.0]).unwrap();
+        // 2 mu (1 + nu) / (3 (1 - 2 nu)) with mu = 2.
+        assert!(
+            free.text.contains(&format!("kappa = {}", number(2.0 * 2.0 * 1.475 / (3.0 * (1.0 - 0.95))))),
+            "{}",
+            free.text
+        );
+        assert!(of("YEOH", 3, &[1.0, 0.1, 0.1, 0.5]).unwrap().notes[0].0.contains("first term"));
+        assert!(of("ARRUDA-BOYCE", 1, &[1.0, 2.0, 0.1]).is_err());
+        assert!(of("OGDEN", 1, &[1.0]).is_err());
+        assert!(of("OGDEN", 1, &[1.0, 0.0]).is_err());
+        assert!(of("OGDEN", 0, &[]).is_err());
+        assert!(of("NEOHOOKE", 1, &[-1.0, 0.1]).is_err());
+    }
+}

@@ -1,0 +1,205 @@
+//! Steps to stages.
+
+use stoss_mesh_io::deck::{Deck, Procedure, Step, Times};
+
+use crate::left_out::List;
+use crate::text::number;
+
+/// A step of the deck as a part of the run.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stage {
+    /// Index in [`Deck::steps`]; none if the deck has no step that maps.
+    pub step: Option<usize>,
+    pub name: String,
+    pub start: f64,
+    pub end: f64,
+    pub is_dynamic: bool,
+    /// With `NLGEOM`.
+    pub is_nonlinear: bool,
+    /// What has no amplitude is there at once.
+    pub is_sudden: bool,
+    /// The first increment.
+    pub first: f64,
+    /// The largest increment, `step` of the scene.
+    pub step_size: f64,
+    /// As the scene writes it.
+    pub automatic: Option<String>,
+    pub integrator: Option<String>,
+}
+
+/// The stages of the run, at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Timeline {
+    pub stages: Vec<Stage>,
+}
+
+/// Increments of a dynamic step that does not say how many.
+const INCREMENTS: f64 = 100.0;
+/// Largest ratio of the largest increment to the first one that the scene takes.
+const RATIO: f64 = 1e6;
+
+fn positive(value: Option<f64>) -> Option<f64> {
+    value.filter(|value| *value > 0.0 && value.is_finite())
+}
+
+impl Timeline {
+    pub fn new(deck: &Deck, list: &mut List) -> Self {
+        let mut stages: Vec<Stage> = Vec::new();
+        for (s, step) in deck.steps.iter().enumerate() {
+            let start = stages.last().map_or(0.0, |stage| stage.end);
+            match stage(deck, s, step, start, list) {
+                Some(stage) => stages.push(stage),
+                None => {
+                    let loads = step.supports.len() + step.forces.len() + step.loads.len() + step.pressures.len();
+                    if loads > 0 {
+                        let consequence = format!(
+                            "its {loads} supports and loads act in later steps only, as far as they last until then"
+                        );
+                        list.add(step.place, "*STEP that is left out", consequence, "");
+                    }
+                }
+            }
+        }
+        if stages.is_empty() {
+            list.add_general(
+                "no step with *STATIC or *DYNAMIC",
+                "the scene has one static step of length 1, with the supports and loads of all steps",
+                "set [time], supports and loads as you need them",
+            );
+            stages.push(Stage {
+                step: None,
+                name: "step-1".to_owned(),
+                start: 0.0,
+                end: 1.0,
+                is_dynamic: false,
+                is_nonlinear: true,
+                is_sudden: false,
+                first: 1.0,
+                step_size: 1.0,
+                automatic: None,
+                integrator: None,
+            });
+        }
+        Self { stages }
+    }
+
+    pub fn is_dynamic(&self) -> bool {
+        self.stages.iter().any(|stage| stage.is_dynamic)
+    }
+
+    pub fn end(&self) -> f64 {
+        self.stages.last().map_or(1.0, |stage| stage.end)
+    }
+}
+
+/// The stage of a step; nothing if it computes something else.
+fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) -> Option<Stage> {
+    if step.is_perturbation {
+        list.add(step.place, "parameter PERTURBATION of *STEP", "there are no linear perturbations", "");
+        return None;
+    }
+    let has_contact = !deck.pairs.is_empty();
+    let (times, is_dynamic) = match &step.procedure {
+        Some(Procedure::Static(times)) => (*times, false),
+        Some(Procedure::Dynamic { times, .. }) => (*times, true),
+        Some(Procedure::Other(_)) => return None,
+        None => {
+            list.add(step.place, "*STEP without a procedure", "it is taken for *STATIC", "");
+            (Times::default(), false)
+        }
+    };
+    let period = positive(times.period).unwrap_or(1.0);
+    let end = start + period;
+    let first = match positive(times.initial) {
+        Some(first) => first.min(period),
+        None if is_dynamic => period / INCREMENTS,
+        None => period,
+    };
+    let first = first.max(period / RATIO);
+    let mut stage = Stage {
+        step: Some(index),
+        name: format!("step-{}", index + 1),
+        start,
+        end,
+        is_dynamic,
+        is_nonlinear: step.is_nonlinear,
+        is_sudden: is_dynamic || step.is_sudden,
+        first,
+        step_size: first,
+        automatic: None,
+        integrator: None,
+    };
+    if let Some(Procedure::Dynamic { alpha, is_explicit, .. }) = &step.procedure {
+        let (text, note) = integrator(*alpha, *is_explicit, has_contact);
+        stage.integrator = Some(text);
+        if let Some(note) = note {
+            list.add(step.place, "*DYNAMIC", note, "choose another `integrator` of [time] if you like");
+        }
+        if !times.is_fixed {
+            list.add(
+                step.place,
+                "*DYNAMIC",
+                format!(
+                    "increments are not chosen by the run: all have the size {}, smaller ones only where a step fails",
+                    number(first)
+                ),
+                "",
+            );
+        }
+    } else if !times.is_fixed {
+        let largest = positive(times.largest).unwrap_or(period).min(period).max(first);
+        stage.step_size = largest;
+        if first < largest {
+            let smallest = positive(times.smallest).filter(|smallest| *smallest < first);
+            let smallest = smallest.map_or(String::new(), |smallest| format!(", smallest = {}", number(smallest)));
+            stage.automatic = Some(format!("{{ initial = {}{smallest} }}", number(first)));
+        }
+    }
+    if !step.is_nonlinear && !has_contact {
+        list.add(
+            step.place,
+            "*STEP without NLGEOM",
+            "Stoss always computes with large displacements: results agree as far as strains and rotations are small",
+            "",
+        );
+    }
+    Some(stage)
+}
+
+/// The scheme, and what is not as in the deck.
+fn integrator(alpha: Option<f64>, is_explicit: bool, has_contact: bool) -> (String, Option<String>) {
+    let em = "{ scheme = \"energy-momentum\" }".to_owned();
+    if is_explicit {
+        return (em, Some("EXPLICIT: the scheme is the implicit energy-momentum".to_owned()));
+    }
+    if has_contact {
+        return (
+            em,
+            Some(
+                "the scheme is energy-momentum: alpha schemes gain energy in impacts, and carry no friction".to_owned(),
+            ),
+        );
+    }
+    // alpha is that of Hilber, Hughes and Taylor, -0.05 by default, at least -1/3: rho = (1 + alpha) / (1 - alpha).
+    let alpha = alpha.unwrap_or(-0.05).clamp(-1.0 / 3.0, 0.0);
+    let rho = ((1.0 + alpha) / (1.0 - alpha)).clamp(0.5, 1.0);
+    (format!("{{ scheme = \"hht\", rho_inf = {} }}", number(rho)), None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::integrator;
+
+    #[test]
+    fn schemes() {
+        assert_eq!(integrator(Some(0.0), false, false).0, "{ scheme = \"hht\", rho_inf = 1.0 }");
+        // The strongest damping, alpha = -1/3, has rho = 1/2.
+        assert!(
+            integrator(Some(-0.5), false, false).0.contains("rho_inf = 0.5"),
+            "{:?}",
+            integrator(Some(-0.5), false, false)
+        );
+        assert!(integrator(None, false, true).0.contains("energy-momentum"));
+        assert!(integrator(None, true, false).1.unwrap().contains("EXPLICIT"));
+    }
+}

@@ -1,0 +1,233 @@
+//! The tables of the scene.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use stoss_mesh_io::deck::Deck;
+
+use crate::bodies::{Bodies, Body};
+use crate::cover::Source;
+use crate::history::History;
+use crate::text::{comment, list, number, string, vector};
+use crate::timeline::Timeline;
+use crate::{FileNames, LeftOut};
+
+/// A function of time with one column for each history: a number or list if it is constant, else a table.
+pub(crate) fn series(columns: &[&History]) -> String {
+    if columns.iter().all(|column| column.rows.len() <= 1) {
+        let values: Vec<f64> = columns.iter().map(|column| column.at(0.0)).collect();
+        return if let [value] = values.as_slice() { number(*value) } else { list(&values) };
+    }
+    let mut times: Vec<f64> = columns.iter().flat_map(|column| column.rows.iter().map(|row| row[0])).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let row = |&time: &f64| {
+        let values: Vec<f64> = std::iter::once(time).chain(columns.iter().map(|column| column.at(time))).collect();
+        list(&values)
+    };
+    let rows: Vec<String> = times.iter().map(row).collect();
+    format!("{{ table = [{}] }}", rows.join(", "))
+}
+
+/// The tables of the scene that refer to sets, as text.
+#[derive(Debug, Default)]
+pub(crate) struct Tables {
+    ties: Vec<String>,
+    contacts: Vec<String>,
+    prescriptions: Vec<String>,
+    loads: Vec<String>,
+    /// Some tie has quadratic faces.
+    pub has_quadratic_ties: bool,
+    /// Stages in which the prescription of this name does not act.
+    off: Vec<(String, Vec<bool>)>,
+}
+
+impl Tables {
+    pub fn tie(&mut self, slave: &str, master: &str, keys: &[String]) {
+        self.ties.push(pair("tie", &[], slave, master, keys));
+    }
+
+    pub fn contact(&mut self, slave: &str, master: &str, keys: &[String]) {
+        self.contacts.push(pair("contact", &["method = \"mortar\""], slave, master, keys));
+    }
+
+    /// A prescription that acts in some stages only gets a name.
+    pub fn prescribe(&mut self, set: &str, components: &str, value: &str, active: &[bool]) {
+        let mut table = "[[prescribe]]\n".to_owned();
+        if active.contains(&false) {
+            let name = format!("support-{}", self.prescriptions.len() + 1);
+            let _ = writeln!(table, "name = {}", string(&name));
+            self.off.push((name, active.to_vec()));
+        }
+        let _ = writeln!(table, "set = {}\ncomponents = [{components}]\n{value}", string(set));
+        self.prescriptions.push(table);
+    }
+
+    /// `key`: `set` or `body`.
+    pub fn load(&mut self, key: &str, on: &str, value: &str) {
+        self.loads.push(format!("[[load]]\n{key} = {}\n{value}\n", string(on)));
+    }
+
+    /// What was mapped, for people.
+    pub fn mapped(&self, bodies: &Bodies, timeline: &Timeline) -> Vec<String> {
+        let elements: usize = bodies.all.iter().map(|body| body.elements.len()).sum();
+        let mut lines = vec![format!("{} with {elements} elements", count(bodies.all.len(), "body", "bodies"))];
+        let laws: BTreeSet<String> =
+            bodies.all.iter().map(|body| format!("material {}: {}", body.material, body.law.said)).collect();
+        lines.extend(laws);
+        let dynamic = timeline.stages.iter().filter(|stage| stage.is_dynamic).count();
+        let kinds = match (timeline.stages.len() - dynamic, dynamic) {
+            (n, 0) => format!("{n} static"),
+            (0, n) => format!("{n} dynamic"),
+            (n, m) => format!("{n} static, {m} dynamic"),
+        };
+        lines.push(format!(
+            "{} ({kinds}), to the time {}",
+            count(timeline.stages.len(), "step", "steps"),
+            number(timeline.end())
+        ));
+        let tables = [
+            (self.prescriptions.len(), "prescribed motion", "prescribed motions"),
+            (self.loads.len(), "load", "loads"),
+            (self.contacts.len(), "contact", "contacts"),
+            (self.ties.len(), "tie", "ties"),
+        ];
+        lines.extend(tables.iter().filter(|(n, ..)| *n > 0).map(|(n, one, many)| count(*n, one, many)));
+        lines
+    }
+}
+
+fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
+fn pair(table: &str, first: &[&str], slave: &str, master: &str, keys: &[String]) -> String {
+    let mut text = format!("[[{table}]]\n");
+    let own = [format!("slave = {}", string(slave)), format!("master = {}", string(master))];
+    let lines = first.iter().map(|line| (*line).to_owned()).chain(own).chain(keys.iter().cloned());
+    lines.for_each(|line| {
+        let _ = writeln!(text, "{line}");
+    });
+    text
+}
+
+fn body(body: &Body, source: &Source, velocity: [f64; 3], is_dynamic: bool) -> String {
+    let mut text = format!("[[body]]\nname = {}\n", string(&body.name));
+    let group = source.group.as_ref().map_or(String::new(), |group| format!(", group = {}", string(group)));
+    let _ = writeln!(text, "mesh = {{ file = {}{group} }}", string(&source.file));
+    if body.is_reduced {
+        text.push_str("integration = \"reduced\"\n");
+    }
+    if body.is_mixed {
+        text.push_str("volumetric = \"mixed\"\n");
+    }
+    let _ = writeln!(text, "material = {}", body.law.text);
+    if let Some(density) = body.density {
+        let _ = writeln!(text, "density = {}", number(density));
+    }
+    if is_dynamic && velocity != [0.0; 3] {
+        let _ = writeln!(text, "velocity = {}", vector(velocity));
+    }
+    text
+}
+
+/// `[time]`, and `[[stage]]`s if there are several.
+fn time(timeline: &Timeline, scene: &Tables) -> (String, String) {
+    let stages = &timeline.stages;
+    let step = stages.iter().map(|stage| stage.step_size).fold(f64::INFINITY, f64::min);
+    let mut time = format!("[time]\nend = {}\nstep = {}\n", number(timeline.end()), number(step));
+    if let Some(integrator) = stages.iter().find_map(|stage| stage.integrator.as_ref()) {
+        let _ = writeln!(time, "integrator = {integrator}");
+    }
+    if let [stage] = stages.as_slice() {
+        if let Some(automatic) = &stage.automatic {
+            let _ = writeln!(time, "automatic = {automatic}");
+        }
+        return (time, String::new());
+    }
+    let mut text = String::new();
+    for (s, stage) in stages.iter().enumerate() {
+        let kind = if stage.is_dynamic { "dynamic" } else { "quasi-static" };
+        let _ = writeln!(
+            text,
+            "[[stage]]\nname = {}\nkind = \"{kind}\"\nuntil = {}\nstep = {}",
+            string(&stage.name),
+            number(stage.end),
+            number(stage.step_size)
+        );
+        if let Some(integrator) = &stage.integrator {
+            let _ = writeln!(text, "integrator = {integrator}");
+        }
+        if let Some(automatic) = &stage.automatic {
+            let _ = writeln!(text, "automatic = {automatic}");
+        }
+        let off: Vec<String> =
+            scene.off.iter().filter(|(_, active)| !active[s]).map(|(name, _)| string(name)).collect();
+        if !off.is_empty() {
+            let _ = writeln!(text, "off = [{}]", off.join(", "));
+        }
+        text.push('\n');
+    }
+    (time, text)
+}
+
+/// The whole scene.
+pub(crate) fn scene(
+    deck: &Deck,
+    names: &FileNames,
+    bodies: &Bodies,
+    sources: &[Source],
+    velocities: &[[f64; 3]],
+    timeline: &Timeline,
+    tables: &Tables,
+    mapped: &[String],
+    left_out: &[LeftOut],
+) -> String {
+    let mut text = format!("# Written by `stoss import` from {}.\n#\n# Mapped:\n", comment(&names.deck));
+    mapped.iter().for_each(|line| {
+        let _ = writeln!(text, "#   {}", comment(line));
+    });
+    text.push_str(if left_out.is_empty() { "# Nothing was left out.\n" } else { "#\n# Left out or changed:\n" });
+    left_out.iter().for_each(|entry| {
+        let _ = writeln!(text, "#   {}", comment(&entry.to_string()));
+    });
+    let title = deck.title.as_deref().map(str::trim).filter(|title| !title.is_empty()).unwrap_or(&names.deck);
+    let kind = if timeline.is_dynamic() { "dynamic" } else { "quasi-static" };
+    let _ = write!(text, "\n[scene]\ntitle = {}\nkind = \"{kind}\"\n\n", string(&comment(title)));
+    let (time, stages) = time(timeline, tables);
+    let _ = writeln!(text, "{time}");
+    if tables.has_quadratic_ties {
+        text.push_str("[solver]\nrelative_tolerance = 1e-6\n\n");
+    }
+    for ((own, source), velocity) in bodies.all.iter().zip(sources).zip(velocities) {
+        let _ = writeln!(text, "{}", body(own, source, *velocity, timeline.is_dynamic()));
+    }
+    if bodies.all.len() > 1 && tables.contacts.is_empty() {
+        text.push_str("# The deck names no contact.\n[general_contact]\nenabled = false\n\n");
+    }
+    for table in [&tables.contacts, &tables.ties, &tables.prescriptions, &tables.loads].into_iter().flatten() {
+        let _ = writeln!(text, "{table}");
+    }
+    text.push_str(&stages);
+    let mut text = text.trim_end().to_owned();
+    text.push('\n');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn functions_of_time() {
+        let constant = |value| History { active: vec![true], rows: vec![[0.0, value]] };
+        let ramp = History { active: vec![true], rows: vec![[0.0, 0.0], [1.0, 2.0]] };
+        let late = History { active: vec![true], rows: vec![[0.5, 0.0], [1.5, 1.0]] };
+        assert_eq!(series(&[&constant(3.0)]), "3.0");
+        assert_eq!(series(&[&constant(3.0), &constant(1e-20)]), "[3.0, 1e-20]");
+        assert_eq!(
+            series(&[&ramp, &late]),
+            "{ table = [[0.0, 0.0, 0.0], [0.5, 1.0, 0.0], [1.0, 2.0, 0.5], [1.5, 2.0, 1.0]] }"
+        );
+    }
+}

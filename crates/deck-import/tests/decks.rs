@@ -1,0 +1,347 @@
+//! Scenes from decks: what maps, what is left out, and decks that are broken.
+
+use std::io::ErrorKind;
+
+use stoss_deck_import::{FileNames, Import, ImportError, import};
+use stoss_mesh_io::MeshIoError;
+use stoss_mesh_io::deck::read_deck_from_bytes;
+
+const PRESS: &str = include_str!("data/press.inp");
+const BAR: &str = include_str!("data/bar.inp");
+const LEFT_OUT: &str = include_str!("data/left-out.inp");
+
+fn try_to(text: &str) -> Result<Import, String> {
+    let deck = read_deck_from_bytes("part.inp", text.as_bytes(), &mut |_| Err(ErrorKind::NotFound.into()));
+    let deck = deck.map_err(|error| error.to_string())?;
+    let names = FileNames { deck: "part.inp".to_owned(), mesh: "part.mesh.inp".to_owned() };
+    import(&deck, &names).map_err(|error| error.to_string())
+}
+
+fn imported(text: &str) -> Import {
+    try_to(text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The tables of a kind in a scene.
+fn tables(import: &Import, kind: &str) -> Vec<toml::Table> {
+    let scene: toml::Table = import.scene.parse().unwrap_or_else(|error| panic!("{error}\n{}", import.scene));
+    let list = scene.get(kind).and_then(toml::Value::as_array).cloned().unwrap_or_default();
+    list.iter().map(|table| table.as_table().unwrap().clone()).collect()
+}
+
+fn strings(tables: &[toml::Table], key: &str) -> Vec<String> {
+    tables.iter().filter_map(|table| table.get(key)?.as_str().map(str::to_owned)).collect()
+}
+
+fn entry<'a>(import: &'a Import, what: &str) -> &'a stoss_deck_import::LeftOut {
+    let found = import.left_out.iter().find(|entry| entry.what.starts_with(what));
+    found.unwrap_or_else(|| panic!("no {what} in {:#?}", import.left_out))
+}
+
+/// A cube of one C3D8 with sets for its corners, its sides and itself.
+const CUBE: &str = "*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+*ELEMENT, TYPE=C3D8, ELSET=Cube
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*NSET, NSET=Base
+1, 2, 3, 4
+*NSET, NSET=Left
+1, 4, 5, 8
+*NSET, NSET=Top
+5, 6, 7, 8
+*SURFACE, NAME=Lid
+Cube, S2
+*MATERIAL, NAME=steel
+*ELASTIC
+100.0, 0.3
+*DENSITY
+2.0
+*SOLID SECTION, ELSET=Cube, MATERIAL=steel
+";
+
+fn cube(rest: &str) -> Import {
+    imported(&format!("{CUBE}{rest}"))
+}
+
+#[test]
+fn a_contact_with_friction_and_an_amplitude() {
+    let import = imported(PRESS);
+    assert_eq!(strings(&tables(&import, "body"), "name"), ["lower", "upper"]);
+    let [contact] = tables(&import, "contact").try_into().unwrap();
+    assert_eq!(contact["slave"].as_str(), Some("upper.slave"));
+    assert_eq!(contact["master"].as_str(), Some("lower.master"));
+    assert_eq!(contact["friction"]["mu"].as_float(), Some(0.3));
+    let [load] = tables(&import, "load").try_into().unwrap();
+    // No NLGEOM: a dead pressure, 8 times the amplitude.
+    assert_eq!(load["pressure"].to_string(), "{ table = [[0.0, 0.0], [0.5, 1.6], [1.0, 8.0]] }");
+    let scene: toml::Table = import.scene.parse().unwrap();
+    assert_eq!(scene["time"]["step"].as_float(), Some(0.5));
+    assert_eq!(scene["scene"]["title"].as_str(), Some("Two blocks, pressed"));
+    // Faces P2 have no name in the deck.
+    let mesh = import.mesh.expect("a mesh with a new set");
+    assert_eq!(mesh.facet_sets["pressed"].len(), 9);
+}
+
+#[test]
+fn materials_of_one_mesh_are_tied_and_steps_are_stages() {
+    let import = imported(BAR);
+    assert_eq!(strings(&tables(&import, "body"), "name"), ["soft", "hard"]);
+    let [tie] = tables(&import, "tie").try_into().unwrap();
+    assert!(tie["slave"].as_str().unwrap().starts_with("hard."), "{tie}");
+    let mesh = import.mesh.as_ref().unwrap();
+    for set in [tie["slave"].as_str().unwrap(), tie["master"].as_str().unwrap()] {
+        let (_, set) = set.split_once('.').unwrap();
+        let facets = &mesh.facet_sets[set];
+        assert_eq!(facets.len(), 4);
+        assert!(facets.iter().flat_map(|f| f.nodes.iter()).all(|&n| mesh.nodes[n as usize][0] == 1.0));
+    }
+    // Only what OP=NEW does not name again ends.
+    let stages = tables(&import, "stage");
+    assert_eq!(strings(&stages, "name"), ["step-1", "step-2"]);
+    assert!(!stages[0].contains_key("off"));
+    let off = stages[1]["off"].as_array().unwrap();
+    let ended: Vec<toml::Table> =
+        tables(&import, "prescribe").into_iter().filter(|table| table.get("name") == Some(&off[0])).collect();
+    assert_eq!((off.len(), strings(&ended, "set")), (1, vec!["hard.right".to_owned()]));
+    assert_eq!(ended[0]["displacement"].to_string(), "{ table = [[0.0, 0.0], [1.0, 0.004]] }");
+    let loads = tables(&import, "load");
+    assert_eq!(strings(&loads, "set"), ["hard.corners", "hard.edges", "hard.middle"]);
+    let force = "{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [3.0, 0.1125, 0.0, 0.0]] }";
+    assert_eq!(loads[1]["force"].to_string(), force);
+}
+
+#[test]
+fn what_is_left_out_is_told_with_its_line() {
+    let import = imported(LEFT_OUT);
+    let line = |text: &str| 1 + LEFT_OUT.lines().position(|line| line.starts_with(text)).unwrap();
+    for (what, text) in [
+        ("1 elements S4", "*ELEMENT, TYPE=S4"),
+        ("*PLASTIC", "*PLASTIC"),
+        ("*EXPANSION", "*EXPANSION"),
+        ("all lines of *ELASTIC", "*ELASTIC"),
+        ("*TRANSFORM", "*TRANSFORM"),
+        ("*EQUATION", "*EQUATION"),
+        ("*FREQUENCY", "*FREQUENCY"),
+        ("*CLOAD", "ref, 3"),
+        ("*BOUNDARY", "turned, 1"),
+    ] {
+        assert_eq!(entry(&import, what).place, format!("part.inp:{}", line(text)), "{what}");
+    }
+    assert!(entry(&import, "gravity").consequence.contains("*DENSITY"));
+    // All of it stands at the head of the scene, too.
+    for entry in &import.left_out {
+        assert!(import.scene.contains(&format!("#   {entry}")), "{entry}");
+    }
+    // The two turned nodes have no support, and the shell's nodes only what they have of the solid.
+    assert_eq!(strings(&tables(&import, "prescribe"), "set"), ["block.base"]);
+}
+
+#[test]
+fn a_deck_whose_sets_suffice_is_the_mesh() {
+    let import = cube("*BOUNDARY\nbase, 1, 3\n*STEP\n*STATIC\n*DSLOAD\nLID, P, 2.0\n*END STEP\n");
+    assert!(import.mesh.is_none());
+    let body = &tables(&import, "body")[0];
+    assert_eq!(body["mesh"].to_string(), "{ file = \"part.inp\" }");
+    // Names compare without regard to case, and have the spelling of the mesh.
+    assert_eq!(strings(&tables(&import, "prescribe"), "set"), ["Cube.Base"]);
+    assert_eq!(strings(&tables(&import, "load"), "set"), ["Cube.Lid"]);
+    assert!(import.scene.contains("pressure = { table = [[0.0, 0.0], [1.0, 2.0]] }"), "{}", import.scene);
+    // With NLGEOM the pressure follows the surface.
+    let import = cube("*STEP, NLGEOM\n*STATIC\n*DSLOAD\nLid, P, 2.0\n*END STEP\n");
+    assert!(import.scene.contains("follower_pressure = "), "{}", import.scene);
+}
+
+/// Sets that overlap, and values that a later line changes for some nodes.
+#[test]
+fn the_last_line_counts_for_each_node() {
+    let import =
+        cube("*BOUNDARY\nBase, 3\nLeft, 3\n*STEP\n*STATIC\n*BOUNDARY\n6, 3, 3, 0.5\n6, 3, 3, 0.25\n*END STEP\n");
+    let all = tables(&import, "prescribe");
+    assert_eq!(strings(&all, "set"), ["Cube.Base", "Cube.Left", "Cube.support"]);
+    assert_eq!(import.mesh.as_ref().unwrap().node_sets["support"], [5]);
+    assert_eq!(all[2]["displacement"].to_string(), "{ table = [[0.0, 0.0], [1.0, 0.25]] }");
+    // A value for one node of a set: the others keep the set's.
+    let import = cube("*BOUNDARY\nBase, 3\n1, 3, 3, 0.5\n*STEP\n*STATIC\n*END STEP\n");
+    let mesh = import.mesh.as_ref().unwrap();
+    let own: Vec<(String, &Vec<u32>)> = strings(&tables(&import, "prescribe"), "set")
+        .into_iter()
+        .map(|set| (set.clone(), &mesh.node_sets[set.strip_prefix("Cube.").unwrap()]))
+        .collect();
+    assert_eq!(own.iter().map(|(_, nodes)| nodes.as_slice()).collect::<Vec<_>>(), [[1, 2, 3].as_slice(), &[0]]);
+}
+
+#[test]
+fn forces_of_one_step_add_up_and_those_of_a_later_one_replace_them() {
+    let rest =
+        "*STEP\n*STATIC\n*CLOAD\nTop, 3, 1.0\nTop, 3, 2.0\n*END STEP\n*STEP\n*STATIC\n*CLOAD\nTop, 3, 5.0\n*END STEP\n";
+    let [load] = tables(&cube(rest), "load").try_into().unwrap();
+    let force = "{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 3.0], [2.0, 0.0, 0.0, 5.0]] }";
+    assert_eq!((load["set"].as_str(), load["force"].to_string()), (Some("Cube.Top"), force.to_owned()));
+}
+
+#[test]
+fn dynamics_with_velocity_gravity_and_rotation() {
+    let rest = "*INITIAL CONDITIONS, TYPE=VELOCITY\nBase, 1, 3.0\nTop, 1, 3.0\n*STEP, NLGEOM\n*DYNAMIC, ALPHA=0.0\n0.01, 0.5\n*DLOAD\n\
+                Cube, GRAV, 9.81, 0, 0, -2\nCube, CENTRIF, 16.0, 1, 0, 0, 0, 0, 1\n1, BX, 0.5\n*END STEP\n";
+    let import = cube(rest);
+    let scene: toml::Table = import.scene.parse().unwrap();
+    assert_eq!(scene["scene"]["kind"].as_str(), Some("dynamic"));
+    assert_eq!(scene["time"]["integrator"].to_string(), "{ rho_inf = 1.0, scheme = \"hht\" }");
+    assert_eq!((scene["time"]["end"].as_float(), scene["time"]["step"].as_float()), (Some(0.5), Some(0.01)));
+    let body = &tables(&import, "body")[0];
+    assert_eq!(body["velocity"].to_string(), "[3.0, 0.0, 0.0]");
+    assert_eq!(body["density"].as_float(), Some(2.0));
+    let loads = tables(&import, "load");
+    // There at once; the direction has any length.
+    assert_eq!(loads[0]["acceleration"].to_string(), "[0.0, 0.0, -9.81]");
+    assert_eq!(loads[1]["body_force"].to_string(), "[0.5, 0.0, 0.0]");
+    assert_eq!(
+        (loads[2]["angular_velocity"].as_float(), loads[2]["about"].to_string()),
+        (Some(4.0), "[1.0, 0.0, 0.0]".to_owned())
+    );
+    // A velocity of some nodes is none of the body.
+    let part = cube("*INITIAL CONDITIONS, TYPE=VELOCITY\nBase, 1, 3.0\n*STEP\n*DYNAMIC\n0.01, 0.5\n*END STEP\n");
+    assert!(!tables(&part, "body")[0].contains_key("velocity"));
+    assert!(entry(&part, "*INITIAL CONDITIONS").consequence.contains("not all the same"));
+}
+
+#[test]
+fn variants_of_elements_have_their_rules() {
+    let import = cube("*STEP\n*STATIC\n*END STEP\n").scene;
+    assert!(!import.contains("integration") && !import.contains("\nvolumetric"), "{import}");
+    let hybrid = imported(&CUBE.replace("C3D8,", "C3D8H,"));
+    assert!(hybrid.scene.contains("volumetric = \"mixed\"\nmaterial = { law = \"neo-hooke\""), "{}", hybrid.scene);
+    let reduced = imported(&CUBE.replace("C3D8,", "C3D8R,"));
+    assert!(entry(&reduced, "material steel").consequence.contains("fully integrated"));
+    let rubber = CUBE.replace("*ELASTIC\n100.0, 0.3", "*HYPERELASTIC, MOONEY-RIVLIN\n3.0, 0.5, 0.01");
+    let rubber = imported(&rubber).scene;
+    assert!(rubber.contains("mu = [6.0, -1.0], alpha = [2.0, -2.0], kappa = 200.0"), "{rubber}");
+}
+
+/// Sections of a part belong to its instances; a set of the same name in another part is another one.
+#[test]
+fn parts_and_instances() {
+    let mesh = CUBE.split("*MATERIAL").next().unwrap();
+    let part = |name: &str, material: &str| {
+        format!("*PART, NAME={name}\n{mesh}*SOLID SECTION, ELSET=Cube, MATERIAL={material}\n*END PART\n")
+    };
+    let instance =
+        |name: &str, part: &str, x: f64| format!("*INSTANCE, NAME={name}, PART={part}\n{x}, 0, 0\n*END INSTANCE\n");
+    let text = format!(
+        "*HEADING\n{}{}*ASSEMBLY, NAME=A\n{}{}{}*END ASSEMBLY\n*MATERIAL, NAME=m1\n*ELASTIC\n1.0, 0.1\n*MATERIAL, NAME=m2\n*ELASTIC\n2.0, 0.1\n\
+         *CONTACT PAIR\nI1.Lid, I3.Lid\n*BOUNDARY\nI1.Base, 1, 3\nI2.2, 1\n*STEP\n*STATIC\n*END STEP\n",
+        part("P1", "m1"),
+        part("P2", "m2"),
+        instance("I1", "P1", 0.0),
+        instance("I2", "P1", 5.0),
+        instance("I3", "P2", 10.0),
+    );
+    let import = imported(&text);
+    let bodies = tables(&import, "body");
+    let young: Vec<f64> = bodies.iter().map(|body| body["material"]["young"].as_float().unwrap()).collect();
+    assert_eq!(young, [1.0, 1.0, 2.0], "{}", import.scene);
+    let mesh = import.mesh.as_ref().unwrap();
+    let lone = &mesh.node_sets["support"];
+    assert_eq!(lone.iter().map(|&n| mesh.nodes[n as usize]).collect::<Vec<_>>(), [[6.0, 0.0, 0.0]]);
+    let contact = &tables(&import, "contact")[0];
+    assert!(contact["slave"].as_str().unwrap().ends_with(".I1.Lid"), "{contact}");
+}
+
+#[test]
+fn names_that_a_scene_cannot_have() {
+    let deck = CUBE.replace("Base", "the 'base'").replace("Cube", "1st cube");
+    let import = imported(&format!("{deck}*BOUNDARY\nthe 'base', 1\nTop, 2\n*STEP\n*STATIC\n*END STEP\n"));
+    assert_eq!(strings(&tables(&import, "body"), "name"), ["body-1st-cube"]);
+    assert_eq!(strings(&tables(&import, "prescribe"), "set"), ["body-1st-cube.support", "body-1st-cube.Top"]);
+    let quoted = imported(&format!("{}*BOUNDARY\nthe base, 1\n", CUBE.replace("Base", "the base")));
+    assert_eq!(strings(&tables(&quoted, "prescribe"), "set"), ["Cube.'the base'"]);
+}
+
+#[test]
+fn decks_without_a_body_or_a_mesh_are_refused() {
+    let error = try_to(&CUBE.replace("*ELASTIC\n100.0, 0.3\n", "*CONDUCTIVITY\n1.0\n")).unwrap_err();
+    assert!(error.contains("no element has an elastic material") && error.contains("part.inp:20"), "{error}");
+    let error = try_to(CUBE.split("*SOLID").next().unwrap()).unwrap_err();
+    assert!(error.contains("SOLID SECTION"), "{error}");
+    let error = try_to(&CUBE.replace("100.0, 0.3", "steel, 0.3")).unwrap_err();
+    assert!(error.contains("part.inp:22") && error.contains("steel"), "{error}");
+    let error =
+        try_to(&CUBE.replace("5, 0, 0, 1\n", "5, 0, 0, -1\n").replace("6, 1, 0, 1", "6, 1, 0, -1")).unwrap_err();
+    assert!(error.contains("det J") || error.contains("inverted"), "{error}");
+    let error = try_to("*HEADING\nnothing\n*NODE\n1, 0, 0, 0\n").unwrap_err();
+    assert!(error.contains("part.inp"), "{error}");
+    let deck = read_deck_from_bytes("part.inp", b"*NODE\n1, 0, 0, 0\n", &mut |_| Err(ErrorKind::NotFound.into()));
+    let names = FileNames { deck: String::new(), mesh: String::new() };
+    assert!(matches!(import(&deck.unwrap(), &names), Err(ImportError::Mesh(MeshIoError::NoElements { .. }))));
+}
+
+/// Whatever is cut off or changed: a scene that is TOML, or an error that names the file.
+#[test]
+fn broken_decks_never_panic() {
+    let mut state = 1_u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize
+    };
+    for deck in [PRESS, BAR, LEFT_OUT] {
+        let broken = |text: &str| match try_to(text) {
+            Ok(import) => drop(import.scene.parse::<toml::Table>().unwrap_or_else(|e| panic!("{e}\n{}", import.scene))),
+            Err(error) => assert!(error.contains("part.inp"), "{error}"),
+        };
+        (0..deck.len()).step_by(7).for_each(|end| broken(&deck[..end]));
+        for _ in 0..400 {
+            let mut bytes = deck.as_bytes().to_vec();
+            for _ in 0..3 {
+                let at = random() % bytes.len();
+                bytes[at] = b"*,=0123456789.-eE\n \"'ABC"[random() % 24];
+            }
+            broken(&String::from_utf8(bytes).unwrap());
+        }
+        // A line less.
+        let lines: Vec<&str> = deck.lines().collect();
+        for left in 0..lines.len() {
+            let rest: Vec<&str> = lines.iter().enumerate().filter(|(i, _)| *i != left).map(|(_, line)| *line).collect();
+            broken(&rest.join("\n"));
+        }
+    }
+}
+
+/// Two C3D20R on each other, of two materials: a body has the reduced rule, the tie dual multipliers.
+#[test]
+fn quadratic_bodies_of_two_materials() {
+    let mut nodes: Vec<[u32; 3]> = Vec::new();
+    let mut number = |at: [u32; 3]| {
+        let found = nodes.iter().position(|&node| node == at);
+        1 + found.unwrap_or_else(|| {
+            nodes.push(at);
+            nodes.len() - 1
+        })
+    };
+    let square = [[0, 0], [2, 0], [2, 2], [0, 2]];
+    let sides = [[1, 0], [2, 1], [1, 2], [0, 1]];
+    let mut elements = String::new();
+    for (e, low) in [0, 2].into_iter().enumerate() {
+        let rings = [(square, low), (square, low + 2), (sides, low), (sides, low + 2), (square, low + 1)];
+        let all = rings.iter().flat_map(|(ring, z)| ring.map(|[x, y]| [x, y, *z]));
+        let numbers: Vec<String> = all.map(|at| number(at).to_string()).collect();
+        elements += &format!("*ELEMENT, TYPE=C3D20R, ELSET=E{e}\n{}, {}\n", e + 1, numbers.join(", "));
+    }
+    let lines: Vec<String> =
+        nodes.iter().enumerate().map(|(n, [x, y, z])| format!("{}, {x}, {y}, {z}\n", n + 1)).collect();
+    let material =
+        |e: u32| format!("*MATERIAL, NAME=M{e}\n*ELASTIC\n{e}0.0, 0.1\n*SOLID SECTION, ELSET=E{e}, MATERIAL=M{e}\n");
+    let text = format!("*NODE\n{}{elements}{}{}", lines.concat(), material(0).replace("00.0", "50.0"), material(1));
+    let import = imported(&text);
+    assert_eq!(strings(&tables(&import, "body"), "integration"), ["reduced", "reduced"]);
+    let [tie] = tables(&import, "tie").try_into().unwrap();
+    assert_eq!(tie["multipliers"].as_str(), Some("dual"));
+    let scene: toml::Table = import.scene.parse().unwrap();
+    assert_eq!(scene["solver"]["relative_tolerance"].as_float(), Some(1e-6));
+    assert!(entry(&import, "ties of quadratic faces").consequence.contains("1e-6"));
+}

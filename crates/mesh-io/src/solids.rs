@@ -1,0 +1,85 @@
+//! The elements of a file that Stoss computes with, whatever else stands in it, with their numbers there.
+
+use std::path::PathBuf;
+
+use stoss_mesh::Mesh;
+
+use crate::{Contents, MeshIoError};
+
+/// All elements of a file that Stoss computes with, as one mesh, for a reader who makes several bodies of it.
+#[derive(Debug, Clone)]
+pub struct Solids {
+    /// The mesh with its sets, not checked: [`Contents::check_solids`] does that. Instances are sets of elements.
+    pub mesh: Mesh,
+    /// The numbers of the nodes in the file. Several instances may have the same ones.
+    pub node_numbers: Vec<u64>,
+    /// The numbers of the elements in the file.
+    pub element_numbers: Vec<u64>,
+    /// The types of the elements, as `C3D20R`; none for formats that have no variants of a cell.
+    pub element_types: Vec<&'static str>,
+}
+
+/// Elements of a type that Stoss does not compute with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OtherElements {
+    /// As "elements S4R".
+    pub what: String,
+    /// How many.
+    pub count: usize,
+    /// The file of the first.
+    pub path: PathBuf,
+    /// Its line.
+    pub line: usize,
+    /// What to do instead.
+    pub remedy: String,
+}
+
+impl Contents {
+    /// The elements that Stoss computes with, whatever other elements there are.
+    ///
+    /// # Errors
+    /// [`MeshIoError::Unsupported`] for what would change the mesh and is not read; [`MeshIoError::NoElements`].
+    pub fn solids(&self) -> Result<Solids, MeshIoError> {
+        if let Some(other) = self.others.iter().find(|o| o.groups.is_none()) {
+            return Err(self.error(other.first, format_args!("{} {}", other.count, other.what), &other.remedy));
+        }
+        let (nodes, elements) = self.kept_of(None);
+        Ok(Solids {
+            mesh: self.usable()?,
+            node_numbers: nodes.iter().map(|&n| self.node_source[n as usize].number).collect(),
+            element_numbers: elements.iter().map(|&e| self.element_source[e as usize].number).collect(),
+            element_types: self.element_types.clone(),
+        })
+    }
+
+    /// What is wrong with the elements that Stoss computes with, in the numbers of the file.
+    ///
+    /// # Errors
+    /// Inverted and overlapping elements, facets that do not fit.
+    pub fn check_solids(&self) -> Result<(), MeshIoError> {
+        self.check_usable()
+    }
+
+    /// Elements of types that Stoss does not compute with, in the order of the file.
+    pub fn other_elements(&self) -> Vec<OtherElements> {
+        let others = self.others.iter().filter(|other| other.groups.is_some());
+        let path = |file: u32| self.files.get(file as usize).cloned().unwrap_or_else(|| self.path().to_owned());
+        let mut list: Vec<OtherElements> = others
+            .map(|other| OtherElements {
+                what: other.what.clone(),
+                count: other.count,
+                path: path(other.first.file),
+                line: other.first.at as usize,
+                remedy: other.remedy.clone(),
+            })
+            .collect();
+        list.sort_by_key(|other| other.line);
+        list
+    }
+
+    /// The instances of a part, by their names; names compare without regard to case.
+    pub fn instances_of(&self, part: &str) -> Vec<&str> {
+        let own = self.parts.iter().filter(|(_, of)| of.eq_ignore_ascii_case(part));
+        own.map(|(instance, _)| instance.as_str()).collect()
+    }
+}
