@@ -1,4 +1,4 @@
-//! Neo-Hooke (formulation §2.2, thesis (3.130)-(3.133)).
+//! Neo-Hooke (theory/kinematics#eq-neo-hooke; thesis (3.130)-(3.133)).
 
 use crate::error::{MaterialError, finite, stable, young_poisson};
 use crate::state::{Invariants, finite_energy, finite_pair, finite_stress};
