@@ -108,7 +108,7 @@ fn verdict(course: &Course) -> Verdict {
     }
 }
 
-/// The map, figures 6.2 to 6.4 and the factors of theory/integrators#spring.
+/// The map, figures 6.2 to 6.4 of the thesis, and the factors of theory/integrators#spring.
 pub fn measure(bench: &Bench) -> Outcome<Findings> {
     let mut findings = Findings::default();
     let mut section = Section { title: "stability: step size and stiffness".into(), ..Section::default() };
@@ -224,7 +224,7 @@ fn long_runs(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     Ok(())
 }
 
-/// Figures 6.2 to 6.4: the reference paths, and the energies of all schemes on the stiff spring.
+/// Figures 6.2 to 6.4 of the thesis: the reference paths, and the energies of all schemes on the stiff spring.
 fn figures(findings: &mut Findings) -> Outcome<()> {
     let mut section = Section { title: "figures 6.2, 6.3, 6.4: spring pendulum".into(), ..Section::default() };
     for (title, problem) in
