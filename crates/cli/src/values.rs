@@ -66,7 +66,7 @@ pub fn write(asked: Values) -> ExitCode {
     };
     let written = values(&out, &Options { frame, place, fields: field, configuration });
     if written.as_ref().is_ok_and(|text| has_contact(text)) {
-        say!("note: contact fields are told at points on the surface of a body; inside they are empty");
+        say!("note: contact fields have values at points on the surface of a body; inside they are empty");
     }
     match written.and_then(|text| store(&text, output.as_deref())) {
         Ok(text) => tell(&text),

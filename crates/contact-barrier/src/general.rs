@@ -42,7 +42,7 @@ pub struct GeneralOptions {
 
 /// Contact of everything with everything: each point of integration of a skin against each triangle, each vertex against each triangle and each edge against each other with a small weight.
 ///
-/// Under [`ContactRule::EnergyMomentum`] the force of a step does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, `docs/theory/barrier.md`; under [`ContactRule::EndPoint`] it
+/// Under [`ContactRule::EnergyMomentum`] the force of a step does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, theory/barrier#gradient; under [`ContactRule::EndPoint`] it
 /// is the gradient at the end. Nothing passes through anything as long as each iterate is reached from the last by a motion that [`Potential::longest_step`] admits. Without friction, and in dynamics, it has no history;
 /// in statics pairs with friction hold like springs until they slide, and the stretch of these carries over from step to step.
 #[derive(Debug)]

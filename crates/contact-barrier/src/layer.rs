@@ -1,6 +1,6 @@
 //! The barrier: energy of an elastic layer on the surfaces as a function of the squared distance.
 
-/// An elastic layer of thickness `h` and modulus `kappa`, `docs/theory/barrier.md` (9):
+/// An elastic layer of thickness `h` and modulus `kappa`, theory/barrier#eq-layer:
 ///
 /// `psi(D) = kappa h 3/5 (1 - y)^3 / y`, `y = sqrt(D)/h`, for `0 < y < 1`; zero from `y = 1` on.
 ///
@@ -15,7 +15,7 @@ pub struct Layer {
     damping: f64,
 }
 
-/// What the layer does in a step, an area; `docs/theory/barrier.md` (10), (12).
+/// What the layer does in a step, an area; theory/barrier#eq-divided-difference, theory/barrier#eq-damped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LayerStep {
     /// The divided difference with the damping, `b_d <= 0`.
@@ -34,7 +34,7 @@ impl Layer {
 
     /// The same layer with a viscosity: a relaxation time of the layer over the size of the step, not negative, no unit. 0 is no damping.
     ///
-    /// It acts in steps ([`crate::PairStart`]), not at one state. It never pulls, and what it takes is in [`crate::PairForce::dissipated`]; `docs/theory/barrier.md` (12), (13).
+    /// It acts in steps ([`crate::PairStart`]), not at one state. It never pulls, and what it takes is in [`crate::PairForce::dissipated`]; theory/barrier#eq-damped, theory/barrier#eq-damping-loss.
     pub const fn damped(self, time_over_step: f64) -> Self {
         Self { damping: time_over_step, ..self }
     }
@@ -70,7 +70,7 @@ impl Layer {
         [energy, first, second]
     }
 
-    /// The divided difference `b = (psi(D_np1) - psi(D_n)) / (D_np1 - D_n) <= 0` and `db/dD_np1 >= 0`, `docs/theory/barrier.md` (10).
+    /// The divided difference `b = (psi(D_np1) - psi(D_n)) / (D_np1 - D_n) <= 0` and `db/dD_np1 >= 0`, theory/barrier#eq-divided-difference.
     ///
     /// `psi` is a rational function of `y`, so the difference divides out: with `a = 1 - y` at both ends
     /// `b = -3/5 kappa/h (a_n^2 y_np1 + a_np1^2 y_n + a_n a_np1) / (y_n y_np1 (y_n + y_np1))`, a sum of terms of one sign. Nothing cancels, however small the step.
@@ -110,7 +110,7 @@ impl Layer {
         LayerStep { b: b + viscous, slope: slope + self.damping * curvature, dissipated: viscous * change }
     }
 
-    /// `psi'(D_np1) - psi'(D_n)`, of the sign of `D_np1 - D_n` or zero, `docs/theory/barrier.md` (14).
+    /// `psi'(D_np1) - psi'(D_n)`, of the sign of `D_np1 - D_n` or zero, theory/barrier#eq-slope-difference.
     ///
     /// With `a = 1 - y` at both ends it is `D_np1 - D_n` times `3/10 kappa/h^3 [y^2 a_n (1 + y_n) + y y_n (a_n + y_n a) + y_n^2 a (1 + y)] / (y_n^3 y^3 (y_n + y))`: nothing cancels.
     fn slope_change(&self, distance_squared_n: f64, distance_squared_np1: f64) -> f64 {

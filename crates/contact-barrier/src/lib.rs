@@ -1,7 +1,7 @@
 //! Barrier contact: forces of pairs of primitives whose work is, over any step, exactly the change of their energy, and general contact as a sum over them.
 //!
 //! Each pair of a vertex and a triangle, or of two edges, has the potential `V = w m psi(D)` of its squared distance `D`
-//! (`docs/theory/barrier.md`). There is no slave and no master, no slot and no active set.
+//! (theory/barrier). There is no slave and no master, no slot and no active set.
 //!
 //! * [`Layer`]: the barrier `psi`, its derivatives and its divided difference;
 //! * [`Parallel`]: the factor `m` that fades pairs of nearly parallel edges out;

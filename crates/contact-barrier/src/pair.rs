@@ -183,7 +183,7 @@ impl PairStart {
         &self.closest
     }
 
-    /// Discrete gradient `g` between the start and `x`, energy at `x`, and, if asked for, `dg/dx` (not symmetric); `docs/theory/barrier.md` (6), (7).
+    /// Discrete gradient `g` between the start and `x`, energy at `x`, and, if asked for, `dg/dx` (not symmetric); theory/barrier#eq-discrete-gradient, theory/barrier#eq-tangent.
     ///
     /// For any two states, across any change of the closest features: `sum g_i . (x_i - x_n,i)` is the change of the energy and what the damping of the layer takes, `sum g_i = 0`, `sum x_m,i x g_i = 0` about
     /// the mean positions `x_m`, all to round-off. Without damping, exchanging the states gives the same forces. A pair has to be taken as long as it is inside of the layer at *one* of the states.
@@ -191,7 +191,7 @@ impl PairStart {
         self.step(x, None, tangent).barrier
     }
 
-    /// [`PairStart::force`] and friction between the start and `x`, and, if asked for, the derivative of the sum of their gradients; `docs/theory/barrier.md` (15) to (20).
+    /// [`PairStart::force`] and friction between the start and `x`, and, if asked for, the derivative of the sum of their gradients; theory/barrier#friction.
     ///
     /// Friction has no resultant and no moment about the mean positions, it takes `sum g_i . (x_i - x_n,i) >= 0`, and a finite rigid motion of the whole pair has no slip, with a gap as well.
     /// Pairs of a vertex and an edge, and of two vertices, have no friction: their points cannot carry the moment of it. That of nearly parallel edges, and of triangles nearly without area, fades out.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 /// Smooth factor of pairs of edges `u = x_1 - x_0`, `v = x_3 - x_2`: `m = z (2 - z)`, `z = C/threshold` for `C = |u x v|^2 <= threshold`, 1 beyond;
-/// `docs/theory/barrier.md` (11).
+/// theory/barrier#eq-parallel.
 ///
 /// The closest points of parallel edges jump along them. Such pairs need no energy of their own: their ends against the other facets do what is necessary.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use stoss_geometry::{ClosestPair, combine};
 /// Smallest squared sine between two free directions that is inverted. Below it closest points of a sliver move by much more than the pair; the factor of nearly parallel edges is zero there.
 const FLOOR: f64 = 1e-12;
 
-/// Free directions `B_a` of closest weights, and how far the closest points move along them, `docs/theory/barrier.md` (8).
+/// Free directions `B_a` of closest weights, and how far the closest points move along them, theory/barrier#eq-closest-motion.
 pub(crate) struct Sensitivity {
     /// `B_a`; `count` of them.
     pub directions: [[f64; 4]; 2],

@@ -308,7 +308,7 @@ impl Skin {
         own.iter().any(|v| corners.contains(v))
     }
 
-    /// Weight of a point against a triangle, an area; `docs/theory/barrier.md` section 9.
+    /// Weight of a point against a triangle, an area; theory/barrier#eq-weight.
     ///
     /// `share` is the part of its area that a point of integration has against a triangle of about the size of its own: one half where both sides are summed. Against a much larger one it has more and against a much
     /// smaller one less, and the parts of two triangles against each other have the sum one. A vertex has a small part of its area, and not more than of a few of the largest at the triangle's corners.

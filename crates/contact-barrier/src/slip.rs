@@ -61,7 +61,7 @@ struct Secant {
     by_normal: f64,
 }
 
-/// Friction of a pair in a step; `docs/theory/barrier.md` (15) to (22).
+/// Friction of a pair in a step; theory/barrier#friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionForce {
     /// To be added to a residual; the force on point `i` is `-gradient[i]`.
@@ -93,7 +93,7 @@ impl FrictionForce {
     };
 }
 
-/// Squared sine of two edges below which their friction fades, `docs/theory/barrier.md` (20).
+/// Squared sine of two edges below which their friction fades, theory/barrier#eq-fade.
 const FADE_EDGES: f64 = 1e-2;
 
 /// Squared double area of a triangle, over the square of the sum of its squared edges, below which its friction fades: heights below a fiftieth of the edges.
@@ -277,7 +277,7 @@ impl Turned {
     }
 }
 
-/// Spin of the primitives' own edges in a step, and, the other way round, forces on these edges with a given moment; `docs/theory/barrier.md` (16) to (20).
+/// Spin of the primitives' own edges in a step, and, the other way round, forces on these edges with a given moment; theory/barrier#eq-spin to theory/barrier#eq-fade.
 struct Spin {
     /// Signs of the points in the two edges `a`, `b`: those of a pair of edges, or two of the triangle (the third one is `-a - b`).
     signs: [[f64; 4]; 2],

@@ -1,4 +1,4 @@
-//! The discrete gradient of a weighted gap between two configurations (docs/theory/mortar.md, "Energy").
+//! The discrete gradient of a weighted gap between two configurations (theory/mortar#energy).
 //!
 //! `G = grad Phi(q_m) + theta w` does the work `Phi(q_1) - Phi(q_0)`. `w` is the part of the increment that is no rigid motion of the stencil, times positive weights
 //! `a_k`: it has neither resultant nor moment about `q_m`, and of all corrections that have none and do that work `theta w` is the least one.

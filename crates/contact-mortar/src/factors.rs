@@ -1,4 +1,4 @@
-//! Smooth factors of the integrand: which facets are opposite each other, and how deep (docs/theory/mortar.md).
+//! Smooth factors of the integrand: which facets are opposite each other, and how deep (theory/mortar#factors).
 //!
 //! Every factor is a continuously differentiable function of positions, built from invariants. So nothing is decided that an iterate could flip, and a
 //! weighted gap with these factors is a state function like one without. Facets less than 60 degrees from opposed that touch have the factor one: patch

@@ -1,4 +1,4 @@
-//! Mortar integrals between segmented contact surfaces, and contact (formulation §7.1-7.4, §8.1, §8.3).
+//! Mortar integrals between segmented contact surfaces, and contact (theory/mortar, theory/segmentation).
 //!
 //! # API
 //! ```text
@@ -31,7 +31,7 @@
 //!
 //! # Contact
 //! [`MortarContact`] is the contact method: weighted gaps `Phi_A = n_A . (D_AJ x1_J - M_AK x2_K)` whose integrals move with the positions, with
-//! complementary nodal pressures, and forces that are the discrete gradient of the gap (docs/theory/mortar.md). [`MortarContact::with_friction`] adds a law of
+//! complementary nodal pressures, and forces that are the discrete gradient of the gap (theory/mortar#energy). [`MortarContact::with_friction`] adds a law of
 //! `stoss_contact::friction` with tractions at the slave nodes and slips that are weighted as the gaps are ([`SlipMeasure`]).
 //!
 //! Its stages: `candidates` (pairs that may meet in a step), segmentation (`stoss-segmentation`), `factors` and `weights` (integrals of a slave facet with

@@ -34,8 +34,8 @@ const NO_PENETRATION: f64 = 1e-11;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
 const FREE_ALONG_NORMAL: f64 = 0.1;
 
-/// Slave surface against master surface with one pressure (traction) for each side of a slave node and weighted gaps (formulation §8.1) whose integrals move:
-/// the weighted gap `Phi_A(q)` is a function of the positions alone, see docs/theory/mortar.md.
+/// Slave surface against master surface with one pressure (traction) for each side of a slave node and weighted gaps (theory/mortar#eq-gap) whose integrals move:
+/// the weighted gap `Phi_A(q)` is a function of the positions alone, see theory/mortar#gap.
 ///
 /// The constraint of a closed row is `Phi_A(q_np1) = 0` under every rule. Under [`ContactRule::EndPoint`] the force is `p grad Phi_A(q_np1)`, under
 /// [`ContactRule::Midpoint`] and [`ContactRule::EnergyMomentum`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for

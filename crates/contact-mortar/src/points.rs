@@ -18,7 +18,7 @@ pub struct QuadraturePoint {
     pub slave_shape: [f64; MAX_NODES],
     /// Shape functions of the master.
     pub master_shape: [f64; MAX_NODES],
-    /// `w_g |a1 x a2| det(d xi / d eta)`, an area of the slave (formulation (7.1)).
+    /// `w_g |a1 x a2| det(d xi / d eta)`, an area of the slave (theory/segmentation#eq-points).
     pub weight: f64,
     /// `(x2 - x1) . n0` along the normal of the segmentation plane, a length.
     pub gap: f64,

@@ -1,4 +1,4 @@
-//! Slip and friction force of one slave node as functions of gap vectors and diagonals (formulation §8.2).
+//! Slip and friction force of one slave node as functions of gap vectors and diagonals (theory/friction#mortar).
 //!
 //! Each slave facet `e` around the node has four arguments: its part `g` of the node's weighted gap vector, the diagonals `d_1`, `d_2`, and, where
 //! integrals move, `h`: the gap vector that `g` is compared with. That is the one of the positions of the start with the weights of the end, or for
@@ -6,17 +6,17 @@
 
 use stoss_contact::dual::{Scalar, V3, cross, dot, unit};
 
-/// How the slip of a step is measured (formulation §8.2).
+/// How the slip of a step is measured (theory/friction#mortar).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SlipMeasure {
     /// Change of the products `d . g` of gap vector and diagonals of each facet. Zero in every rigid motion; the force is conjugate to it, so that
     /// there is no moment whatever the gap is, and with the midpoint schemes the work is exact.
     #[default]
     Objective,
-    /// Change of the gap vector, the thesis's measure (5.124) with the force (4.139). A rotation with a gap counts as slip; the moment of the force
+    /// Change of the gap vector, the thesis's measure (5.124) with the force (4.139), theory/friction#eq-direct. A rotation with a gap counts as slip; the moment of the force
     /// is the sum of `g x tau`.
     Direct,
-    /// Change of the integrals at the positions of the end, (4.128) with the sign corrected; the force is that of `Direct`. Objective. Needs
+    /// Change of the integrals at the positions of the end, theory/friction#eq-yang: (4.128) of the thesis with the sign corrected; the force is that of `Direct`. Objective. Needs
     /// integrals that move in the step.
     Yang,
 }

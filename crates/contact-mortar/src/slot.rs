@@ -1,4 +1,4 @@
-//! The weighted gap of one row as a function of the positions: value, gradient, second derivative (docs/theory/mortar.md).
+//! The weighted gap of one row as a function of the positions: value, gradient, second derivative (theory/mortar#gap).
 //!
 //! `Phi = n . g` with the gap vector `g = sum_k w_k x_k` and the normal `n = c / |c|`, `c = -sum_f d1_f x d2_f` over the diagonals ([`stoss_reference_element::FacetKind::diagonals`]) of the facets of the row. The
 //! weights move with the positions.

@@ -1,4 +1,4 @@
-//! The weighted gap as a function of positions, and the contact method at random configurations: the identities that docs/theory/mortar.md numbers.
+//! The weighted gap as a function of positions, and the contact method at random configurations: the identities of theory/mortar#energy and theory/mortar#tangent.
 
 mod sheets;
 

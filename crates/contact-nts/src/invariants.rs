@@ -1,4 +1,4 @@
-//! The frictionless energy-momentum element with 17 invariants (formulation §6, thesis (4.74)-(4.87), (5.96)-(5.98)).
+//! The frictionless energy-momentum element with 17 invariants (theory/node-to-surface#element; thesis (4.74)-(4.87), (5.96)-(5.98)).
 //!
 //! The director and the convective coordinates at `n` and at `n+1` satisfy their constraints at both ends, hence they *are* the
 //! closest-point projections there; the five auxiliary multipliers of a unit pressure follow from five linear equations. All local
@@ -14,7 +14,7 @@ const INVARIANTS: usize = 17;
 /// Local positions, director, convective coordinates.
 const UNKNOWNS: usize = LOCAL + 5;
 
-/// Changes of the (scaled) invariants below this leave out the quotient of the discrete gradient (formulation §6.4).
+/// Changes of the (scaled) invariants below this leave out the quotient of the discrete gradient (theory/node-to-surface#eq-discrete-gradient).
 const SMALLEST_CHANGE: f64 = 1.0e-7;
 
 type V3<T> = [T; 3];
@@ -96,7 +96,7 @@ impl<T: Scalar> Configuration<T> {
         }
     }
 
-    /// The invariants in the order of §6.2 (counted from 0); the third gap coordinate is left at zero, it drops out of all differences.
+    /// The invariants in the order of theory/node-to-surface#eq-invariants (counted from 0); the third gap coordinate is left at zero, it drops out of all differences.
     fn invariants(&self) -> [T; INVARIANTS] {
         let (e, r, d) = (&self.e, &self.r, &self.d);
         [
@@ -168,7 +168,7 @@ fn gram<T: Scalar>(pi: &[T; INVARIANTS]) -> [[T; 3]; 3] {
     [[pi[8], pi[9], pi[10]], [pi[9], pi[11], pi[12]], [pi[10], pi[12], pi[13]]]
 }
 
-/// The six constraints (§6.3).
+/// The six constraints (theory/node-to-surface#eq-constraints).
 fn constraints<T: Scalar>(kind: FacetKind, pi: &[T; INVARIANTS]) -> [T; 6] {
     let s = Shape::at(kind, [pi[14], pi[15]]);
     let heights = [pi[1], pi[2], pi[3]];

@@ -1,4 +1,4 @@
-//! Gap of a point to an extended facet, with first and second variation (formulation §4.2, §4.4).
+//! Gap of a point to an extended facet, with first and second variation (theory/node-to-surface#gap, theory/node-to-surface#tangent).
 
 use nalgebra::Vector3;
 use stoss_geometry::Patch;
@@ -25,9 +25,9 @@ pub struct Gap {
     pub xi: [f64; 2],
     /// Unit outward normal of the master.
     pub normal: Vector3<f64>,
-    /// `N` of (4.1): `dg = N . dq`.
+    /// `N` of theory/node-to-surface#eq-variation: `dg = N . dq`.
     pub gradient: Local,
-    /// `D^alpha` of (4.1): `d xi^alpha = D^alpha . dq`.
+    /// `D^alpha` of theory/node-to-surface#eq-variation: `d xi^alpha = D^alpha . dq`.
     pub xi_gradient: [Local; 2],
     /// Tangents `a_1`, `a_2` at the foot.
     pub(crate) tangents: [Vector3<f64>; 2],
@@ -119,7 +119,7 @@ impl Gap {
         self.kind.excess(self.xi)
     }
 
-    /// Second variation of the gap, (4.3).
+    /// Second variation of the gap, theory/node-to-surface#eq-second-gap.
     pub fn hessian(&self) -> LocalMatrix {
         let [d_1, d_2] = &self.xi_gradient;
         let h = self.curvature_12;
@@ -154,7 +154,7 @@ impl Gap {
 }
 
 impl Gap {
-    /// Second variations of both convective coordinates, (4.4).
+    /// Second variations of both convective coordinates, theory/node-to-surface#eq-second-coordinates.
     pub fn xi_hessian(&self) -> [LocalMatrix; 2] {
         let d = &self.xi_gradient;
         // Coefficients of the slave node and the facet's nodes in E.

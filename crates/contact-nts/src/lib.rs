@@ -1,4 +1,4 @@
-//! Node-to-surface contact: direct form and energy-momentum element (formulation §4, §6).
+//! Node-to-surface contact: direct form and energy-momentum element (theory/node-to-surface).
 //!
 //! * [`kinematics`]: gap of a node to an extended facet, first and second variation;
 //! * [`invariants`]: the frictionless energy-momentum element with 17 invariants, its local unknowns eliminated;
@@ -6,7 +6,7 @@
 //! * the normal part by multiplier, penalty or augmented Lagrangian ([`stoss_contact::Enforcement`]);
 //! * friction in the direct form, also with the energy-momentum element ([`NodeToSurface::with_friction`]);
 //! * [`NodeToSurface`]: all of them as a [`stoss_contact::ContactMethod`];
-//! * [`augmented`]: the coordinate augmentation technique (§5) on the same pairings, laws and histories.
+//! * [`augmented`]: the coordinate augmentation technique (theory/coordinate-augmentation) on the same pairings, laws and histories.
 //!
 //! The crate knows neither solids nor the global system.
 

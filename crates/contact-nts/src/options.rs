@@ -2,7 +2,7 @@
 
 use stoss_contact::{Enforcement, SearchOptions};
 
-/// What is kept zero while a node is closed (formulation §9.3).
+/// What is kept zero while a node is closed (theory/constraints#eq-modified).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ConstraintForm {
     /// `g_np1 = 0`: energy changes in the step in which a node closes.

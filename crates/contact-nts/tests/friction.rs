@@ -367,7 +367,7 @@ fn on_a_flat_surface_edges_do_not_matter() {
         m.begin_step(&q_0, 10.0).unwrap();
         let area = m.slot_weight(0);
         let mut from = q_0;
-        // Closed form: return mapping of plain vectors (formulation §10.1), over no edge, one edge, several.
+        // Closed form: return mapping of plain vectors (theory/friction#eq-return), over no edge, one edge, several.
         let mut tau = [0.0; 2];
         let mut here = [0.4, 0.3];
         for to in [[0.41, 0.31], [0.43, 0.32], [1.2, 0.5], [1.19, 0.45], [4.5, 0.4], [4.6, 0.45]] {
@@ -566,9 +566,9 @@ fn the_paths_reach_every_kind_of_pairing() {
     }
 }
 
-/// On one warped facet the slip between material points is `m_ab dxi^b` of formulation §4.5 up to the square of the slip.
+/// On one warped facet the slip between material points is `m_ab dxi^b` (theory/friction#nts) up to the square of the slip.
 #[test]
-fn the_slip_is_that_of_the_formulation_to_second_order() {
+fn the_slip_is_that_of_the_coordinates_to_second_order() {
     let mut q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.0]);
     for (k, x) in q[..3 * SLAVE].iter_mut().enumerate() {
         *x += 0.1 * (1.7 * k as f64).sin();

@@ -1,4 +1,4 @@
-//! The element with 17 invariants against formulation (6.1)-(6.2) evaluated without elimination: invariants, constraints and their
+//! The element with 17 invariants against theory/node-to-surface#eq-discrete-gradient evaluated without elimination: invariants, constraints and their
 //! discrete derivative are written anew, all derivatives are central differences, and the auxiliary multipliers come from the
 //! rows of director and coordinates. Work, momenta and frame indifference hold for many discrete gradients; this says which one it is.
 
@@ -16,7 +16,7 @@ fn node(z: &Z, k: usize) -> Vector3<f64> {
     Vector3::new(z[3 * k], z[3 * k + 1], z[3 * k + 2])
 }
 
-/// (4.78) for `z = (x, m_1 .. m_4, d, f^1, f^2)`.
+/// theory/node-to-surface#eq-invariants (thesis (4.78)) for `z = (x, m_1 .. m_4, d, f^1, f^2)`.
 fn invariants(z: &Z) -> Pi {
     let (r, d) = (node(z, 0) - node(z, 1), node(z, 5));
     let e = [2, 3, 4].map(|k| node(z, k) - node(z, 1));
@@ -27,7 +27,7 @@ fn invariants(z: &Z) -> Pi {
     Pi::from_vec(pi)
 }
 
-/// (4.79) with the third row of formulation §6.3.
+/// theory/node-to-surface#eq-constraints: (4.79) of the thesis with another third row.
 fn constraints(kind: FacetKind, pi: &Pi) -> Phi {
     let (u, v) = (pi[14], pi[15]);
     let (shape, by_u, by_v) = match kind {
@@ -95,7 +95,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn element_is_the_one_of_the_formulation(
+    fn element_is_the_one_without_elimination(
         kind in prop::sample::select(&FacetKind::ALL[..]),
         noise in proptest::array::uniform12(-0.25..0.25_f64),
         at in (-0.9..0.9_f64, -0.9..0.9_f64, -0.5..0.5_f64),

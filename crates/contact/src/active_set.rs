@@ -1,7 +1,7 @@
-//! The primal-dual active set: which constraints are closed (formulation §9.1-9.2).
+//! The primal-dual active set: which constraints are closed (theory/constraints#complementarity).
 //!
 //! Pure data and rules; when to ask (at every iterate, or after the inner iteration) is the solver's choice. The rule holds for the standard and
-//! for the modified constraint: only the meaning of `gaps` differs (formulation §9.3).
+//! for the modified constraint: only the meaning of `gaps` differs (theory/constraints#eq-modified).
 
 /// What [`ActiveSetControl::propose`] did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +92,7 @@ pub fn update(
     (closed, opened)
 }
 
-/// The rule with a memory of the sets of this step, against cycling (formulation §9.2).
+/// The rule with a memory of the sets of this step, against cycling (theory/constraints#cycling).
 ///
 /// If a proposed set was there before, the union of all sets since then is taken ([`ActiveSetOutcome::Union`]) and the memory is cleared. If
 /// a set comes back once more, slots are turned one at a time from then on, first the one that is most wrong, after another return the first one in their order.

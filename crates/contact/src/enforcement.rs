@@ -1,4 +1,4 @@
-//! How the normal part is enforced: by a multiplier, by a penalty, or by an augmented Lagrangian (formulation §4.7, thesis remark 6).
+//! How the normal part is enforced: by a multiplier, by a penalty, or by an augmented Lagrangian (theory/constraints#enforcement; thesis, remark 6).
 //!
 //! One interface for the three: the pressure stays an unknown, and every closed slot has one scalar equation for it, [`NormalRow`]. The
 //! system has the same size and pattern in all cases, the active set the same rule, and friction, which needs pressure and its derivative,

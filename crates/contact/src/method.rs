@@ -2,7 +2,7 @@
 
 use crate::ContactError;
 
-/// Where the gradient of the gap is taken that makes the contact force `A p G` of a step (formulation §11).
+/// Where the gradient of the gap is taken that makes the contact force `A p G` of a step (theory/node-to-surface#residual).
 ///
 /// The constraint row is `-A` times the gap at `q_np1` (less the gap that it refers to) under every rule, for pressures that are multipliers;
 /// otherwise see [`crate::Enforcement`]. The forces
@@ -10,15 +10,15 @@ use crate::ContactError;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ContactRule {
-    /// `G = grad g(q_n)`, constant in the step (variational midpoint scheme, thesis (5.42)). No moment about `q_n`.
+    /// `G = grad g(q_n)`, constant in the step (variational midpoint scheme: theory/integrators#eq-variational). No moment about `q_n`.
     StartPoint,
-    /// `G = grad g(q_np1)` (statics, backward Euler (5.15)). No moment about `q_np1`.
+    /// `G = grad g(q_np1)` (statics, backward Euler: theory/integrators#eq-backward-euler). No moment about `q_np1`.
     EndPoint,
-    /// `G = (grad g(q_n) + grad g(q_np1)) / 2` (trapezoidal rule (5.19)). The moment about `q_mid` is
+    /// `G = (grad g(q_n) + grad g(q_np1)) / 2` (trapezoidal rule: theory/integrators#eq-trapezoidal). The moment about `q_mid` is
     /// `-(1/4) sum dq x (grad g(q_np1) - grad g(q_n))`: it vanishes in a rigid motion on one facet, otherwise only with
     /// the step.
     EndPointMean,
-    /// `G = grad g(q_mid)` (midpoint rule (5.22)). No moment about `q_mid`.
+    /// `G = grad g(q_mid)` (midpoint rule: theory/integrators#eq-midpoint). No moment about `q_mid`.
     Midpoint,
     /// Discrete gradient of the gap between `q_n` and `q_np1`: `G . (q_np1 - q_n) = g_np1 - g_n`. No moment about
     /// `q_mid`.
@@ -84,7 +84,7 @@ pub struct LocalContribution {
     pub nodes: Vec<u32>,
     /// Constraint slots, each at most once.
     pub slots: Vec<u32>,
-    /// Residual in the sign of formulation (1.1): minus the contact force; then `-A g`.
+    /// Residual in the sign of theory/node-to-surface#eq-residual: minus the contact force; then `-A g`.
     pub residual: Vec<f64>,
     /// Row-major tangent; empty or stale if the tangent was not asked for.
     pub tangent: Vec<f64>,
@@ -116,7 +116,7 @@ impl LocalContribution {
     }
 }
 
-/// What a slot did at the end of a step, for output (formulation §1.2 signs).
+/// What a slot did at the end of a step, for output (signs: theory/node-to-surface#eq-gap).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotReport {
     /// Global slave node.
@@ -442,7 +442,7 @@ pub trait ContactMethod: Constraint + History {
     /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin_step`. A hint: the
     /// matrix gets room for them, so that no symbolic work is needed when they close. None by default.
     fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
-    /// `gamma` of formulation §9 for every slot at `q_np1`: for an active slot the value of its constraint function, for an inactive one the
+    /// `gamma` of theory/constraints#eq-complementarity for every slot at `q_np1`: for an active slot the value of its constraint function, for an inactive one the
     /// true gap (`f64::INFINITY` if out of reach). `out` has one entry a slot.
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError>;
     /// Re-pairs active slots whose contact point left their face (and pairs slots that are about to be activated);

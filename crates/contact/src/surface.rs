@@ -22,7 +22,7 @@ pub struct IrregularEdge {
     pub facets: Vec<u32>,
 }
 
-/// Facets of any kinds, numbered so that `a_1 x a_2` points out of the body (formulation §1.1).
+/// Facets of any kinds, numbered so that `a_1 x a_2` points out of the body (theory/node-to-surface#symbols).
 ///
 /// Facets and surface nodes have local numbers, the positions in [`ContactSurface::facets`] and [`ContactSurface::nodes`]. Edge `k` of a facet
 /// runs from its corner `k` to the next one.
@@ -173,7 +173,7 @@ impl ContactSurface {
         self.neighbours.iter().flatten().filter(|&&n| n == NONE).count()
     }
 
-    /// `A^s = int N_s dA` over the reference surface for every local node (formulation §1.5), an area; with the kind's rule on each facet.
+    /// `A^s = int N_s dA` over the reference surface for every local node (theory/node-to-surface#symbols), an area; with the kind's rule on each facet.
     pub fn nodal_areas(&self) -> &[f64] {
         &self.nodal_areas
     }

@@ -172,7 +172,7 @@ fn a_compliance_takes_its_part_of_the_slip() {
     }
 }
 
-/// A point slides there and back on a line: closed forms of the return mapping (formulation §10.1).
+/// A point slides there and back on a line: closed forms of the return mapping (theory/friction#eq-return).
 #[test]
 fn there_and_back() {
     let friction =

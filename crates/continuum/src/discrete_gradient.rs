@@ -1,4 +1,4 @@
-//! The energy-momentum stress: a discrete gradient of the energy in the strain (formulation (3.2)-(3.3), thesis
+//! The energy-momentum stress: a discrete gradient of the energy in the strain (theory/integrators#ems; thesis
 //! (5.59)-(5.61)).
 //!
 //! With `C_mean = (C_n + C_np1)/2`, `dC = C_np1 - C_n` and the quotient `k`
@@ -41,7 +41,7 @@ impl Increment {
         !law.is_quadratic() && self.square > SMALLEST_STRAIN_INCREMENT * SMALLEST_STRAIN_INCREMENT
     }
 
-    /// `k` of (3.2).
+    /// `k` of theory/integrators#eq-ems.
     fn quotient(&self, energy_n: f64, energy_np1: f64, mean_stress: &SymmetricTensor2) -> f64 {
         (2.0 * (energy_np1 - energy_n) - mean_stress.double_contract(&self.delta)) / self.square
     }
@@ -69,7 +69,7 @@ pub fn energy_momentum_stress(
     Ok(mean_stress + increment.delta * k)
 }
 
-/// `S_alg` and `A` of (3.3): `d S_alg = A : dE_np1`, that is `dS_v = A dE_v` with `E_v = C_v/2` (shears doubled). `A` has no
+/// `S_alg` and `A` of theory/integrators#eq-ems-tangent: `d S_alg = A : dE_np1`, that is `dS_v = A dE_v` with `E_v = C_v/2` (shears doubled). `A` has no
 /// major symmetry.
 ///
 /// # Errors

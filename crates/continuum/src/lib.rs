@@ -29,7 +29,7 @@ pub enum ConstitutiveError {
     NonFinite,
 }
 
-/// A hyperelastic law `W(C)`, `S = 2 dW/dC`, `CC = 2 dS/dC` (formulation §2).
+/// A hyperelastic law `W(C)`, `S = 2 dW/dC`, `CC = 2 dS/dC` (theory/kinematics#eq-stress).
 ///
 /// `C = F^T F` is symmetric and positive definite; energy and stress vanish at `C = 1`. Stresses and moduli have one unit, which is that of
 /// the parameters; energies are per reference volume, which is the same unit. Evaluation is a pure function of `C`, called

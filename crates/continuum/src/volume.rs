@@ -1,4 +1,4 @@
-//! Energies of the change of volume: the split of a law, the discrete gradient of `J` (docs/theory/elements.md). Not the averages of elements.
+//! Energies of the change of volume: the split of a law, the discrete gradient of `J` (theory/elements#gradient). Not the averages of elements.
 
 use crate::{HyperelasticLaw, SymmetricTensor2, Tensor4};
 use std::sync::Arc;

@@ -210,7 +210,7 @@ impl SolidBody {
     }
 
     /// Adds `force_weight * F(q_n, q_np1)` to `force` (`3 * nodes` of the model) and, if a target is given,
-    /// `target.factor * dF/dq_np1` to its values (formulation §3.3, §3.4). A target is left untouched under
+    /// `target.factor * dF/dq_np1` to its values (theory/kinematics#force, theory/integrators#eq-ems-stiffness). A target is left untouched under
     /// [`StressRule::Configuration`] with `theta = 0`, whose tangent is zero.
     ///
     /// The target's stencils are [`Self::stencils`]. In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first

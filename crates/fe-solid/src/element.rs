@@ -7,7 +7,7 @@ use crate::{
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
 use stoss_reference_element::CellKind;
 
-/// Which stress acts on which configuration during a step (formulation §3.3, §3.4, §11).
+/// Which stress acts on which configuration during a step (theory/kinematics#force, theory/integrators#schemes).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StressRule {
     /// The force `F(q)` of hyperelasticity at one configuration `q_{n+theta} = (1 - theta) q_n + theta q_np1`: stress
@@ -21,8 +21,8 @@ pub enum StressRule {
         /// and is not computed. In between `det F > 0` is demanded of `q_np1` too. A number outside extrapolates.
         theta: f64,
     },
-    /// The stress (3.2) of the formulation with `F_mid`. Keeps momenta, and its work is the change of strain energy.
-    /// Unsymmetric tangent (3.3).
+    /// The stress of theory/integrators#eq-ems with `F_mid`. Keeps momenta, and its work is the change of strain energy.
+    /// Unsymmetric tangent (theory/integrators#eq-ems-stiffness).
     EnergyMomentum,
 }
 
@@ -209,7 +209,7 @@ pub(crate) fn between<const N: usize>(a: &NodalVectors<N>, b: &NodalVectors<N>, 
     std::array::from_fn(|i| std::array::from_fn(|node| rest * a[i][node] + theta * b[i][node]))
 }
 
-/// Force and tangent of a stress that depends on the same configuration as `B` does (formulation §3.3).
+/// Force and tangent of a stress that depends on the same configuration as `B` does (theory/kinematics#tangent).
 fn one_configuration<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
     integration: &ElementIntegration<N, G>,
@@ -239,7 +239,7 @@ fn one_configuration<const N: usize, const G: usize>(
     Ok(())
 }
 
-/// Force and tangent with the energy-momentum stress (formulation (3.2), (3.3)).
+/// Force and tangent with the energy-momentum stress (theory/integrators#eq-ems, theory/integrators#eq-ems-tangent).
 fn energy_momentum<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
     integration: &ElementIntegration<N, G>,

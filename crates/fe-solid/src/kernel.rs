@@ -5,7 +5,7 @@
 //! `G` are constants of the types: every cell has its own code. The types of hex8 are the default.
 //!
 //! # How the tangent is formed
-//! Instead of `B_I^T D B_J` (formulation (3.1), §3.3) the moduli are pushed once a Gauss point to the two-point form
+//! Instead of `B_I^T D B_J` (theory/kinematics#eq-b, theory/kinematics#eq-tangent) the moduli are pushed once a Gauss point to the two-point form
 //! ```text
 //! P_iAjB = F^l_iK A_KALB F^r_jL + s S_AB delta_ij
 //! ```

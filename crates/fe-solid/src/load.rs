@@ -1,8 +1,8 @@
-//! Consistent nodal forces of surface loads on facets of any kinds (formulation §3.3 (a) and (c)), with the rule of the facet.
+//! Consistent nodal forces of surface loads on facets of any kinds (theory/elements#loads), with the rule of the facet.
 //!
 //! Facets are global nodes, numbered so that `x_,xi x x_,eta` points out of the body. A surface may mix kinds. Functions add to the caller's
 //! arrays; nothing is stored. Not here: load tables, and loads of constant direction on the *current* area
-//! (§3.3 (b)). A new kind of load is a function that adds to `out` and, if it depends on the configuration, one that gives the
+//! (theory/kinematics#limits). A new kind of load is a function that adds to `out` and, if it depends on the configuration, one that gives the
 //! derivative.
 //!
 //! A load that follows the surface is evaluated by midpoint-type rules at `q_mid`; its tangent with respect to `q_np1`
@@ -121,7 +121,7 @@ pub fn surface_area(facets: &[FaceNodes], positions: &[f64]) -> Result<f64, Soli
     Ok(total)
 }
 
-/// Adds the nodal forces `int N_I T dA` of a dead traction `T` (force per *reference* area), §3.3 (a).
+/// Adds the nodal forces `int N_I T dA` of a dead traction `T` (force per *reference* area), theory/elements#loads.
 ///
 /// `reference`: reference positions of the model; `out`: forces of the model.
 ///
@@ -176,7 +176,7 @@ impl FollowerPressure {
 }
 
 /// Nodal forces of a follower pressure on one facet at the current positions of its nodes (as many as the kind has), and their derivative
-/// (unsymmetric in general), §3.3 (c):
+/// (unsymmetric in general), theory/elements#loads:
 /// `f_I = -p int N_I (x_,xi x x_,eta)`, `df_I/dx_J = -p int N_I (N_J,eta [x_,xi] - N_J,xi [x_,eta])`, `[a] b = a x b`.
 ///
 /// Positive pressure pushes against the outward normal. The rule of the facet is exact here for linear facets, for triangles with straight edges

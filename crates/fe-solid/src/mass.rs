@@ -1,4 +1,4 @@
-//! Mass: element blocks, momenta, kinetic energy (formulation §3.3, §3.5). Not a global matrix.
+//! Mass: element blocks, momenta, kinetic energy (theory/elements#mass, theory/integrators#eq-balance). Not a global matrix.
 
 use crate::{
     TangentTarget,

@@ -1,4 +1,4 @@
-//! Elements whose change of volume is averaged, for nearly incompressible solids (docs/theory/elements.md). Not the laws' parts, not the loop over elements.
+//! Elements whose change of volume is averaged, for nearly incompressible solids (theory/elements#mixed). Not the laws' parts, not the loop over elements.
 //!
 //! The energy of an element is `sum_h w_h W(C_h) + sum_h w_h U(theta_h)`: `theta` is the best constant, or the best function that is linear in natural
 //! coordinates, for the `J_h` of the Gauss points. With functions `psi_a` that are orthonormal with the weights `w_h` it is

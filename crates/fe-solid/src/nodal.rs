@@ -1,4 +1,4 @@
-//! Linear tetrahedra whose change of volume is averaged at the nodes (docs/theory/elements.md, Bonet and Burton). Not other cells: those average within an element, see `mixed`.
+//! Linear tetrahedra whose change of volume is averaged at the nodes (theory/elements#eq-nodal-average, Bonet and Burton). Not other cells: those average within an element, see `mixed`.
 //!
 //! A node `I` has the dilatation `theta_I = sum_e w_e J_e / (4 V_I)` of the tetrahedra around it, `V_I = sum_e w_e / 4`, and the energy `V_I U(theta_I)`. So
 //! the forces of an element depend on all elements around its nodes, and the tangent has a stencil for each node beside those of the elements.

@@ -17,7 +17,7 @@ pub enum Volumetric {
     /// At each Gauss point, as the law says. Such elements lock near incompressibility, above a Poisson's ratio of about 0.45.
     #[default]
     Displacement,
-    /// The part of the law that depends on the volume sees an average of `det F` (docs/theory/elements.md): a constant of each element, for hex27 a function
+    /// The part of the law that depends on the volume sees an average of `det F` (theory/elements#eq-dilatation): a constant of each element, for hex27 a function
     /// that is linear in natural coordinates, for tet4 the mean of the elements around each node. For nearly incompressible solids; of no use to wedge6, which
     /// locks all the same. The law must have such a part, [`stoss_continuum::HyperelasticLaw::volumetric`]. With tet4 the tangent has more stencils than elements,
     /// [`crate::SolidBody::stencils`].

@@ -1,4 +1,4 @@
-//! Identities of the element at random configurations (formulation §3.4, §16 rows 1 and 2).
+//! Identities of the element at random configurations (theory/integrators#eq-ems, theory/integrators#kept).
 mod common;
 use common::*;
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! The two-point form of the tangent against `B_I^T A B_J` with the B of formulation (3.1), at random moduli.
+//! The two-point form of the tangent against `B_I^T A B_J` with the `B` of theory/kinematics#eq-b, at random moduli.
 mod common;
 use common::Random;
 use proptest::prelude::*;

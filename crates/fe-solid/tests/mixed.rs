@@ -338,7 +338,7 @@ fn compress(kind: CellKind, integration: Integration, lambda: f64, until: f64) -
     (done, turned)
 }
 
-/// How far each form goes, see docs/theory/elements.md: hex8 all the way, tet10 farther with the rule that sees its corners.
+/// How far each form goes, see theory/elements#compression: hex8 all the way, tet10 farther with the rule that sees its corners.
 #[test]
 fn large_compression() {
     use Integration::{Full, Reduced};

@@ -17,7 +17,7 @@ pub struct Patch {
     pub corners: Nodal<Vector3<f64>>,
 }
 
-/// Everything that contact needs of a patch at one place (formulation §4).
+/// Everything that contact needs of a patch at one place (theory/node-to-surface#eq-metric).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFrame {
     /// `x(xi)`.

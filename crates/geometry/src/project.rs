@@ -1,4 +1,4 @@
-//! Normal projection onto the extended patch (formulation §4.1, thesis (4.24)-(4.28)).
+//! Normal projection onto the extended patch (theory/node-to-surface#eq-projection; thesis (4.24)-(4.28)).
 
 use crate::Patch;
 use crate::patch::Monomials;
@@ -36,7 +36,7 @@ struct Attempt {
 impl Patch {
     /// Foot of the normal from `x` on the patch extended beyond its edges.
     ///
-    /// Solves `r_a = (x - x(xi)) . a_a = 0` by Newton's method from `start` (formulation §4.1). The iteration is damped and keeps to
+    /// Solves `r_a = (x - x(xi)) . a_a = 0` by Newton's method from `start` (theory/node-to-surface#eq-projection). The iteration is damped and keeps to
     /// minima of the distance; if it fails, it is repeated from the closest point of the closed patch, the centre and points near the
     /// corners. After convergence one further step removes what the tolerance left, so that the error is round-off.
     ///

@@ -1,6 +1,6 @@
 //! Time-stepping schemes for constrained second-order systems, and the step that they all share.
 //!
-//! The system is `M v' + F(q) - G^T p = 0`, `Phi(q) = 0` with `F = F_int - F_ext` (formulation §11). Every scheme of this crate is a
+//! The system is `M v' + F(q) - G^T p = 0`, `Phi(q) = 0` with `F = F_int - F_ext` (theory/integrators#eq-system). Every scheme of this crate is a
 //! set of numbers and rules for the residual of one step ([`StepRule`]),
 //!
 //! `R = M a_alg(q_np1) + w F_rule(q_n, q_np1) + h H_n - c G_rule(q_n, q_np1)^T p`,

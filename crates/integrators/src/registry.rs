@@ -42,7 +42,7 @@ const SPECTRAL_RADIUS: Parameter = Parameter {
 pub const SCHEMES: &[SchemeEntry] = &[
     SchemeEntry {
         name: "energy-momentum",
-        about: "Conserves energy, linear and angular momentum for every law and step size (formulation §11, (5.62)).",
+        about: "Conserves energy, linear and angular momentum for every law and step size.",
         parameters: &[],
         make: |_| Box::new(EnergyMomentum),
     },
@@ -55,13 +55,13 @@ pub const SCHEMES: &[SchemeEntry] = &[
     },
     SchemeEntry {
         name: "midpoint",
-        about: "Implicit midpoint rule (5.22): conserves both momenta, but not the energy.",
+        about: "Implicit midpoint rule: conserves both momenta, but not the energy.",
         parameters: &[],
         make: |_| Box::new(Midpoint),
     },
     SchemeEntry {
         name: "variational-midpoint",
-        about: "Generalised midpoint scheme of a discrete Lagrangian in position-momentum form (5.42): symplectic, conserves both \
+        about: "Generalised midpoint scheme of a discrete Lagrangian in position-momentum form: symplectic, conserves both \
                 momenta, but not the energy.",
         parameters: &[Parameter {
             name: "alpha",
@@ -73,13 +73,13 @@ pub const SCHEMES: &[SchemeEntry] = &[
     },
     SchemeEntry {
         name: "trapezoidal",
-        about: "Trapezoidal rule (5.19): second order, conserves linear momentum only.",
+        about: "Trapezoidal rule: second order, conserves linear momentum only.",
         parameters: &[],
         make: |_| Box::new(Trapezoidal),
     },
     SchemeEntry {
         name: "generalised-alpha",
-        about: "Generalised-alpha method (5.27) with controlled dissipation of high frequencies (Chung and Hulbert).",
+        about: "Generalised-alpha method with controlled dissipation of high frequencies (Chung and Hulbert).",
         parameters: &[SPECTRAL_RADIUS],
         make: |p| Box::new(GeneralisedAlpha::chung_hulbert(p[0])),
     },
@@ -116,7 +116,7 @@ pub const SCHEMES: &[SchemeEntry] = &[
     },
     SchemeEntry {
         name: "backward-euler",
-        about: "Backward Euler method (5.15): first order, dissipates, very robust.",
+        about: "Backward Euler method: first order, dissipates, very robust.",
         parameters: &[],
         make: |_| Box::new(BackwardEuler),
     },

@@ -3,7 +3,7 @@
 use crate::{State, StepRule};
 
 /// What a scheme conserves for an autonomous, frictionless, free system, to the tolerance of the nonlinear solution
-/// (formulation §16), and its order. Data, so that a battery can test each claim.
+/// (theory/integrators#kept), and its order. Data, so that a battery can test each claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Claims {
     /// Order of convergence of positions.
@@ -26,7 +26,7 @@ pub trait Scheme: std::fmt::Debug + Send + Sync {
     fn claims(&self) -> Claims;
     /// Residual and updates of a step of size `dt > 0`.
     fn rule(&self, dt: f64) -> StepRule;
-    /// True if the scheme is meant for the system augmented by further coordinates (formulation §5.1). A system that has no augmented form, or
+    /// True if the scheme is meant for the system augmented by further coordinates (theory/integrators#eq-spring-augmented). A system that has no augmented form, or
     /// eliminates its additional coordinates itself, uses the same equations.
     fn augmented(&self) -> bool {
         false

@@ -1,4 +1,4 @@
-//! The catalogue of hyperelastic laws (formulation §2).
+//! The catalogue of hyperelastic laws (theory/kinematics#laws).
 //!
 //! Every law gives energy, second Piola-Kirchhoff stress and elasticity tensor in closed form, is isotropic, and has no
 //! stress and no energy at `C = 1`. Constructors validate their parameters; the implied small-strain moduli can be asked

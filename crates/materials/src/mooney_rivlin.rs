@@ -1,4 +1,4 @@
-//! Mooney-Rivlin, coupled form (formulation (2.1), thesis (3.119)-(3.129) with corrected signs).
+//! Mooney-Rivlin, coupled form (theory/kinematics#eq-mooney-rivlin; thesis (3.119)-(3.129) with corrected signs).
 
 use crate::error::{MaterialError, finite, stable};
 use crate::state::{Invariants, finite_energy, finite_pair, finite_stress, positive_det};

@@ -1,4 +1,4 @@
-//! Neo-Hooke (formulation §2.2, thesis (3.130)-(3.133)).
+//! Neo-Hooke (theory/kinematics#eq-neo-hooke; thesis (3.130)-(3.133)).
 
 use crate::error::{MaterialError, finite, stable, young_poisson};
 use crate::state::{Invariants, finite_energy, finite_pair, finite_stress};
@@ -12,7 +12,8 @@ const NAME: &str = "neo-hooke";
 
 /// `W = mu/2 (I1 - 3) + lambda/2 (ln J)^2 - mu ln J`, `S = mu (1 - C^-1) + lambda ln J C^-1`.
 ///
-/// Admissible for `J > 0`; the energy tends to infinity for `J -> 0`.
+/// Admissible for `J > 0`. The energy tends to infinity for `J -> 0` if `lambda >= 0`; for a negative `lambda` (Poisson's ratio below zero) it
+/// tends to minus infinity (theory/kinematics#compression).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeoHooke {
     lambda: f64,

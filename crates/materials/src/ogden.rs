@@ -1,4 +1,4 @@
-//! Ogden, decoupled form (formulation §2.4, thesis (3.113)-(3.118)).
+//! Ogden, decoupled form (theory/kinematics#eq-ogden; thesis (3.113)-(3.118)).
 
 use crate::error::{MaterialError, finite, stable};
 use crate::state::{finite_energy, finite_pair, finite_stress};
@@ -139,8 +139,7 @@ fn mixed(a: &stoss_tensor::Vector3, b: &stoss_tensor::Vector3) -> SymmetricTenso
 /// squared stretches `x`.
 ///
 /// `ln(lbar_B / lbar_A) = ln(1 + (x_B - x_A)/x_A)/2`, so that `exp_m1` and `ln_1p` give the divided difference to
-/// round-off down to the limit `alpha / (2 x_A)`. Formulation §2.4 takes its limit up to a distance of 1e-6 instead, at the price of an error
-/// of that size.
+/// round-off down to the limit `alpha / (2 x_A)`. Equation: theory/kinematics#eq-ogden-equal.
 fn nearby_slope(alpha: f64, x_a: f64, x_b: f64) -> f64 {
     let gap = x_b - x_a;
     if gap == 0.0 { 0.5 * alpha / x_a } else { (0.5 * alpha * (gap / x_a).ln_1p()).exp_m1() / gap }

@@ -1,4 +1,4 @@
-//! Saint Venant-Kirchhoff (formulation §2.1, thesis (3.104)-(3.108)).
+//! Saint Venant-Kirchhoff (theory/kinematics#eq-svk; thesis (3.104)-(3.108)).
 
 use crate::error::{MaterialError, finite, stable, young_poisson};
 use crate::state::{finite_energy, finite_stress, positive_det};

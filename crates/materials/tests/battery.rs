@@ -12,7 +12,7 @@ fn lame() -> (f64, f64) {
     (YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)), YOUNG / (2.0 * (1.0 + POISSON)))
 }
 
-/// The ball of formulation §13.1.
+/// The ball of theory/examples#ball-plate.
 fn ogden() -> Ogden {
     Ogden::new(&[6300.0, 12.0, -100.0], &[1.3, 5.0, -2.0], 2000.0, 9.0).unwrap()
 }
@@ -70,7 +70,7 @@ fn saint_venant_kirchhoff() {
     let law = SaintVenantKirchhoff::from_young_poisson(YOUNG, POISSON).unwrap();
     battery(&law, 1e-13);
     against_dual_numbers(&law, &SvkEnergy, 1e-12);
-    // Energy of a body crushed to nothing is finite (formulation §2.1).
+    // Energy of a body crushed to nothing is finite (theory/kinematics#compression).
     let (lambda, mu) = lame();
     let nearly_nothing = SymmetricTensor2::IDENTITY * 1e-9;
     let expected = 9.0 / 8.0 * lambda + 0.75 * mu;
@@ -176,7 +176,7 @@ fn ogden_contains_two_closed_forms() {
 
 #[test]
 fn moduli_of_the_examples() {
-    // Formulation §2.5.
+    // theory/kinematics#moduli.
     let close = |value: f64, expected: f64, digits: f64| {
         assert!((value / expected - 1.0).abs() < digits, "{value} against {expected}");
     };

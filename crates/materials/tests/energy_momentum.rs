@@ -1,4 +1,4 @@
-//! The energy-momentum stress (formulation (3.2)-(3.3)) on a pseudo-rigid body: one deformation gradient `F(t)` with the inertia
+//! The energy-momentum stress (theory/integrators#ems) on a pseudo-rigid body: one deformation gradient `F(t)` with the inertia
 //! `m` of each component, `m F'' = -F S`. It has the structure of a free element (momentum `m (F' F^T - F F'^T)`, energy
 //! `m/2 F':F' + W`) and nothing else, so that a drift can only come from the stress.
 

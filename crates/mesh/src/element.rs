@@ -41,7 +41,7 @@ impl ElementCoordinates {
         std::array::from_fn(|i| self.iter().zip(n).map(|(x, n)| n * x[i]).sum())
     }
 
-    /// `J = sum_I X_I (x) grad N_I` (formulation §3.2) at natural coordinates: row the spatial, column the natural direction.
+    /// `J = sum_I X_I (x) grad N_I` (theory/kinematics#eq-deformation-gradient) at natural coordinates: row the spatial, column the natural direction.
     pub fn jacobian(&self, xi: [f64; 3]) -> [[f64; 3]; 3] {
         let dn = (self.kind.table().shape_gradient)(xi);
         std::array::from_fn(|i| std::array::from_fn(|k| self.iter().zip(dn).map(|(x, dn)| x[i] * dn[k]).sum()))

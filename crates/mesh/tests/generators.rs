@@ -284,7 +284,7 @@ proptest! {
     }
 }
 
-/// Formulation §13.1: 432 elements, 654 nodes; the volume approaches that of the shell from below at second order.
+/// The ball of theory/examples#ball-plate: 432 elements, 654 nodes; the volume approaches that of the shell from below at second order.
 #[test]
 fn ball_of_the_ball_on_plate_example() {
     let ball =
@@ -350,7 +350,7 @@ fn strongly_refined_round_bodies() {
     assert!(matches!(eighth.generate(), Err(MeshError::Parameter { parameter: "part", .. })));
 }
 
-/// Formulation §13.3: 3120 elements of which edges are about 3.06 x 3.77 x 2.25 on the outer middle line.
+/// The torus of theory/examples#tori: 3120 elements of which edges are about 3.06 x 3.77 x 2.25 on the outer middle line.
 #[test]
 fn torus_of_the_two_tori_example() {
     let torus =
@@ -366,7 +366,7 @@ fn torus_of_the_two_tori_example() {
     assert!(volume < exact && volume > 0.97 * exact);
 }
 
-/// Formulation §13.6.
+/// The indenter of theory/examples#rotating-indenter.
 #[test]
 fn indenter_of_the_rotating_indenter_example() {
     let mesh = Indenter::literature().generate().unwrap();
@@ -384,7 +384,7 @@ fn indenter_of_the_rotating_indenter_example() {
     assert!(matches!(sharp.generate(), Err(MeshError::Parameter { parameter: "radius", .. })));
 }
 
-/// Formulation §13.2, the lower block. Its plan is a quadrilateral whose area the shoelace formula gives.
+/// The lower block of theory/examples#two-elements. Its plan is a quadrilateral whose area the shoelace formula gives.
 #[test]
 fn lower_block_of_the_two_element_example() {
     let plan = [[-1.0, -1.0], [1.0, -1.0], [1.2, 1.0], [-1.5, 1.5]];

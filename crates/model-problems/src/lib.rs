@@ -2,10 +2,10 @@
 //!
 //! | problem | what it shows |
 //! |---|---|
-//! | [`SpringPendulum`] | order; blow-up of schemes that do not bound the energy when it is stiff (formulation §12) |
+//! | [`SpringPendulum`] | order; blow-up of schemes that do not bound the energy when it is stiff (theory/integrators#spring) |
 //! | [`SpringPair`] | the same without a support: linear momentum too |
 //! | [`StringPendulum`] | the same with a chain of finite string elements |
-//! | [`MassPoint`] | a unilateral constraint, standard and modified (formulation §9.4) |
+//! | [`MassPoint`] | a unilateral constraint, standard and modified (theory/constraints#mass-point) |
 //! | [`Pendulum`] | an index-3 differential-algebraic system that stays on its manifold |
 //! | [`ReducedPendulum`] | the same with its index reduced: it drifts from the manifold |
 //! | [`BouncingBar`] | impact of an elastic bar with a closed-form solution |

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use stoss_integrators::State;
 
-/// What is kept zero while a constraint is active (formulation §9.3).
+/// What is kept zero while a constraint is active (theory/constraints#modified).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ConstraintForm {
     /// `Phi(q_np1) = 0`.

@@ -275,7 +275,7 @@ fn newton(
     }
 }
 
-/// Formulation §9.1: an active constraint opens when its multiplier pulls, an open one closes when it is violated.
+/// theory/constraints#eq-active-set: an active constraint opens when its multiplier pulls, an open one closes when it is violated.
 fn change_active_set(system: &mut Dense<'_>, q: &[f64]) -> bool {
     let mut phi = vec![0.0; system.rows.len()];
     system.problem.constraints(q, &mut phi);

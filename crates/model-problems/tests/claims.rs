@@ -108,7 +108,7 @@ fn schemes_that_carry_constraints_stay_on_the_manifold() {
 
 #[test]
 fn the_mass_point_loses_its_energy_with_the_standard_constraint_only() {
-    // Formulation §9.4: H from 159.65 to 49.05; the modified constraint keeps it.
+    // theory/constraints#mass-point: H from 159.65 to 49.05; the modified constraint keeps it.
     for name in ["midpoint", "energy-momentum"] {
         let scheme = scheme(name).unwrap();
         for (form, expected, tolerance) in

@@ -31,7 +31,7 @@ impl Weights {
 /// Compliance of redundant equations in the tangent: `-eps` on the diagonal of their multipliers, `eps = `[`Compliance::RELATIVE`]` / (m / dt^2 + k)`.
 ///
 /// The residual has no compliance, so the constraints hold exactly. Multipliers are to be those of least norm `sum lambda^2` among all that balance, combinations `G y` of the gradients
-/// at the end of the step (docs/theory/multibody.md#redundancy). Increments are such combinations of the iterate's gradients, but multipliers begin with those of the last step, and away
+/// at the end of the step (theory/multibody#redundancy). Increments are such combinations of the iterate's gradients, but multipliers begin with those of the last step, and away
 /// from the solution redundant equations contradict each other in second order. So the first two linear equations of a step are written for the multipliers themselves
 /// and not for their increments (`LocalContribution::shift`), as if they began at zero: the second is at gradients that are nearly the last. What the compliance takes
 /// of the forces there is `eps` of them, and the iterations after them give it back.

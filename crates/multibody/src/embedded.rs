@@ -4,7 +4,7 @@
 /// point or direction of the ground.
 ///
 /// Whatever acts on such a point acts on its carriers with the weights, `f_k = w_k f`: the work is the same, and so is the moment `sum q_k x f_k = u x f`
-/// (docs/theory/multibody.md#embedded).
+/// (theory/multibody#embedded).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Embedded {
     /// `c`.

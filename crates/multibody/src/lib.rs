@@ -1,6 +1,6 @@
 //! Rigid bodies without rotation parameters, beams, strings, springs and joints, for one energy-momentum scheme together with solids and contact.
 //!
-//! The unknowns are vectors in space only: positions and directors (thesis chapter 2; docs/theory/multibody.md). A [`RigidBody`] has four of them, the
+//! The unknowns are vectors in space only: positions and directors (theory/multibody; thesis chapter 2). A [`RigidBody`] has four of them, the
 //! node of a beam four, the node of a string one. Masses are constant, strains and joints are at most quadratic functions of the vectors
 //! ([`Quadratics`]), and every force is made of their gradients: linear and angular momentum are exact in every scheme that takes gradients at the midpoint, energy
 //! in the energy-momentum scheme.

@@ -1,5 +1,5 @@
 //! Functions of the configuration that are quadratic in `q`: strains, squared lengths, angles between directions. Forces of energies and of multipliers
-//! are made of their gradients (docs/theory/multibody.md#invariants).
+//! are made of their gradients (theory/multibody#invariants).
 //!
 //! `phi_k(q) = c_k + sum_t f_t a_t(q) . b_t(q)` with vectors `a`, `b` linear in `q`. Their gradients are linear in `q`, so `grad phi(q_mid) . dq = phi(q_np1) - phi(q_n)`
 //! holds exactly; where the `phi_k` are the same in every frame, so are the moments of the forces made of them zero about `q_mid`.

@@ -176,7 +176,7 @@ mod tests {
         assert!((rectangle_torsion([1.0, 1.0]) - 0.140_577_014_955).abs() < 1e-11);
     }
 
-    /// The beam of the thesis, (E.1): all four values, with `J = a^4 / 6`.
+    /// The beam of the thesis (E.1): all four values, with `J = a^4 / 6`.
     #[test]
     fn section_of_the_lever() {
         let (a, material) = (0.02_f64, SectionMaterial { young: 1.1e10, poisson: 0.5, density: 750.0 });

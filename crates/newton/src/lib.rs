@@ -1,7 +1,7 @@
 //! Newton iteration, line search, convergence tests, stop reasons.
 //!
 //! The iteration `K du = -R`, `q <- q + s du` for a problem that knows its own residual `R`, tangent `K` and iterate `q`
-//! (formulation §9, "Newton"). This crate decides when to go on, when to stop, how long a step is and why; it keeps a
+//! (theory/linear-solvers#tolerance). This crate decides when to go on, when to stop, how long a step is and why; it keeps a
 //! record of every iteration.
 //!
 //! It is *not* a solver of linear systems, knows no active set (a problem that changes its set of equations inside

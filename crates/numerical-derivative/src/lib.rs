@@ -1,7 +1,7 @@
 //! Numerical tangents (thesis D.1): forward, backward and central differences, and the complex step.
 //!
 //! * [`derivative`]: of a function of one variable;
-//! * [`directional_derivative`], [`jacobian`]: of `R^n -> R^m`, along a seed vector (D.5) or all of it;
+//! * [`directional_derivative`], [`jacobian`]: of `R^n -> R^m`, along a seed vector or all of it;
 //! * [`check_jacobian`], [`compare_jacobians`]: an analytic Jacobian against a numerical one, with the worst entry;
 //! * [`study`], [`optimum`]: error against step size.
 //!

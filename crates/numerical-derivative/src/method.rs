@@ -6,13 +6,13 @@ use std::fmt;
 /// How a derivative is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// `(f(x + h) - f(x))/h`, first order (D.1).
+    /// `(f(x + h) - f(x))/h`, first order.
     Forward,
-    /// `(f(x) - f(x - h))/h`, first order (D.2).
+    /// `(f(x) - f(x - h))/h`, first order.
     Backward,
-    /// `(f(x + h) - f(x - h))/(2 h)`, second order, twice the evaluations (D.3).
+    /// `(f(x + h) - f(x - h))/(2 h)`, second order, twice the evaluations.
     Central,
-    /// `Im f(x + i h)/h`, second order without any cancellation (D.4); holomorphic functions only.
+    /// `Im f(x + i h)/h`, second order without any cancellation; holomorphic functions only.
     ComplexStep,
 }
 

@@ -63,7 +63,7 @@ impl Workspace {
     }
 }
 
-/// `Df(x) p` into `out` (`m` entries) for a seed vector `p` (D.5); one or two evaluations, whatever `n`.
+/// `Df(x) p` into `out` (`m` entries) for a seed vector `p`; one or two evaluations, whatever `n`.
 ///
 /// The step is taken for the largest entries of `x` and `p`: `h p` is as long as a step of one argument.
 ///

@@ -1,4 +1,4 @@
-//! The trilinear 8-node hexahedron on `[-1, 1]^3` (formulation §3.1).
+//! The trilinear 8-node hexahedron on `[-1, 1]^3` (theory/elements#cells).
 //!
 //! ```text
 //!          7-------6

@@ -1,7 +1,7 @@
 //! Gauss-Legendre rules on the line `[-1, 1]`, the square and the cube.
 //!
 //! A rule of `n` points per direction is exact for polynomials up to degree `2 n - 1` in each coordinate; its weights add up
-//! to 2, 4 or 8. The `2 x 2 x 2` rule integrates the mass matrix of a parallelepiped exactly (formulation §3.1).
+//! to 2, 4 or 8. The `2 x 2 x 2` rule integrates the mass matrix of a parallelepiped exactly (theory/elements#mass).
 //!
 //! Rules for tetrahedra and wedges follow; their weights add up to 1/6 and 1. Those for triangles are in [`crate::triangle`].
 

@@ -1,7 +1,7 @@
 //! Gauss rules on the reference triangle `(0,0), (1,0), (0,1)`.
 //!
 //! The weights of each rule add up to `1/2`, the area of that triangle: an integral over a mapped triangle needs the
-//! determinant of the map and no further factor (formulation §7.2).
+//! determinant of the map and no further factor (theory/segmentation#quadrature).
 
 /// Shape functions of the three vertices at `eta`: `(1 - eta1 - eta2, eta1, eta2)`.
 #[inline]

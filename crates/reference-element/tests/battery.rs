@@ -187,7 +187,7 @@ fn product_rules_are_exact_to_degree_three_in_each_coordinate() {
     }
 }
 
-/// Formulation §3.1: the consistent mass of the reference cube, known in closed form: 8/27 (1/2)^(different coordinates).
+/// theory/elements#mass: the consistent mass of the reference cube, known in closed form: 8/27 (1/2)^(different coordinates).
 #[test]
 fn two_by_two_by_two_integrates_the_mass_of_a_cube() {
     for i in 0..8 {

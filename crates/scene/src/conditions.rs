@@ -12,12 +12,12 @@ named! {
     /// Contact methods.
     ContactMethod {
         /// Node-to-surface: every slave node against the master's facets. The form follows the scheme: with `energy-momentum`
-        /// the energy-momentum element (formulation §6), otherwise the direct one (§4).
+        /// the energy-momentum element (theory/node-to-surface#element), otherwise the direct one (theory/node-to-surface#residual).
         Nts = "nts",
-        /// Node-to-surface by coordinate augmentation (formulation §5): the foot's coordinates are unknowns of each contact. Statics, backward Euler,
+        /// Node-to-surface by coordinate augmentation (theory/coordinate-augmentation): the foot's coordinates are unknowns of each contact. Statics, backward Euler,
         /// generalised-alpha, midpoint; with `energy-momentum` the solids conserve energy, the contact is that of the midpoint rule.
         Cat = "cat",
-        /// Mortar: weighted gaps and pressures on the overlap of the facets (formulation §8.1), whose integrals move with the positions.
+        /// Mortar: weighted gaps and pressures on the overlap of the facets (theory/mortar#eq-gap), whose integrals move with the positions.
         Mortar = "mortar",
     }
 }
@@ -35,7 +35,7 @@ named! {
 }
 
 named! {
-    /// How much of the system of coordinate augmentation is eliminated (formulation §5.1-5.3). The result is the same.
+    /// How much of the system of coordinate augmentation is eliminated (theory/coordinate-augmentation#full). The result is the same.
     Reduction {
         /// Nothing: pressure, two coordinates and two multipliers for each slave node.
         None = "none",
@@ -80,7 +80,7 @@ named! {
 }
 
 named! {
-    /// What an active constraint asks for (formulation §9.3).
+    /// What an active constraint asks for (theory/constraints#eq-modified).
     Constraint {
         /// Zero gap at the end of a step. Energy changes in a step in which a node closes.
         Standard = "standard",
@@ -225,11 +225,11 @@ pub struct Contact {
     /// Size of the system, for `cat` only; `second` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reduction: Option<Reduction>,
-    /// `true`, for `cat` only: leaves the derivative of the gap by the coordinates out of their balance, literally (5.117). At the midpoint a
+    /// `true`, for `cat` only: leaves the derivative of the gap by the coordinates out of their balance, as in (5.117) of the thesis. At the midpoint a
     /// slightly different scheme; momenta are exact all the same.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_gap_term: bool,
-    /// `true`, for the second reduction of `cat` only: leaves the same derivative out of the linear equations, literally (4.70). The result is the
+    /// `true`, for the second reduction of `cat` only: leaves the same derivative out of the linear equations, as in (4.70) of the thesis. The result is the
     /// same.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_gap_slope: bool,

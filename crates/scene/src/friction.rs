@@ -1,4 +1,4 @@
-//! Friction of a contact (formulation §1.4, §10).
+//! Friction of a contact (theory/friction).
 
 use crate::Parameter;
 use crate::names::named;
@@ -20,7 +20,7 @@ named! {
 }
 
 named! {
-    /// Traction in the equations of the midpoint schemes (formulation §10.2). Other schemes take the one at the end of the step.
+    /// Traction in the equations of the midpoint schemes (theory/friction#midpoint). Other schemes take the one at the end of the step.
     MidpointFriction {
         /// Return at the midpoint, the end traction extrapolated: it leaves the cone and alternates.
         A = "a",
@@ -32,7 +32,7 @@ named! {
 }
 
 named! {
-    /// How mortar contact measures the slip of a step (formulation §8.2).
+    /// How mortar contact measures the slip of a step (theory/friction#mortar).
     Slip {
         /// By products of gap vector and facet that no rigid motion changes; momenta and work are exact. The default.
         Objective = "objective",

@@ -1,4 +1,4 @@
-//! Hyperelastic laws and their parameters (formulation §2).
+//! Hyperelastic laws and their parameters (theory/kinematics#laws).
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -75,7 +75,7 @@ impl ElasticModuli {
     }
 }
 
-/// Parameters of the law `mooney-rivlin` (formulation (2.1)): shear modulus `2 (c1 + c2)`, first Lame parameter `2 c + 4 c2`.
+/// Parameters of the law `mooney-rivlin` (theory/kinematics#eq-mooney-rivlin): shear modulus `2 (c1 + c2)`, first Lame parameter `2 c + 4 c2`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -88,7 +88,7 @@ pub struct MooneyRivlin {
     pub c: f64,
 }
 
-/// Parameters of the law `ogden` (formulation §2.4):
+/// Parameters of the law `ogden` (theory/kinematics#eq-ogden):
 /// `W = sum_p mu_p/alpha_p (sum_a lbar_a^alpha_p - 3) + kappa (ln(J)/beta + (J^-beta - 1)/beta^2)` with the isochoric principal
 /// stretches `lbar_a`. Shear modulus `1/2 sum_p mu_p alpha_p`, bulk modulus `kappa`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn lame_parameters_of_the_literature() {
-        // formulation §2.5: E = 2250, nu = 0.3
+        // theory/kinematics#moduli: E = 2250, nu = 0.3
         let moduli = ElasticModuli { young: Some(2250.0), poisson: Some(0.3), ..Default::default() };
         let (lambda, mu) = moduli.lame();
         approx::assert_relative_eq!(lambda, 1298.0769, max_relative = 1e-7);

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 named! {
-    /// Form of the constraints of a tie (formulation §7.5).
+    /// Form of the constraints of a tie (theory/mortar#eq-tie).
     TieForm {
         /// Gap vectors in Cartesian components: linear constraints. Rotations of the whole do no work if the
         /// interface is closed.

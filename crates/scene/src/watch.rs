@@ -36,8 +36,8 @@ named! {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Watch {
-    /// The geometry is checked every so many steps, at least 1; by default as often as it costs little, which follows from the numbers
-    /// of facets and unknowns.
+    /// The geometry is checked every so many steps, at least 1; by default every step with less than 4000 facets, every second one
+    /// with less than 8000, and so on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub every: Option<u32>,
     /// Depth of a node inside another body, in edge lengths of the facet that it passed, from which on a run is wrong; positive. A

@@ -1,7 +1,7 @@
 //! Segmentation of facet pairs: which part of a slave facet lies opposite which part of a master facet.
 //!
 //! Two facets in, quadrilaterals or triangles, convex polygons and triangles out, with the convective coordinates of every vertex on both
-//! facets, its origin ([`Provenance`]), and first derivatives with respect to all nodes (formulation §7.1). No
+//! facets, its origin ([`Provenance`]), and first derivatives with respect to all nodes (theory/segmentation). No
 //! contact, no integrals, no mesh.
 //!
 //! # API

@@ -494,7 +494,7 @@ impl System {
     }
 
     /// Compliance of contact between rigid bodies, a length over a force. More nodes touch than three, and their multipliers are not determined: with this on the diagonals of
-    /// the tangent, and not in the residual, the gaps close exactly and the multipliers are those of least norm (docs/theory/multibody.md#redundancy). It is measured against the lightest body
+    /// the tangent, and not in the residual, the gaps close exactly and the multipliers are those of least norm (theory/multibody#redundancy). It is measured against the lightest body
     /// in dynamics, in statics against the present forces: they move an iterate by a small part of the `length` of an edge.
     pub fn rigid_compliance(&self, dt: f64, length: f64) -> f64 {
         let stiffness = if self.has_rates && dt > 0.0 && self.part_mass > 0.0 {

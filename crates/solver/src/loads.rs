@@ -24,13 +24,13 @@ pub enum LoadKind {
         /// One pattern a column of the table.
         patterns: Vec<Vec<(u32, f64)>>,
     },
-    /// Pressure normal to the current surface, positive inwards (formulation §3.3 (c)).
+    /// Pressure normal to the current surface, positive inwards (theory/elements#loads).
     FollowerPressure {
         /// Facets, global nodes, numbered outward.
         facets: Vec<FaceNodes>,
     },
     /// A moment fixed in space on each of some sets of three directors, as forces on them: those of least norm with this moment, `m x D_k / (2 l^2)` for orthogonal directors of length `l`
-    /// (docs/theory/multibody.md#moments). Its work is that of `f . dq`; it has no potential.
+    /// (theory/multibody#moments). Its work is that of `f . dq`; it has no potential.
     Moment {
         /// Global numbers of the directors.
         directors: Vec<[u32; 3]>,

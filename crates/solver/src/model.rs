@@ -402,9 +402,9 @@ pub struct ContactPair {
     pub name: String,
     /// The method.
     pub method: Coupling,
-    /// `c` of formulation §1.6: active if `p - c gap > 0`; about Young's modulus over the edge length.
+    /// `c` of theory/constraints#eq-active-set: active if `p - c gap > 0`; about Young's modulus over the edge length.
     pub complementarity: f64,
-    /// Whether the energy that closing gaps cost in a step goes back into the velocities at its end (docs/theory/mortar.md). For methods that tell it and under
+    /// Whether the energy that closing gaps cost in a step goes back into the velocities at its end (theory/mortar#restore). For methods that tell it and under
     /// schemes whose contact forces do the work of the gaps.
     pub restores: bool,
 }
@@ -422,7 +422,7 @@ pub struct Model {
     pub parts: Vec<Box<dyn Part>>,
     /// Nodes that are carried by others.
     pub embedding: Embedding,
-    /// Embedded nodes that are vertices of the surface that contact sees of a quadratic face (docs/theory/elements.md#contact), each with the node in whose place it is, if
+    /// Embedded nodes that are vertices of the surface that contact sees of a quadratic face (theory/elements#contact), each with the node in whose place it is, if
     /// there is one. Frames show that node and not the vertex.
     pub traces: BTreeMap<u32, Option<u32>>,
     /// Prescribed motion.

@@ -10,8 +10,8 @@ use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
 use stoss_integrators::Step;
 use stoss_newton::{NewtonOptions, NewtonReport, ResidualNorms, StopReason, solve};
 
-/// Solutions with one set and one pairing each that are tried in a step before it is given up (formulation §9.1 allows 20 changes of the
-/// set; changes of pairings alone come in between).
+/// Solutions with one set and one pairing each that are tried in a step before it is given up: room for 20 changes of the
+/// set with as many changes of pairings alone in between (theory/constraints#eq-active-set).
 const MAX_ROUNDS: usize = 40;
 
 /// Residual at which the active set is looked at for the first time. The set is settled long before the last digits are;
@@ -19,7 +19,7 @@ const MAX_ROUNDS: usize = 40;
 /// 1e-2, 67 with 1e-1.)
 const LOOSE_TOLERANCE: f64 = 1.0e-2;
 
-/// Iterates of a quasi-static step after which the active set is looked at without waiting for a solution (formulation §9.1: semi-smooth Newton).
+/// Iterates of a quasi-static step after which the active set is looked at without waiting for a solution (theory/constraints#looks).
 /// A set that has not settled by then is changed at solutions only, with a memory against cycling.
 const EARLY_LOOKS: u32 = 8;
 

@@ -70,7 +70,7 @@ pub struct StepEvent {
     pub kinetic: f64,
     /// Strain energy.
     pub strain: f64,
-    /// Total of the ledger, see `balance.csv`.
+    /// Column `total` of `balance.csv`.
     pub total: f64,
     /// Contact, if the scene has any.
     pub contact: Option<ContactEvent>,

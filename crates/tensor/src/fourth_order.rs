@@ -43,7 +43,7 @@ impl Tensor4 {
         Self(a.0.map(|x| b.0.map(|y| x * y)))
     }
 
-    /// `-(A_ik A_jl + A_il A_jk)/2`. With `A = C^-1` this is `d C^-1 / d C` (formulation §2).
+    /// `-(A_ik A_jl + A_il A_jk)/2`. With `A = C^-1` this is `d C^-1 / d C` (theory/kinematics#eq-identities).
     #[inline]
     pub fn inverse_derivative(inverse: &SymmetricTensor2) -> Self {
         let [xx, yy, zz, xy, yz, xz] = inverse.0;

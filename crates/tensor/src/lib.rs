@@ -1,6 +1,6 @@
 //! Second- and fourth-order 3-D tensors, invariants, spectral forms and their derivatives.
 //!
-//! Symmetric tensors are stored as six *plain* components in the order 11, 22, 33, 12, 23, 13 (formulation §1.7); full
+//! Symmetric tensors are stored as six *plain* components in the order 11, 22, 33, 12, 23, 13 (theory/kinematics#voigt); full
 //! tensors and vectors are nalgebra's. This crate knows no kinematics and no material.
 
 mod fourth_order;

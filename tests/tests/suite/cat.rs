@@ -1,4 +1,4 @@
-//! Coordinate augmentation in whole models: the three sizes of the system, the direct form, momenta (formulation §5, §13.2).
+//! Coordinate augmentation in whole models: the three sizes of the system, the direct form, momenta (theory/coordinate-augmentation, theory/examples#two-elements).
 
 use crate::support::{drift, simulation, two_blocks};
 use stoss::solver::{Simulation, StepRecord};
@@ -8,7 +8,7 @@ const FRICTION: &str = r#"friction = { law = "coulomb", mu = 0.5, penalty = 1e4 
 /// The default: exact stick.
 const EXACT: &str = r#"friction = { law = "coulomb", mu = 0.5 }"#;
 
-/// Formulation §13.2 (thesis, table 6.2); `contact`: the keys of the contact after its surfaces.
+/// The two elements of theory/examples#two-elements (thesis, table 6.2); `contact`: the keys of the contact after its surfaces.
 fn impact(scheme: &str, step: f64, end: f64, contact: &str) -> Simulation {
     simulation(&two_blocks(scheme, step, end, [0.0; 3], contact))
 }
@@ -180,7 +180,7 @@ fn momenta_are_constant() {
     }
 }
 
-/// (5.117) without `b_f p`: another scheme at the midpoint, though hardly.
+/// Thesis (5.117), without `b_f p`: another scheme at the midpoint, though hardly.
 #[test]
 fn the_dropped_term_matters_at_the_midpoint_only() {
     let far = |scheme: &str, step: f64| {

@@ -43,7 +43,7 @@ fn energy_drift(total: &[f64]) -> f64 {
     total.iter().map(|e| (e - total[0]).abs()).fold(0.0, f64::max) / total[0]
 }
 
-/// Source: formulation §16, from an independent program in Python.
+/// Source: theory/examples#reference-values, from an independent program in Python.
 #[test]
 fn pressures_of_the_first_step() {
     let mut simulation = simulation(&two_blocks("energy-momentum", "modified", 0.1));

@@ -55,7 +55,7 @@ fn uniaxial_stress() -> f64 {
 }
 
 /// The nodal forces of a uniform pressure pass through the interface exactly, whatever the cells on both sides: the stress is uniform
-/// (docs/theory/elements.md#contact). Of ties as far as the closing of their gaps at the start goes.
+/// (theory/elements#contact). Of ties as far as the closing of their gaps at the start goes.
 #[test]
 fn a_uniform_pressure_passes_between_any_cells() {
     let mortar = "[[contact]]\nmethod = \"mortar\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\n";

@@ -1,4 +1,4 @@
-//! Friction of whole models: a block on an incline, a block that stops, two blocks that hit each other (formulation §13.2).
+//! Friction of whole models: a block on an incline, a block that stops, two blocks that hit each other (theory/examples#two-elements).
 
 use crate::support::{drift, simulation, two_blocks};
 use stoss::solver::{Balance, DecisionKind, Simulation};
@@ -281,7 +281,7 @@ fn a_block_stops_at_the_analytic_distance() {
     }
 }
 
-/// Formulation §13.2 (thesis, table 6.2) with mu = 1/2.
+/// The two elements of theory/examples#two-elements (thesis, table 6.2) with mu = 1/2.
 fn impact(scheme: &str, step: f64, end: f64, friction: &str) -> Simulation {
     impact_with(scheme, step, end, &format!("friction = {friction}"))
 }

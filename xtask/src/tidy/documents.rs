@@ -1,5 +1,6 @@
-//! Rules for Markdown: paths that a document names exist.
+//! Rules for Markdown: paths that a document names exist, and so do the anchors of its links.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
 use super::Finding;
@@ -7,9 +8,15 @@ use super::Finding;
 /// Folders at the root; a word that starts with one of them is meant as a path.
 const FOLDERS: [&str; 6] = ["crates/", "docs/", "scenes/", "tests/", "xtask/", ".ci/"];
 
-/// All findings of one document; `exists` answers for paths from the root.
-pub fn check(file: &str, content: &str, exists: impl Fn(&Path) -> bool) -> Vec<Finding> {
+/// All findings of one document; `exists` and `anchors_of` (nothing for what is no text) answer for paths from the root.
+pub fn check(
+    file: &str,
+    content: &str,
+    exists: impl Fn(&Path) -> bool,
+    anchors_of: impl Fn(&Path) -> Option<BTreeSet<String>>,
+) -> Vec<Finding> {
     let mut findings = Vec::new();
+    let mut known = BTreeMap::new();
     let mut fenced = false;
     for (number, line) in content.lines().enumerate() {
         if line.trim_start().starts_with("```") {
@@ -30,13 +37,49 @@ pub fn check(file: &str, content: &str, exists: impl Fn(&Path) -> bool) -> Vec<F
         }
         if !fenced {
             links(line).into_iter().filter_map(|link| resolve(file, link)).for_each(&mut demand);
+            for (path, anchor) in links(line).into_iter().filter_map(|link| anchored(file, link)) {
+                let found = known.entry(path.clone()).or_insert_with(|| anchors_of(&path));
+                if found.as_ref().is_some_and(|found| !found.contains(anchor)) {
+                    let message = format!("links to {}#{anchor}, which has no such anchor", path.display());
+                    findings.push(Finding::new(file, number + 1, message));
+                }
+            }
         }
     }
     findings
 }
 
+/// Anchors of a document: those that it sets, and those that hosts give to its headings.
+pub fn anchors(content: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut fenced = false;
+    for line in content.lines() {
+        if line.trim_start().starts_with("```") {
+            fenced = !fenced;
+        }
+        if fenced {
+            continue;
+        }
+        let set = line.split("<a id=\"").skip(1).filter_map(|rest| rest.split_once('"'));
+        found.extend(set.map(|(anchor, _)| anchor.to_owned()));
+        let heading = line.trim_start_matches('#');
+        if heading.len() < line.len() && heading.starts_with(' ') {
+            let base = slug(heading.trim());
+            let repeated = (1..).map(|count| format!("{base}-{count}"));
+            found.extend(std::iter::once(base.clone()).chain(repeated).find(|slug| !found.contains(slug)));
+        }
+    }
+    found
+}
+
+/// A heading as an anchor: lower case, hyphens for blanks, no other signs.
+fn slug(heading: &str) -> String {
+    let kept = heading.chars().filter(|symbol| symbol.is_alphanumeric() || [' ', '-', '_'].contains(symbol));
+    kept.flat_map(char::to_lowercase).map(|symbol| if symbol == ' ' { '-' } else { symbol }).collect()
+}
+
 /// What stands between backticks.
-fn quoted(line: &str) -> Vec<&str> {
+pub fn quoted(line: &str) -> Vec<&str> {
     line.split('`').skip(1).step_by(2).collect()
 }
 
@@ -72,6 +115,15 @@ fn resolve(file: &str, link: &str) -> Option<PathBuf> {
     Some(path)
 }
 
+/// Path from the root and anchor of a link to a place in a document.
+fn anchored<'a>(file: &str, link: &'a str) -> Option<(PathBuf, &'a str)> {
+    let (path, anchor) = link.split_once('#')?;
+    if path.is_empty() {
+        return Some((PathBuf::from(file), anchor));
+    }
+    path.ends_with(".md").then(|| resolve(file, link)).flatten().map(|path| (path, anchor))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,7 +131,14 @@ mod tests {
     fn lines(content: &str) -> Vec<usize> {
         let known = ["docs/a.md", "docs", "scenes/b.toml", "crates/x/src"];
         let exists = |path: &Path| known.iter().any(|known| Path::new(known) == path);
-        check("docs/page.md", content, exists).into_iter().map(|finding| finding.line).collect()
+        let anchors_of = |path: &Path| match path.to_str() {
+            Some("docs/page.md") => Some(anchors(content)),
+            Some("docs/a.md") => {
+                Some(anchors("# A `[b]` c, 2\n<a id=\"place\"></a>\n```\n# none\n```\n## A [b] c 2\n"))
+            }
+            _ => None,
+        };
+        check("docs/page.md", content, exists, anchors_of).into_iter().map(|finding| finding.line).collect()
     }
 
     #[test]
@@ -93,8 +152,14 @@ mod tests {
     #[test]
     fn links_must_lead_somewhere() {
         assert!(
-            lines("[a](a.md) [b](../scenes/b.toml) [c](https://example.org/x) [d](#place) [e](a.md#place)").is_empty()
+            lines("[a](a.md) [b](../scenes/b.toml) [c](https://example.org/x) [d](a.md) [e](a.md#place)").is_empty()
         );
         assert_eq!(lines("[a](c.md) ![b](../scenes/d.svg)"), [1, 1]);
+    }
+
+    #[test]
+    fn anchors_of_links_must_exist() {
+        assert!(lines("# Two words\n[a](#two-words) [b](a.md#a-b-c-2) [c](a.md#a-b-c-2-1) [d](a.md#place)").is_empty());
+        assert_eq!(lines("# Two words\n[a](#three-words)\n[b](a.md#a-b-c)\n[c](a.md#none)\n"), [2, 3, 4]);
     }
 }

@@ -1,15 +1,19 @@
 //! `cargo xtask tidy`: habits that no compiler checks.
 //!
 //! A rule is a function from a file's text to findings. To add one, write it in the file that fits (`text` for any text,
-//! `rust` for sources, `documents` for Markdown, `packages` for manifests), call it below, and give it a test that fails
+//! `rust` for sources, `documents` for Markdown, `citations` for what is cited, `terms` for what users read, `packages` for
+//! manifests), call it below, and give it a test that fails
 //! without it.
 
+mod citations;
 mod documents;
 mod packages;
 mod rust;
 mod source;
+mod terms;
 mod text;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
@@ -45,18 +49,23 @@ impl fmt::Display for Finding {
 /// Runs all rules; false if there is a finding.
 pub fn command(workspace: &Workspace) -> Outcome<bool> {
     let files = workspace.files()?;
+    let texts: BTreeMap<String, String> = files
+        .iter()
+        .filter_map(|path| Some((slashes(path), std::fs::read_to_string(workspace.path(path)).ok()?)))
+        .collect();
+    let mut theory = citations::Theory::default();
+    texts.iter().for_each(|(file, content)| theory.add(file, content));
+    let anchors = |path: &Path| texts.get(&slashes(path)).map(|content| documents::anchors(content));
     let mut findings = Vec::new();
-    let mut read = 0;
-    for path in &files {
-        let file = slashes(path);
-        let Ok(content) = std::fs::read_to_string(workspace.path(path)) else { continue };
-        read += 1;
-        findings.extend(text::check(&file, &content));
+    for (file, content) in &texts {
+        findings.extend(text::check(file, content));
+        findings.extend(theory.check(file, content));
+        findings.extend(terms::check(file, content));
         if file.ends_with(".rs") {
-            findings.extend(rust::check(&file, &content));
+            findings.extend(rust::check(file, content));
         }
         if file.ends_with(".md") {
-            findings.extend(documents::check(&file, &content, |path| workspace.path(path).exists()));
+            findings.extend(documents::check(file, content, |path| workspace.path(path).exists(), anchors));
         }
     }
     findings.extend(rust::stale_allowances(|path| files.iter().any(|file| slashes(file) == path)));
@@ -64,7 +73,7 @@ pub fn command(workspace: &Workspace) -> Outcome<bool> {
     for finding in &findings {
         println!("tidy: {finding}");
     }
-    println!("tidy: {read} text files, {} findings", findings.len());
+    println!("tidy: {} text files, {} findings", texts.len(), findings.len());
     Ok(findings.is_empty())
 }
 

@@ -11,13 +11,10 @@ fn is_ours(file: &str) -> bool {
 }
 
 /// Absolute places. Written in halves, so that this file does not name them.
-const PLACES: [&str; 5] = [
-    concat!("/wo", "rk/"),
-    concat!("/ro", "ot/"),
-    concat!("/ho", "me/"),
-    concat!("shared/", "formulation"),
-    concat!("shared/", "checks"),
-];
+const PLACES: [&str; 4] = [concat!("/wo", "rk/"), concat!("/ro", "ot/"), concat!("/ho", "me/"), concat!("shar", "ed/")];
+
+/// The sign before the number of a section. Documents here have anchors, so such a number belongs to a text that is not here.
+const SECTION: char = '\u{a7}';
 
 /// All findings of one file.
 pub fn check(file: &str, content: &str) -> Vec<Finding> {
@@ -26,6 +23,9 @@ pub fn check(file: &str, content: &str) -> Vec<Finding> {
         let mut tell = |message: String| findings.push(Finding::new(file, number + 1, message));
         for place in PLACES.iter().filter(|place| names(line, place)) {
             tell(format!("names {place}, which is outside the repository"));
+        }
+        if cites_a_section(line) {
+            tell("cites a section by its number, of a text outside the repository; cite theory/PAGE#ANCHOR".into());
         }
         if !is_ours(file) {
             continue;
@@ -53,6 +53,13 @@ fn names(line: &str, place: &str) -> bool {
     line.match_indices(place).any(|(at, _)| !line[..at].ends_with(|before: char| before.is_alphanumeric()))
 }
 
+/// True for the sign of a section, or the word "formulation", before a number.
+fn cites_a_section(line: &str) -> bool {
+    let number = |rest: &str| rest.trim_start_matches([' ', '(']).starts_with(|next: char| next.is_ascii_digit());
+    let word = concat!("formul", "ation ");
+    line.split(SECTION).skip(1).any(number) || line.to_lowercase().split(word).skip(1).any(number)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,5 +83,15 @@ mod tests {
         let text = format!("see {}formulation.md\n", PLACES[0]);
         assert_eq!(messages("notes", &text).len(), 1);
         assert!(messages("notes", &format!("force{}power\n", PLACES[0])).is_empty());
+        assert_eq!(messages("a.rs", &format!("// ../{}other.md\n", PLACES[3])).len(), 1);
+    }
+
+    #[test]
+    fn sections_of_other_texts_are_not_cited() {
+        for line in [format!("// {SECTION}4.2"), format!("{SECTION} 1"), concat!("(formul", "ation (3.2))").to_owned()]
+        {
+            assert_eq!(messages("a.toml", &format!("# fine\n{line}\n"))[0].0, 2, "{line}");
+        }
+        assert!(messages("a.md", &format!("{SECTION} is a sign, a formul{} of 2004\n", "ation")).is_empty());
     }
 }

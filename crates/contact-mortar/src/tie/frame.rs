@@ -181,7 +181,7 @@ pub(super) fn response(z0: &Stage, z1: &Stage, lambda: &[f64], rule: ContactRule
     Some(out)
 }
 
-/// Discrete gradient of `Phi_3` in the manner of formulation §8.3: the director `d = b_1 x b_2` counts as a vector
+/// Discrete gradient of `Phi_3` (theory/mortar#eq-director): the director `d = b_1 x b_2` counts as a vector
 /// of its own with the constraints `d . b_1 = d . b_2 = 0` and `(d . d - (b_1 . b_1) (b_2 . b_2) + (b_1 . b_2)^2) /
 /// 2 = 0`, all of them at most quadratic in scalar products; `d` and their multipliers `mu` are eliminated.
 struct Director {

@@ -1,4 +1,4 @@
-//! Mesh tying: two surfaces that stay together for good (formulation §7.4-7.5).
+//! Mesh tying: two surfaces that stay together for good (theory/mortar#tying).
 //!
 //! The surfaces are segmented once, in the reference configuration; the integrals are constants of the run. Every
 //! slave node `A` has a gap vector

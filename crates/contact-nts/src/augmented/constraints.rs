@@ -1,5 +1,5 @@
 //! The constraints of the augmentation, `Phi_A,a = r . a_a` and `Phi_N = r . n` with `r = x - x(f)`, as functions of the 15 positions and
-//! the two coordinates, with first and second derivatives (formulation §5.1).
+//! the two coordinates, with first and second derivatives (theory/coordinate-augmentation#constraints).
 //!
 //! `r`, `a_1`, `a_2` are linear in the positions at fixed coordinates, and bilinear in the coordinates. All derivatives are made of
 //! theirs by the product rule; only the normal needs the derivatives of a unit vector.

@@ -1,4 +1,4 @@
-//! One slot's element: residual and tangent of the full augmented system, and their reductions (formulation §5.1-5.4).
+//! One slot's element: residual and tangent of the full augmented system, and their reductions (theory/coordinate-augmentation#full).
 
 use super::constraints::{Constraints, UNKNOWNS};
 use super::{AugmentedOptions, Reduction};
@@ -124,7 +124,7 @@ pub(crate) struct Dense {
 }
 
 impl Equations<'_> {
-    /// Multipliers `lambda_A` for which the coordinates' row vanishes, (5.2).
+    /// Multipliers `lambda_A` for which the coordinates' row vanishes, theory/coordinate-augmentation#eq-first.
     pub fn multipliers(&self) -> Option<[f64; 2]> {
         let b = self.force.gap_by_coordinates();
         let p = if self.options.drop_gap_term { 0.0 } else { self.pressure };

@@ -1,4 +1,4 @@
-//! The coordinate augmentation technique (formulation §5, thesis chapter 4).
+//! The coordinate augmentation technique (theory/coordinate-augmentation; thesis chapter 4).
 //!
 //! The convective coordinates `f` of the foot of a slave node are unknowns, and `Phi_A = (x - x(f)) . a_a(f) = 0` is a constraint with two
 //! multipliers: constraints and friction are then explicit functions, and no derivative of a projection is needed. Three sizes of one
@@ -7,15 +7,15 @@
 //! | [`Reduction`] | unknowns beside the positions | rows |
 //! |---|---|---|
 //! | `None` | `p`, `f`, `lambda_A` | gap, balance of `f`, `Phi_A`: 20 an element |
-//! | `First` | `p`, `f` | `lambda_A` follows from the balance of `f`, (5.2) |
-//! | `Second` | `p` | `f` follows from the linearised `Phi_A`, (5.3)-(5.4); it iterates with Newton's method |
+//! | `First` | `p`, `f` | `lambda_A` follows from the balance of `f`, theory/coordinate-augmentation#eq-first |
+//! | `Second` | `p` | `f` follows from the linearised `Phi_A`, theory/coordinate-augmentation#eq-second; it iterates with Newton's method |
 //!
 //! Forces are those of the end point (`EndPoint`) or of `q_mid`, `f_mid = (f_n + f_np1) / 2` (`Midpoint`; `EnergyMomentum` is taken
 //! as that: the solids have their conserving stress, the contact has not). The gradients of both constraints have neither resultant nor moment
 //! at any `f`: momenta are exact for every gap, slip and traction. The energy is that of the direct form.
 //!
 //! Search, pairing, history, friction laws and return mapping are those of [`NodeToSurface`]. Over an edge `f_n` is the foot of the old
-//! position on the extension of the new facet, and slip is measured from the old foot as in the direct form (§10.3).
+//! position on the extension of the new facet, and slip is measured from the old foot as in the direct form (theory/friction#eq-feet).
 
 mod constraints;
 mod element;
@@ -53,9 +53,9 @@ pub enum Reduction {
 pub struct AugmentedOptions {
     /// Size of the system.
     pub reduction: Reduction,
-    /// Leaves `b_f p` out of the balance of the coordinates, literally (5.117): at the midpoint a slightly different scheme.
+    /// Leaves `b_f p` out of the balance of the coordinates, literally as in (5.117) of the thesis: at the midpoint a slightly different scheme.
     pub drop_gap_term: bool,
-    /// Leaves `b_f` out of the second reduction (5.4), literally (4.70): the same solution, tangents exact where the foot is.
+    /// Leaves `b_f` out of the second reduction, literally as in (4.70) of the thesis (theory/coordinate-augmentation#second): the same solution, tangents exact where the foot is.
     pub drop_gap_slope: bool,
 }
 
@@ -416,7 +416,7 @@ impl Constraint for CoordinateAugmented {
             let f = [values[0] / length, values[1] / length];
             let end = Constraints::new(&element.local(step.q_np1), element.end.kind(), f).ok_or_else(failed)?;
             let du = element.local(increment);
-            // (5.3): df = -A_f^-1 (Phi_A + A_q dq).
+            // theory/coordinate-augmentation#eq-second: df = -A_f^-1 (Phi_A + A_q dq).
             let rhs = [0, 1].map(|al| {
                 let change: f64 = end.foot_gradient[al][..LOCAL].iter().zip(&du).map(|(a, d)| a * d).sum();
                 -(end.foot[al] + change)

@@ -4,7 +4,7 @@ use super::check;
 use super::law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
 use crate::ContactError;
 
-/// Coulomb's law `|tau| <= mu p` (formulation §1.4).
+/// Coulomb's law `|tau| <= mu p` (theory/friction#eq-coulomb).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coulomb {
     mu: f64,

@@ -50,7 +50,7 @@ pub trait FrictionLaw: Send + Sync + std::fmt::Debug {
     }
 }
 
-/// The trial traction, scaled back to a `bound` where it is beyond (return mapping, thesis (5.110)-(5.112)).
+/// The trial traction, scaled back to a `bound` where it is beyond (return mapping, theory/friction#eq-return; thesis (5.110)-(5.112)).
 ///
 /// `d_pressure` and `d_slip` are the derivatives of the bound. At the kink the sticking branch is taken.
 pub fn return_to_bound(trial: Plane, bound: f64, d_pressure: f64, d_slip: Plane) -> FrictionOutput {

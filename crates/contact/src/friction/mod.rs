@@ -1,4 +1,4 @@
-//! Friction of one contact point: laws and their time stepping (formulation §1.4, §10).
+//! Friction of one contact point: laws and their time stepping (theory/friction).
 //!
 //! * [`FrictionLaw`]: tangential traction from pressure, trial traction, slip and step size. The catalogue: [`Coulomb`],
 //!   [`StaticDynamic`], [`Regularised`]. A law of one's own implements the trait and needs nothing else;

@@ -1,11 +1,11 @@
-//! The step of one contact point by return mapping (formulation §10).
+//! The step of one contact point by return mapping (theory/friction#step).
 
 use super::check;
 use super::law::{FrictionInput, FrictionLaw, FrictionOutput, Plane};
 use crate::{ContactError, SlotFriction};
 use std::sync::Arc;
 
-/// Which traction of the step is in the equations of a midpoint scheme (formulation §10.2). Backward Euler and statics take the one at the end.
+/// Which traction of the step is in the equations of a midpoint scheme (theory/friction#midpoint). Backward Euler and statics take the one at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MidpointFriction {
     /// Return at the midpoint; the end traction is extrapolated (Armero and Petoecz). It leaves the cone and alternates.

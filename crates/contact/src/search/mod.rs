@@ -116,7 +116,7 @@ impl MasterPoint {
 /// Tolerances of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchOptions {
-    /// How far beyond a rim contact is kept, in halves of an edge as `FacetKind::excess` counts (formulation §4.1: 1e-3 .. 5e-2). Zero would lose a node that sits
+    /// How far beyond a rim contact is kept, in halves of an edge as `FacetKind::excess` counts (theory/node-to-surface#search). Zero would lose a node that sits
     /// on the rim to round-off.
     pub overhang: f64,
     /// How far beyond an edge [`SearchView::pair`] keeps the facet that a node had, in halves of an edge. Without it a node on an edge

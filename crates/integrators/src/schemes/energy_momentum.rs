@@ -1,4 +1,4 @@
-//! Energy-momentum scheme (formulation §11, thesis (5.62)).
+//! Energy-momentum scheme (theory/integrators#eq-energy-momentum; thesis (5.62)).
 
 use super::midpoint::mean_velocity;
 use crate::{Claims, ForceRule, GradientRule, Scheme, StepRule};
@@ -26,7 +26,7 @@ impl Scheme for EnergyMomentum {
     }
 }
 
-/// The energy-momentum scheme on the system with augmented coordinates (CAT, formulation §5.1, §12): an invariant of the configuration becomes a
+/// The energy-momentum scheme on the system with augmented coordinates (CAT, theory/integrators#eq-spring-augmented): an invariant of the configuration becomes a
 /// coordinate without mass, tied by a constraint that is quadratic in the positions. Its gradient at the midpoint is exact, and the discrete
 /// gradient of the potential is that of a function of one variable.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,4 +1,4 @@
-//! Euler's methods (formulation §11, thesis (5.15)).
+//! Euler's methods (theory/integrators#eq-backward-euler; thesis (5.15)).
 
 use crate::{Claims, Combination, ConstraintTerm, ForceRule, ForceTerm, GradientRule, Scheme, StepRule};
 

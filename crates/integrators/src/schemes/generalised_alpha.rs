@@ -1,14 +1,14 @@
-//! Generalised-alpha family (formulation §11, thesis (5.27)-(5.31), (6.21) corrected, (6.24), (6.25)).
+//! Generalised-alpha family (theory/integrators#eq-generalised-alpha; thesis (5.27)-(5.31), (6.21) corrected, (6.24), (6.25)).
 
 use crate::{Claims, Combination, ConstraintTerm, ForceRule, ForceTerm, GradientRule, HistoryTerm, Scheme, StepRule};
 
 /// How forces are averaged over the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ForceAverage {
-    /// `F((1 - alpha_f) q_np1 + alpha_f q_n)`, as in (6.21).
+    /// `F((1 - alpha_f) q_np1 + alpha_f q_n)`, as in (6.21) of the thesis.
     #[default]
     Configuration,
-    /// `(1 - alpha_f) F(q_np1) + alpha_f F(q_n)`, as in (5.27).
+    /// `(1 - alpha_f) F(q_np1) + alpha_f F(q_n)`, as in (5.27) of the thesis.
     Forces,
 }
 
@@ -33,7 +33,7 @@ pub struct GeneralisedAlpha {
 }
 
 impl GeneralisedAlpha {
-    /// Second-order member with `beta = (1 - alpha_m + alpha_f)^2 / 4`, which damps high frequencies most (5.31).
+    /// Second-order member with `beta = (1 - alpha_m + alpha_f)^2 / 4`, which damps high frequencies most: thesis (5.31).
     fn optimal(name: &'static str, alpha_m: f64, alpha_f: f64) -> Self {
         let s = 1.0 - alpha_m + alpha_f;
         Self { name, alpha_m, alpha_f, beta: 0.25 * s * s, gamma: s - 0.5, average: ForceAverage::default() }

@@ -1,4 +1,4 @@
-//! Midpoint rule (formulation §11, thesis (5.22)).
+//! Midpoint rule (theory/integrators#eq-midpoint; thesis (5.22)).
 
 use crate::{Claims, Combination, ConstraintTerm, ForceRule, ForceTerm, GradientRule, Scheme, StepRule};
 

@@ -1,4 +1,4 @@
-//! Trapezoidal rule (formulation §11, thesis (5.19)).
+//! Trapezoidal rule (theory/integrators#eq-trapezoidal; thesis (5.19)).
 
 use super::midpoint::mean_velocity;
 use crate::{Claims, ForceRule, ForceTerm, GradientRule, HistoryTerm, Scheme, StepRule};

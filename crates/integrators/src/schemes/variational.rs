@@ -1,4 +1,4 @@
-//! Variational integrator with the generalised midpoint rule (formulation §11, thesis (5.42), (6.27)-(6.30)).
+//! Variational integrator with the generalised midpoint rule (theory/integrators#eq-variational; thesis (5.42), (6.27)-(6.30)).
 
 use crate::{Claims, Combination, ConstraintTerm, ForceRule, ForceTerm, GradientRule, Scheme, StepRule};
 

@@ -6,7 +6,7 @@ use crate::error::parameter;
 use crate::{Mesh, MeshError};
 
 /// A spherical shell about the origin, meshed as a cubed sphere: the faces of a cube, divided evenly in angle
-/// (`tan` mapping) and projected onto concentric spheres (formulation §13.1).
+/// (`tan` mapping) and projected onto concentric spheres (theory/examples#ball-plate).
 ///
 /// `divisions = [n, layers]` gives `6 n^2 layers` elements and `(6 n^2 + 2)(layers + 1)` nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -50,7 +50,7 @@ impl Block {
     }
 }
 
-/// A block with eight arbitrary corners and trilinear coordinates in between, as the lower block of formulation §13.2.
+/// A block with eight arbitrary corners and trilinear coordinates in between, as the lower block of theory/examples#two-elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hexahedron {
     /// The corners in the order of `hex8`: bottom counter-clockwise seen from the top, then top.
@@ -82,7 +82,7 @@ impl Hexahedron {
     }
 }
 
-/// The indenter of formulation §13.6: a block whose bottom is part of a sphere of radius `R` that touches `z = 0` on the axis,
+/// The indenter of theory/examples#rotating-indenter: a block whose bottom is part of a sphere of radius `R` that touches `z = 0` on the axis,
 /// `z_b = R - sqrt(R^2 - x^2 - y^2)`, and whose top is plane; nodes lie on vertical lines, `z = z_b + (h - z_b) zeta`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Indenter {
@@ -99,7 +99,7 @@ pub struct Indenter {
 }
 
 impl Indenter {
-    /// The indenter of formulation §13.6: `[-1, 1]^2`, height 1.5, radius 2, 10 x 10 x 7 elements.
+    /// The indenter of theory/examples#rotating-indenter: `[-1, 1]^2`, height 1.5, radius 2, 10 x 10 x 7 elements.
     pub fn literature() -> Indenter {
         Indenter { width: [2.0; 2], height: 1.5, radius: 2.0, divisions: [10, 10, 7], grading: UNIFORM }
     }

@@ -5,7 +5,7 @@ use crate::error::parameter;
 use crate::transform::sin_cos_degrees;
 use crate::{Mesh, MeshError};
 
-/// A hollow torus about the z-axis with its centre at the origin (formulation §13.3): the point at ring angle `phi`, tube angle
+/// A hollow torus about the z-axis with its centre at the origin (theory/examples#tori): the point at ring angle `phi`, tube angle
 /// `theta` and tube radius `r` is `((R + r cos theta) cos phi, (R + r cos theta) sin phi, r sin theta)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HollowTorus {

@@ -1,4 +1,4 @@
-//! A mass point that falls on rigid ground (formulation §9.4, thesis (5.76)-(5.95)).
+//! A mass point that falls on rigid ground (theory/constraints#mass-point; thesis (5.76)-(5.95)).
 
 use crate::{ConstraintForm, ModelProblem};
 use nalgebra::DMatrix;
@@ -22,7 +22,7 @@ pub struct MassPoint {
 }
 
 impl MassPoint {
-    /// The data of formulation §9.4: `m = 1`, `g = 9.81`, `h = 5`, `x_0 = 15`, `v_0 = -5`.
+    /// The data of theory/constraints#mass-point: `m = 1`, `g = 9.81`, `h = 5`, `x_0 = 15`, `v_0 = -5`.
     pub fn new(form: ConstraintForm) -> Self {
         Self { mass: 1.0, gravity: 9.81, ground: 5.0, height: 15.0, velocity: -5.0, form }
     }

@@ -1,4 +1,4 @@
-//! Nonlinear springs (formulation §12, thesis (6.1)-(6.45)).
+//! Nonlinear springs (theory/integrators#spring; thesis (6.1)-(6.45)).
 
 use crate::ModelProblem;
 use nalgebra::DMatrix;
@@ -45,7 +45,7 @@ impl Spring {
         let f = self.stiffness * 0.5 * (self.strain(r_n) + self.strain(r_1));
         mean(r_n, r_1).map(|x| f * x)
     }
-    /// (6.34): `c/2 e_mid 1 + c/(2 L^2) r_mid (x) r_np1`.
+    /// theory/integrators#eq-spring-ems: `c/2 e_mid 1 + c/(2 L^2) r_mid (x) r_np1`.
     pub fn discrete_stiffness(&self, r_n: Vector, r_1: Vector) -> [Vector; 3] {
         let f = 0.5 * self.stiffness * 0.5 * (self.strain(r_n) + self.strain(r_1));
         let c = 0.5 * self.stiffness / (self.length * self.length);
@@ -72,7 +72,7 @@ pub(super) fn add_block(k: [Vector; 3], factor: f64, row: usize, column: usize, 
     }
 }
 
-/// A mass at the end of a spring whose other end is fixed at the origin (formulation §12).
+/// A mass at the end of a spring whose other end is fixed at the origin (theory/integrators#spring).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringPendulum {
     /// Stiffness `c`, a force over a length.
@@ -88,7 +88,7 @@ pub struct SpringPendulum {
 }
 
 impl SpringPendulum {
-    /// `L = 1`, `m = 1`, start at `0.8 (1, 0, 1)/sqrt 2` with the momentum `(0, -12.5, 0)`: the data of formulation §12 for a stiffness.
+    /// `L = 1`, `m = 1`, start at `0.8 (1, 0, 1)/sqrt 2` with the momentum `(0, -12.5, 0)`: the data of theory/integrators#spring for a stiffness.
     pub fn with_stiffness(stiffness: f64) -> Self {
         let x = 0.8 / 2.0_f64.sqrt();
         Self { stiffness, length: 1.0, mass: 1.0, position: [x, 0.0, x], momentum: [0.0, -12.5, 0.0] }
@@ -144,7 +144,7 @@ impl ModelProblem for SpringPendulum {
     }
 }
 
-/// [`SpringPendulum`] with the augmented coordinate `w = |q|^2/L^2` (formulation §12, thesis (6.40)): no mass, `V = c L^2/8 (w - 1)^2`, and the constraint
+/// [`SpringPendulum`] with the augmented coordinate `w = |q|^2/L^2` (theory/integrators#eq-spring-augmented; thesis (6.40)): no mass, `V = c L^2/8 (w - 1)^2`, and the constraint
 /// `Phi = w - |q|^2/L^2 = 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AugmentedSpringPendulum(pub SpringPendulum);

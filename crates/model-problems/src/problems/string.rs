@@ -26,7 +26,7 @@ pub struct StringPendulum {
 }
 
 impl StringPendulum {
-    /// The data of the spring of formulation §12 with so many elements, half of the mass in the string.
+    /// The data of the spring of theory/integrators#spring with so many elements, half of the mass in the string.
     pub fn new(elements: usize, stiffness: f64) -> Self {
         Self {
             elements: elements.max(1),

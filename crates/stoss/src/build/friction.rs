@@ -16,7 +16,7 @@ fn law(item: &scene::Friction, laws: &OwnLaws) -> Result<Arc<dyn FrictionLaw>, P
     })
 }
 
-/// True for a rule of the constraint gradients under which there are friction and coordinate augmentation (formulation §4, §5: statics, end point,
+/// True for a rule of the constraint gradients under which there are friction and coordinate augmentation (theory/friction, theory/coordinate-augmentation: statics, end point,
 /// midpoint).
 fn fits(rule: GradientRule) -> bool {
     matches!(rule, GradientRule::EndPoint | GradientRule::Midpoint | GradientRule::DiscreteGradient)

@@ -135,7 +135,7 @@ fn contact(
     let slip = slip_velocities(scene, table, &skin, &rules, model, thickness);
     let has_rates = scene.is_dynamic() || scene.stages.iter().any(|stage| stage.kind == Kind::Dynamic);
     if has_friction && has_rates && slip.is_none() {
-        let message = "friction acts from some speed of slip on, and nothing moves against anything else at the start, which would tell what is small";
+        let message = "friction acts from some speed of slip on, and nothing moves against anything else at the start, from which a small speed could be chosen";
         let remedy = "add `slip_velocity`, about a hundredth of the speed at which bodies will slide";
         // Of the contacts whose edges are left to general contact, if it has none of its own.
         let (key, value) = match table.friction > 0.0 {

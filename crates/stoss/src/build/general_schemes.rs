@@ -28,7 +28,7 @@ pub(super) fn check(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_
             None => "this build of Stoss has no general contact; build it with the cargo feature `general`".to_owned(),
         };
         warnings.push(format!(
-            "`{a}` and `{b}` have no contact and pass through each other: no [[contact]] names them, and {reason}, name pairs, or tell that this is meant by `[general_contact] enabled = false`"
+            "`{a}` and `{b}` have no contact and pass through each other: no [[contact]] names them, and {reason}, name pairs, or set `[general_contact] enabled = false` if this is meant"
         ));
     }
 }

@@ -1,4 +1,4 @@
-//! What the schemes promise to conserve, measured on free flights and impacts (formulation §16).
+//! What the schemes promise to conserve, measured on free flights and impacts (theory/integrators#kept).
 
 use std::path::Path;
 

@@ -83,7 +83,7 @@ pub fn elasticity(law: &dyn HyperelasticLaw, c: &SymmetricTensor2) -> Outcome<Co
     Ok(by_strain(&analytic, &mut stress, c)?)
 }
 
-/// `A` of `dS_alg = A dE_np1` (formulation (3.3)) against central differences of the energy-momentum stress.
+/// `A` of `dS_alg = A dE_np1` (theory/integrators#eq-ems-tangent) against central differences of the energy-momentum stress.
 pub fn energy_momentum(
     law: &dyn HyperelasticLaw,
     (c_n, c_np1): &(SymmetricTensor2, SymmetricTensor2),

@@ -9,7 +9,7 @@ use stoss_numerical_derivative::{Analytic, AnalyticVector, Method, Scalar, Step,
 
 use crate::workspace::Outcome;
 
-/// A law by its parameters: energies of formulation §2, as they are printed there.
+/// A law by its parameters: the energies of theory/kinematics#laws, as they are printed there.
 #[derive(Clone, Copy, Debug)]
 pub enum Energy {
     /// `lambda`, `mu`.
@@ -26,7 +26,7 @@ pub enum Energy {
 pub struct Sample {
     /// Its energy.
     pub energy: Energy,
-    /// Young's modulus and Poisson's ratio of these parameters in the literature (formulation §2.5), with the
+    /// Young's modulus and Poisson's ratio of these parameters in the literature (theory/kinematics#moduli), with the
     /// digits there.
     pub literature: (f64, f64),
 }

@@ -1,4 +1,4 @@
-//! What every hyperelastic law promises (formulation §2, §3.4), measured on all of them.
+//! What every hyperelastic law promises (theory/kinematics#laws, theory/integrators#ems), measured on all of them.
 
 use std::collections::BTreeSet;
 
@@ -222,7 +222,7 @@ fn compressed(law: &dyn HyperelasticLaw) -> Outcome<Vec<(f64, f64)>> {
     (0..=80).map(at).collect()
 }
 
-/// `S_alg : dC/2 = W_np1 - W_n` (formulation (3.2)) for increments of every size.
+/// `S_alg : dC/2 = W_np1 - W_n` (theory/integrators#eq-ems) for increments of every size.
 fn directionality(findings: &mut Findings, law: &dyn HyperelasticLaw) -> Outcome<()> {
     let mut random = Random(6);
     let mut worst = Worst::default();

@@ -1,4 +1,4 @@
-//! The mass point and the mathematical pendulum (figures 5.5, 5.6 and C.4), for the suite `conservation`.
+//! The mass point and the mathematical pendulum (figures 5.5, 5.6 and C.4 of the thesis), for the suite `conservation`.
 
 use super::Findings;
 use super::check::{Bound, Check};

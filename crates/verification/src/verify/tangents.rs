@@ -18,7 +18,7 @@ use super::{Bench, Findings, Suite};
 use crate::plot::{self, Labels, Series};
 use crate::workspace::Outcome;
 
-/// Point 3 of the verification: figure D.1, and every analytic tangent.
+/// Figure D.1 of the thesis, and every analytic tangent.
 pub struct Tangents;
 
 /// The study is at this argument.
@@ -69,7 +69,7 @@ impl Suite for Tangents {
     }
 }
 
-/// `f(x) = sin x + x^4` (D.6).
+/// `f(x) = sin x + x^4`, thesis (D.6).
 struct Example;
 
 impl AnalyticScalar for Example {
@@ -78,12 +78,12 @@ impl AnalyticScalar for Example {
     }
 }
 
-/// `f'(x) = cos x + 4 x^3` (D.7).
+/// `f'(x) = cos x + 4 x^3`, thesis (D.7).
 fn exact(x: f64) -> f64 {
     x.cos() + 4.0 * x.powi(3)
 }
 
-/// Figure D.1 and what must be seen in it.
+/// Figure D.1 of the thesis and what must be seen in it.
 fn example(findings: &mut Findings) -> Outcome<()> {
     let rows = study(&mut Analytic(Example), exact(X), X, &steps(0, -16, 8))?;
     let scene = "figure D.1";

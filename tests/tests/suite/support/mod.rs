@@ -15,7 +15,7 @@ pub fn simulation(text: &str) -> Simulation {
     simulation_in(text, Path::new("."))
 }
 
-/// Scene of the two hexahedra of the thesis's Table 6.2 (formulation §13.2): the upper one falls on the lower one and slides on it. `moved` is
+/// Scene of the two hexahedra of the thesis's Table 6.2 (theory/examples#two-elements): the upper one falls on the lower one and slides on it. `moved` is
 /// added to the position of the upper one; `contact` are the keys of the contact but for its surfaces.
 pub fn two_blocks(scheme: &str, step: f64, end: f64, moved: [f64; 3], contact: &str) -> String {
     format!(

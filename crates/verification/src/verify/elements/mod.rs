@@ -160,7 +160,7 @@ fn table(findings: &mut Findings, caption: &str, head: &[&str], rows: Vec<Vec<St
     });
 }
 
-/// Cook's membrane in plane strain at Poisson's ratio 0.4999: displacement of the upper right corner, against the values of docs/theory/elements.md#choice.
+/// Cook's membrane in plane strain at Poisson's ratio 0.4999: displacement of the upper right corner, against the values of theory/elements#choice.
 fn membrane(findings: &mut Findings, quick: bool) -> Outcome<()> {
     let mut rows = Vec::new();
     let cases: [(&str, &str, f64); 6] = [

@@ -1,6 +1,6 @@
 //! General contact: nothing named, nothing inside anything, energy and momenta to round-off.
 //!
-//! Every scene is held against the same promises, see [`judge`]; what else a case shows is in its own rows. `docs/theory/barrier.md` has the method.
+//! Every scene is held against the same promises, see [`judge`]; what else a case shows is in its own rows. The method is in theory/barrier.
 
 mod closed_forms;
 mod extremes;

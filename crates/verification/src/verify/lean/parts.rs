@@ -155,7 +155,7 @@ enum History {
     WithContact,
 }
 
-/// What a scheme asks for: formulation §11, written down here once more. The rules of the crate `integrators` are what
+/// What a scheme asks for: theory/integrators#schemes, written down here once more. The rules of the crate `integrators` are what
 /// is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SchemeNeeds {

@@ -1,4 +1,4 @@
-//! Which scheme stays bounded at which step size and stiffness: the spring pendulum of formulation §12 over eight decades.
+//! Which scheme stays bounded at which step size and stiffness: the spring pendulum of theory/integrators#spring over eight decades.
 
 use super::super::check::{Bound, Check};
 use super::super::report::{Grid, Section};
@@ -8,7 +8,7 @@ use crate::workspace::Outcome;
 use stoss_integrators::{SCHEMES, Scheme, scheme};
 use stoss_model_problems::{ModelError, SpringPendulum, simulate};
 
-/// One revolution, the slowest period of the problem at any stiffness (formulation §12: `T = 0.63`).
+/// One revolution, the slowest period of the problem at any stiffness (`T = 0.63`).
 const PERIOD: f64 = 0.63;
 
 /// Stiffnesses `c` of the map: eight decades.
@@ -108,7 +108,7 @@ fn verdict(course: &Course) -> Verdict {
     }
 }
 
-/// The map, figures 6.2 to 6.4 and the figures that formulation §12 gives.
+/// The map, figures 6.2 to 6.4 of the thesis, and the factors of theory/integrators#spring.
 pub fn measure(bench: &Bench) -> Outcome<Findings> {
     let mut findings = Findings::default();
     let mut section = Section { title: "stability: step size and stiffness".into(), ..Section::default() };
@@ -173,7 +173,7 @@ pub fn measure(bench: &Bench) -> Outcome<Findings> {
     Ok(findings)
 }
 
-/// The factors of formulation §12 on the stiff spring, largest energy at the step 1e-2 and energy left at 5e-4.
+/// The factors of theory/integrators#spring on the stiff spring, largest energy at the step 1e-2 and energy left at 5e-4.
 fn known_factors(findings: &mut Findings) -> Outcome<()> {
     let stiff = SpringPendulum::stiff();
     for (name, dt, value, tolerance) in [
@@ -224,7 +224,7 @@ fn long_runs(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     Ok(())
 }
 
-/// Figures 6.2 to 6.4: the reference paths, and the energies of all schemes on the stiff spring.
+/// Figures 6.2 to 6.4 of the thesis: the reference paths, and the energies of all schemes on the stiff spring.
 fn figures(findings: &mut Findings) -> Outcome<()> {
     let mut section = Section { title: "figures 6.2, 6.3, 6.4: spring pendulum".into(), ..Section::default() };
     for (title, problem) in

@@ -50,7 +50,7 @@ master = "lower.top"
 constraint = "standard"
 "#;
 
-/// The two blocks of formulation §13.2, which slide on each other.
+/// The two blocks of theory/examples#two-elements, which slide on each other.
 const FRICTION: &str = r#"
 [[body]]
 name = "upper"

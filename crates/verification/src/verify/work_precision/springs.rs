@@ -1,4 +1,4 @@
-//! Work and precision of the soft and the stiff spring (formulation §12).
+//! Work and precision of the soft and the stiff spring (theory/integrators#spring).
 
 use super::curve::{Case, Curve, Point, relative_distance, timed};
 use crate::workspace::Outcome;

@@ -1,4 +1,4 @@
-//! The two blocks of the thesis (formulation §13.2) with a step of a millionth and of ten times its 0.1.
+//! The two blocks of the thesis (theory/examples#two-elements) with a step of a millionth and of ten times its 0.1.
 
 use super::super::case::{CONTACT, Case, Touch};
 use super::super::scene::{Block, Matter, Scene};

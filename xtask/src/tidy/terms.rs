@@ -1,0 +1,108 @@
+//! Rule for what users read: words of the field, and one name for one thing.
+//!
+//! Texts for users are Markdown without that for developers, the descriptions of the scene format, and the string
+//! literals of the crates that speak with users. To ban a phrase, add it to [`TERMS`] with what to write in its place.
+
+use super::Finding;
+use super::source::Source;
+
+/// Phrases that are not used, in lower case, and what says it instead.
+const TERMS: [(&str, &str); 9] = [
+    ("is told", "is reported"),
+    ("are told", "are reported"),
+    ("does not tell", "does not report"),
+    ("lets out", "leaves out"),
+    ("counts beyond an edge", "belongs to the facet beyond the edge"),
+    ("the set stands", "the active set is settled"),
+    ("ledger", "balance of energy, balance.csv"),
+    ("blow of an impact", "force of an impact"),
+    ("looks of the watch", "checks of the watch"),
+];
+
+/// Documents of developers.
+const DEVELOPERS: [&str; 4] = ["docs/ARCHITECTURE.md", "docs/how-to-add/", "docs/verification/", "docs/reuse/"];
+
+/// Crates whose string literals are messages for users.
+const SPEAKERS: [&str; 3] = ["crates/cli/src/", "crates/scene/src/", "crates/stoss/src/"];
+
+/// All findings of one file.
+pub fn check(file: &str, content: &str) -> Vec<Finding> {
+    let lines = read_by_users(file, content);
+    let mut findings = Vec::new();
+    for (number, line) in lines.iter().enumerate() {
+        // A phrase may go on in the next line.
+        let next = lines.get(number + 1).map_or("", |next| next.trim_start());
+        let text = format!("{} {next}", line.trim_end());
+        for (term, instead) in TERMS {
+            if starts(&text, term).any(|at| at < line.len()) {
+                findings.push(Finding::new(file, number + 1, format!("says \"{term}\"; write \"{instead}\"")));
+            }
+        }
+    }
+    findings
+}
+
+/// The lines of a file as far as users read them, in lower case; code in backticks is blank.
+fn read_by_users(file: &str, content: &str) -> Vec<String> {
+    let document = file == "README.md" || file.starts_with("docs/");
+    if document && file.ends_with(".md") && !DEVELOPERS.iter().any(|place| file.starts_with(place)) {
+        content.lines().map(without_code).collect()
+    } else if file == "docs/scene.schema.json" {
+        content.lines().map(|line| without_code(&line.replace("\\n", " "))).collect()
+    } else if file.ends_with(".rs") && SPEAKERS.iter().any(|place| file.starts_with(place)) {
+        strings(content)
+    } else {
+        Vec::new()
+    }
+}
+
+fn without_code(line: &str) -> String {
+    let parts = line.split('`').enumerate();
+    parts.map(|(at, part)| if at % 2 == 0 { part.to_lowercase() } else { " _ ".to_owned() }).collect()
+}
+
+/// The insides of string literals outside of tests; everything else is blank.
+fn strings(content: &str) -> Vec<String> {
+    let source = Source::new(content);
+    let lines = content.split('\n').zip(source.code.iter().zip(&source.comments)).zip(&source.test);
+    let inside = lines.map(|((line, (code, comments)), test)| {
+        let symbols = line.chars().zip(code.chars().zip(comments.chars()));
+        let literal = symbols.map(|(symbol, others)| if others == (' ', ' ') && !test { symbol } else { ' ' });
+        // A backslash joins the next line.
+        literal.collect::<String>().trim_end().trim_end_matches('\\').to_lowercase()
+    });
+    inside.collect()
+}
+
+/// Where a term begins as words of their own.
+fn starts<'a>(text: &'a str, term: &'a str) -> impl Iterator<Item = usize> + 'a {
+    let word = |symbol: char| symbol.is_alphanumeric() || symbol == '_' || symbol == '.';
+    text.match_indices(term).map(|(at, _)| at).filter(move |at| {
+        !text[..*at].ends_with(word) && !text[at + term.len()..].starts_with(|next: char| next.is_alphanumeric())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(file: &str, content: &str) -> Vec<usize> {
+        check(file, content).into_iter().map(|finding| finding.line).collect()
+    }
+
+    #[test]
+    fn documents_of_users_are_read() {
+        assert_eq!(lines("docs/guide.md", "fine\nThat is told, `is told`.\nwhat it\nlets\nout\n"), [2, 4]);
+        assert_eq!(lines("README.md", "The Ledger.\n"), [1]);
+        assert_eq!(lines("docs/scene.schema.json", "\"it is\\ntold\"\n"), [1]);
+        assert!(lines("docs/guide.md", "`solver/ledger.rs`, ledgers, is tolder, this told, outlets out\n").is_empty());
+        assert!(lines("docs/ARCHITECTURE.md", "The ledger.\n").is_empty());
+    }
+
+    #[test]
+    fn messages_are_read_and_comments_are_not() {
+        let text = "// is told\nlet a = \"b is told\";\nlet ledger = \"the \\\n    set stands\";\n#[cfg(test)]\nmod tests {\n    const A: &str = \"is told\";\n}\n";
+        assert_eq!(lines("crates/scene/src/a.rs", text), [2, 3]);
+        assert!(lines("crates/solver/src/a.rs", text).is_empty());
+    }
+}
