@@ -14,6 +14,8 @@
 //!
 //! This crate contains no algorithm: it translates a scene into a [`solver::Model`] and writes what the
 //! [`solver::Simulation`] did.
+//!
+#![cfg_attr(feature = "scene", doc = include_str!("../README.md"))]
 
 pub use stoss_contact as contact;
 #[cfg(feature = "mortar")]
