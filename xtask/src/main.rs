@@ -4,6 +4,7 @@
 //! leaves; the suites that measure a crate (`tangents`, `materials`) call it. Which crates those are is in `layers.toml`.
 
 mod circles;
+mod dist;
 mod layers;
 mod modules;
 mod reuse;
@@ -61,6 +62,8 @@ enum Command {
         /// One picture only.
         scene: Option<String>,
     },
+    /// Writes the archive of a release into target/dist and tries it.
+    Dist,
 }
 
 fn dispatch(command: Command) -> Outcome<bool> {
@@ -73,6 +76,7 @@ fn dispatch(command: Command) -> Outcome<bool> {
         Command::Verify { quick, seed, count, suites } => {
             stoss_verification::verify(&workspace, quick, &suites, RandomRange { seed, count })
         }
+        Command::Dist => dist::command(&workspace),
         Command::Gallery { scene } => gallery::command(&workspace, scene.as_deref()),
     }
 }
