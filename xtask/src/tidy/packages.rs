@@ -12,7 +12,8 @@ pub fn check(workspace: &Workspace) -> Outcome<Vec<Finding>> {
         let source = workspace.read(format!("{}/src/lib.rs", member.folder))?;
         findings.extend(front_page(&member.folder, &source));
     }
-    let list = ["ls-files", "-z", "--others", "--", "*proptest-regressions*"];
+    // Packages that were unpacked to be verified are in the target folder.
+    let list = ["ls-files", "-z", "--others", "--", "*proptest-regressions*", ":!target/"];
     let untracked = capture(workspace.process("git").args(list))?;
     let files = untracked.split('\0').filter(|file| !file.is_empty());
     findings.extend(files.map(|file| Finding::new(file, 0, "a proptest regression that git does not track")));
