@@ -68,8 +68,8 @@ fn split(path: &str) -> Option<(&str, &str)> {
     if path.len() <= 100 {
         return Some(("", path));
     }
-    let places = path.match_indices('/').map(|(at, _)| (&path[..at], &path[at + 1..]));
-    places.filter(|(prefix, name)| prefix.len() <= 155 && name.len() <= 100).next_back()
+    let mut places = path.match_indices('/').map(|(at, _)| (&path[..at], &path[at + 1..]));
+    places.rfind(|(prefix, name)| prefix.len() <= 155 && name.len() <= 100)
 }
 
 #[cfg(test)]
