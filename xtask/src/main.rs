@@ -3,7 +3,9 @@
 //! `schema`, `gallery` and the suites of `verify` that measure scenes run the program `stoss` and read the files that it
 //! leaves; the suites that measure a crate (`tangents`, `materials`) call it. Which crates those are is in `layers.toml`.
 
+mod api;
 mod circles;
+mod dist;
 mod layers;
 mod modules;
 mod reuse;
@@ -30,6 +32,12 @@ enum Command {
     Layers,
     /// Builds each reusable crate alone and compares its dependency list with docs/reuse/.
     Reuse {
+        /// Writes the lists instead of comparing them.
+        #[arg(long)]
+        bless: bool,
+    },
+    /// Compares the public items of the published crates with docs/api/.
+    Api {
         /// Writes the lists instead of comparing them.
         #[arg(long)]
         bless: bool,
@@ -61,6 +69,8 @@ enum Command {
         /// One picture only.
         scene: Option<String>,
     },
+    /// Writes the archive of a release into target/dist and tries it.
+    Dist,
 }
 
 fn dispatch(command: Command) -> Outcome<bool> {
@@ -68,11 +78,13 @@ fn dispatch(command: Command) -> Outcome<bool> {
     match command {
         Command::Layers => layers::command(&workspace),
         Command::Reuse { bless } => reuse::command(&workspace, bless),
+        Command::Api { bless } => api::command(&workspace, bless),
         Command::Tidy => tidy::command(&workspace),
         Command::Schema { check } => schema::command(&workspace, check),
         Command::Verify { quick, seed, count, suites } => {
             stoss_verification::verify(&workspace, quick, &suites, RandomRange { seed, count })
         }
+        Command::Dist => dist::command(&workspace),
         Command::Gallery { scene } => gallery::command(&workspace, scene.as_deref()),
     }
 }

@@ -1,34 +1,10 @@
-//! `cargo xtask reuse`: each reusable crate builds alone and pulls in what its committed list says, nothing more.
+//! `cargo xtask reuse`: each published crate builds alone and pulls in what its committed list says, nothing more.
 
 use std::collections::BTreeSet;
 
 use crate::layers::expected_package;
-use crate::manifest;
+use crate::manifest::{self, Member};
 use crate::workspace::{Outcome, Workspace, capture, read, show, write};
-
-/// Crates that others may want without the rest of Stoss (folders under `crates/`), and the facade with its default features.
-const LEAVES: &[&str] = &[
-    "tensor",
-    "continuum",
-    "materials",
-    "geometry",
-    "reference-element",
-    "mesh",
-    "contact",
-    "contact-nts",
-    "segmentation",
-    "contact-mortar",
-    "integrators",
-    "part",
-    "multibody",
-    "numerical-derivative",
-    "mesh-io",
-    "linalg",
-    "newton",
-    "fe-solid",
-    "solver",
-    "stoss",
-];
 
 /// Lists are made for one platform, so that they are the same on every machine.
 const PLATFORM: &str = "x86_64-unknown-linux-gnu";
@@ -36,7 +12,15 @@ const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 /// Checks (or, with `bless`, writes) the lists, then builds each leaf and each feature of the facade alone.
 pub fn command(workspace: &Workspace, bless: bool) -> Outcome<bool> {
     let mut good = true;
-    for leaf in LEAVES {
+    let members = manifest::members(workspace)?;
+    let leaves = published(&members);
+    for file in workspace.files()?.iter().filter(|file| file.starts_with("docs/reuse")) {
+        if !leaves.iter().any(|leaf| file.file_stem().is_some_and(|stem| stem == *leaf)) {
+            println!("reuse: error: {} belongs to no published crate", file.display());
+            good = false;
+        }
+    }
+    for leaf in leaves {
         let package = expected_package(leaf);
         let found = dependencies(workspace, &package)?;
         let file = workspace.path(format!("docs/reuse/{leaf}.txt"));
@@ -56,13 +40,18 @@ pub fn command(workspace: &Workspace, bless: bool) -> Outcome<bool> {
         return Ok(true);
     }
     good &= builds(workspace, &["-p", "stoss", "--no-default-features"])?;
-    for facade in manifest::members(workspace)?.iter().filter(|member| member.name == "stoss") {
+    for facade in members.iter().filter(|member| member.name == "stoss") {
         for feature in &facade.features {
             good &= builds(workspace, &["-p", "stoss", "--no-default-features", "--features", feature])?;
         }
     }
     println!("reuse: {}", if good { "every leaf stands alone" } else { "see above; --bless accepts new lists" });
     Ok(good)
+}
+
+/// Folders under `crates/` of what others may want without the rest of Stoss, and of the facade: all that may be published.
+fn published(members: &[Member]) -> Vec<&str> {
+    members.iter().filter(|member| member.is_published()).filter_map(Member::crate_name).collect()
 }
 
 /// Names of all packages below `package`, without itself.

@@ -14,6 +14,8 @@
 //! * [`GeneralContact`]: the sum, as a potential of the solver, with the collision detection that keeps iterates from passing through each other.
 //!
 //! Signs: a `gradient` is that of an energy, to be added to a residual; the force on the nodes is minus it.
+//!
+#![doc = include_str!("../README.md")]
 
 mod areas;
 mod general;

@@ -37,6 +37,8 @@
 //! Its stages: `candidates` (pairs that may meet in a step), segmentation (`stoss-segmentation`), `factors` and `weights` (integrals of a slave facet with
 //! derivatives), `slot` (the weighted gap: value, gradient, second derivative), `discrete` and `law` (force and row), `frictional` and `tangential` (friction),
 //! `method` (the contact method, report). `state` has what is built once, what is constant in a step, and slots at one configuration.
+//!
+#![doc = include_str!("../README.md")]
 
 mod candidates;
 mod derivatives;

@@ -9,6 +9,8 @@
 //! * [`augmented`]: the coordinate augmentation technique (theory/coordinate-augmentation) on the same pairings, laws and histories.
 //!
 //! The crate knows neither solids nor the global system.
+//!
+#![doc = include_str!("../README.md")]
 
 pub mod augmented;
 pub mod crossing;

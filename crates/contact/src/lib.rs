@@ -6,6 +6,8 @@
 //! discretisation implements [`ContactMethod`] on top of them, in a crate of its own.
 //!
 //! Not here: forces and tangents (they are a method's), the global system (the solver's), meshes' files.
+//!
+#![doc = include_str!("../README.md")]
 
 pub mod active_set;
 mod carriers;

@@ -2,6 +2,8 @@
 //!
 //! The trait [`HyperelasticLaw`] lives here, one layer below the catalogue, so that a law of a user's own needs no catalogue.
 //! This crate contains no law.
+//!
+#![doc = include_str!("../README.md")]
 
 pub mod discrete_gradient;
 mod measures;

@@ -21,6 +21,8 @@
 //! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress rules at the Gauss
 //! points of one element), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants) and `nodal` (tet4 with averages at nodes), behind the trait `cells::Cells`; [`SolidBody`] (all
 //! elements, order, threads, scatter). A new kind of cell is a line in `blocks` and one in `mass`.
+//!
+#![doc = include_str!("../README.md")]
 
 mod assembly;
 mod block;

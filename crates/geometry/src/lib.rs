@@ -10,6 +10,8 @@
 //!   a pair of them may move without contact;
 //! * [`Aabb`], [`MovingBox`], [`BoundingVolumeTree`]: boxes at rest and in motion, overlap, pairs, and nearest-first
 //!   queries without allocation.
+//!
+#![doc = include_str!("../README.md")]
 
 mod aabb;
 mod advancement;

@@ -14,6 +14,8 @@
 //! One file in `schemes/` with a type that implements [`Scheme`], its [`Claims`] as data, one row in [`SCHEMES`]. The battery
 //! of the crate `model-problems` takes every row of the table and checks each claim, and that what is not claimed does not hold; scenes accept
 //! the new name at once.
+//!
+#![doc = include_str!("../README.md")]
 
 mod registry;
 mod rule;

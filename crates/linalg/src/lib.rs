@@ -9,6 +9,8 @@
 //!
 //! **Invariant: the bits depend on the data only.** Sums run in a fixed order. faer runs sequentially, because its last bits change with its
 //! degree of parallelism; the multifrontal solver has tasks of its own, whose shapes and sums do not depend on the number of threads.
+//!
+#![doc = include_str!("../README.md")]
 
 pub mod faer_backend;
 pub mod matrix_market;

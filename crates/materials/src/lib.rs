@@ -61,6 +61,8 @@
 //!
 //! stoss_testkit::laws::battery(&Foam { mu: 80.0 }, 1e-13);
 //! ```
+//!
+#![doc = include_str!("../README.md")]
 
 mod error;
 mod mooney_rivlin;

@@ -19,6 +19,8 @@
 //! # How to add a format
 //! See `docs/how-to-add/mesh-format.md`: a reader that fills [`Contents`], a row of [`FORMATS`], files to `tests/data`, and a line to the
 //! mutation tests in `tests/fuzz.rs`.
+//!
+#![doc = include_str!("../README.md")]
 
 mod abaqus;
 mod atomic;

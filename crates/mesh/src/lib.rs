@@ -12,13 +12,7 @@
 //! No files (`stoss-mesh-io`), no physics, no current configuration: coordinates are those of the reference configuration.
 //! Each body keeps its own mesh; there is no merging.
 //!
-//! ```
-//! use stoss_mesh::generate::Block;
-//! let plate = Block::with_size([2.5, 2.5, 0.25], [10, 10, 1]).generate()?;
-//! assert_eq!(plate.elements.len(), 100);
-//! assert_eq!(plate.facets_of("top")?.len(), 100);
-//! # Ok::<(), stoss_mesh::MeshError>(())
-//! ```
+#![doc = include_str!("../README.md")]
 
 mod check;
 mod convert;

@@ -15,6 +15,8 @@
 //! # How to add a problem
 //! One file in `problems/` with a type that implements [`ModelProblem`]. Its constraints, if any, must be at most quadratic: then the
 //! midpoint Jacobian is their exact discrete gradient.
+//!
+#![doc = include_str!("../README.md")]
 
 mod dense;
 mod error;

@@ -12,6 +12,8 @@
 //!
 //! # How to add a joint
 //! docs/how-to-add/joint.md.
+//!
+#![doc = include_str!("../README.md")]
 
 mod axis;
 mod beam;

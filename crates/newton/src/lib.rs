@@ -18,6 +18,8 @@
 //! A residual with kinks (stick and slip, closed and open, the facets of a surface) can send Newton's method round among its pieces for ever. When the
 //! last residuals, after full steps, are those of two or three iterations before, the next step is half as long: it ends between the pieces, and the method
 //! goes on from there as usual.
+//!
+#![doc = include_str!("../README.md")]
 
 mod options;
 mod problem;

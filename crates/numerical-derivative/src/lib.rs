@@ -37,6 +37,8 @@
 //! complex numbers and everything that drops the imaginary part. [`Scalar`] therefore has none of these. A branch
 //! chosen by [`Scalar::real`] is right, but on the seam itself, where there is no derivative. Eigenvalue routines
 //! for symmetric real matrices use conjugates, too.
+//!
+#![doc = include_str!("../README.md")]
 
 mod compare;
 mod error;

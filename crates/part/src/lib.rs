@@ -9,6 +9,8 @@
 //! # How to add a part
 //! Implement [`Part`]. Forces that come from an energy `V(q)` must do the work `V(q_n) - V(q_np1)` under [`ForceRule::DiscreteGradient`], and must have neither
 //! resultant nor moment about `(q_n + q_np1)/2`; then the energy-momentum scheme keeps what it promises.
+//!
+#![doc = include_str!("../README.md")]
 
 use std::ops::Range;
 

@@ -19,6 +19,8 @@
 //! Write `src/<facet>.rs` as [`quad4`], add a variant to [`FacetKind`] with its data, raise [`MAX_NODES`] if it has more nodes, and add it to the
 //! battery. Curved edges and second derivatives other than the mixed one would be new to closest points (`stoss-geometry`), to segmentation and to
 //! node-to-surface contact.
+//!
+#![doc = include_str!("../README.md")]
 
 mod cell;
 mod cells;

@@ -11,6 +11,8 @@
 //! A documented field in the type, one line in the reader under `read/`, and a malformed scene in `tests/malformed.rs`. A
 //! new scheme, quantity, field or contact method is one line in its enumeration: reading, error messages and schema follow. A key that is renamed or removed gets a
 //! line in `read/old.rs`, and [`FORMAT`] grows.
+//!
+#![doc = include_str!("../README.md")]
 
 mod beam;
 mod body;

@@ -31,6 +31,8 @@
 //! edges and vertices are thus no special cases. Neighbouring facets compute a shared vertex to the same bits. A
 //! quadrilateral whose image is not convex is split into two triangles; parts that are seen from behind (outward normals not
 //! opposed) give nothing.
+//!
+#![doc = include_str!("../README.md")]
 
 mod cell;
 mod clip;

@@ -8,6 +8,8 @@
 //! no inertia, no mass matrix is built, and all forces are taken at the end of the step.
 //!
 //! It is not a catalogue: material laws and contact methods come in through traits.
+//!
+#![doc = include_str!("../README.md")]
 
 mod assembly;
 mod centrifugal;

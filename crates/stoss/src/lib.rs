@@ -6,14 +6,18 @@
 //! |---|---|
 //! | `nts` | node-to-surface contact ([`contact_nts`]) |
 //! | `mortar` | mortar contact and mesh ties ([`contact_mortar`]) |
+//! | `general` | general contact: everything with everything, by a barrier |
 //! | `multibody` | rigid bodies, beams, strings, springs and joints ([`multibody`]) |
 //! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
 //! | `mesh-files` | Gmsh and Abaqus readers, scenes from Abaqus and CalculiX decks ([`deck_import`]) |
 //! | `vtkhdf` | frames of a run in one HDF5 file |
+//! | `schema` | the scene format as a JSON schema |
 //! | `output` | folders of results, the [`watch`] on every run, and [`run`], which the program `stoss` is a thin layer over |
 //!
 //! This crate contains no algorithm: it translates a scene into a [`solver::Model`] and writes what the
 //! [`solver::Simulation`] did.
+//!
+#![cfg_attr(feature = "scene", doc = include_str!("../README.md"))]
 
 pub use stoss_contact as contact;
 #[cfg(feature = "mortar")]
@@ -65,8 +69,3 @@ mod regular;
 pub mod run;
 #[cfg(feature = "output")]
 pub mod sweep;
-
-/// The code in the README compiles and runs.
-#[cfg(all(doctest, feature = "scene"))]
-#[doc = include_str!("../../../README.md")]
-struct Readme;

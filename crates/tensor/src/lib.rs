@@ -2,6 +2,8 @@
 //!
 //! Symmetric tensors are stored as six *plain* components in the order 11, 22, 33, 12, 23, 13 (theory/kinematics#voigt); full
 //! tensors and vectors are nalgebra's. This crate knows no kinematics and no material.
+//!
+#![doc = include_str!("../README.md")]
 
 mod fourth_order;
 mod spectral;

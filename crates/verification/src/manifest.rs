@@ -26,6 +26,11 @@ impl Member {
     pub fn crate_name(&self) -> Option<&str> {
         self.folder.strip_prefix("crates/")
     }
+
+    /// False if it says `publish = false`.
+    pub fn is_published(&self) -> bool {
+        self.package.get("publish").and_then(|flag| flag.as_bool()) != Some(false)
+    }
 }
 
 /// All members, sorted by folder.

@@ -61,4 +61,10 @@ impl Program {
         write(&out.with_extension("log"), &String::from_utf8_lossy(&log))?;
         Ok(Ending { code: output.status.code(), seconds })
     }
+
+    /// Draws a frame of a run with `stoss picture`; `arguments` are its options.
+    pub fn picture(&self, folder: &Path, file: &Path, arguments: &[&str]) -> Outcome<()> {
+        let mut command = self.workspace.process(&self.executable);
+        capture(command.arg("picture").arg(folder).arg(file).args(arguments)).map(|_| ())
+    }
 }

@@ -15,6 +15,8 @@
 //! Edges that pass through each other between two states that are looked at while no node does; what enters a body and leaves it
 //! on the same side between two states; a fold of a body that is not deep enough to reach an element that shares no node with it; a rigid body in itself; a
 //! body that creeps through an open surface between its facets' edges without an edge of its own in it.
+//!
+#![doc = include_str!("../README.md")]
 
 mod balance;
 mod contact;

@@ -13,7 +13,7 @@ use crate::table::Table;
 use crate::vtu::{self, Grid};
 use crate::workspace::{Outcome, Workspace, read, write};
 pub use interface::{Interface, Sides, segments};
-use pictures::PICTURES;
+use pictures::{PICTURES, STILLS};
 pub use pictures::{Picture, of};
 use stoss_report::paint::{Camera, Shot, Style, Surface, columns, draw};
 
@@ -26,21 +26,29 @@ pub fn command(workspace: &Workspace, scene: Option<&str>) -> Outcome<bool> {
     let shipped = || PICTURES.iter().filter_map(|picture| Some((picture, picture.gallery?)));
     let chosen: Vec<(&Picture, &[&str])> =
         shipped().filter(|(picture, _)| scene.is_none_or(|scene| scene == picture.scene)).collect();
-    if chosen.is_empty() {
-        let known: Vec<&str> = shipped().map(|(picture, _)| picture.scene).collect();
+    let stills: Vec<_> = STILLS.iter().filter(|still| scene.is_none_or(|scene| scene == still.scene)).collect();
+    if chosen.is_empty() && stills.is_empty() {
+        let known = shipped().map(|(picture, _)| picture.scene).chain(STILLS.iter().map(|still| still.scene));
+        let known: Vec<&str> = known.collect();
         return Err(format!("no picture {scene:?}; there are {known:?}").into());
     }
     let program = Program::build(workspace)?;
     for (picture, compare) in chosen {
-        let folder = run(workspace, &program, picture.scene)?;
+        let folder = run(workspace, &program, picture.scene, None)?;
         save(workspace, picture.scene, &snapshots(picture, picture.fields[0], &folder)?)?;
         if !compare.is_empty() {
             let mut runs = vec![(picture.scene, folder)];
             for other in compare {
-                runs.push((other, run(workspace, &program, other)?));
+                runs.push((other, run(workspace, &program, other, None)?));
             }
             save(workspace, &format!("{}-energy", picture.scene), &energies(&runs)?)?;
         }
+    }
+    for still in stills {
+        let folder = run(workspace, &program, still.scene, Some(still.until))?;
+        let file = format!("docs/gallery/{}.png", still.scene);
+        program.picture(&folder, &workspace.path(&file), still.options)?;
+        println!("gallery: wrote {file}");
     }
     Ok(true)
 }
@@ -54,10 +62,10 @@ pub fn last_frame(grid: &Grid) -> Outcome<String> {
     Ok(draw(&[shot], Camera { azimuth: -58.0, elevation: 24.0 }, &style))
 }
 
-/// Runs a shipped scene and returns its output folder.
-fn run(workspace: &Workspace, program: &Program, scene: &str) -> Outcome<PathBuf> {
+/// Runs a shipped scene, to a time or to its end, and returns its output folder.
+fn run(workspace: &Workspace, program: &Program, scene: &str, until: Option<f64>) -> Outcome<PathBuf> {
     let folder = workspace.target()?.join("gallery").join(scene);
-    let ending = program.run(&workspace.path(format!("scenes/{scene}.toml")), &folder, None)?;
+    let ending = program.run(&workspace.path(format!("scenes/{scene}.toml")), &folder, until)?;
     if ending.code != Some(0) {
         return Err(
             format!("{scene} ended with {:?}; see {}", ending.code, folder.with_extension("log").display()).into()

@@ -125,6 +125,26 @@ pub const PICTURES: &[Picture] = &[
     },
 ];
 
+/// A single frame for `docs/gallery`, drawn by `stoss picture`.
+#[derive(Clone, Copy, Debug)]
+pub struct Still {
+    /// Name of the scene, and of the picture.
+    pub scene: &'static str,
+    /// Where the run may end.
+    pub until: f64,
+    /// Options of `stoss picture`.
+    pub options: &'static [&'static str],
+}
+
+/// All single frames.
+pub const STILLS: &[Still] = &[
+    Still { scene: "general-chain", until: 10.0, options: &["--size", "640x400"] },
+    Still { scene: "general-contact", until: 6.0, options: &["--size", "640x400"] },
+    Still { scene: "ironing-mortar-friction", until: 6.0, options: &["--size", "640x400"] },
+    Still { scene: "rigid-punch", until: 3.0, options: &["--size", "640x400"] },
+    Still { scene: "bolt", until: 3.0, options: &["--size", "640x400"] },
+];
+
 /// The picture of a scene, if it has one.
 pub fn of(scene: &str) -> Option<&'static Picture> {
     PICTURES.iter().find(|picture| picture.scene == scene)
@@ -152,5 +172,15 @@ mod tests {
             assert_eq!(of(picture.scene).map(|found| found.title), Some(picture.title));
         }
         assert!(of("no scene").is_none());
+    }
+
+    #[test]
+    fn every_single_frame_is_of_a_shipped_scene_and_of_its_time() {
+        let workspace = crate::workspace::Workspace::find().unwrap();
+        for still in STILLS {
+            let scene: toml::Table = workspace.read(format!("scenes/{}.toml", still.scene)).unwrap().parse().unwrap();
+            assert!(still.until <= scene["time"]["end"].as_float().unwrap(), "{}", still.scene);
+            assert!(workspace.path(format!("docs/gallery/{}.png", still.scene)).is_file(), "{}", still.scene);
+        }
     }
 }

@@ -6,6 +6,7 @@
 mod balance;
 mod check;
 mod conservation;
+mod conserved;
 mod convergence;
 mod derivatives;
 mod elements;
@@ -25,7 +26,6 @@ mod origin;
 mod patch;
 mod quadratic;
 mod random;
-mod readme;
 mod report;
 mod run;
 mod scenes;

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::check::{Bound, Check};
-use super::readme;
+use super::conserved;
 use super::run::WRONG;
 use super::{Bench, Findings, Run, Suite, quadratic};
 use crate::workspace::Outcome;
@@ -31,7 +31,7 @@ impl Suite for Scenes {
         let is_scene = |file: &&std::path::PathBuf| {
             file.parent() == Some(Path::new("scenes")) && file.extension().is_some_and(|kind| kind == "toml")
         };
-        let readme = readme::figures(&bench.workspace.read("README.md")?);
+        let table = conserved::figures(&bench.workspace.read(conserved::FILE)?);
         for file in files.iter().filter(is_scene) {
             let text = bench.workspace.read(file)?;
             let scene: Table = text.parse().map_err(|error| format!("{}: {error}", file.display()))?;
@@ -70,10 +70,10 @@ impl Suite for Scenes {
                 let row = Check::new(&run.name, "expectations left out", count, Bound::Told);
                 findings.checks.push(row.noted(format!("{}: {}", run.note(), left_out.join(", "))));
             }
-            if let (Some(figures), None) = (readme.get(&run.name), run.until) {
+            if let (Some(figures), None) = (table.get(&run.name), run.until) {
                 let scale = |key: &str| expect.get(key).and_then(number);
                 let scales = ["linear_momentum_scale", "angular_momentum_scale", "energy_scale"].map(scale);
-                findings.checks.extend(readme::checks(&run, figures, scales)?);
+                findings.checks.extend(conserved::checks(&run, figures, scales)?);
             }
             if has_friction(&scene) {
                 let is_linear =

@@ -1,4 +1,4 @@
-//! The figures of the README's table of conserved quantities, against the runs.
+//! The figures of the table of conserved quantities in `docs/verification/conservation.md`, against the runs.
 
 use std::collections::BTreeMap;
 
@@ -15,9 +15,12 @@ const ORDER: f64 = 10.0;
 /// Figures have two digits.
 const DIGITS: f64 = 0.06;
 
+/// Where the table is.
+pub const FILE: &str = "docs/verification/conservation.md";
+
 /// Drifts of linear momentum, angular momentum and energy by scene; nothing where a cell begins with a word.
-pub fn figures(readme: &str) -> BTreeMap<String, [Option<f64>; 3]> {
-    let rows = readme.lines().filter_map(|line| {
+pub fn figures(page: &str) -> BTreeMap<String, [Option<f64>; 3]> {
+    let rows = page.lines().filter_map(|line| {
         let cells: Vec<&str> = line.strip_prefix("| `scenes/")?.split('|').map(str::trim).collect();
         let scene = cells.first()?.split(".toml`").next()?.to_owned();
         let [.., linear, angular, energy, _] = cells.as_slice() else { return None };
@@ -42,8 +45,8 @@ pub fn checks(run: &Run, figures: &[Option<f64>; 3], scales: [Option<f64>; 3]) -
             true => Bound::AtMost(ORDER * figure),
             false => Bound::Near { value: figure, tolerance: DIGITS * figure },
         };
-        let note = format!("README: {}", number(figure));
-        Some(Check::new(&run.name, format!("{name}, as the README says"), measured, bound).noted(note))
+        let note = format!("conservation.md: {}", number(figure));
+        Some(Check::new(&run.name, format!("{name}, as the table says"), measured, bound).noted(note))
     });
     Ok(rows.collect())
 }
@@ -51,6 +54,16 @@ pub fn checks(run: &Run, figures: &[Option<f64>; 3], scales: [Option<f64>; 3]) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_table_is_there_and_names_shipped_scenes() {
+        let workspace = crate::workspace::Workspace::find().unwrap();
+        let found = figures(&workspace.read(FILE).unwrap());
+        assert!(found.len() > 15, "{found:?}");
+        for scene in found.keys() {
+            assert!(workspace.path(format!("scenes/{scene}.toml")).is_file(), "{scene}");
+        }
+    }
 
     #[test]
     fn rows_of_the_table_are_found() {
