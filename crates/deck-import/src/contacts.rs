@@ -66,22 +66,6 @@ fn of_body(surface: &Meant<Facet>, body: usize, bodies: &Bodies, cover: &mut Cov
     cover.facets(body, &own, &known, hint).pop()
 }
 
-/// Keys of a tie of this slave: ties of quadratic faces converge with dual multipliers, and slowly.
-fn tie_keys(slave: &Meant<Facet>, scene: &mut Tables, list: &mut List) -> Vec<String> {
-    if slave.members.iter().all(|facet| facet.nodes.len() == facet.nodes.corners().len()) {
-        return Vec::new();
-    }
-    if !scene.has_quadratic_ties {
-        scene.has_quadratic_ties = true;
-        list.add_general(
-            "ties of quadratic faces",
-            "Newton's method converges slowly with them: multipliers are dual, and the relative tolerance is 1e-6",
-            "see [solver] for another tolerance",
-        );
-    }
-    vec!["multipliers = \"dual\"".to_owned()]
-}
-
 /// All ties.
 pub(crate) fn ties(
     deck: &Deck,
@@ -94,16 +78,15 @@ pub(crate) fn ties(
     for ((slave, master), facets) in &bodies.interfaces {
         let surface = Meant { name: None, members: facets.clone() };
         let hint = format!("{}+{}", bodies.name(*slave), bodies.name(*master));
-        let keys = tie_keys(&surface, scene, list);
         let slave = of_body(&surface, *slave, bodies, cover, &hint);
         let master = of_body(&surface, *master, bodies, cover, &hint);
         if let (Some(slave), Some(master)) = (slave, master) {
-            scene.tie(&slave, &master, &keys);
+            scene.tie(&slave, &master, &[]);
         }
     }
     for tie in &deck.ties {
         let Some(pair) = surfaces(lookup, [&tie.slave, &tie.master], "*TIE", tie.place, list) else { continue };
-        let mut keys = tie_keys(&pair[0], scene, list);
+        let mut keys = Vec::new();
         if let Some(reach) = tie.tolerance.filter(|reach| *reach > 0.0) {
             keys.push(format!("reach = {}", number(reach)));
         }
@@ -182,8 +165,7 @@ pub(crate) fn pairs(
             found
         });
         if interaction.and_then(|i| i.behavior.as_ref()).is_some_and(|behavior| behavior.law == "TIED") {
-            let keys = tie_keys(&surfaces[0], scene, list);
-            between(&surfaces, names, bodies, cover, true, |slave, master| scene.tie(slave, master, &keys));
+            between(&surfaces, names, bodies, cover, true, |slave, master| scene.tie(slave, master, &[]));
             continue;
         }
         let keys = keys(pair, interaction, timeline, list);

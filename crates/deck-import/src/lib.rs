@@ -16,6 +16,8 @@
 //!
 //! # What it is not
 //! No file is written and no scene is checked here: that is for the program, which has the scene's reader.
+//!
+#![doc = include_str!("../README.md")]
 
 mod bodies;
 mod contacts;

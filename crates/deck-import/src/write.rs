@@ -36,8 +36,6 @@ pub(crate) struct Tables {
     contacts: Vec<String>,
     prescriptions: Vec<String>,
     loads: Vec<String>,
-    /// Some tie has quadratic faces.
-    pub has_quadratic_ties: bool,
     /// Stages in which the prescription of this name does not act.
     off: Vec<(String, Vec<bool>)>,
 }
@@ -196,9 +194,6 @@ pub(crate) fn scene(
     let _ = write!(text, "\n[scene]\ntitle = {}\nkind = \"{kind}\"\n\n", string(&comment(title)));
     let (time, stages) = time(timeline, tables);
     let _ = writeln!(text, "{time}");
-    if tables.has_quadratic_ties {
-        text.push_str("[solver]\nrelative_tolerance = 1e-6\n\n");
-    }
     for ((own, source), velocity) in bodies.all.iter().zip(sources).zip(velocities) {
         let _ = writeln!(text, "{}", body(own, source, *velocity, timeline.is_dynamic()));
     }

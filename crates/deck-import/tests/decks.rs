@@ -312,7 +312,7 @@ fn broken_decks_never_panic() {
     }
 }
 
-/// Two C3D20R on each other, of two materials: a body has the reduced rule, the tie dual multipliers.
+/// Two C3D20R on each other, of two materials: both bodies have the reduced rule, a tie joins them.
 #[test]
 fn quadratic_bodies_of_two_materials() {
     let mut nodes: Vec<[u32; 3]> = Vec::new();
@@ -340,8 +340,5 @@ fn quadratic_bodies_of_two_materials() {
     let import = imported(&text);
     assert_eq!(strings(&tables(&import, "body"), "integration"), ["reduced", "reduced"]);
     let [tie] = tables(&import, "tie").try_into().unwrap();
-    assert_eq!(tie["multipliers"].as_str(), Some("dual"));
-    let scene: toml::Table = import.scene.parse().unwrap();
-    assert_eq!(scene["solver"]["relative_tolerance"].as_float(), Some(1e-6));
-    assert!(entry(&import, "ties of quadratic faces").consequence.contains("1e-6"));
+    assert!(tie.get("slave").is_some() && tie.get("master").is_some(), "{tie:?}");
 }

@@ -410,7 +410,7 @@ impl Contents {
                 let (path, line) = (self.file(place).to_owned(), place.at as usize);
                 let kind = mesh.elements.kind(e as usize);
                 let error = MeshIoError::InvertedElement {
-                    path,
+                    path: path.into_boxed_path(),
                     line,
                     element: number,
                     kind,

@@ -1,6 +1,6 @@
 //! The errors of this crate.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use stoss_mesh::{ElementPoint, MeshError};
 use stoss_reference_element::CellKind;
@@ -95,7 +95,7 @@ pub enum MeshIoError {
     )]
     InvertedElement {
         /// The file.
-        path: PathBuf,
+        path: Box<Path>,
         /// The line of the element.
         line: usize,
         /// The element's number.
@@ -103,7 +103,7 @@ pub enum MeshIoError {
         /// Its kind.
         kind: CellKind,
         /// Its nodes' numbers, in the order of the kind.
-        nodes: Vec<u64>,
+        nodes: Box<[u64]>,
         /// Where.
         point: ElementPoint,
         /// `det J` (a volume per reference volume).

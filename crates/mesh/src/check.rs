@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::element::{distance, edge_range, not_positive};
+use crate::element::{distance, edge_range};
+use crate::validity::not_positive;
 use crate::{Facet, FacetIndex, Mesh, MeshError, SetKind};
 
 /// Two nodes are one if they are closer than this times the shortest edge of the mesh. Files with 6 digits of an element

@@ -4,8 +4,6 @@ use std::ops::Deref;
 
 use stoss_reference_element::{CellKind, Family, Integration, MAX_CELL_NODES};
 
-use crate::{ElementPoint, Validity};
-
 /// Places of the nodes of one element, a slice of as many as it has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElementCoordinates {
@@ -66,25 +64,6 @@ impl Deref for ElementCoordinates {
     fn deref(&self) -> &[[f64; 3]] {
         &self.places[..self.kind.node_count()]
     }
-}
-
-/// A point of an element at which `det J` is not positive: Gauss points; of quadratic elements then the nodes, which they invert at first, and what
-/// [`ElementCoordinates::validity`] looks at.
-pub(crate) fn not_positive(x: &ElementCoordinates, validity: Option<&Validity>) -> Option<(ElementPoint, f64)> {
-    first_not_positive(x).or_else(|| {
-        let at = validity.filter(|found| x.kind.is_quadratic() && found.is_inverted())?.at;
-        Some((ElementPoint::Natural(at), det(&x.jacobian(at))))
-    })
-}
-
-/// The first Gauss point, or node of a quadratic element, at which `det J` is not positive.
-fn first_not_positive(x: &ElementCoordinates) -> Option<(ElementPoint, f64)> {
-    let gauss = gauss_points(x.kind).enumerate().map(|(g, (xi, _))| (ElementPoint::Gauss(g), xi));
-    let nodes = x.kind.table().nodes.iter().enumerate().filter(|_| x.kind.is_quadratic());
-    gauss
-        .chain(nodes.map(|(n, &xi)| (ElementPoint::Node(n), xi)))
-        .map(|(point, xi)| (point, det(&x.jacobian(xi))))
-        .find(|(_, jacobian)| jacobian.is_nan() || *jacobian <= 0.0)
 }
 
 /// Points and weights of the rule for the stiffness.

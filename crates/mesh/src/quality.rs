@@ -1,8 +1,8 @@
 //! The quality report.
 
 use crate::Mesh;
-use crate::element::{det, edge_range, gauss_points, not_positive, scaled};
-use crate::validity::POOR;
+use crate::element::{det, edge_range, gauss_points, scaled};
+use crate::validity::{POOR, not_positive};
 
 /// What [`Mesh::quality`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 
 use stoss_reference_element::{CellKind, Family};
 
-use crate::ElementCoordinates;
-use crate::element::det;
+use crate::element::{det, gauss_points};
+use crate::{ElementCoordinates, ElementPoint};
 
 /// Validity below which an element deserves a warning, and a bound is made sharper by a subdivision.
 pub const POOR: f64 = 0.1;
@@ -37,6 +37,25 @@ impl Validity {
     pub fn is_open(&self) -> bool {
         !self.is_inverted() && self.bound <= 0.0
     }
+}
+
+/// A point of an element at which `det J` is not positive: Gauss points; of quadratic elements then the nodes, which they invert at first, and what
+/// [`ElementCoordinates::validity`] looks at.
+pub(crate) fn not_positive(x: &ElementCoordinates, validity: Option<&Validity>) -> Option<(ElementPoint, f64)> {
+    first_not_positive(x).or_else(|| {
+        let at = validity.filter(|found| x.kind().is_quadratic() && found.is_inverted())?.at;
+        Some((ElementPoint::Natural(at), det(&x.jacobian(at))))
+    })
+}
+
+/// The first Gauss point, or node of a quadratic element, at which `det J` is not positive.
+fn first_not_positive(x: &ElementCoordinates) -> Option<(ElementPoint, f64)> {
+    let gauss = gauss_points(x.kind()).enumerate().map(|(g, (xi, _))| (ElementPoint::Gauss(g), xi));
+    let nodes = x.kind().table().nodes.iter().enumerate().filter(|_| x.kind().is_quadratic());
+    gauss
+        .chain(nodes.map(|(n, &xi)| (ElementPoint::Node(n), xi)))
+        .map(|(point, xi)| (point, det(&x.jacobian(xi))))
+        .find(|(_, jacobian)| jacobian.is_nan() || *jacobian <= 0.0)
 }
 
 impl ElementCoordinates {

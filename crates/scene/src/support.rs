@@ -58,8 +58,7 @@ impl Support {
         let (first, second) = (unit(first), unit(second));
         let third = cross(first, second);
         let sine = third.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // Also what is no number is refused.
-        if !(sine > SMALLEST_SINE) {
+        if sine.is_nan() || sine <= SMALLEST_SINE {
             return None;
         }
         let third = third.map(|x| x / sine);

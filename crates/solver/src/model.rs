@@ -450,6 +450,12 @@ impl Model {
         self.traces.get(&node).is_some_and(Option::is_none)
     }
 
+    /// Whether all of these nodes are carried by rigid parts: embedded, and no vertices of traces, which deform with their faces.
+    pub(crate) fn are_rigid(&self, nodes: &[u32]) -> bool {
+        self.embedding.has_all(nodes)
+            && (self.traces.is_empty() || !nodes.iter().any(|node| self.traces.contains_key(node)))
+    }
+
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
         self.reference.len() / 3

@@ -380,7 +380,7 @@ impl FeSystem<'_> {
                         let rest = local.dim() - coordinates;
                         model.embedding.expand(&local.nodes, expanded);
                         model.embedding.transform(&local.nodes, expanded, rest, &local.tangent, transform);
-                        if model.embedding.has_all(&local.nodes) {
+                        if model.are_rigid(&local.nodes) {
                             let dim = 3 * expanded.len() + rest;
                             for (k, &slot) in local.slots.iter().enumerate() {
                                 let area = method.slot_weight(slot as usize);

@@ -197,7 +197,7 @@ fn a_sector_of_a_tube_is_the_tube() {
     let folder = tempfile::tempdir().unwrap();
     let solve = |name: &str, degrees: f64, elements: usize| {
         let mesh = tube(degrees, elements);
-        stoss::mesh_io::write_mesh(&folder.path().join(format!("{name}.inp")), &mesh).unwrap();
+        stoss::mesh_io::write_mesh(folder.path().join(format!("{name}.inp")), &mesh).unwrap();
         let angle = degrees.to_radians();
         let normal = [-angle.sin(), angle.cos(), 0.0].map(|n| if n.abs() < 1e-15 { 0.0 } else { n });
         let scene = format!(

@@ -254,3 +254,33 @@ fn masses_of_all_cells_are_solved_with() {
         }
     }
 }
+
+/// Tied quadratic meshes that bend: multipliers of vertices on the faces of deformable bodies are not regularised, as those between rigid bodies are, so that Newton's method ends
+/// quadratically.
+#[test]
+fn iterations_with_ties_of_quadratic_faces_end_quadratically() {
+    let body = |name: &str, cell: &str, z: [f64; 2]| {
+        format!(
+            "[[body]]\nname = \"{name}\"\ncell = \"{cell}\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\n\
+             mesh = {{ generator = \"block\", min = [0, 0, {:?}], max = [1, 1, {:?}], divisions = [2, 2, 2] }}\n",
+            z[0], z[1]
+        )
+    };
+    for (lower, upper) in [("hex20", "hex20"), ("tet10", "tet10"), ("hex27", "wedge15"), ("hex8", "hex20")] {
+        let text = format!(
+            "[scene]\ntitle = \"tie\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n{}{}\
+             [[tie]]\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\
+             [[prescribe]]\nset = \"a.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+             [[load]]\nset = \"b.top\"\ntotal_force = {{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 20.0, 0.0, 0.0]] }}\n",
+            body("a", lower, [0.0, 1.5]),
+            body("b", upper, [1.5, 3.0]),
+        );
+        let mut simulation = simulation(&text);
+        let record = simulation.advance().unwrap_or_else(|e| panic!("{lower}, {upper}: {e}"));
+        let residuals: Vec<f64> = record.newton.iter().map(|row| row.residual).collect();
+        let small = residuals.iter().position(|r| *r < 1e-3).unwrap_or(residuals.len());
+        // From below 1e-3 to round-off: 1e-6, 1e-12; one more where the constant is not small.
+        assert!(residuals.len() - small <= 4, "{lower}, {upper}: {residuals:?}");
+        assert!(residuals.last().unwrap() < &1e-11, "{lower}, {upper}: {residuals:?}");
+    }
+}

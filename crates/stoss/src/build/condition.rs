@@ -1,12 +1,27 @@
 //! Prescribed motion, loads, contact.
 
 use super::Problems;
-use super::guide::{self, Guided};
 use super::placed::{self, Placed};
 use crate::scene::{LoadKind as SceneLoad, Scene, known, split_set};
 use crate::solver::{AxisRotation, Load, LoadKind, Model, Prescription, Table};
 use stoss_mesh::{MeshError, SetKind};
 use stoss_reference_element::FaceNodes;
+
+/// A prescription with a normal that becomes a guide.
+pub(super) struct Guided {
+    /// Number in the scene.
+    pub item: usize,
+    pub nodes: Vec<u32>,
+    pub normal: [f64; 3],
+    pub displacement: Table,
+}
+
+/// The axis of space that a direction lies on, and its sign.
+pub(super) fn axis(normal: [f64; 3]) -> Option<(u8, f64)> {
+    let mut entries = (0..3).filter(|&i| normal[i] != 0.0);
+    let (first, second) = (entries.next()?, entries.next());
+    second.is_none().then(|| (first as u8, normal[first].signum()))
+}
 
 /// Faces of a deformable body's set in global node numbers.
 pub(super) fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<FaceNodes>, MeshError> {
@@ -113,7 +128,7 @@ pub(super) fn prescriptions(
             None => {
                 let found = resolve(placed, &place, target, problems, Placed::nodes_of);
                 let components: Vec<u8> = item.prescribed_components().iter().map(|c| c.index() as u8).collect();
-                let (components, rows) = match item.normal.and_then(guide::axis) {
+                let (components, rows) = match item.normal.and_then(axis) {
                     None => (components, item.rows()),
                     // Along an axis of space, or against it.
                     Some((axis, sign)) => {

@@ -1,6 +1,7 @@
 //! Prescribed displacement along a normal: components where it is an axis of space, guides elsewhere.
 
 use super::Problems;
+use super::condition::Guided;
 use super::schedule::Named;
 use crate::scene::Scene;
 use crate::solver::{ContactPair, Coupling, Guide, Model, Prescription, Table};
@@ -12,22 +13,6 @@ const DEPENDENT: f64 = 1e-6;
 const SAME: f64 = 1e-6;
 /// Parts of the time between two rows of tables at which displacements are compared: rotations are not linear in between.
 const SAMPLES: usize = 8;
-
-/// A prescription with a normal that becomes a guide.
-pub(super) struct Guided {
-    /// Number in the scene.
-    pub item: usize,
-    pub nodes: Vec<u32>,
-    pub normal: [f64; 3],
-    pub displacement: Table,
-}
-
-/// The axis of space that a direction lies on, and its sign.
-pub(super) fn axis(normal: [f64; 3]) -> Option<(u8, f64)> {
-    let mut entries = (0..3).filter(|&i| normal[i] != 0.0);
-    let (first, second) = (entries.next()?, entries.next());
-    second.is_none().then(|| (first as u8, normal[first].signum()))
-}
 
 /// Adds guides behind the contacts and ties of a model. For each the number in the scene and what it is in the model.
 pub(super) fn add(
