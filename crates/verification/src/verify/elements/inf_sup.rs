@@ -55,16 +55,16 @@ fn constant(kind: CellKind, n: usize) -> Outcome<(f64, usize)> {
     Ok((there.last().copied().unwrap_or(0.0).sqrt(), pressures - there.len()))
 }
 
-/// Two meshes, in full mode three.
+/// Two meshes, in full mode three. Of all forms only hex27 with linear pressures is stable; constants of the others fall with the mesh (theory/elements#inf-sup).
 pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
     let mut rows = Vec::new();
-    let meshes: &[usize] = if quick { &[1, 2] } else { &[1, 2, 3, 4] };
+    let meshes: &[usize] = if quick { &[2, 3] } else { &[2, 3, 4] };
     for (kind, stable) in [
         (CellKind::Hex8, false),
         (CellKind::Hex20, false),
         (CellKind::Hex27, true),
         (CellKind::Tet4, false),
-        (CellKind::Tet10, true),
+        (CellKind::Tet10, false),
         (CellKind::Wedge6, false),
         (CellKind::Wedge15, false),
     ] {
@@ -85,7 +85,7 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
         row.extend(found.iter().map(|(constant, lost)| format!("{} ({lost})", number(*constant))));
         rows.push(row);
     }
-    let head: &[&str] = if quick { &["form", "n = 1", "n = 2"] } else { &["form", "n = 1", "n = 2", "n = 3", "n = 4"] };
+    let head: &[&str] = if quick { &["form", "n = 2", "n = 3"] } else { &["form", "n = 2", "n = 3", "n = 4"] };
     table(
         findings,
         "Inf-sup constants of mixed forms on n x n x n cubes, in brackets pressures without displacements",
