@@ -296,14 +296,14 @@ impl Loads<'_, '_> {
         let acceleration = self.vector_load(&loads, |kind| match kind {
             LoadKind::Gravity { magnitude, direction } => {
                 let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
-                Some(if length > 0.0 { direction.map(|d| magnitude * d / length) } else { [0.0; 3] })
+                Some(direction.map(|d| (length > 0.0).then(|| magnitude * d / length)))
             }
             _ => None,
         });
         let force = self.vector_load(&loads, |kind| match kind {
             LoadKind::Body { component, value } => {
-                let mut force = [0.0; 3];
-                force[*component] = *value;
+                let mut force = [None; 3];
+                force[*component] = Some(*value);
                 Some(force)
             }
             _ => None,
@@ -327,21 +327,37 @@ impl Loads<'_, '_> {
     fn vector_load(
         &mut self,
         loads: &[(usize, &ElementLoad)],
-        value: impl Fn(&LoadKind) -> Option<[f64; 3]>,
+        value: impl Fn(&LoadKind) -> Option<[Option<f64>; 3]>,
     ) -> Option<String> {
         let mut values: [Vec<Value>; 3] = Default::default();
-        let mut acting = Vec::new();
+        // A component that a load says nothing of stays what it was.
+        let mut acting: [Vec<Acting<u32>>; 3] = Default::default();
         for (s, load) in loads {
             let Some(vector) = value(&load.kind) else { continue };
+            if vector == [None; 3] {
+                self.list.add(
+                    load.place,
+                    "*DLOAD",
+                    "it has no direction: it does not act",
+                    "give its three components",
+                );
+                continue;
+            }
             let Some(scale) = self.amplitude(load.amplitude.as_ref(), load.place, "*DLOAD") else { continue };
-            acting.push(Acting { step: Some(*s), record: values[0].len() as u32, members: vec![0_u32] });
-            for (values, value) in values.iter_mut().zip(vector) {
-                values.push(Value { value, amplitude: scale, is_rate: false });
+            for ((values, acting), value) in values.iter_mut().zip(&mut acting).zip(vector) {
+                if let Some(value) = value {
+                    acting.push(Acting { step: Some(*s), record: values.len() as u32, members: vec![0_u32] });
+                    values.push(Value { value, amplitude: scale, is_rate: false });
+                }
             }
         }
         let ends = |s: usize| self.deck.steps[s].ends.loads;
-        let (chain, _) = chains(&acting, self.deck.steps.len(), ends, self.timeline, true).pop_first()?;
-        let own = values.map(|values| history(&chain, &values, self.timeline, self.deck, true));
+        let own = [0, 1, 2].map(|axis| {
+            let chain = chains(&acting[axis], self.deck.steps.len(), ends, self.timeline, true).pop_first();
+            chain.map(|(chain, _)| history(&chain, &values[axis], self.timeline, self.deck, true))
+        });
+        let none = History { active: Vec::new(), rows: vec![[0.0, 0.0]] };
+        let own = own.map(|history| history.unwrap_or_else(|| none.clone()));
         let own: Vec<&History> = own.iter().collect();
         if own.iter().all(|history| history.is_zero()) { None } else { Some(series(&own)) }
     }

@@ -342,3 +342,30 @@ fn quadratic_bodies_of_two_materials() {
     let [tie] = tables(&import, "tie").try_into().unwrap();
     assert!(tie.get("slave").is_some() && tie.get("master").is_some(), "{tie:?}");
 }
+
+/// Forces per volume along two axes act together; gravity without a direction is listed; times of an amplitude must not fall.
+#[test]
+fn loads_on_elements_do_not_replace_those_along_other_axes() {
+    let deck = |loads: [&str; 2], amplitude: &str| {
+        format!(
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4,ELSET=E\n1,1,2,3,4\n{amplitude}\
+             *MATERIAL,NAME=M\n*ELASTIC\n1000.,0.3\n*DENSITY\n1.\n*SOLID SECTION,ELSET=E,MATERIAL=M\n*BOUNDARY\n1,1,3\n\
+             *STEP\n*STATIC\n0.5,1.\n*DLOAD\n{}\n*END STEP\n*STEP\n*STATIC\n0.5,1.\n*DLOAD\n{}\n*END STEP\n",
+            loads[0], loads[1]
+        )
+    };
+    let import = imported(&deck(["E,BX,2.", "E,BY,3."], ""));
+    let loads = tables(&import, "load");
+    let last = |loads: &[toml::Table], key: &str| -> Vec<f64> {
+        let rows = loads.iter().find_map(|load| load.get(key)?.get("table")?.as_array()).unwrap();
+        rows.last().unwrap().as_array().unwrap()[1..].iter().map(|value| value.as_float().unwrap()).collect()
+    };
+    assert_eq!(last(&loads, "body_force"), [2.0, 3.0, 0.0]);
+    // Gravity is one vector, which the next one replaces.
+    let import = imported(&deck(["E,GRAV,2.,1,0,0", "E,GRAV,3.,0,1,0"], ""));
+    assert_eq!(last(&tables(&import, "load"), "acceleration"), [0.0, 3.0, 0.0]);
+    let import = imported(&deck(["E,GRAV,2.", "E,BX,1."], ""));
+    assert!(entry(&import, "*DLOAD").consequence.contains("no direction"));
+    let falls = try_to(&deck(["E,BX,2.", "E,BY,3."], "*AMPLITUDE,NAME=A\n0.,0.,0.5,1.,0.3,0.\n")).unwrap_err();
+    assert!(falls.contains("part.inp:8") && falls.contains("times that do not fall"), "{falls}");
+}

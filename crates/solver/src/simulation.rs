@@ -380,7 +380,8 @@ impl Simulation {
     pub fn active(&self) -> &[Vec<bool>] {
         &self.active
     }
-    /// Force of contact and ties on each node in the last step (`3 * nodes`; empty without either).
+    /// Force of contact and ties on each node in the last step (`3 * nodes`; empty without either). On quadratic faces these are the consistent forces at the nodes of the elements:
+    /// of a uniform pressure those at corners are zero or pull.
     pub fn contact_force(&self) -> &[f64] {
         &self.contact_force
     }

@@ -284,3 +284,27 @@ fn iterations_with_ties_of_quadratic_faces_end_quadratically() {
         assert!(residuals.last().unwrap() < &1e-11, "{lower}, {upper}: {residuals:?}");
     }
 }
+
+/// Forces of contact and ties on quadratic bodies are at the nodes of their elements: their resultant is the load.
+#[test]
+fn contact_forces_on_quadratic_faces_are_those_of_their_bodies() {
+    for interface in [
+        "[[contact]]\nmethod = \"mortar\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\n",
+        "[[tie]]\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\n",
+    ] {
+        for (lower, upper) in [("hex20", "tet10"), ("hex8", "hex27"), ("wedge15", "hex20")] {
+            let mut simulation = simulation(&pressed(lower, upper, interface));
+            while !simulation.finished() {
+                simulation.advance().unwrap_or_else(|e| panic!("{lower}, {upper}: {e}"));
+            }
+            let force = |body: usize| -> f64 {
+                let nodes = simulation.model().bodies[body].nodes.clone();
+                nodes.map(|n| simulation.contact_force()[3 * n as usize + 2]).sum()
+            };
+            let top = force(1);
+            assert!(top > 1.0 && (top + force(0)).abs() < 1e-9 * top, "{lower}, {upper}: {top} {}", force(0));
+            let expected = 200.0;
+            assert!((top - expected).abs() < 1e-8 * expected, "{lower}, {upper}: {top}");
+        }
+    }
+}

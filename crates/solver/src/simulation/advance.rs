@@ -411,6 +411,12 @@ impl Simulation {
                 self.contact_force[range.clone()].copy_from_slice(&buffers.constraint[range.clone()]);
             }
             self.pushed.extend_from_slice(touched);
+            // Vertices of traces belong to no body: its nodes have the forces on its faces.
+            if !self.model.traces.is_empty() {
+                let traces = &self.model.traces;
+                let vertices: Vec<u32> = touched.iter().copied().filter(|node| traces.contains_key(node)).collect();
+                self.model.embedding.pull_back_of(&vertices, &mut self.contact_force);
+            }
         }
         self.stored = stored;
         self.pressures = iterate.pressures;

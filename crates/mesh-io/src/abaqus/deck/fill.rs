@@ -268,6 +268,9 @@ impl Filler<'_> {
         if !rest.is_empty() || points.is_empty() {
             return Err(block.error(self.contents, "needs pairs of a time and a value"));
         }
+        if points.windows(2).any(|pair| pair[1][0] < pair[0][0]) {
+            return Err(block.error(self.contents, "needs times that do not fall"));
+        }
         let time = block.keyword.value("TIME").unwrap_or_default().to_uppercase();
         self.deck.amplitudes.push(Amplitude {
             name,

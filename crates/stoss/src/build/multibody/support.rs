@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 use stoss_multibody::{ElasticSupport, SupportedNode};
 use stoss_reference_element::FaceNodes;
 
+/// A node with a smaller part of the area than this of the largest part has none.
+const SMALLEST_PART: f64 = 1e-9;
+
 /// Adds the supports as parts.
 pub(super) fn supports(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {
     for (s, item) in scene.supports.iter().enumerate() {
@@ -46,5 +49,15 @@ fn areas(facets: &[FaceNodes], model: &Model, key: &str, problems: &mut Problems
         problems.add(key.to_owned(), "", error.to_string(), "mend the mesh or choose another set");
         return None;
     }
-    Some(facets.iter().flat_map(|face| face.iter()).map(|&node| (node, force[3 * node as usize])).collect())
+    let areas: BTreeMap<u32, f64> =
+        facets.iter().flat_map(|face| face.iter()).map(|&node| (node, force[3 * node as usize])).collect();
+    let largest = areas.values().copied().fold(0.0, f64::max);
+    if areas.values().any(|area| *area <= SMALLEST_PART * largest) {
+        let message =
+            "a support per area has faces with six or eight nodes, whose corners have no positive part of the area";
+        let remedy = "use `per = \"node\"`, or elements of 4, 6, 8 or 27 nodes";
+        problems.add(key.to_owned(), "", message, remedy);
+        return None;
+    }
+    Some(areas)
 }
