@@ -25,9 +25,12 @@ const COMPLETIONS: [(&str, &str); 5] = [
 ];
 
 /// What goes along from the root, and folders of which all goes along that git has.
-const FILES: [&str; 6] =
-    ["README.md", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE-MIT", "LICENSE-APACHE"];
+const FILES: [&str; 7] =
+    ["README.md", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "SECURITY.md", "LICENSE-MIT", "LICENSE-APACHE"];
 const FOLDERS: [&str; 2] = ["docs/", "scenes/"];
+
+/// Lists for those who change the sources.
+const LEFT_OUT: [&str; 2] = ["docs/api/", "docs/reuse/"];
 
 /// The scene that the unpacked program is tried with, and how far (its unit of time).
 const TRIAL: (&str, &str) = ("two-blocks", "0.01");
@@ -108,7 +111,8 @@ fn files(workspace: &Workspace) -> Outcome<Vec<Entry>> {
     let mut entries = Vec::new();
     for path in workspace.files()? {
         let name = path.to_string_lossy().replace('\\', "/");
-        if FILES.contains(&name.as_str()) || FOLDERS.iter().any(|folder| name.starts_with(folder)) {
+        let is_in = |folders: &[&str]| folders.iter().any(|folder| name.starts_with(folder));
+        if FILES.contains(&name.as_str()) || is_in(&FOLDERS) && !is_in(&LEFT_OUT) {
             entries.push(Entry::file(&name, std::fs::read(workspace.path(&path))?));
         }
     }
@@ -201,6 +205,7 @@ mod tests {
         for expected in ["LICENSE-MIT", "docs/ARCHITECTURE.md", "scenes/two-blocks.toml"] {
             assert!(entries.iter().any(|entry| entry.path == expected), "{expected}");
         }
-        assert!(entries.iter().all(|entry| !entry.path.starts_with("crates/")));
+        let others = ["crates/", "docs/api/"];
+        assert!(entries.iter().all(|entry| others.iter().all(|folder| !entry.path.starts_with(folder))));
     }
 }
