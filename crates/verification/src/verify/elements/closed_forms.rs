@@ -28,7 +28,7 @@ const POISSON: f64 = 0.499_999;
 /// Hoop stretch at the inner surface, which fixes the pressure.
 const STRETCH: f64 = 1.4;
 
-/// A cell with its form, whether it has to be close, and elements for the same number of nodes about.
+/// A cell with its form, and whether it has to be close.
 struct Form {
     kind: CellKind,
     volumetric: Volumetric,
@@ -81,11 +81,10 @@ fn at_radius(mesh: &Mesh, radius: f64, dimensions: usize) -> Vec<FaceNodes> {
 }
 
 /// Mean stretch of the hoops of these facets' nodes.
-fn hoop_stretch(mesh: &Mesh, q: &[f64], facets: &[FaceNodes], radius: f64, dimensions: usize) -> f64 {
+fn hoop_stretch(q: &[f64], facets: &[FaceNodes], radius: f64, dimensions: usize) -> f64 {
     let mut nodes: Vec<u32> = facets.iter().flat_map(|facet| facet.iter().copied().collect::<Vec<_>>()).collect();
     nodes.sort_unstable();
     nodes.dedup();
-    debug_assert!(nodes.iter().all(|n| (*n as usize) < mesh.nodes.len()), "nodes of the mesh");
     let at = |n: &u32| q[3 * *n as usize..][..dimensions].iter().map(|x| x * x).sum::<f64>().sqrt();
     nodes.iter().map(at).sum::<f64>() / nodes.len() as f64 / radius
 }
@@ -112,9 +111,8 @@ fn sphere(form: &Form) -> Outcome<(f64, f64)> {
     // Flat facets converge slowly.
     let n = if form.kind.is_quadratic() { 4 } else { 12 };
     let ball = HollowBall { inner_diameter: 1.0, outer_diameter: 2.0, divisions: [n, n / 2 + 1] };
-    let mesh = ball.generate()?.with_cells(form.kind)?;
-    let mut mesh = mesh;
-    // New nodes of curved boundaries are near the sphere; put them on it, and those between on their layers' spheres stay.
+    let mut mesh = ball.generate()?.with_cells(form.kind)?;
+    // New nodes of curved boundaries are near their sphere, and are put on it.
     for x in &mut mesh.nodes {
         let r = x.iter().map(|x| x * x).sum::<f64>().sqrt();
         for radius in [0.5, 1.0] {
@@ -144,7 +142,7 @@ fn inflate(
     let problem = Equilibrium::new(mesh, law()?, form.options(), held, pressed.clone())?;
     let mut q = problem.reference();
     let reached = problem.follow(&mut q, Load { forces: &[], pressure }, 0.2, |x, _| x)?;
-    let found = hoop_stretch(&problem.mesh, &q, &pressed, radius, dimensions);
+    let found = hoop_stretch(&q, &pressed, radius, dimensions);
     Ok(((found - 1.0) / (STRETCH - 1.0), reached))
 }
 

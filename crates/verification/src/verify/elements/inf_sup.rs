@@ -23,34 +23,30 @@ const ZERO: f64 = 1e-10;
 /// The constant of a stable form with a mesh of half the size, over that of the coarser one.
 const STEADY: f64 = 0.8;
 
-fn stiffness(kind: CellKind, n: usize, lambda: f64) -> Outcome<DMatrix<f64>> {
+/// The stiffness for a modulus, and the number of pressures.
+fn stiffness(kind: CellKind, n: usize, lambda: f64) -> Outcome<(DMatrix<f64>, usize)> {
     let mesh = Block::new([0.0; 3], [1.0; 3], [n; 3]).generate()?.with_cells(kind)?;
     let options = SolidOptions { integration: Integration::Full, volumetric: Volumetric::Mixed };
     let law = Arc::new(NeoHooke::new(lambda, 1.0)?);
     let problem = Equilibrium::new(mesh, law, options, |x| [x[2] == 0.0; 3], Vec::new())?;
-    problem.dense_tangent(&problem.reference())
+    let pressures = match kind {
+        CellKind::Hex27 => 4 * problem.mesh.elements.len(),
+        CellKind::Tet4 => problem.mesh.nodes.len(),
+        _ => problem.mesh.elements.len(),
+    };
+    Ok((problem.dense_tangent(&problem.reference())?, pressures))
 }
 
 /// The constant, and the number of pressures without displacements.
 fn constant(kind: CellKind, n: usize) -> Outcome<(f64, usize)> {
-    let one = stiffness(kind, n, 1.0)?;
-    let volumetric = stiffness(kind, n, 2.0)? - &one;
+    let (one, pressures) = stiffness(kind, n, 1.0)?;
+    let volumetric = stiffness(kind, n, 2.0)?.0 - &one;
     let norm = one - &volumetric;
     let factor = norm.cholesky().ok_or("the norm of the strains is not definite")?.l();
     let half = factor.solve_lower_triangular(&volumetric).ok_or("a factor is singular")?;
     let whole = factor.solve_lower_triangular(&half.transpose()).ok_or("a factor is singular")?;
     let mut values: Vec<f64> = (0.5 * (&whole + whole.transpose())).symmetric_eigenvalues().iter().copied().collect();
     values.sort_by(|a, b| b.total_cmp(a));
-    let cells = match kind {
-        CellKind::Tet4 | CellKind::Tet10 => 6,
-        CellKind::Wedge6 | CellKind::Wedge15 => 2,
-        _ => 1,
-    };
-    let pressures = match kind {
-        CellKind::Hex27 => 4 * n.pow(3),
-        CellKind::Tet4 => (n + 1).pow(3),
-        _ => cells * n.pow(3),
-    };
     let there: Vec<f64> = values.into_iter().take(pressures).filter(|v| *v > ZERO).collect();
     Ok((there.last().copied().unwrap_or(0.0).sqrt(), pressures - there.len()))
 }
