@@ -1,13 +1,13 @@
 //! The weighted gap as a function of positions, and the contact method at random configurations: the identities of theory/mortar#energy and theory/mortar#tangent.
 
-mod sheets;
+use crate::sheets;
 
-use nalgebra::{Rotation3, Vector3};
-use proptest::prelude::*;
-use sheets::{
+use crate::sheets::{
     Mesh, NODES, SLAVE, assemble, base, factors, meshes, method, moved, options, pressures, resultants, tangent_errors,
     warp,
 };
+use nalgebra::{Rotation3, Vector3};
+use proptest::prelude::*;
 use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, StepConfiguration};
 use stoss_contact_mortar::{Force, Integrals, MortarContact, MortarOptions};
 

@@ -1,10 +1,12 @@
 //! Friction of the contact method at random configurations: tangents, momenta, objectivity, energies, history.
 
-mod sheets;
+use crate::sheets;
 
+use crate::sheets::{
+    Mesh, NODES, SLAVE, assemble, factors, meshes, method, moved, options, pressures, resultants, warp,
+};
 use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
-use sheets::{Mesh, NODES, SLAVE, assemble, factors, meshes, method, moved, options, pressures, resultants, warp};
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
 use stoss_contact::{Constraint, ContactError, ContactRule, History, Report, StepConfiguration};

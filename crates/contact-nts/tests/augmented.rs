@@ -1,7 +1,6 @@
 //! Coordinate augmentation: tangents, reductions, momenta, and the direct form that it equals at the end point.
 
-mod common;
-use common::{path as path_of, *};
+use crate::common::{path as path_of, *};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::sync::Arc;

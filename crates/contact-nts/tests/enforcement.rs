@@ -1,7 +1,6 @@
 //! The normal part by penalty and by augmented Lagrangian: pressure, work, release, history.
 
-mod common;
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use stoss_contact::friction::MAX_AUGMENTATIONS;
 use stoss_contact::{

@@ -1,7 +1,6 @@
 //! Friction in the direct form and with the energy-momentum element: tangents, momenta, objectivity, energies, edges, history.
 
-mod common;
-use common::{path as path_of, *};
+use crate::common::{path as path_of, *};
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;

@@ -1,7 +1,6 @@
 //! Pairing over a step: edges, ridges, valleys, jumps, and what the elements conserve with the pairing that was found.
 
-mod common;
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use stoss_contact::{Constraint, ContactMethod, ContactRule, History, SearchOptions};
 use stoss_contact_nts::ConstraintForm;

@@ -1,8 +1,7 @@
 //! Where the rules take the gradient of the gap: values, tangents and momenta on one facet, over an edge, over
 //! disjoint facets.
 
-mod common;
-use common::*;
+use crate::common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stoss_contact::{Constraint, ContactMethod, ContactRule, FacetNodes, SearchOptions};

@@ -1,8 +1,6 @@
 //! The signed closest point against solids in closed form and against brute force.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stoss_contact::Feature;

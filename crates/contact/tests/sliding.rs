@@ -1,8 +1,6 @@
 //! A node that slides from facet to facet never loses contact, jumps, or is caught twice; rims, thin bodies, depth.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use nalgebra::Vector3;
 use stoss_contact::{MasterSearch, SearchOptions};
 

@@ -1,8 +1,6 @@
 //! Adjacency, nodal areas, errors of contact surfaces.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stoss_contact::{ContactError, ContactSurface, FacetKind, FacetNodes, MasterSearch, SearchOptions};

@@ -1,6 +1,5 @@
 //! What holds for every cell with each of its rules: derivatives, identities of a step, patch test, masses, recovery, points, threads.
-mod common;
-use common::*;
+use crate::common::*;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::*;

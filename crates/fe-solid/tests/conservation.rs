@@ -1,6 +1,5 @@
 //! Identities of the element at random configurations (theory/integrators#eq-ems, theory/integrators#kept).
-mod common;
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use stoss_fe_solid::{SolidStep, StressRule};
 

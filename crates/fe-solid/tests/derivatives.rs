@@ -1,6 +1,5 @@
 //! Energy, force and tangent against each other by differences, for all laws and rules.
-mod common;
-use common::*;
+use crate::common::*;
 use stoss_fe_solid::{SolidStep, StressRule};
 
 #[test]

@@ -1,6 +1,5 @@
 //! Inverted elements and other bad input are reported by name and number.
-mod common;
-use common::*;
+use crate::common::*;
 use std::sync::Arc;
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
 use stoss_fe_solid::{Level, SolidBody, SolidError, SolidStep, StressRule};

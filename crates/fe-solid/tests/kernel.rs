@@ -1,6 +1,5 @@
 //! The two-point form of the tangent against `B_I^T A B_J` with the `B` of theory/kinematics#eq-b, at random moduli.
-mod common;
-use common::Random;
+use crate::common::Random;
 use proptest::prelude::*;
 use stoss_fe_solid::kernel::*;
 use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};

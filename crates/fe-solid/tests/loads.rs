@@ -1,6 +1,5 @@
 //! Surface loads: closed surfaces, resultants, work, tangent of the follower pressure.
-mod common;
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use stoss_fe_solid::*;
 use stoss_mesh::{BOUNDARY, generate::Block};

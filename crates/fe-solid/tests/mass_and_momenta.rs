@@ -1,6 +1,5 @@
 //! Mass of a parallelepiped, momenta and kinetic energy of rigid motions, body force.
-mod common;
-use common::*;
+use crate::common::*;
 use stoss_fe_solid::{MassKind, TangentTarget};
 use stoss_mesh::{Mesh, generate::Block};
 use stoss_reference_element::hex8;

@@ -1,6 +1,5 @@
 //! Elements that average the change of volume, near incompressibility: identities of a step, derivatives, patch test, free flight, locking.
-mod common;
-use common::*;
+use crate::common::*;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::*;

@@ -1,6 +1,5 @@
 //! Patch test: an irregular block whose boundary is moved affinely has one uniform stress.
-mod common;
-use common::*;
+use crate::common::*;
 use std::sync::Arc;
 use stoss_continuum::SymmetricTensor2;
 use stoss_fe_solid::{

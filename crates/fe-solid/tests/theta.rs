@@ -1,6 +1,5 @@
 //! The rule of one configuration `q_{n+theta}`: which positions it reads, its ends bit for bit, its tangent.
-mod common;
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use stoss_continuum::SymmetricTensor2;
 use stoss_fe_solid::{Level, SolidError, SolidStep, StressRule, TangentTarget, Workspace, kernel::*};

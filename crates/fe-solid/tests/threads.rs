@@ -1,6 +1,5 @@
 //! Any number of threads gives the same bits.
-mod common;
-use common::*;
+use crate::common::*;
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, Workspace};
 
 #[test]

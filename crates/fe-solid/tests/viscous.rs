@@ -1,6 +1,5 @@
 //! The viscous force: power, momenta, rigid motions, tangent, and the limit of small strains.
-mod common;
-use common::*;
+use crate::common::*;
 use stoss_fe_solid::{SolidBody, SolidStep, StressRule, TangentTarget, ViscousRate, Workspace};
 
 const FACTOR: f64 = 0.3;

@@ -1,8 +1,6 @@
 //! Patterns, scatter maps and products against dense matrices.
 
-mod common;
-
-use common::{Random, pattern};
+use crate::common::{Random, pattern};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_linalg::{LinalgError, NONE, ScatterMap, SparseMatrix, SparsityPattern, vector};

@@ -1,8 +1,6 @@
 //! Negative eigenvalues that a factorisation reports, against eigenvalues.
 
-mod common;
-
-use common::{Random, hex_system, pattern};
+use crate::common::{Random, hex_system, pattern};
 use faer::Side;
 use proptest::prelude::*;
 use stoss_linalg::{AutoSolver, DenseSolver, FaerSolver, LinearSolver, MatrixKind, MultifrontalSolver, SparseMatrix};

@@ -1,8 +1,6 @@
 //! Systems written to files and read again; a solver that shows what it solves.
 
-mod common;
-
-use common::tangents::{Setting, block_pair};
+use crate::common::tangents::{Setting, block_pair};
 use std::sync::mpsc::channel;
 use stoss_linalg::matrix_market::{SystemFileError, read_system, write_system};
 use stoss_linalg::{LinearSolver, MatrixKind, MultifrontalSolver, RecordingSolver};

@@ -1,9 +1,7 @@
 //! The multifrontal solver on what it is for: saddle points of contact, badly scaled ones, and on what its pivoting cannot do.
 
-mod common;
-
-use common::tangents::{Setting, block_pair, tori};
-use common::{Random, pattern};
+use crate::common::tangents::{Setting, block_pair, tori};
+use crate::common::{Random, pattern};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_linalg::{

@@ -1,9 +1,7 @@
 //! Solutions with the factors of other values than those at hand.
 
-mod common;
-
-use common::Random;
-use common::tangents::{Setting, block_pair};
+use crate::common::Random;
+use crate::common::tangents::{Setting, block_pair};
 use std::sync::Arc;
 use stoss_linalg::{
     AutoSolver, DenseSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, Place, SolverOptions,

@@ -1,8 +1,6 @@
 //! The battery of every linear solver: what is promised in the trait, on random systems.
 
-mod common;
-
-use common::{Random, hex_system, pattern};
+use crate::common::{Random, hex_system, pattern};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_linalg::{

@@ -1,6 +1,4 @@
 //! VTKHDF files: what was written is read again, whatever happened in between.
-#![cfg(feature = "vtkhdf")]
-
 use std::path::Path;
 use stoss_mesh::Elements;
 use stoss_mesh_io::{

@@ -1,6 +1,6 @@
 //! The 45-degree bend: a curved cantilever in space, against the literature and against the equations of the rod.
 
-mod lines;
+use crate::lines;
 
 use std::f64::consts::PI;
 use stoss_multibody::{Beam, BeamAxis, Section};

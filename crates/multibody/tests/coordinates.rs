@@ -1,8 +1,6 @@
 //! What acts on the coordinate of a joint, against closed forms in whole runs.
 
-mod common;
-
-use common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, finish, rod, run, run_with};
+use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, finish, rod, run, run_with};
 use std::sync::Arc;
 use stoss_multibody::{
     CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, PiecewiseLinear,

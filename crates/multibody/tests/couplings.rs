@@ -1,8 +1,6 @@
 //! Couplings of nodes to a body without mass.
 
-mod common;
-
-use common::{ABOUT_Z, AXES, add_body, add_constraint, finish, rod, run};
+use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, finish, rod, run};
 use std::ops::Range;
 use std::sync::Arc;
 use stoss_contact::{Constraint, ContactRule, StepConfiguration};

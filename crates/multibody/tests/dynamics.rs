@@ -1,6 +1,6 @@
 //! Beams, strings and springs in motion: what the energy-momentum scheme keeps.
 
-mod lines;
+use crate::lines;
 
 use std::f64::consts::PI;
 use stoss_multibody::{

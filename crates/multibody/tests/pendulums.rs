@@ -1,8 +1,6 @@
 //! Pendulums and mechanisms in whole runs under the energy-momentum scheme.
 
-mod common;
-
-use common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, finish, rod, run};
+use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, finish, rod, run};
 use stoss_multibody::{Frame, Joint, JointKind, RigidMass};
 use stoss_solver::Model;
 

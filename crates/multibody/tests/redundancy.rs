@@ -1,8 +1,6 @@
 //! Redundant joints: found, named, and solved with multipliers of least norm.
 
-mod common;
-
-use common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, rod, run, run_with};
+use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, rod, run, run_with};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 use stoss_contact::{Constraint, ContactRule, StepConfiguration};

@@ -1,6 +1,6 @@
 //! Beams and strings at rest, against closed forms and the literature.
 
-mod lines;
+use crate::lines;
 
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;

@@ -1,13 +1,11 @@
 //! Good scenes: the shipped ones and those of the tests are read, survive a round trip, and agree with the JSON schema.
 
-mod support;
-
+use crate::support::schema;
 use std::path::PathBuf;
 use stoss_scene::{
     BoxShape, Component, Coupling, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter,
     PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, json_schema, parse, parse_with,
 };
-use support::schema;
 
 const DYNAMIC: &str = include_str!("data/dynamic.toml");
 const STATIC: &str = include_str!("data/quasi-static.toml");

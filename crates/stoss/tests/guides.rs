@@ -1,6 +1,4 @@
 //! Planes of symmetry and sliding supports in any direction.
-#![cfg(all(feature = "scene", feature = "mortar", feature = "mesh-files"))]
-
 use std::path::Path;
 use stoss::mesh::{Mesh, generate::Block};
 use stoss::solver::Simulation;

@@ -1,6 +1,4 @@
 //! What `stoss check` warns of in meshes and contacts, and what a singular system is told to be.
-#![cfg(all(feature = "scene", feature = "nts"))]
-
 use std::path::Path;
 
 fn build(scene: &str) -> stoss::build::Built {

@@ -1,0 +1,4 @@
+//! The tests of the crate in one binary: linking one for each file takes longer than running them.
+
+mod iteration;
+mod potential;
