@@ -1,4 +1,6 @@
-//! `cargo xtask layers`: every crate's normal dependencies against `layers.toml`, and no circles inside a crate.
+//! `cargo xtask layers`: every crate's normal dependencies against `layers.toml`, no circles inside a crate, and the picture of them.
+
+mod picture;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,7 +8,10 @@ use toml::Table;
 
 use crate::circles;
 use crate::manifest::{self, Member};
-use crate::workspace::{Outcome, Workspace};
+use crate::workspace::{Outcome, Workspace, read, write};
+
+/// Where the picture is committed.
+const PAGE: &str = "docs/layers.md";
 
 /// What is allowed for one crate.
 #[derive(Clone, Debug, Default)]
@@ -31,8 +36,8 @@ struct Findings {
     notes: Vec<String>,
 }
 
-/// Runs the check; false if an arrow is not allowed.
-pub fn command(workspace: &Workspace) -> Outcome<bool> {
+/// Runs the check; false if an arrow is not allowed, or if the picture is not up to date and not to be written.
+pub fn command(workspace: &Workspace, bless: bool) -> Outcome<bool> {
     let layers = parse(&workspace.read("layers.toml")?)?;
     let members = manifest::members(workspace)?;
     let mut findings = check(&layers, &members);
@@ -41,6 +46,12 @@ pub fn command(workspace: &Workspace) -> Outcome<bool> {
         let unused = member.dependencies.iter().filter(|dependency| !is_named(&source, dependency));
         findings.errors.extend(unused.map(|name| format!("{} depends on {name}, but never names it", member.folder)));
         findings.errors.extend(circles::check(workspace, member)?);
+    }
+    let page = picture::page(&members);
+    if bless {
+        write(&workspace.path(PAGE), &page)?;
+    } else if read(&workspace.path(PAGE)).ok().as_deref() != Some(page.as_str()) {
+        findings.errors.push(format!("{PAGE} is not up to date; run `cargo xtask layers --bless`"));
     }
     for note in &findings.notes {
         println!("layers: note: {note}");

@@ -8,6 +8,7 @@ mod circles;
 mod dist;
 mod layers;
 mod modules;
+mod reference;
 mod reuse;
 mod schema;
 mod tidy;
@@ -28,8 +29,12 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Compares every crate's normal dependencies with layers.toml and finds circles between modules.
-    Layers,
+    /// Compares every crate's normal dependencies with layers.toml and docs/layers.md, and finds circles between modules.
+    Layers {
+        /// Writes docs/layers.md instead of comparing it.
+        #[arg(long)]
+        bless: bool,
+    },
     /// Builds each reusable crate alone and compares its dependency list with docs/reuse/.
     Reuse {
         /// Writes the lists instead of comparing them.
@@ -44,7 +49,7 @@ enum Command {
     },
     /// Checks the habits that no compiler checks.
     Tidy,
-    /// Writes docs/scene.schema.json from `stoss schema`.
+    /// Writes docs/scene.schema.json and docs/guide/reference.md from `stoss schema`.
     Schema {
         /// Compares instead of writing.
         #[arg(long)]
@@ -76,7 +81,7 @@ enum Command {
 fn dispatch(command: Command) -> Outcome<bool> {
     let workspace = Workspace::find()?;
     match command {
-        Command::Layers => layers::command(&workspace),
+        Command::Layers { bless } => layers::command(&workspace, bless),
         Command::Reuse { bless } => reuse::command(&workspace, bless),
         Command::Api { bless } => api::command(&workspace, bless),
         Command::Tidy => tidy::command(&workspace),

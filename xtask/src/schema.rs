@@ -1,12 +1,16 @@
-//! `cargo xtask schema`: the committed schema of the scene format.
+//! `cargo xtask schema`: the committed schema of the scene format, and the reference of its keys.
 
 use crate::program::Program;
+use crate::reference::{Sample, page};
 use crate::workspace::{Outcome, Workspace, read, write};
 
 /// Where the schema is committed.
 const FILE: &str = "docs/scene.schema.json";
 
-/// Writes the schema, or compares it; false if it differs.
+/// Where the reference is committed.
+const REFERENCE: &str = "docs/guide/reference.md";
+
+/// Writes the schema and the reference, or compares them; false if one differs.
 pub fn command(workspace: &Workspace, check: bool) -> Outcome<bool> {
     let text = Program::build(workspace)?.schema()?;
     let value: serde_json::Value =
@@ -15,18 +19,39 @@ pub fn command(workspace: &Workspace, check: bool) -> Outcome<bool> {
         return Err("`stoss schema` prints no JSON object".into());
     }
     let text = format!("{}\n", text.trim_end());
-    if !check {
-        write(&workspace.path(FILE), &text)?;
-        println!("schema: wrote {FILE}");
-        return Ok(true);
+    let reference = page(&value, &samples(workspace)?)?;
+    let mut same = true;
+    for (file, text) in [(FILE, text), (REFERENCE, reference)] {
+        if !check {
+            write(&workspace.path(file), &text)?;
+            println!("schema: wrote {file}");
+            continue;
+        }
+        match first_difference(&read(&workspace.path(file))?, &text) {
+            None => println!("schema: {file} is up to date"),
+            Some(line) => {
+                println!("schema: {file}:{line} differs from `stoss schema`; run `cargo xtask schema`");
+                same = false;
+            }
+        }
     }
-    let committed = read(&workspace.path(FILE))?;
-    let difference = first_difference(&committed, &text);
-    match difference {
-        None => println!("schema: {FILE} is what `stoss schema` prints"),
-        Some(line) => println!("schema: {FILE}:{line} differs from `stoss schema`; run `cargo xtask schema`"),
+    Ok(same)
+}
+
+/// The shipped scenes, by name.
+fn samples(workspace: &Workspace) -> Outcome<Vec<Sample>> {
+    let folder = workspace.path("scenes");
+    let entries = std::fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut samples = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(|error| format!("{}: {error}", folder.display()))?.path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            samples.push(Sample { name, text: read(&path)? });
+        }
     }
-    Ok(difference.is_none())
+    samples.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(samples)
 }
 
 /// Number of the first line that differs, from 1.

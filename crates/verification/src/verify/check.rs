@@ -16,8 +16,8 @@ pub enum Bound {
         /// Largest absolute difference.
         tolerance: f64,
     },
-    /// No bound: the value is only told.
-    Told,
+    /// No bound: the value is reported, not judged.
+    Unbounded,
 }
 
 impl Bound {
@@ -27,8 +27,19 @@ impl Bound {
             Self::AtMost(bound) => measured <= bound,
             Self::AtLeast(bound) => measured >= bound,
             Self::Near { value, tolerance } => (measured - value).abs() <= tolerance,
-            Self::Told => true,
+            Self::Unbounded => true,
         }
+    }
+
+    /// How much of the bound is used: 0 is exact, 1 is the bound itself. `None` without a bound, or where it is zero.
+    pub fn used(self, measured: f64) -> Option<f64> {
+        let ratio = match self {
+            Self::AtMost(bound) if bound > 0.0 => measured.max(0.0) / bound,
+            Self::AtLeast(bound) if bound > 0.0 => bound / measured,
+            Self::Near { value, tolerance } if tolerance > 0.0 => (measured - value).abs() / tolerance,
+            _ => return None,
+        };
+        Some(ratio)
     }
 
     /// As it is printed.
@@ -38,10 +49,15 @@ impl Bound {
             Self::AtLeast(bound) => format!(">= {}", number(bound)),
             Self::Near { value, tolerance: 0.0 } => format!("= {}", number(value)),
             Self::Near { value, tolerance } => format!("= {} +- {}", number(value), number(tolerance)),
-            Self::Told => "-".into(),
+            Self::Unbounded => "-".into(),
         }
     }
 }
+
+/// The words of [`Check::verdict`].
+pub const OK: &str = "ok";
+pub const SHORT: &str = "FALLS SHORT";
+pub const REPORTED: &str = "reported";
 
 /// One row of the table.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,9 +94,9 @@ impl Check {
     /// One word for the table.
     pub fn verdict(&self) -> &'static str {
         match (self.bound, self.holds()) {
-            (Bound::Told, _) => "told",
-            (_, true) => "ok",
-            (_, false) => "FALLS SHORT",
+            (Bound::Unbounded, _) => REPORTED,
+            (_, true) => OK,
+            (_, false) => SHORT,
         }
     }
 }
@@ -139,11 +155,20 @@ mod tests {
     }
 
     #[test]
-    fn verdicts_are_told() {
+    fn the_bound_itself_is_one() {
+        assert_eq!(Bound::AtMost(2.0).used(2.0), Some(1.0));
+        assert_eq!(Bound::AtLeast(2.0).used(4.0), Some(0.5));
+        assert_eq!(Bound::Near { value: 1.0, tolerance: 0.5 }.used(0.75), Some(0.5));
+        assert_eq!(Bound::AtMost(0.0).used(0.0), None);
+        assert_eq!(Bound::Unbounded.used(1.0), None);
+    }
+
+    #[test]
+    fn each_verdict_has_a_word() {
         let verdict = |bound| Check::new("s", "q", 1.0, bound).verdict();
         assert_eq!(
-            [verdict(Bound::AtMost(2.0)), verdict(Bound::AtMost(0.5)), verdict(Bound::Told)],
-            ["ok", "FALLS SHORT", "told"]
+            [verdict(Bound::AtMost(2.0)), verdict(Bound::AtMost(0.5)), verdict(Bound::Unbounded)],
+            ["ok", "FALLS SHORT", "reported"]
         );
         assert_eq!([3.0, 0.5, 1.25e-12].map(number), ["3", "0.5000", "1.25e-12"]);
     }

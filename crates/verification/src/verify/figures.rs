@@ -15,7 +15,8 @@ const FLOOR: f64 = 1e-17;
 const TRIPLES: usize = 6;
 
 /// Drifts, energies, forces, Newton residuals of one run; snapshots and segments if the scene is in the table of pictures, else the last frame.
-pub fn section(run: &Run) -> Outcome<Section> {
+/// `reading` is what the scene says of itself.
+pub fn section(run: &Run, reading: String) -> Outcome<Section> {
     let balance = run.balance()?;
     let time = &balance.time;
     let [linear, angular, energy] = balance.histories();
@@ -51,7 +52,7 @@ pub fn section(run: &Run) -> Outcome<Section> {
     let thesis = picture.map(|picture| picture.thesis).filter(|numbers| !numbers.is_empty());
     let thesis = thesis.map(|numbers| format!(", figures {numbers} of the thesis")).unwrap_or_default();
     let title = format!("{}{thesis}{}", run.name, if run.until.is_some() { " (shortened)" } else { "" });
-    Ok(Section { title, figures, tables: vec![triples(&run.newton()?)] })
+    Ok(Section { title, reading, figures, tables: vec![triples(&run.newton()?)] })
 }
 
 /// The three components of a momentum over time; nothing if it is zero throughout, as in statics.

@@ -249,7 +249,7 @@ fn figure() -> Outcome<Section> {
     }
     let labels = Labels { title: "uniform compression", x: "J", y: "energy / bulk modulus" };
     let figures = vec![plot::logarithmic(labels, &series, 1e-5)];
-    Ok(Section { title: "Energies down to J = 0.2".into(), figures, tables: Vec::new() })
+    Ok(Section { title: "Energies down to J = 0.2".into(), reading: "Energy under uniform compression. It should grow without end as J falls; the Saint Venant-Kirchhoff law does not, and softens.".into(), figures, tables: Vec::new() })
 }
 
 /// Names of the laws that a scene can have.

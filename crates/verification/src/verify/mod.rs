@@ -160,7 +160,9 @@ impl Bench {
     /// Figures of a run, once for all suites.
     pub fn show(&self, run: &Run, findings: &mut Findings) -> Outcome<()> {
         if self.shown.borrow_mut().insert(run.name.clone()) {
-            findings.sections.push(figures::section(run)?);
+            let shipped = self.workspace.read(&format!("scenes/{}.toml", run.name)).ok();
+            let reading = shipped.map(|text| header(&text)).unwrap_or_default();
+            findings.sections.push(figures::section(run, reading)?);
         }
         Ok(())
     }
@@ -175,6 +177,16 @@ impl Bench {
     fn seconds(&self) -> f64 {
         self.runs.borrow().values().map(|run| run.ending.seconds).fold(0.0, |sum, seconds| sum + seconds)
     }
+}
+
+/// What a shipped scene says of itself: the first paragraph of its header, and what it expects, with its source.
+fn header(scene: &str) -> String {
+    let lines: Vec<&str> = scene.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();
+    let words = |lines: &[&str]| lines.join(" ");
+    let first = lines.iter().position(|line| line.is_empty()).unwrap_or(lines.len());
+    let expected = lines.iter().position(|line| line.starts_with("Expect:")).unwrap_or(lines.len());
+    let end = lines[expected..].iter().position(|line| line.is_empty()).map_or(lines.len(), |end| expected + end);
+    format!("{} {}", words(&lines[..first]), words(&lines[expected..end])).trim().to_owned()
 }
 
 /// The time at which quick mode stops a scene; `None` if it is short anyway.
@@ -235,6 +247,13 @@ mod tests {
         assert_eq!(end(&format!("[time]\nend = 1.0\nstep = 0.01\n{contact}")), Some(0.8));
         assert_eq!(end(&format!("[time]\nend = 0.7\nstep = 0.01\n{contact}")), None);
         assert_eq!(end("[scene]\ntitle = \"a\""), None);
+    }
+
+    #[test]
+    fn a_scene_says_what_to_expect() {
+        let text = "# A ball falls.\n#\n#   o\n#\n# Run: x\n# Expect:  it stops,\n#          late.\n# Source:  A. N.\n\n[scene]";
+        assert_eq!(header(text), "A ball falls. Expect:  it stops, late. Source:  A. N.");
+        assert_eq!(header("[scene]"), "");
     }
 
     #[test]

@@ -41,6 +41,7 @@ impl Suite for Patch {
             ["method", "interface", "slave", "law", "multipliers", "deviation", "stress zz", "iterations", "cuts"];
         findings.sections.push(Section {
             title: "Patch tests".into(),
+            reading: "Two blocks under uniform pressure, with meshes that do not match, must have a uniform stress. The mortar method passes to round-off; node to surface is known to fail, and its rows have no bound.".into(),
             figures: Vec::new(),
             tables: vec![Grid {
                 caption: "Deviation from uniform stress".into(),
@@ -167,7 +168,7 @@ fn nodes(findings: &mut Findings, table: &mut Vec<Vec<String>>) -> Outcome<()> {
             table.push(words.into_iter().chain(figures).collect());
             findings
                 .checks
-                .push(Check::new(&scene, "deviation from uniform stress", measured, Bound::Told).noted(note));
+                .push(Check::new(&scene, "deviation from uniform stress", measured, Bound::Unbounded).noted(note));
         }
     }
     Ok(())

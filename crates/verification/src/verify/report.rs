@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
 
-use super::check::{Check, CheckRecord, number};
+use super::check::{Check, CheckRecord, OK, REPORTED, SHORT, number};
 use super::origin::Origin;
 use super::{Findings, Suite};
 use crate::workspace::Outcome;
@@ -13,6 +13,8 @@ use crate::workspace::Outcome;
 pub struct Section {
     /// Heading.
     pub title: String,
+    /// What it shows, how to read it and its source; empty if the tables' captions say it.
+    pub reading: String,
     /// SVG texts, shown side by side.
     pub figures: Vec<String>,
     /// Tables.
@@ -102,16 +104,73 @@ pub fn html(results: &Results, quick: bool, origin: &Origin) -> String {
                     @if quick { " Quick mode: long scenes are shortened." }
                 }
                 p { (origin.line()) }
+                (summary(results))
+                (contents(results))
                 @for (suite, findings) in results {
-                    h2 { (suite.name()) }
+                    h2 id=(suite.name()) { (suite.name()) }
                     p { (suite.about()) }
                     (checks_table(&findings.checks))
-                    @for section in &findings.sections { (section_markup(section)) }
+                    @for (i, section) in findings.sections.iter().enumerate() {
+                        (section_markup(section, &anchor(*suite, i)))
+                    }
                 }
             }
         }
     };
     page.into_string()
+}
+
+/// A row for each suite: what was checked, what fell short, and the check that uses most of its bound.
+fn summary(results: &Results) -> Markup {
+    html! {
+        h2 { "Summary" }
+        p {
+            "Checks with a bound that hold or fall short, and values that are reported without one. "
+            "The part of the bound that is used is 0 for an exact result and 1 at the bound; the check that uses most is named."
+        }
+        table {
+            tr { th { "suite" } th { "hold" } th { "fall short" } th { "reported" } th { "most used" } th { "by" } }
+            @for (suite, findings) in results {
+                @let count = |word: &str| findings.checks.iter().filter(|check| check.verdict() == word).count();
+                @let worst = findings
+                    .checks
+                    .iter()
+                    .filter_map(|check| Some((check, check.bound.used(check.measured)?)))
+                    .max_by(|a, b| a.1.total_cmp(&b.1));
+                tr class=[(count(SHORT) > 0).then_some("short")] {
+                    td { a href={ "#" (suite.name()) } { (suite.name()) } }
+                    td.n { (count(OK)) } td.n { (count(SHORT)) } td.n { (count(REPORTED)) }
+                    @match worst {
+                        Some((check, used)) => { td.n { (format!("{used:.3}")) } td { (check.scene) ": " (check.quantity) } },
+                        None => { td {} td {} },
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Links to the suites and their sections.
+fn contents(results: &Results) -> Markup {
+    html! {
+        h2 { "Contents" }
+        ul {
+            @for (suite, findings) in results {
+                li {
+                    a href={ "#" (suite.name()) } { (suite.name()) } ": " (suite.about())
+                    @for (i, section) in findings.sections.iter().enumerate() {
+                        @if i > 0 { ", " } @else { br; }
+                        a href={ "#" (anchor(*suite, i)) } { (section.title) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Anchor of a section.
+fn anchor(suite: &dyn Suite, section: usize) -> String {
+    format!("{}-{section}", suite.name())
 }
 
 fn checks_table(checks: &[Check]) -> Markup {
@@ -128,9 +187,10 @@ fn checks_table(checks: &[Check]) -> Markup {
     }
 }
 
-fn section_markup(section: &Section) -> Markup {
+fn section_markup(section: &Section, anchor: &str) -> Markup {
     html! {
-        h3 { (section.title) }
+        h3 id=(anchor) { (section.title) }
+        @if !section.reading.is_empty() { p { (section.reading) } }
         @if !section.figures.is_empty() {
             div.figures { @for figure in &section.figures { div { (PreEscaped(figure)) } } }
         }
@@ -173,7 +233,12 @@ mod tests {
             Check::new("a", "drift", 1e-12, Bound::AtMost(1e-10)),
             Check::new("b", "drift <x>", f64::NAN, Bound::AtMost(1e-10)).noted("why"),
         ];
-        let section = Section { title: "T".into(), figures: vec!["<svg></svg>".into()], tables: vec![Grid::default()] };
+        let section = Section {
+            title: "T".into(),
+            reading: "R.".into(),
+            figures: vec!["<svg></svg>".into()],
+            tables: vec![Grid::default()],
+        };
         vec![(&Sample, Findings { checks, sections: vec![section] })]
     }
 
@@ -195,8 +260,20 @@ mod tests {
     #[test]
     fn the_report_refers_to_nothing_outside() {
         let page = html(&results(), true, &origin());
-        for reference in ["http:", "https:", "src=", "href="] {
+        for reference in ["http:", "https:", "src="] {
             assert!(!page.contains(reference), "{reference}");
         }
+        assert!(page.split("href=").skip(1).all(|link| link.starts_with("\"#")));
+    }
+
+    #[test]
+    fn the_summary_names_the_check_that_is_nearest_to_its_bound() {
+        let page = html(&results(), true, &origin());
+        for entry in ["href=\"#sample\"", "id=\"sample\"", "href=\"#sample-0\"", "id=\"sample-0\"", "<p>R.</p>"] {
+            assert!(page.contains(entry), "{entry}");
+        }
+        // One holds, one falls short, none without a bound.
+        assert!(page.contains("<td class=\"n\">1</td><td class=\"n\">1</td><td class=\"n\">0</td>"), "{page}");
+        assert!(page.contains("NaN</td><td>b: drift &lt;x&gt;</td>"));
     }
 }

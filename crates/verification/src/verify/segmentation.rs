@@ -326,7 +326,7 @@ fn pictures() -> Outcome<Section> {
         turned(x, y, 0.25 * (x * x + y * y) + 0.1)
     });
     let curved = picture("Curved surfaces with uneven facets, from above", &slave, &master)?;
-    Ok(Section { title: "Segmentation".into(), figures: vec![plane, curved], tables: Vec::new() })
+    Ok(Section { title: "Segmentation".into(), reading: "The facets of the slave (theory/segmentation), cut by those of the master that they face, and the triangles over which the mortar integrals are taken. Right if the triangles cover each facet once, without gap or overlap.".into(), figures: vec![plane, curved], tables: Vec::new() })
 }
 
 #[cfg(test)]

@@ -140,7 +140,7 @@ fn figure(rows: &[Row]) -> Section {
         head: std::iter::once("step").chain(Method::ALL.map(Method::name)).map(str::to_owned).collect(),
         rows: rows.iter().step_by(16).map(entries).collect(),
     };
-    Section { title: "Figure D.1: numerical tangents".into(), figures, tables: vec![grid] }
+    Section { title: "Figure D.1: numerical tangents".into(), reading: "Derivatives by differences, by a complex step and by dual numbers against the exact one (thesis, appendix D). Differences lose half of the digits or more; the other two none.".into(), figures, tables: vec![grid] }
 }
 
 fn number_or_dash(value: f64) -> String {

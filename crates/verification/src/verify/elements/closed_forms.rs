@@ -205,7 +205,7 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
             continue;
         }
         let name = form.name();
-        let bound = if form.close { Bound::Near { value: 1.0, tolerance: CLOSE } } else { Bound::Told };
+        let bound = if form.close { Bound::Near { value: 1.0, tolerance: CLOSE } } else { Bound::Unbounded };
         let mut told = vec![name.clone()];
         let mut check = |what: &str, quantity: &str, value: f64, reached: f64, told: &mut Vec<String>| {
             // What did not come to its end is no result.
@@ -229,7 +229,7 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
         // tet4 takes hundreds of increments.
         if form.volumetric == Volumetric::Mixed && form.kind != CellKind::Tet4 {
             let (way, end) = punch(form)?;
-            let bound = if form.kind == CellKind::Tet10 { Bound::AtLeast(1.0 - 1e-9) } else { Bound::Told };
+            let bound = if form.kind == CellKind::Tet10 { Bound::AtLeast(1.0 - 1e-9) } else { Bound::Unbounded };
             let check = Check::new(&format!("punch, {name}"), "share of the way to half of the height", way, bound);
             findings.checks.push(check.noted(end));
             told.push(format!("{way:.2}"));
@@ -246,6 +246,12 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
         "twist: axial force",
         "punch to half of the height: share of the way",
     ];
-    table(findings, "Closed forms at Poisson's ratio 0.499999, over the exact values", &head, rows);
+    table(
+        findings,
+        "Closed forms at Poisson's ratio 0.499999, over the exact values",
+        "A thick cylinder and a hollow sphere under pressure, a twisted bar, and a block under a punch, nearly incompressible. 1 is exact; a value far below 1 is a cell that locks.",
+        &head,
+        rows,
+    );
     Ok(())
 }

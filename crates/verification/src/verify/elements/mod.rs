@@ -122,9 +122,9 @@ fn displacement(simulation: &Simulation, axis: usize, is_there: impl Fn(&[f64]) 
 fn bending(findings: &mut Findings) -> Outcome<()> {
     let mut rows = Vec::new();
     let cases: [(&str, &str, u32, Bound); 8] = [
-        ("hex8", "", 1, Bound::Told),
-        ("tet4", "", 1, Bound::Told),
-        ("wedge6", "", 1, Bound::Told),
+        ("hex8", "", 1, Bound::Unbounded),
+        ("tet4", "", 1, Bound::Unbounded),
+        ("wedge6", "", 1, Bound::Unbounded),
         ("hex20", "", 1, Bound::Near { value: 1.0, tolerance: 0.02 }),
         ("hex20", "integration = \"reduced\"\n", 2, Bound::Near { value: 1.0, tolerance: 0.02 }),
         ("hex27", "", 1, Bound::Near { value: 1.0, tolerance: 0.02 }),
@@ -148,13 +148,20 @@ fn bending(findings: &mut Findings) -> Outcome<()> {
         let check = Check::new(&format!("beam, {name}"), "deflection of the tip over the exact one", part, bound);
         findings.checks.push(check.noted("five elements along it"));
     }
-    table(findings, "Deflection of a beam", &["cell", "over the exact one"], rows);
+    table(
+        findings,
+        "Deflection of a beam",
+        "A cantilever, ten times as long as it is high, with five cells along it. 1 is the deflection of beam theory with shear; a value far below is a cell too stiff in bending.",
+        &["cell", "over the exact one"],
+        rows,
+    );
     Ok(())
 }
 
-fn table(findings: &mut Findings, caption: &str, head: &[&str], rows: Vec<Vec<String>>) {
+fn table(findings: &mut Findings, caption: &str, reading: &str, head: &[&str], rows: Vec<Vec<String>>) {
     findings.sections.push(Section {
         title: caption.into(),
+        reading: reading.into(),
         figures: Vec::new(),
         tables: vec![Grid { caption: caption.into(), head: head.iter().map(|h| (*h).to_owned()).collect(), rows }],
     });
@@ -199,7 +206,13 @@ fn membrane(findings: &mut Findings, quick: bool) -> Outcome<()> {
         let check = Check::new(&format!("Cook's membrane, {name}"), "displacement of the corner", found, bound);
         findings.checks.push(check.noted("4 x 4 elements; a refined solution has 6.9"));
     }
-    table(findings, "Cook's membrane, Poisson's ratio 0.4999", &["cell", "corner", "theory"], rows);
+    table(
+        findings,
+        "Cook's membrane, Poisson's ratio 0.4999",
+        "Displacement of the corner of a tapered panel under shear, against the value of theory/elements#choice on the same mesh. Cells without a mixed form lock.",
+        &["cell", "corner", "theory"],
+        rows,
+    );
     Ok(())
 }
 
@@ -318,6 +331,12 @@ fn flights(findings: &mut Findings, quick: bool) -> Outcome<()> {
         rows.push(row);
     }
     let head: Vec<&str> = std::iter::once("cell").chain(LAWS.map(|(law, _)| law)).collect();
-    table(findings, "Free flight: largest drift of momenta and energy", &head, rows);
+    table(
+        findings,
+        "Free flight: largest drift of momenta and energy",
+        "A body of each cell with each law spins and vibrates freely. Only round-off may change momenta and energy.",
+        &head,
+        rows,
+    );
     Ok(())
 }

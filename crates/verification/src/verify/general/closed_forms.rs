@@ -71,7 +71,7 @@ fn impulse(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             reference[1],
             2.0 * SPEED
         );
-        let bound = if thickness < 0.002 { Bound::AtMost(IMPULSE) } else { Bound::Told };
+        let bound = if thickness < 0.002 { Bound::AtMost(IMPULSE) } else { Bound::Unbounded };
         let quantity = "impulse over that of multipliers that keep energy, less one";
         findings.checks.push(Check::new(&name, quantity, (found / reference[0] - 1.0).abs(), bound).noted(note));
         let note = "the plane is smooth: what guards and points near the inner edges of its four triangles give sideways, less than the thickness over the edge";
@@ -121,7 +121,7 @@ fn cylinder(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let [a, pressure] = of_hertz(2.0 * force.abs() / LENGTH);
         let found = 0.75 * PI * (moment / force).abs();
         let largest = last("max_pressure")?;
-        let bound = if elements == 10 && thickness < 5e-5 { Bound::AtMost(HERTZ) } else { Bound::Told };
+        let bound = if elements == 10 && thickness < 5e-5 { Bound::AtMost(HERTZ) } else { Bound::Unbounded };
         let note = format!("a = {a:.5}, found {found:.5}; p0 = {pressure:.3}, found {largest:.3}");
         let row = |quantity: &str, error: f64| Check::new(&name, quantity, error.abs(), bound).noted(note.clone());
         findings.checks.push(row("half width over the closed form, less one", found / a - 1.0));

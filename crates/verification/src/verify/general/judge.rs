@@ -125,7 +125,7 @@ pub fn judge_closely(
         _ => 2.0,
     };
     row("verdict (0 sound, 1 doubtful, 2 wrong)", verdict, Bound::AtMost(0.0), launched.run.reasons());
-    row("halved steps", cuts, Bound::Told, note);
+    row("halved steps", cuts, Bound::Unbounded, note);
     if scene.keeps_energy {
         row("energy and losses, change", found.ledger, Bound::AtMost(ledger), String::new());
     }

@@ -158,7 +158,7 @@ fn pressed_wedge(bench: &Bench, findings: &mut Findings, friction: f64) -> Outco
     row("largest friction over the normal force", bound, Bound::AtMost(friction * (1.0 + 1e-9)));
     let slides = Bound::Near { value: friction, tolerance: 0.05 * friction };
     let quantity = "friction over the normal force while the load grows";
-    row(quantity, sliding, if friction < HALF.to_radians().tan() { slides } else { Bound::Told });
+    row(quantity, sliding, if friction < HALF.to_radians().tan() { slides } else { Bound::Unbounded });
     Ok(())
 }
 

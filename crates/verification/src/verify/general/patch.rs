@@ -153,7 +153,7 @@ fn given_gap(findings: &mut Findings) -> Outcome<()> {
         let range = |[low, high]: [f64; 2]| format!("{low:.3} to {high:.3}");
         let note = format!("without guards {}, with guards {}", range(without), range(with));
         let off = |[low, high]: [f64; 2]| (1.0 - low).max(high - 1.0);
-        let bound = if n[0] == n[1] { Bound::AtMost(UNIFORM) } else { Bound::Told };
+        let bound = if n[0] == n[1] { Bound::AtMost(UNIFORM) } else { Bound::Unbounded };
         let quantity = "points of integration alone: largest deviation from the uniform pressure";
         findings.checks.push(Check::new(&case, quantity, off(without), bound).noted(note.clone()));
         let quantity = "with guards: largest deviation from the uniform pressure";
@@ -164,7 +164,7 @@ fn given_gap(findings: &mut Findings) -> Outcome<()> {
     let caption =
         "Force of a node of the lower face over that of a uniform pressure; faces half a thickness apart".into();
     let table = Grid { caption, head, rows };
-    findings.sections.push(Section { title: "Uniform pressure".into(), figures: Vec::new(), tables: vec![table] });
+    findings.sections.push(Section { title: "Uniform pressure".into(), reading: "Two faces half a thickness of the layer apart; the force of each node over that of a uniform pressure, smallest and largest. 1 and 1 is exact; guards are the points that keep corners and edges from passing.".into(), figures: Vec::new(), tables: vec![table] });
     Ok(())
 }
 

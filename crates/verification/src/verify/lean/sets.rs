@@ -69,9 +69,9 @@ fn checks(measured: &[Measured]) -> Vec<Check> {
     };
     for (set, found) in SETS.iter().zip(measured) {
         let note = format!("{} with procedural macros", found.compiled.len());
-        check(set, "crates linked".into(), found.linked.len() as f64, Bound::Told, note);
+        check(set, "crates linked".into(), found.linked.len() as f64, Bound::Unbounded, note);
         if let Some(size) = found.size {
-            check(set, "stripped program, MB".into(), size as f64 / 1e6, Bound::Told, String::new());
+            check(set, "stripped program, MB".into(), size as f64 / 1e6, Bound::Unbounded, String::new());
         }
         if set.features.is_empty() {
             let unwanted = named(&found.compiled, |name| NOT_IN_NONE.contains(&name));

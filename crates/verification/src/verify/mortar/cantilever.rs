@@ -51,7 +51,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let note = format!("errors {}", errors.iter().map(|e| number(*e)).collect::<Vec<_>>().join(", "));
         if tie.is_empty() {
             matching = last;
-            findings.checks.push(Check::new(&scene, "order of the displacement", last, Bound::Told).noted(note));
+            findings.checks.push(Check::new(&scene, "order of the displacement", last, Bound::Unbounded).noted(note));
         } else {
             let bound = Bound::AtLeast(ORDER);
             findings.checks.push(Check::new(&scene, "order of the displacement", last, bound).noted(note));
@@ -66,6 +66,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let head = ["mesh".to_owned()].into_iter().chain(levels.iter().map(|k| format!("1/{}", COARSEST[0] * k)));
     findings.sections.push(Section {
         title: "Tied cantilever".into(),
+            reading: "A cantilever of two meshes that do not match, tied by the mortar method, against one mesh. Right if the tie costs no order: all lines have slope 2.".into(),
         figures: vec![plot::log_log(labels, &lines, None, &[2.0])],
         tables: vec![Grid { caption: "Error over the largest displacement".into(), head: head.collect(), rows }],
     });

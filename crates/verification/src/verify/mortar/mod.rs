@@ -82,9 +82,9 @@ fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     if run.until.is_none() {
         findings.checks.push(row("energy drift after the impact", spread(&after), Bound::AtMost(ENERGY)));
         let change = after.last().zip(before.first()).map_or(f64::NAN, |(end, start)| end / start - 1.0);
-        findings.checks.push(row("energy change over the impact", change, Bound::Told));
+        findings.checks.push(row("energy change over the impact", change, Bound::Unbounded));
     }
-    findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Told));
+    findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Unbounded));
     findings.checks.push(run.coverage()?);
     bench.show(&run, findings)
 }

@@ -34,7 +34,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         |quantity: &str, value: f64, bound: Bound| Check::new(&run.name, quantity, value, bound).noted(run.note());
     let steps = run.newton()?;
     findings.checks.push(row("iterations a step", newton::mean_iterations(&steps), Bound::AtMost(ITERATIONS)));
-    findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Told));
+    findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Unbounded));
     findings.checks.push(run.coverage()?);
     let probes = run.table("probes.csv")?;
     let time = probes.column("time")?;
@@ -64,6 +64,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let torque = Series::new("Mz", time, moment.iter().map(|m| m[2]));
     findings.sections.push(Section {
         title: "Rotating indenter".into(),
+            reading: "An indenter is pressed into a block and turned about its axis. The horizontal forces must vanish by symmetry, and the torque reaches its plateau when all of the face slips.".into(),
         figures: vec![
             plot::linear(
                 Labels { title: "forces on the indenter's top", x: "time", y: "" },

@@ -141,7 +141,7 @@ fn bend(findings: &mut Findings) -> Outcome<()> {
         case,
         "distance of the tip from the spectral element of kynema",
         apart(eight, spectral),
-        Bound::Told,
+        Bound::Unbounded,
         note,
     );
     Ok(())
@@ -263,7 +263,14 @@ fn spun(quick: bool, findings: &mut Findings) -> Outcome<()> {
         Bound::AtMost(bound),
         note,
     );
-    noted(findings, case, "largest lag of the tip", lag, Bound::Told, "a figure of Simo and Vu-Quoc, without a number");
+    noted(
+        findings,
+        case,
+        "largest lag of the tip",
+        lag,
+        Bound::Unbounded,
+        "a figure of Simo and Vu-Quoc, without a number",
+    );
     let energy = 0.5 * section.mass * spin * spin * length.powi(3) / 3.0;
     check(findings, case, "energy less work of the motor", kept.energy / energy, Bound::AtMost(ENERGY));
     Ok(())

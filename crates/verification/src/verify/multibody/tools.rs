@@ -83,12 +83,12 @@ fn hertz(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             let (a, p0) = of_hertz(4.0 * force.abs());
             let found = (2.5 * moment / force).sqrt();
             let finest = !bench.quick && elements == 10;
-            let bound = if finest { Bound::AtMost(CLOSE) } else { Bound::Told };
+            let bound = if finest { Bound::AtMost(CLOSE) } else { Bound::Unbounded };
             let note =
                 format!("{elements} elements over the zone; a = {a:.5}, p0 = {p0:.2}; found {found:.5}, {pressure:.2}");
             noted(findings, &case, "error of the contact radius", (found / a - 1.0).abs(), bound, note.clone());
             // The slots of nodes against surfaces have forces, not pressures.
-            let bound = if method == "mortar" { bound } else { Bound::Told };
+            let bound = if method == "mortar" { bound } else { Bound::Unbounded };
             noted(findings, &case, "error of the largest pressure", (pressure / p0 - 1.0).abs(), bound, note);
             errors.push((found / a - 1.0).abs());
         }
@@ -99,7 +99,7 @@ fn hertz(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
                 &case,
                 "error of the radius over that of the coarser mesh",
                 fine / coarse,
-                Bound::Told,
+                Bound::Unbounded,
                 note,
             );
         }
@@ -142,7 +142,7 @@ fn ironing(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         Ok((forces, cuts))
     };
     let ((soft, _), (stiff, cuts)) = (forces(&shipped)?, forces(&rigid)?);
-    noted(findings, case, "decisions about steps", cuts as f64, Bound::Told, format!("{} steps", stiff.len()));
+    noted(findings, case, "decisions about steps", cuts as f64, Bound::Unbounded, format!("{} steps", stiff.len()));
     let (Some(a), Some(b)) = (soft.last(), stiff.last()) else { return Err("no steps".into()) };
     // The indenter is 1000 times as stiff as the slab, which is three times as high: it takes about 3e-4 of the depth.
     let note = format!("rigid {:.5?}, indenter of 1000 times the slab's stiffness {:.5?}", b, a);
@@ -159,7 +159,7 @@ fn ironing(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         case,
         "what resists over what presses",
         (b[0] / b[2]).abs(),
-        Bound::Told,
+        Bound::Unbounded,
         format!("elastic {:.4}; mu = 0.5", (a[0] / a[2]).abs()),
     );
     Ok(())

@@ -68,6 +68,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let labels = Labels { title: "projectile after the static state", x: "x [m]", y: "z [m]" };
     findings.sections.push(Section {
         title: "trebuchet".into(),
+            reading: "The path of the projectile after the release (thesis, chapter 2), for several steps and schemes. Paths that lie on each other mean that the step is small enough.".into(),
         figures: vec![plot::trajectory(labels, &lines, Drawn::Lines)],
         tables,
     });

@@ -112,7 +112,7 @@ impl Suite for Random {
         findings.checks.push(row("failed runs", &failures, Bound::AtMost(0.0)));
         findings.checks.push(row("deeper than 0.3 edges and not wrong", &missed, Bound::AtMost(0.0)));
         let part = stops.len() as f64 / seeds.len().max(1) as f64;
-        findings.checks.push(Check::new("random", "part that stops", part, Bound::Told).noted(stops.join(" ")));
+        findings.checks.push(Check::new("random", "part that stops", part, Bound::Unbounded).noted(stops.join(" ")));
         findings.sections.push(section(&counts));
         Ok(findings)
     }
@@ -197,7 +197,7 @@ fn section(counts: &BTreeMap<(String, String), Count>) -> Section {
     for row in &table.rows {
         println!("verify: random: {}", row.join("  "));
     }
-    Section { title: "Random scenes".into(), figures: Vec::new(), tables: vec![table] }
+    Section { title: "Random scenes".into(), reading: "Random bodies, meshes, laws, speeds and methods, judged by the watch, which shares no code with the contact search. Runs that stop or are doubtful or wrong are counted, and each can be run again by its seed.".into(), figures: Vec::new(), tables: vec![table] }
 }
 
 /// Writes a scene as a file that a user can run.

@@ -49,7 +49,7 @@ impl Verdict {
     }
 
     fn told(word: Word, figure: f64, about: impl Into<String>) -> Self {
-        Self { word, figure, bound: Bound::Told, about: about.into() }
+        Self { word, figure, bound: Bound::Unbounded, about: about.into() }
     }
 
     fn right(figure: f64, bound: f64, about: impl Into<String>) -> Self {

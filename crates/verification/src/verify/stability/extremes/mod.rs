@@ -65,6 +65,7 @@ pub fn measure(bench: &Bench) -> Outcome<Findings> {
     let counts = counts.iter().map(|(word, count)| vec![(*word).to_owned(), count.to_string()]).collect();
     findings.sections.push(Section {
         title: "Extreme cases".into(),
+            reading: "Every contact method and scheme on stiff, thin, fast and degenerate scenes. A run is accepted if it is exact in what it promises or ends with an error that names the cause; the table of docs/verification/stability.md must not get worse.".into(),
         figures: Vec::new(),
         tables: vec![
             Grid { caption: format!("{} combinations", cases.len()), head: head(&["verdict", "number"]), rows: counts },
