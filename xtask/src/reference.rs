@@ -33,6 +33,7 @@ pub fn page(schema: &Value, samples: &[Sample]) -> Result<String, String> {
         writeln!(text, "## `{heading}`\n").unwrap();
         let needed = if required.contains(&name.as_str()) { " Needed." } else { "" };
         let description = [own_words(inner), own_words(schema)].into_iter().max_by_key(String::len).unwrap_or_default();
+        let description = without_heading(&description, &heading);
         writeln!(text, "{description}{needed}\n").unwrap();
         body(&mut text, inner);
         if let Some((scene, example)) = example(&heading, samples) {
@@ -53,6 +54,16 @@ pub fn page(schema: &Value, samples: &[Sample]) -> Result<String, String> {
         body(&mut text, definition);
     }
     Ok(format!("{}\n", text.trim_end()))
+}
+
+/// A description that begins with the name of its table, without it.
+fn without_heading(description: &str, heading: &str) -> String {
+    let Some(rest) = description.strip_prefix(&format!("`{heading}`")) else {
+        return description.to_owned();
+    };
+    let rest = rest.trim_start_matches([':', '.', ',', ';', ' ']);
+    let mut letters = rest.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 /// Heading of a table of the scene, and the definition of its keys.
@@ -253,7 +264,7 @@ mod tests {
             "required": ["wall"],
             "$defs": {
                 "Wall": {
-                    "description": "A plane that nothing passes.\n\n# How to add one\nInternal.",
+                    "description": "`[[wall]]`: a plane that nothing passes.\n\n# How to add one\nInternal.",
                     "properties": {
                         "normal": { "type": "array", "minItems": 3, "maxItems": 3, "items": { "type": ["number", "string"] } },
                         "law": { "$ref": "#/$defs/Law", "default": "dry", "description": "See [`Law`]." },

@@ -4,7 +4,7 @@
 //! a pair is collinear at all times, differences of coordinates. All places where one may vanish are isolated on intervals of length `2^-48` by exact subdivision in the Bernstein
 //! basis (tangential zeros included), and the exact distance there is compared with what is kept.
 
-use crate::exact::{self, Fraction, Point};
+use crate::primitives::exact::{self, Fraction, Point};
 use fastrand::Rng;
 use nalgebra::Vector3;
 use num_bigint::{BigInt, Sign};

@@ -1,6 +1,6 @@
 //! Closest weights against exact arithmetic, over all shapes and scales.
 
-use crate::exact;
+use crate::primitives::exact;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stoss_geometry::{ClosestPair, PairFeature, PairKind, closest, combine};

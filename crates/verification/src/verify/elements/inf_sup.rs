@@ -85,6 +85,7 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
     table(
         findings,
         "Inf-sup constants of mixed forms on n x n x n cubes, in brackets pressures without displacements",
+        "The smallest singular value that ties pressures to displacements (theory/elements). A form is stable if the constant does not fall as the mesh is refined.",
         head,
         rows,
     );
