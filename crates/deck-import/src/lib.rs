@@ -1,7 +1,7 @@
 //! Scenes from Abaqus and CalculiX decks.
 //!
 //! [`import`] turns a [`Deck`] into the text of a scene (TOML), as far as the deck maps, and a list of everything that it leaves out: keyword, place, what
-//! that changes and what to do. Nothing is left out without an entry. `docs/guide.md` has the table of keywords.
+//! that changes and what to do. Nothing is left out without an entry. `docs/guide/meshes.md` has the table of keywords.
 //!
 //! | module | is |
 //! |---|---|

@@ -331,7 +331,7 @@ impl Series {
 /// `[[prescribe]]`: displacement components of a set, given as functions of time, its displacement along a direction, or a rigid motion of the set. Exactly one of
 /// `displacement`, `fixed = true` and `rotation`.
 ///
-/// With `rigid` in the place of `set` it is a rigid body that moves, all of it: where there is no `rotation` it does not turn, and components that are not
+/// With `rigid` in place of `set` it is a rigid body that moves, all of it: where there is no `rotation` it does not turn, and components that are not
 /// named do not move.
 ///
 /// ```toml

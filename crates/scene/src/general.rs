@@ -26,7 +26,7 @@ named! {
     /// How linear systems are solved.
     #[derive(Default)]
     LinearSolver {
-        /// The direct solver that suits the system: dense LU of tiny ones, multifrontal above 1000 equations.
+        /// The direct solver that suits the system: dense LU up to 50 equations, multifrontal above.
         #[default]
         Auto = "auto",
         /// Multifrontal LU or LDL' of any size.

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 named! {
-    /// What becomes of bodies that lie in each other at the start.
+    /// What happens to bodies that overlap at the start.
     #[derive(Default)]
     Initial {
         /// They are refused.
@@ -46,7 +46,7 @@ pub struct GeneralContact {
     /// Whether a body is in contact with itself.
     #[serde(default = "GeneralContact::yes", rename = "self")]
     pub with_itself: bool,
-    /// What becomes of bodies that lie in each other at the start.
+    /// What happens to bodies that overlap at the start.
     #[serde(default)]
     pub initial: Initial,
     /// What takes part: names of parts, and sets of them (`part.set`); by default all bodies.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// acceleration = [0, 0, -9.81]
 /// ```
 ///
-/// In a quasi-static scene with gravity every part must say what it weighs: bodies, beams, strings and rigid bodies that are not held need
+/// In a quasi-static scene with gravity every part needs its mass: bodies, beams, strings and rigid bodies that are not held need
 /// their density or mass there, too. Zero is allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]

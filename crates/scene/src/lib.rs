@@ -98,7 +98,7 @@ use serde::{Deserialize, Serialize};
 use source::Source;
 use std::collections::BTreeMap;
 
-/// A scene, as [`parse`] returns it: complete, and consistent as far as that can be told without meshes.
+/// A scene, as [`parse`] returns it: complete, and consistent as far as that can be checked without meshes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]

@@ -255,7 +255,7 @@ named! {
 
 /// `[[probe]]`: a column, or three, of `probes.csv`. Nodal quantities need `set`, or `body` and `point`, or a rigid body or point mass as `body`; energies
 /// and momenta are those of `body`, or of everything; those of joints need `joint`; stresses and strains need `body` and `point`. With `reduce` it is the
-/// extremum over the nodes of `set` or `body`, and a second column `name.node` tells at which node, by its number in the frames.
+/// extremum over the nodes of `set` or `body`, and a second column `name.node` has the node at which it is, by its number in the frames.
 ///
 /// ```toml
 /// [[probe]]

@@ -59,7 +59,7 @@ pub struct Rigid {
     /// Principal moments of inertia `I_i = E_j + E_k` about the centre of mass, each below the sum of the other two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<[f64; 3]>,
-    /// Centre of mass in space, the body being placed. With `mass` only; if left out the centre of the enclosed volume, or of the nodes of an open
+    /// Centre of mass in space, the body being placed. With `mass` only; if left out the middle of the box around the
     /// surface, or `position` if there is no surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre: Option<[f64; 3]>,

@@ -17,7 +17,7 @@ pub struct Sweep {
     /// The cases one by one, each with its values of parameters; what a case does not name keeps its value.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cases: Vec<BTreeMap<String, f64>>,
-    /// Columns of tables of results whose smallest and largest value stand in `sweep.csv`, as `TABLE.COLUMN`, for instance
+    /// Columns of tables of results whose smallest and largest values go into `sweep.csv`, as `TABLE.COLUMN`, for instance
     /// `contact.max_pressure`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub extremes: Vec<String>,

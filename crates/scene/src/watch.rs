@@ -24,7 +24,7 @@ named! {
     Verdict {
         /// Nothing.
         Sound = "sound",
-        /// Something that deserves a look.
+        /// Something that needs attention.
         Doubtful = "doubtful",
         /// The result must not be used as it is.
         Wrong = "wrong",

@@ -152,6 +152,6 @@ mod tests {
         assert_eq!(lines("a.rs", "/// \\[hughes1988\\]\n// [puso2004]\nlet y = a[puso2004];\n"), [1, 2]);
         assert_eq!(lines("a.md", "see [nobody1999]\n"), [1]);
         assert_eq!(lines("docs/theory/one.md", "`hughes1987`, `nobody1999`\n"), [1]);
-        assert!(lines("docs/guide.md", "`nobody1999`\n").is_empty());
+        assert!(lines("docs/guide/contact.md", "`nobody1999`\n").is_empty());
     }
 }

@@ -92,10 +92,13 @@ mod tests {
 
     #[test]
     fn documents_of_users_are_read() {
-        assert_eq!(lines("docs/guide.md", "fine\nThat is told, `is told`.\nwhat it\nlets\nout\n"), [2, 4]);
+        assert_eq!(lines("docs/guide/contact.md", "fine\nThat is told, `is told`.\nwhat it\nlets\nout\n"), [2, 4]);
         assert_eq!(lines("README.md", "The Ledger.\n"), [1]);
         assert_eq!(lines("docs/scene.schema.json", "\"it is\\ntold\"\n"), [1]);
-        assert!(lines("docs/guide.md", "`solver/ledger.rs`, ledgers, is tolder, this told, outlets out\n").is_empty());
+        assert!(
+            lines("docs/guide/contact.md", "`solver/ledger.rs`, ledgers, is tolder, this told, outlets out\n")
+                .is_empty()
+        );
         assert!(lines("docs/ARCHITECTURE.md", "The ledger.\n").is_empty());
     }
 

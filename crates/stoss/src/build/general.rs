@@ -161,7 +161,12 @@ fn contact(
             model.contacts.push(ContactPair { name: NAME.to_owned(), method, complementarity: 0.0, restores: false });
         }
         Err(error) => {
-            problems.add("general_contact".into(), "", error.to_string(), "see docs/guide.md, [general_contact]");
+            problems.add(
+                "general_contact".into(),
+                "",
+                error.to_string(),
+                "see general contact in docs/guide/contact.md",
+            );
             return None;
         }
     }

@@ -298,7 +298,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
             Some(scheme)
         }
         Err(error) => {
-            problems.add("time.integrator".into(), &integrator.scheme, error.to_string(), "see docs/guide.md, [time]");
+            problems.add("time.integrator".into(), &integrator.scheme, error.to_string(), "see docs/guide/time.md");
             None
         }
     }
