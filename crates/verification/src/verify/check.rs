@@ -34,7 +34,14 @@ impl Bound {
     /// How much of the bound is used: 0 is exact, 1 is the bound itself. `None` without a bound, or where it is zero.
     pub fn used(self, measured: f64) -> Option<f64> {
         let ratio = match self {
-            Self::AtMost(bound) if bound > 0.0 => measured.max(0.0) / bound,
+            // Not `max`, which would hide what is not a number.
+            Self::AtMost(bound) if bound > 0.0 => {
+                if measured < 0.0 {
+                    0.0
+                } else {
+                    measured / bound
+                }
+            }
             Self::AtLeast(bound) if bound > 0.0 => bound / measured,
             Self::Near { value, tolerance } if tolerance > 0.0 => (measured - value).abs() / tolerance,
             _ => return None,
