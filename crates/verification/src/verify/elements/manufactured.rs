@@ -51,7 +51,7 @@ fn mesh(kind: CellKind, n: usize) -> Outcome<Mesh> {
 }
 
 /// Values at the integration points of the mass: place, weight, shape functions and their gradients.
-fn at_points(mesh: &Mesh, mut visit: impl FnMut(&[u32], f64, [f64; 3], &[f64], &[[f64; 3]])) {
+pub fn at_points(mesh: &Mesh, mut visit: impl FnMut(&[u32], f64, [f64; 3], &[f64], &[[f64; 3]])) {
     for (element, (kind, nodes)) in mesh.elements.cells().enumerate() {
         let coordinates = mesh.element_coordinates(element as u32);
         for &(xi, weight) in kind.table().mass {
