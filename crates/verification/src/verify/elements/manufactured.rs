@@ -23,7 +23,7 @@ use crate::verify::report::Section;
 use crate::workspace::Outcome;
 
 /// Least rate of the error in L2, from one halving: the rate of theory, 2 and 3, less 0.2.
-const RATES: [f64; 2] = [1.8, 2.8];
+pub const RATES: [f64; 2] = [1.8, 2.8];
 const AMPLITUDE: f64 = 0.05;
 
 /// The deformation and its gradient. A block that is sheared, so that elements are no bricks.
