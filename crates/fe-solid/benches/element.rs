@@ -52,11 +52,9 @@ impl Problem {
         };
         let (q_n, q_np1) = (waved(0.08), waved(0.1));
         let body = SolidBody::with_options("block", mesh, 0, law, options).expect("a good mesh");
-        let stencils: Vec<Vec<u32>> = body
-            .elements()
-            .iter()
-            .map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect())
-            .collect();
+        // Averages at nodes have stencils beside those of the elements.
+        let stencils: Vec<Vec<u32>> =
+            body.stencils().map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect()).collect();
         let stencils = || stencils.iter().map(Vec::as_slice);
         let pattern = SparsityPattern::from_stencils(q_n.len(), stencils()).expect("a small pattern");
         let map = ScatterMap::new(&pattern, stencils()).expect("the same stencils");

@@ -118,7 +118,9 @@ fn has_mortar(scene: &Table) -> bool {
 fn is_large(scene: &Path) -> bool {
     scene.file_stem().is_some_and(|name| {
         let name = name.to_string_lossy();
-        ["tori", "general-chain", "hertz-ball", "rotating-indenter"].iter().any(|large| name.starts_with(large))
+        ["tori", "general-chain", "hertz-ball", "rotating-indenter", "ball-plate-tetrahedra", "ironing-tetrahedra"]
+            .iter()
+            .any(|large| name.starts_with(large))
     })
 }
 

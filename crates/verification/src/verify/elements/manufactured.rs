@@ -23,7 +23,7 @@ use crate::verify::report::Section;
 use crate::workspace::Outcome;
 
 /// Least rate of the error in L2, from one halving: the rate of theory, 2 and 3, less 0.2.
-const RATES: [f64; 2] = [1.8, 2.8];
+pub const RATES: [f64; 2] = [1.8, 2.8];
 const AMPLITUDE: f64 = 0.05;
 
 /// The deformation and its gradient. A block that is sheared, so that elements are no bricks.
@@ -51,7 +51,7 @@ fn mesh(kind: CellKind, n: usize) -> Outcome<Mesh> {
 }
 
 /// Values at the integration points of the mass: place, weight, shape functions and their gradients.
-fn at_points(mesh: &Mesh, mut visit: impl FnMut(&[u32], f64, [f64; 3], &[f64], &[[f64; 3]])) {
+pub fn at_points(mesh: &Mesh, mut visit: impl FnMut(&[u32], f64, [f64; 3], &[f64], &[[f64; 3]])) {
     for (element, (kind, nodes)) in mesh.elements.cells().enumerate() {
         let coordinates = mesh.element_coordinates(element as u32);
         for &(xi, weight) in kind.table().mass {

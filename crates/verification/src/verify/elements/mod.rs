@@ -1,9 +1,10 @@
 //! Elements of all kinds: uniform pressure between any two, bending, incompressibility, convergence, conservation through contact.
 
 mod closed_forms;
-mod equilibrium;
+pub(super) mod equilibrium;
+mod hertz;
 mod inf_sup;
-mod manufactured;
+pub(super) mod manufactured;
 
 use stoss::solver::Simulation;
 use stoss_reference_cases::patch::unevenness;
@@ -48,6 +49,9 @@ impl Suite for Elements {
         manufactured::measure(&mut findings, bench.quick)?;
         closed_forms::measure(&mut findings, bench.quick)?;
         inf_sup::measure(&mut findings, bench.quick)?;
+        if !bench.quick {
+            hertz::measure(&mut findings)?;
+        }
         Ok(findings)
     }
 }

@@ -1,5 +1,6 @@
-//! Error against CPU time, step size and number of force evaluations, for every scheme.
+//! Error against CPU time, step size and number of force evaluations, for every scheme; error against CPU time for every cell.
 
+mod cells;
 pub(super) mod curve;
 mod solids;
 mod springs;
@@ -35,6 +36,9 @@ impl Suite for WorkPrecision {
         let mut findings = Findings::default();
         for case in springs::cases(bench.quick)?.into_iter().chain(solids::cases(bench.quick)?) {
             report(&case, &mut findings);
+        }
+        if !bench.quick {
+            cells::measure(&mut findings)?;
         }
         Ok(findings)
     }
