@@ -20,7 +20,6 @@
 mod comparison;
 mod document;
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -141,12 +140,9 @@ impl Reader {
             all += &output;
             let expected = if number + 1 == commands.len() { exit } else { 0 };
             if code != Some(expected) {
-                let mut message = String::new();
-                let _ = write!(
-                    message,
+                return Err(format!(
                     "line {line}: `{command}` ended with {code:?}, expected was {expected}; its output:\n{output}"
-                );
-                return Err(message);
+                ));
             }
         }
         Ok(all)
