@@ -9,4 +9,5 @@ mod mesh;
 mod report;
 mod results;
 mod robustness;
+mod tutorials;
 mod watch;

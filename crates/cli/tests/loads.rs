@@ -155,3 +155,50 @@ checkpoint_every = 3
     assert!(total.iter().all(|value| (value - total[0]).abs() < 1e-11 * most));
     assert_eq!(summary["verdict"]["level"], "sound");
 }
+
+/// An arm that a motor turns above a block, which it does not touch.
+const MOTOR: &str = r#"
+[scene]
+title = "motor"
+kind = "dynamic"
+[time]
+end = 0.05
+step = 0.01
+integrator = { scheme = "energy-momentum" }
+[[body]]
+name = "block"
+mesh = { generator = "block", size = [1, 1, 1], divisions = [1, 1, 1] }
+position = [0, 0, -2]
+material = { law = "neo-hooke", young = 1000.0, poisson = 0.3 }
+density = 1.0
+[[prescribe]]
+set = "block.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[rigid]]
+name = "arm"
+shape = { kind = "box", size = [1, 0.2, 0.2] }
+density = 1.0
+[[joint]]
+name = "shaft"
+kind = "hinge"
+between = ["ground", "arm"]
+at = [0, 0, 0]
+axis = [0, 1, 0]
+motor = { angle = { table = [[0, 0], [1, 90]] } }
+[[contact]]
+method = "nts"
+slave = "block.top"
+master = "arm.bottom"
+"#;
+
+#[test]
+fn the_work_of_a_motor_is_not_blamed_on_contact() {
+    let (columns, summary) = run(MOTOR, "0.02");
+    assert!(column(&columns, "kinetic").iter().any(|&kinetic| kinetic > 1e-3), "the motor moves the arm");
+    let blamed = |decision: &&serde_json::Value| {
+        decision["reason"].as_str().is_some_and(|reason| reason.contains("contact gave"))
+    };
+    let decisions = summary["decisions"].as_array().expect("a list");
+    assert_eq!(decisions.iter().filter(blamed).collect::<Vec<_>>(), Vec::<&serde_json::Value>::new());
+}

@@ -445,7 +445,7 @@ impl Simulation {
         };
         self.step += 1;
         if let Some(work) = work_of_contact {
-            self.warn_contact_gain(work, &before);
+            self.warn_contact_gain(work - contact_work.driven, &before);
         }
         let change = match (self.clock.accept(solves), self.control.automatic) {
             (StepChange::None, _) => None,
