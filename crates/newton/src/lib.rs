@@ -5,7 +5,7 @@
 //! record of every iteration.
 //!
 //! * [`NewtonProblem`]: what a problem brings; [`Potential`], if its residual is the slope of one;
-//! * [`solve`], [`NewtonOptions`], [`LineSearch`]: the iteration;
+//! * [`solve()`], [`NewtonOptions`], [`LineSearch`]: the iteration;
 //! * [`NewtonReport`], [`IterationRecord`], [`StopReason`], [`NewtonFailure`]: what it did, and why it ended.
 //!
 //! It is *not* a solver of linear systems, knows no active set (a problem that changes its set of equations inside

@@ -124,7 +124,6 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     ] {
         let speed = final_speed(friction)?;
         println!("{name:14} {speed:12.5} {expected:13.5}");
-        // The weight begins to act on a block without pressure: the first steps are a little different.
         assert!((speed / expected - 1.0).abs() < 1e-3, "{speed} {expected}");
     }
     Ok(())

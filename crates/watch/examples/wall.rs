@@ -1,5 +1,5 @@
 //! A cube is thrown at a wall, by hand and without contact: what the watch says of a miss, of a cube that ends in the wall, and of one that
-//! is on the other side at the next look.
+//! is on the other side at the next look. Depths are judged by the lengths of edges: a part of an edge is doubtful, more is wrong.
 //!
 //! `cargo run --example wall -p stoss-watch`
 
@@ -8,7 +8,7 @@ use stoss_mesh::{Elements, Mesh, generate::Block};
 use stoss_watch::{FindingKind, Judge, Level, Limits, Watch, WatchBody, WatchModel, WatchShape};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let wall = Block::new([0.0, -2.0, -2.0], [0.2, 2.0, 2.0], [1, 8, 8]).generate()?;
+    let wall = Block::new([0.0, -2.0, -2.0], [0.6, 2.0, 2.0], [2, 8, 8]).generate()?;
     let cube = Block::new([-0.2; 3], [0.2; 3], [2, 2, 2]).generate()?;
     let first = wall.nodes.len() as u32;
     let body = |name: &str, mesh: &Mesh, first: u32| {
@@ -25,8 +25,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = [-1.0, 0.1, 0.2];
     for (what, places, level, kind) in [
         ("past the wall", [[-0.7, 1.5, 0.2], [-0.5, 3.0, 0.2]], Level::Sound, None),
-        ("into the wall", [[-0.5, 0.1, 0.2], [-0.1, 0.1, 0.2]], Level::Wrong, Some(FindingKind::Penetration)),
-        ("through the wall", [[-0.5, 0.1, 0.2], [0.7, 0.1, 0.2]], Level::Wrong, Some(FindingKind::Tunnelling)),
+        ("a little into it", [[-0.5, 0.1, 0.2], [-0.1, 0.1, 0.2]], Level::Doubtful, Some(FindingKind::Penetration)),
+        ("deep into it", [[-0.5, 0.1, 0.2], [0.1, 0.1, 0.2]], Level::Wrong, Some(FindingKind::Penetration)),
+        ("through it", [[-0.5, 0.1, 0.2], [1.2, 0.1, 0.2]], Level::Wrong, Some(FindingKind::Tunnelling)),
     ] {
         let bodies = vec![body("wall", &wall, 0), body("cube", &cube, first)];
         let mut judge = Judge::new(bodies.iter().map(|b| (b.name.clone(), b.nodes.clone())), vec![], Limits::default());
