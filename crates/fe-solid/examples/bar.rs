@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         solver.solve(&residual, &mut increment)?;
         free.iter().zip(&increment).for_each(|(&k, u)| q[k] += u);
     }
-    let error = |k: usize| q[k] - reference[k] * if k % 3 == 0 { along } else { across };
+    let error = |k: usize| q[k] - reference[k] * if k.is_multiple_of(3) { along } else { across };
     let worst = (0..q.len()).map(|k| error(k).abs()).fold(0.0, f64::max);
     println!("nominal stress {stress:.4}, stretch {along:.4}, across {across:.4}; error of positions {worst:.1e}");
     assert!(worst < 1e-12, "{worst:e}");

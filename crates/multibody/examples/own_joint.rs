@@ -128,7 +128,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let q = &run.state().q;
         let arm = points[1].plus(-1.0, &points[0]).at(q);
         let distance = arm.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if now.step % 20 == 0 {
+        if now.step.is_multiple_of(20) {
             println!("{:4.1} {distance:10.7} {:10.7} {:10.6}", now.time, now.balance.total(), arm[2] / distance);
         }
         let drift = |a: [f64; 3], b: [f64; 3]| largest((0..3).map(|i| a[i] - b[i]));

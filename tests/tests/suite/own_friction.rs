@@ -5,7 +5,7 @@ mod example;
 
 use example::{FRICTION, SLIDING, final_speed, laws, shear_limited};
 use std::path::Path;
-use stoss::build::{OwnLaws, build_with};
+use stoss::build::build_with;
 use stoss::run::{RunError, RunOptions, check_scene_with, run_scene};
 use stoss::scene::{SceneErrors, parse_with};
 
