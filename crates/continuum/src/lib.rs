@@ -3,6 +3,11 @@
 //! The trait [`HyperelasticLaw`] lives here, one layer below the catalogue, so that a law of a user's own needs no catalogue.
 //! This crate contains no law.
 //!
+//! * [`HyperelasticLaw`]: energy, stress and elasticity tensor as functions of the right Cauchy-Green tensor; [`SmallStrainModuli`];
+//! * [`VolumetricEnergy`], [`VolumetricSplit`]: a law as the sum of an energy of the change of volume and of the rest;
+//! * [`energy_momentum_stress`], [`energy_momentum_stress_and_tangent`]: the stress of a step, whose work is the change of the energy;
+//! * [`green_lagrange`], [`logarithmic_strain`], [`cauchy_stress`], [`von_mises`], [`principal_values`]: measures.
+//!
 #![doc = include_str!("../README.md")]
 
 pub mod discrete_gradient;

@@ -4,6 +4,11 @@
 //! stress and no energy at `C = 1`. Constructors validate their parameters; the implied small-strain moduli can be asked
 //! for. Elements know only the trait [`stoss_continuum::HyperelasticLaw`]: this crate can be left out.
 //!
+//! * [`SaintVenantKirchhoff`]: linear in the Green-Lagrange strain;
+//! * [`NeoHooke`], [`MooneyRivlin`]: coupled forms with the logarithm of the change of volume;
+//! * [`Ogden`]: powers of the principal stretches, decoupled, any number of terms;
+//! * [`MaterialError`]: parameters that are refused.
+//!
 //! Not here: elements, and laws with a memory (plastic, viscous), which the trait does not cover.
 //!
 //! # How to add a law

@@ -7,6 +7,11 @@
 //!
 //! What acts at a point acts at an [`Embedded`] point, whatever carries it.
 //!
+//! * [`RigidBody`], [`Beam`], [`ElasticString`], [`PointMass`], [`Spring`], [`ElasticSupport`]: parts;
+//! * [`Joint`], [`JointKind`], [`CoordinateOptions`]: joints between two [`Frame`]s, with springs, friction, limits and motors;
+//! * [`ConstraintSet`], [`QuadraticsBuilder`]: constraints of your own; [`kinematic_coupling`], [`distributing_coupling`]: nodes to a body;
+//! * [`analyse`]: equations that follow from others.
+//!
 //! # What it is not
 //! No global system, no time stepping, no contact search, no files.
 //!

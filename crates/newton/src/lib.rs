@@ -4,6 +4,10 @@
 //! (theory/linear-solvers#tolerance). This crate decides when to go on, when to stop, how long a step is and why; it keeps a
 //! record of every iteration.
 //!
+//! * [`NewtonProblem`]: what a problem brings; [`Potential`], if its residual is the slope of one;
+//! * [`solve()`], [`NewtonOptions`], [`LineSearch`]: the iteration;
+//! * [`NewtonReport`], [`IterationRecord`], [`StopReason`], [`NewtonFailure`]: what it did, and why it ended.
+//!
 //! It is *not* a solver of linear systems, knows no active set (a problem that changes its set of equations inside
 //! `assemble` is a semi-smooth Newton method and welcome) and cuts no time steps: a failure says enough for its caller
 //! to do so.

@@ -2,4 +2,3 @@
 
 mod battery;
 mod cells;
-mod own_cell;

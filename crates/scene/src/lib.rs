@@ -3,6 +3,9 @@
 //! [`parse`] turns the text of a scene (TOML) into a [`Scene`] or into *all* of its problems at once, each with file, line, column,
 //! key, value, message and remedy. The types carry the documentation of every key; `json_schema` (feature `schema`) prints it for editors.
 //!
+//! [`Body`], [`Material`], [`Contact`], [`Friction`], [`Load`], [`Prescribe`], [`Joint`] and [`Stage`] are the main tables of a scene, [`SceneErrors`] and [`Problem`] what is
+//! wrong with it.
+//!
 //! # What it is not
 //! No mesh, no law, no simulation: whether a set exists, a file can be read or a mesh is inverted is for the facade, which reports
 //! it through [`Problem::at`] in the same form.

@@ -7,6 +7,11 @@
 //! Quasi-static and dynamic problems differ in one argument (the scheme) and take the same path: without a scheme there is
 //! no inertia, no mass matrix is built, and all forces are taken at the end of the step.
 //!
+//! * [`Model`]: bodies ([`Body`]), parts, contacts and joints ([`ContactPair`], [`Coupling`]), loads, prescribed motion;
+//! * [`Settings`], [`StepControl`]: scheme, step sizes, Newton's method, linear solver;
+//! * [`Simulation`]: steps, state, pressures, reactions; [`Balance`], [`StepRecord`]: what a step did;
+//! * [`Checkpoint`]: all that a run needs to go on.
+//!
 //! It is not a catalogue: material laws and contact methods come in through traits.
 //!
 #![doc = include_str!("../README.md")]

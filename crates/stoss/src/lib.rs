@@ -14,6 +14,9 @@
 //! | `schema` | the scene format as a JSON schema |
 //! | `output` | folders of results, the [`watch`] on every run, and [`run`], which the program `stoss` is a thin layer over |
 //!
+//! With `scene`: [`scene::Scene`], [`build::build`] and [`build::OwnLaws`]; with `output`: [`run::run_scene`] and [`run::RunOptions`]; always: [`solver::Model`], [`solver::Settings`] and
+//! [`solver::Simulation`] for models made by hand.
+//!
 //! This crate contains no algorithm: it translates a scene into a [`solver::Model`] and writes what the
 //! [`solver::Simulation`] did.
 //!

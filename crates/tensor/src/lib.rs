@@ -3,6 +3,11 @@
 //! Symmetric tensors are stored as six *plain* components in the order 11, 22, 33, 12, 23, 13 (theory/kinematics#voigt); full
 //! tensors and vectors are nalgebra's. This crate knows no kinematics and no material.
 //!
+//! * [`SymmetricTensor2`]: six components, invariants, inverse, products;
+//! * [`Tensor4`]: six by six components with both minor symmetries;
+//! * [`Spectral`], [`spectral()`]: eigenvalues and eigenvectors of a symmetric tensor;
+//! * [`Tensor2`], [`Vector3`]: nalgebra's.
+//!
 #![doc = include_str!("../README.md")]
 
 mod fourth_order;

@@ -29,7 +29,6 @@ mod own_friction;
 mod own_law;
 mod pair_table;
 mod pairs;
-mod penalty_contact;
 mod pressures;
 mod rigid_pairs;
 mod rigid_tools;

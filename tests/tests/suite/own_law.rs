@@ -1,99 +1,13 @@
-//! A hyperelastic law that is not in the catalogue, used from a scene as a program outside of this workspace would.
+//! The example of a law of one's own in whole runs: conservation, checkpoints, messages. Its closed form is checked in the example.
 
+#[path = "../../../crates/stoss/examples/own_law.rs"]
+mod example;
+
+use example::{STRETCHED, ciarlet, laws};
 use std::path::Path;
-use std::sync::Arc;
-use stoss::build::{LawParameters, LawResult, OwnLaws, ParameterError, build_with};
-use stoss::continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
+use stoss::build::{OwnLaws, build_with};
 use stoss::run::{RunError, RunOptions, check_scene_with, run_scene};
 use stoss::scene::{SceneErrors, parse_with};
-
-/// `W = mu/2 (I1 - 3 - 2 ln J) + lambda/4 (J^2 - 1 - 2 ln J)` (Ciarlet's compressible neo-Hookean law), `det C > 0`.
-#[derive(Debug)]
-struct Ciarlet {
-    lambda: f64,
-    mu: f64,
-}
-
-impl Ciarlet {
-    fn det(c: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        let det_c = c.det();
-        if det_c > 0.0 { Ok(det_c) } else { Err(ConstitutiveError::NonPositiveJacobian { det_c }) }
-    }
-}
-
-impl HyperelasticLaw for Ciarlet {
-    fn name(&self) -> &str {
-        "ciarlet"
-    }
-    fn energy(&self, c: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        let det = Self::det(c)?;
-        let log = det.ln();
-        Ok(0.5 * self.mu * (c.trace() - 3.0 - log) + 0.25 * self.lambda * (det - 1.0 - log))
-    }
-    fn stress(&self, c: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
-        Ok(self.stress_and_elasticity(c)?.0)
-    }
-    fn stress_and_elasticity(&self, c: &SymmetricTensor2) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let det = Self::det(c)?;
-        let inverse = c.inverse_with_det(det);
-        let factor = 0.5 * self.lambda * (det - 1.0) - self.mu;
-        let mut elasticity = Tensor4::inverse_derivative(&inverse) * (2.0 * factor);
-        elasticity.add_dyad(self.lambda * det, &inverse, &inverse);
-        Ok((SymmetricTensor2::IDENTITY * self.mu + inverse * factor, elasticity))
-    }
-    fn small_strain_moduli(&self) -> SmallStrainModuli {
-        SmallStrainModuli::from_lame(self.lambda, self.mu)
-    }
-}
-
-fn ciarlet(parameters: &LawParameters<'_>) -> LawResult {
-    let (lambda, mu) = (parameters.number("lambda")?, parameters.number("mu")?);
-    if mu <= 0.0 {
-        return Err(ParameterError::new("mu", "must be positive", "enlarge mu").into());
-    }
-    if parameters.number_or("softening", 0.0)? != 0.0 {
-        return Err("softening is not available".into());
-    }
-    Ok(Arc::new(Ciarlet { lambda, mu }))
-}
-
-fn laws() -> OwnLaws {
-    OwnLaws::default().with("ciarlet", ciarlet).unwrap()
-}
-
-const LAMBDA: f64 = 1300.0;
-const MU: f64 = 865.0;
-
-/// A cube that is stretched along z while its sides are held.
-const STRETCHED: &str = r#"
-[scene]
-title = "stretched"
-kind = "quasi-static"
-
-[time]
-end = 1.0
-step = 0.5
-
-[[body]]
-name = "block"
-mesh = { generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [2, 2, 2] }
-material = { law = "ciarlet", lambda = 1300.0, mu = 865.0 }
-
-[[prescribe]]
-set = "block.all"
-components = ["x", "y"]
-fixed = true
-
-[[prescribe]]
-set = "block.bottom"
-components = ["z"]
-fixed = true
-
-[[prescribe]]
-set = "block.top"
-components = ["z"]
-displacement = { table = [[0.0, 0.0], [1.0, 0.4]] }
-"#;
 
 /// A cube that flies, turns and vibrates.
 const FLYING: &str = r#"
@@ -117,18 +31,6 @@ velocity_gradient = [[0, 0, 0], [0, 0, 0], [0, 0, 4]]
 [output]
 every = 100
 "#;
-
-#[test]
-fn a_stretched_cube_has_the_energy_of_the_law() {
-    let scene = parse_with(STRETCHED, "test.toml", &laws().names()).unwrap();
-    let mut simulation = build_with(&scene, Path::new("."), &laws()).unwrap().simulation;
-    while !simulation.finished() {
-        simulation.advance().unwrap();
-    }
-    let j = 1.4f64;
-    let energy = 0.5 * MU * (j * j - 1.0 - 2.0 * j.ln()) + 0.25 * LAMBDA * (j * j - 1.0 - 2.0 * j.ln());
-    approx::assert_relative_eq!(simulation.balance().strain, energy, max_relative = 1e-11);
-}
 
 #[test]
 fn a_run_with_an_own_law_conserves_and_resumes() {
