@@ -209,7 +209,7 @@ mod tests {
             }
             assert_eq!(sides.len(), edges, "{kind}");
             assert!(sides.values().all(|&count| count == 2), "{kind}: {sides:?}");
-            let is_corner = |node: usize| node < kind.corner_count();
+            let is_corner = |node: usize| node < kind.table().linear.node_count();
             assert!(sides.keys().all(|[a, b]| is_corner(*a) && (is_corner(*b) != kind.is_quadratic())), "{kind}");
         }
     }
