@@ -150,3 +150,48 @@ fn decks_that_cannot_be_read() {
     let (code, text) = folder.stoss(&["import", "light.inp"]);
     assert!(code == Some(2) && text.contains("density") && folder.path("light.toml").exists(), "{text}");
 }
+
+/// Displacements that begin in later steps on nodes that were free before: CalculiX 2.20 with the same increments, in the same law and element, gives these displacements of a
+/// corner of the top at the ends of increments.
+const LATER: [(f64, [f64; 3]); 11] = [
+    (0.5, [8.847701e-3, 8.847701e-3, 3.618302e-2]),
+    (1.0, [1.765037e-2, 1.765037e-2, 6.939170e-2]),
+    (1.25, [2.083746e-2, 2.083746e-2, 1.020438e-1]),
+    (1.75, [2.882034e-2, 2.882034e-2, 1.673479e-1]),
+    (2.0, [3.365379e-2, 3.365379e-2, 2.0e-1]),
+    (2.5, [5.583633e-2, 4.088323e-4, 3.593934e-2]),
+    (3.0, [1.076784e-1, 1.804347e-3, 6.646147e-2]),
+    (3.25, [8.807781e-2, 3.634608e-3, 7.484610e-2]),
+    (4.0, [4.176710e-2, 9.740661e-3, 1.0e-1]),
+    (4.25, [4.176710e-2, 9.740661e-3, 7.5e-2]),
+    (5.0, [4.176710e-2, 9.740661e-3, 0.0]),
+];
+
+#[test]
+fn what_begins_in_a_later_step_begins_where_the_nodes_are() {
+    let folder = Folder::new("later.inp");
+    folder.run(
+        "later.inp",
+        "[[probe]]\nname = \"corner\"\nbody = \"Cube\"\npoint = [0, 0, 1]\nquantity = \"displacement\"\n",
+    );
+    let scene = std::fs::read_to_string(folder.path("scene.toml")).unwrap();
+    assert_eq!(scene.matches("ramp_until = ").count(), 3, "{scene}");
+    assert!(
+        scene.contains("ramp_until = 2.0") && scene.contains("ramp_until = 4.0") && scene.contains("ramp_until = inf"),
+        "{scene}"
+    );
+    let probes = std::fs::read_to_string(folder.path("out/probes.csv")).unwrap();
+    let heads: Vec<&str> = probes.lines().next().unwrap().split(',').collect();
+    let column =
+        |head: &str| heads.iter().position(|other| *other == head).unwrap_or_else(|| panic!("{head} {heads:?}"));
+    let columns = ["corner.x", "corner.y", "corner.z"].map(column);
+    let rows: Vec<Vec<f64>> =
+        probes.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    for (time, wanted) in LATER {
+        let row =
+            rows.iter().find(|row| row[column("time")] == time).unwrap_or_else(|| panic!("no {time} in {probes}"));
+        for (column, wanted) in columns.iter().zip(wanted) {
+            assert!((row[*column] - wanted).abs() < 2e-6, "{time}: {} for {wanted}", row[*column]);
+        }
+    }
+}

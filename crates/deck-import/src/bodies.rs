@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use stoss_mesh::{Elements, Facet};
 use stoss_mesh_io::Solids;
-use stoss_mesh_io::deck::Deck;
-use stoss_reference_element::Integration;
+use stoss_mesh_io::deck::{Damping, Deck};
+use stoss_reference_element::{CellKind, Integration};
 
 use crate::ImportError;
 use crate::left_out::List;
@@ -20,6 +20,8 @@ pub(crate) struct Body {
     pub material: String,
     pub law: Law,
     pub density: Option<f64>,
+    /// `damping`.
+    pub damping: Option<Damping>,
     /// `integration = "reduced"`.
     pub is_reduced: bool,
     /// `volumetric = "mixed"`.
@@ -144,22 +146,55 @@ fn variants(solids: &Solids, elements: &[u32]) -> Variants {
         ));
     }
     for (name, (_, count)) in &types {
+        let kind = kind(name);
         let letters = letters(name);
-        let here = if *name == "C3D8" {
-            "C3D8 has mean dilatations in CalculiX; here it is stiffer where the material is nearly incompressible or bends"
-        } else if letters.contains('R') && !can_reduce(name) {
-            "it is fully integrated here, without hourglass modes: stiffer in bending"
-        } else if letters.contains('I') {
-            "it has no incompatible modes here: stiffer in bending"
-        } else if letters.contains('M') || letters.contains("HS") {
-            "its modified shape functions and mass, or extrapolation of stresses, are not used"
-        } else {
-            continue;
-        };
-        let remedy = "for bending add `cell = \"quadratic\"` to the body";
-        notes.push((format!("{count} elements {name}: {here}"), remedy.to_owned()));
+        let bends = if kind.is_quadratic() { "" } else { "for bending add `cell = \"quadratic\"` to the body" };
+        let mut add =
+            |here: String, remedy: &str| notes.push((format!("{count} elements {name}: {here}"), remedy.to_owned()));
+        if *name == "C3D8" {
+            let here = "C3D8 has mean dilatations in CalculiX; here it is stiffer where the material is nearly incompressible or bends";
+            add(here.to_owned(), bends);
+        }
+        if letters.contains('R') && !can_reduce(name) {
+            add("it is fully integrated here, without hourglass modes: stiffer in bending".to_owned(), bends);
+        }
+        if letters.contains('I') && !kind.is_quadratic() {
+            add("it has no incompatible modes here: stiffer in bending".to_owned(), bends);
+        }
+        if letters.contains('M') {
+            let standard =
+                format!("its modified shape functions and mass are not used: it is the standard {kind} here");
+            add(standard, "compare with a finer mesh where the pressure matters");
+        }
+        if letters.contains("HS") || letters.contains('I') && kind.is_quadratic() {
+            add("its extrapolation of stresses to the surface is not used".to_owned(), "");
+        }
+        if letters.contains('H') {
+            let (here, remedy) = pressure(kind);
+            add(format!("its independent pressure is `volumetric = \"mixed\"`: {here}"), remedy);
+        }
     }
     Variants { is_reduced, is_hybrid: !hybrid.is_empty(), notes }
+}
+
+/// What takes the place of the pressure of a hybrid element, and what to do for a better one.
+fn pressure(kind: CellKind) -> (&'static str, &'static str) {
+    match kind {
+        CellKind::Hex8 => ("one value an element, as there", ""),
+        CellKind::Hex27 => ("linear in the element, as there", ""),
+        CellKind::Tet4 => ("means around each node", "add `cell = \"quadratic\"` to the body for smooth pressures"),
+        CellKind::Wedge6 => {
+            ("one value an element, and wedge6 locks nevertheless", "add `cell = \"quadratic\"` to the body")
+        }
+        CellKind::Hex20 => (
+            "one value an element, where Abaqus has a linear pressure: coarser pressures, and too soft in bending in a single row of elements",
+            "add `cell = \"hex27\"` for linear pressures if the mesh is linear, or take two elements across",
+        ),
+        _ => (
+            "one value an element, where Abaqus has a linear pressure: coarser pressures",
+            "compare with a finer mesh where the pressure matters",
+        ),
+    }
 }
 
 /// The bodies of a deck.
@@ -255,6 +290,7 @@ pub(crate) fn bodies(
                 material: material.name.clone(),
                 law: law.clone(),
                 density: material.density,
+                damping: material.damping.filter(|damping| *damping != Damping::default()),
                 is_reduced: types.is_reduced,
                 is_mixed: is_mixed(&law),
                 elements,

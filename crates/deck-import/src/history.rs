@@ -2,6 +2,7 @@
 
 use stoss_mesh_io::deck::{Amplitude, Deck};
 
+use crate::records::Chain;
 use crate::timeline::Timeline;
 
 /// The value of a line of the deck over time.
@@ -20,9 +21,21 @@ pub(crate) struct History {
     pub active: Vec<bool>,
     /// Times and values; times ascend.
     pub rows: Vec<[f64; 2]>,
+    /// It begins where the nodes are at that moment, and is at its values from this time on; infinite if it is counted from there.
+    pub ramp_until: Option<f64>,
 }
 
 impl History {
+    /// Zero at all times.
+    pub fn none() -> Self {
+        Self { active: Vec::new(), rows: vec![[0.0, 0.0]], ramp_until: None }
+    }
+
+    /// With all values times a factor.
+    pub fn times(&self, factor: f64) -> Self {
+        Self { rows: self.rows.iter().map(|row| [row[0], factor * row[1]]).collect(), ..self.clone() }
+    }
+
     /// True if it is zero at all times.
     pub fn is_zero(&self) -> bool {
         self.rows.iter().all(|row| row[1] == 0.0)
@@ -34,10 +47,11 @@ impl History {
     }
 
     /// What two histories have in common if they are the same.
-    pub fn key(&self) -> (Vec<bool>, Vec<[u64; 2]>) {
+    pub fn key(&self) -> (Vec<bool>, Option<u64>, Vec<[u64; 2]>) {
         // Zero has two signs.
         let bits = |x: f64| if x == 0.0 { 0 } else { x.to_bits() };
-        (self.active.clone(), self.rows.iter().map(|row| row.map(bits)).collect())
+        let rows = self.rows.iter().map(|row| row.map(bits)).collect();
+        (self.active.clone(), self.ramp_until.map(f64::to_bits), rows)
     }
 }
 
@@ -62,19 +76,41 @@ fn origin(amplitude: &Amplitude, start: f64) -> f64 {
     if amplitude.is_total_time { 0.0 } else { start }
 }
 
+/// The stages of a support as parts each of which is one function: where it ends and begins anew the nodes are elsewhere in between, and a displacement cannot begin
+/// with the end of a motion whose start is not known.
+pub(crate) fn parts(chain: &Chain, values: &[Value]) -> Vec<Chain> {
+    let mut all: Vec<Chain> = Vec::new();
+    // The last part begins where the nodes are, and is counted from there.
+    let mut is_relative = false;
+    for (s, records) in chain.iter().enumerate().filter(|(_, records)| !records.is_empty()) {
+        let follows = s > 0 && !chain[s - 1].is_empty();
+        let is_other = s > 0 && chain[s - 1] != *records;
+        if !follows || is_relative && is_other {
+            let is_rate = records.iter().any(|&record| values[record as usize].is_rate);
+            is_relative = s > 0 && is_rate;
+            all.push(vec![Vec::new(); chain.len()]);
+        }
+        if let Some(part) = all.last_mut() {
+            part[s].clone_from(records);
+        }
+    }
+    all
+}
+
 /// What several lines say of one degree of freedom, as one function. `chain` are the records of each stage. Loads act from the start of the run where the deck
-/// says so; displacements begin with zero and get to such a value in the first increment. Loads that end fall to zero, supports keep their last value and
-/// are not active.
-pub(crate) fn history(
-    chain: &[Vec<u32>],
-    values: &[Value],
-    timeline: &Timeline,
-    deck: &Deck,
-    is_load: bool,
-) -> History {
+/// says so; displacements begin with zero and get to such a value in the first increment, those of a later stage begin where the nodes are then. Loads that end
+/// fall to zero, supports keep their last value and are not active.
+pub(crate) fn history(chain: &Chain, values: &[Value], timeline: &Timeline, deck: &Deck, is_load: bool) -> History {
     let mut rows: Vec<[f64; 2]> = Vec::new();
     let mut old = 0.0;
+    let mut ramp_until = None;
+    let begin = chain.iter().position(|records| !records.is_empty()).unwrap_or(0);
     for (s, (stage, records)) in timeline.stages.iter().zip(chain).enumerate() {
+        if !is_load && s < begin {
+            continue;
+        }
+        // Where the nodes are at the start is not known.
+        let begins_anywhere = !is_load && s == begin && s > 0;
         let (start, end) = (stage.start, stage.end);
         let records: Vec<Value> = records.iter().map(|&record| values[record as usize]).collect();
         let continues = s > 0 && chain[s - 1] == chain[s];
@@ -97,6 +133,7 @@ pub(crate) fn history(
         };
         let (target, rate) = (plain(false), plain(true));
         let has_target = records.iter().any(|record| record.amplitude.is_none() && !record.is_rate);
+        let has_rate = records.iter().any(|record| record.is_rate);
         let value = |time: f64| {
             let constant = if continues {
                 old - scaled_sum(start)
@@ -104,10 +141,10 @@ pub(crate) fn history(
                 old
             } else if has_target || records.is_empty() {
                 let from = if with_amplitude.is_empty() { old } else { 0.0 };
-                let part = if stage.is_sudden { 1.0 } else { (time - start) / (end - start) };
+                let part = if stage.is_sudden || begins_anywhere { 1.0 } else { (time - start) / (end - start) };
                 // Exact at the end.
                 if part >= 1.0 { target } else { from + (target - from) * part }
-            } else if rate != 0.0 {
+            } else if has_rate {
                 old
             } else {
                 0.0
@@ -122,7 +159,13 @@ pub(crate) fn history(
             times.extend(own.filter(|time| start < *time && *time < end));
         }
         let acts_at_once = s == 0 && is_load;
-        if value(start) != old && !acts_at_once {
+        if begins_anywhere {
+            ramp_until = Some(match (has_rate, stage.is_sudden || !with_amplitude.is_empty()) {
+                (true, _) => f64::INFINITY,
+                (false, true) => start + stage.first.min(end - start),
+                (false, false) => end,
+            });
+        } else if value(start) != old && !acts_at_once {
             rows.push([start, old]);
             let soon = start + stage.first.min(end - start);
             times.retain(|time| *time > soon);
@@ -135,7 +178,7 @@ pub(crate) fn history(
     }
     rows.dedup_by(|later, earlier| later[0] <= earlier[0]);
     let active = chain.iter().map(|records| !records.is_empty()).collect();
-    History { active, rows: without_repeats(rows) }
+    History { active, rows: without_repeats(rows), ramp_until }
 }
 
 /// Rows that the function does without: those between equal values, and equal ones at both ends.
@@ -180,6 +223,7 @@ mod tests {
             is_sudden,
             first: 0.1,
             step_size: 0.1,
+            cuts: None,
             automatic: None,
             integrator: None,
         }
@@ -242,5 +286,35 @@ mod tests {
         assert!((jump[1][0] - 1.1).abs() < 1e-15 && (jump[1][1] - 4.4).abs() < 1e-12, "{jump:?}");
         let speed = Value { value: 3.0, amplitude: None, is_rate: true };
         assert_eq!(rows(&[&[0], &[]], &[speed], &two(true), false), [[0.0, 0.0], [1.0, 3.0]]);
+        // A velocity zero keeps what there is.
+        let values = [plain(5.0), Value { value: 0.0, ..speed }];
+        assert_eq!(rows(&[&[0], &[1]], &values, &two(false), false), [[0.0, 0.0], [1.0, 5.0]]);
+    }
+
+    /// What begins in the second stage begins where the nodes are: the ramp of the scene takes them from there to the value.
+    #[test]
+    fn displacements_that_begin_later_begin_where_the_nodes_are() {
+        let late = |value, is_sudden| history(&vec![vec![], vec![0]], &[value], &two(is_sudden), &deck(), false);
+        let ramp = late(plain(5.0), false);
+        assert_eq!((ramp.rows, ramp.ramp_until), (vec![[1.0, 5.0]], Some(3.0)));
+        let sudden = late(plain(5.0), true);
+        assert_eq!((sudden.rows, sudden.ramp_until), (vec![[1.0, 5.0]], Some(1.1)));
+        // Half of it in its own time at 1.5, and one increment to where it begins.
+        let scaled = late(Value { value: 2.0, amplitude: Some(0), is_rate: false }, false);
+        assert_eq!((scaled.rows, scaled.ramp_until), (vec![[1.0, 0.0], [1.5, 2.0], [3.0, 8.0]], Some(1.1)));
+        let speed = late(Value { value: 2.0, amplitude: None, is_rate: true }, false);
+        assert_eq!((speed.rows, speed.ramp_until), (vec![[1.0, 0.0], [3.0, 4.0]], Some(f64::INFINITY)));
+    }
+
+    #[test]
+    fn a_support_that_ends_and_begins_anew_is_two() {
+        let values = [plain(1.0), plain(2.0), Value { value: 3.0, amplitude: None, is_rate: true }];
+        let of = |chain: &[&[u32]]| parts(&chain.iter().map(|records| records.to_vec()).collect(), &values);
+        assert_eq!(of(&[&[0], &[1], &[1]]), [[vec![0], vec![1], vec![1]]]);
+        assert_eq!(of(&[&[0], &[], &[1]]), [[vec![0], vec![], vec![]], [vec![], vec![], vec![1]]]);
+        // From the start on a velocity has a known beginning.
+        assert_eq!(of(&[&[2], &[1], &[]]), [[vec![2], vec![1], vec![]]]);
+        assert_eq!(of(&[&[], &[2], &[1]]), [[vec![], vec![2], vec![]], [vec![], vec![], vec![1]]]);
+        assert_eq!(of(&[&[], &[2], &[2]]), [[vec![], vec![2], vec![2]]]);
     }
 }

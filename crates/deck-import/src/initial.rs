@@ -1,4 +1,4 @@
-//! `*INITIAL CONDITIONS, TYPE=VELOCITY` to velocities of bodies.
+//! What bodies have in dynamics: `*INITIAL CONDITIONS, TYPE=VELOCITY` to velocities, `*DAMPING`.
 
 use std::collections::BTreeMap;
 
@@ -49,4 +49,24 @@ pub(crate) fn velocities(
         }
     }
     all
+}
+
+/// Takes damping away where it cannot act, and tells of it.
+pub(crate) fn damping(deck: &Deck, bodies: &mut Bodies, timeline: &Timeline, list: &mut List) {
+    for body in &mut bodies.all {
+        let Some(damping) = body.damping else { continue };
+        let place =
+            deck.materials.iter().find(|material| material.name == body.material).map(|material| material.place);
+        let reason = if !timeline.is_dynamic() {
+            "there is no dynamic step: it does nothing"
+        } else if damping.alpha < 0.0 || damping.beta < 0.0 {
+            "it is negative: nothing is damped"
+        } else {
+            continue;
+        };
+        body.damping = None;
+        if let Some(place) = place {
+            list.add(place, format!("*DAMPING of material {}", body.material), reason, "");
+        }
+    }
 }

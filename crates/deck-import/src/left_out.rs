@@ -193,7 +193,10 @@ fn meaning(what: &str) -> (&'static str, &'static str) {
             "give the step *STATIC or *DYNAMIC if a run over time is what you want",
         ),
         "MODALDAMPING" | "SELECTCYCLICSYMMETRYMODES" => ("there are no modes", ""),
-        "DAMPING" => ("nothing is damped", "give the body `damping = { mass = ALPHA, stiffness = BETA }`"),
+        "DAMPING" => (
+            "only *DAMPING, ALPHA=, BETA= of a material maps: nothing is damped by this",
+            "give the body `damping = { mass = ALPHA, stiffness = BETA }`",
+        ),
         "EQUATION" | "MPC" => (
             "the nodes move on their own: what the equations hold is free",
             "replace it by [[tie]], [[joint]] or [[prescribe]], or mesh the parts together",
@@ -203,8 +206,8 @@ fn meaning(what: &str) -> (&'static str, &'static str) {
             "see [[joint]], `moment` of [[load]], and `rotation` of [[prescribe]]",
         ),
         "TRANSFORM" => (
-            "supports and forces in these axes are left out, but for nodes of which all three components are fixed",
-            "turn the mesh so that the axes are x, y and z, or use `rotation` of [[prescribe]]",
+            "only rectangular and cylindrical axes of node sets map: supports and forces in these axes are left out, but for nodes of which all three components are fixed",
+            "write them by hand, with `normal` of [[prescribe]]",
         ),
         "ORIENTATION" => ("materials are isotropic: directions are not used", ""),
         "PRE-TENSIONSECTION" => {

@@ -8,6 +8,7 @@
 //! | `bodies` | sections to bodies: one for each material and connected piece |
 //! | `material` | laws |
 //! | `timeline`, `history` | steps to stages; what several steps say of one degree of freedom to one function of time |
+//! | `axes` | those of `*TRANSFORM` at each node |
 //! | `records` | which steps act on which node, facet or element |
 //! | `cover` | names of sets for what is acted on, new sets where the deck has none |
 //! | `supports`, `loads`, `contacts` | the tables of the scene |
@@ -19,6 +20,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod axes;
 mod bodies;
 mod contacts;
 mod cover;
@@ -88,14 +90,16 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
     deck.contents.check_solids()?;
     let mut list = left_out::List::new(deck);
     let lookup = sets::Lookup::new(&deck.contents, &solids);
-    let bodies = bodies::bodies(deck, &solids, &lookup, &mut list)?;
+    let mut bodies = bodies::bodies(deck, &solids, &lookup, &mut list)?;
     let timeline = timeline::Timeline::new(deck, &mut list);
+    initial::damping(deck, &mut bodies, &timeline, &mut list);
     let mut cover = cover::Cover::new(deck, &solids, &bodies, names);
+    let axes = axes::LocalAxes::new(deck, &lookup, &solids.mesh.nodes);
     let mut scene = write::Tables::default();
     contacts::ties(deck, &bodies, &lookup, &mut cover, &mut scene, &mut list);
     contacts::pairs(deck, &bodies, &lookup, &timeline, &mut cover, &mut scene, &mut list);
-    supports::supports(deck, &bodies, &lookup, &timeline, &mut cover, &mut scene, &mut list);
-    loads::loads(deck, &bodies, &lookup, &timeline, &mut cover, &mut scene, &mut list);
+    supports::supports(deck, &bodies, &lookup, &timeline, &axes, &mut cover, &mut scene, &mut list);
+    loads::loads(deck, &bodies, &lookup, &timeline, &axes, &mut cover, &mut scene, &mut list);
     let velocities = initial::velocities(deck, &bodies, &lookup, &timeline, &mut list);
     let (sources, mesh) = cover.finish();
     let left_out = list.finish(deck);

@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use stoss_mesh::Facet;
 use stoss_mesh_io::deck::{Deck, DeckPlace, ElementLoad, Ends, LoadKind, Target};
 
+use crate::axes::LocalAxes;
 use crate::bodies::Bodies;
 use crate::cover::Cover;
 use crate::history::{History, Value, amplitude, history};
 use crate::left_out::List;
 use crate::records::{Acting, chains};
 use crate::sets::{Lookup, Meant};
-use crate::supports::{by_history, local, named, without_local};
+use crate::supports::{by_history, named, without_unknown};
 use crate::text::{number, text, vector};
 use crate::timeline::Timeline;
 use crate::write::{Tables, series};
@@ -22,6 +23,7 @@ struct Loads<'a, 'b> {
     bodies: &'a Bodies,
     lookup: &'a Lookup<'a>,
     timeline: &'a Timeline,
+    axes: &'a LocalAxes,
     cover: &'a mut Cover<'b>,
     scene: &'a mut Tables,
     list: &'a mut List,
@@ -36,11 +38,12 @@ pub(crate) fn loads(
     bodies: &Bodies,
     lookup: &Lookup<'_>,
     timeline: &Timeline,
+    axes: &LocalAxes,
     cover: &mut Cover<'_>,
     scene: &mut Tables,
     list: &mut List,
 ) {
-    let mut loads = Loads { deck, bodies, lookup, timeline, cover, scene, list };
+    let mut loads = Loads { deck, bodies, lookup, timeline, axes, cover, scene, list };
     loads.forces();
     loads.face_pressures();
     loads.surface_pressures();
@@ -60,7 +63,6 @@ impl Loads<'_, '_> {
     }
 
     fn forces(&mut self) {
-        let local = local(self.deck, self.lookup);
         let mut meant = Vec::new();
         let mut values = Vec::new();
         let mut acting: [Vec<Acting<u32>>; 3] = Default::default();
@@ -78,7 +80,7 @@ impl Loads<'_, '_> {
                     );
                     continue;
                 }
-                without_local(&mut nodes, &local, "*CLOAD", force.place, self.list);
+                without_unknown(&mut nodes, self.axes, "*CLOAD", force.place, self.list);
                 acting[force.component].push(Acting {
                     step: Some(s),
                     record: values.len() as u32,
@@ -90,6 +92,7 @@ impl Loads<'_, '_> {
         }
         let mut found: BTreeMap<String, [Option<History>; 3]> = BTreeMap::new();
         let mut order = Vec::new();
+        let mut inclined = Vec::new();
         for (component, acting) in acting.iter().enumerate() {
             let ends = |s: usize| self.deck.steps[s].ends.forces;
             let chains = chains(acting, self.deck.steps.len(), ends, self.timeline, true);
@@ -97,13 +100,19 @@ impl Loads<'_, '_> {
                 if own.is_zero() {
                     continue;
                 }
-                for b in 0..self.bodies.all.len() {
+                let all = self.axes.by_direction(&nodes, component);
+                let of_bodies = all.iter().flat_map(|group| (0..self.bodies.all.len()).map(move |b| (b, group)));
+                for (b, (direction, nodes)) in of_bodies {
                     let of = |node: &u32| self.bodies.owner(*node) == Some(b);
                     let wanted: BTreeSet<u32> = nodes.iter().copied().filter(of).collect();
                     if wanted.is_empty() {
                         continue;
                     }
                     for set in self.cover.nodes(b, &wanted, &named(&meant, &records), "loaded") {
+                        if let Some(direction) = direction {
+                            inclined.push((set, direction.map(|entry| own.times(entry))));
+                            continue;
+                        }
                         let entry = found.entry(set.clone()).or_insert_with(|| {
                             order.push(set);
                             Default::default()
@@ -113,10 +122,13 @@ impl Loads<'_, '_> {
                 }
             }
         }
-        let none = History { active: Vec::new(), rows: vec![[0.0, 0.0]] };
+        let none = History::none();
         for set in order {
             let own: Vec<&History> = found[&set].iter().map(|history| history.as_ref().unwrap_or(&none)).collect();
             self.scene.load("set", &set, &format!("force = {}", series(&own)));
+        }
+        for (set, own) in inclined {
+            self.scene.load("set", &set, &format!("force = {}", series(&own.each_ref())));
         }
     }
 
@@ -356,7 +368,7 @@ impl Loads<'_, '_> {
             let chain = chains(&acting[axis], self.deck.steps.len(), ends, self.timeline, true).pop_first();
             chain.map(|(chain, _)| history(&chain, &values[axis], self.timeline, self.deck, true))
         });
-        let none = History { active: Vec::new(), rows: vec![[0.0, 0.0]] };
+        let none = History::none();
         let own = own.map(|history| history.unwrap_or_else(|| none.clone()));
         let own: Vec<&History> = own.iter().collect();
         if own.iter().all(|history| history.is_zero()) { None } else { Some(series(&own)) }
@@ -392,7 +404,7 @@ impl Loads<'_, '_> {
         let chain = chains(&acting, self.deck.steps.len(), ends, self.timeline, true).pop_first();
         let (Some((chain, _)), Some((point, axis))) = (chain, line) else { return };
         let squared = history(&chain, &values, self.timeline, self.deck, true);
-        let speed = History { rows: root(&squared.rows), active: squared.active };
+        let speed = History { rows: root(&squared.rows), ..squared };
         let value =
             format!("angular_velocity = {}\naxis = {}\nabout = {}", series(&[&speed]), vector(axis), vector(point));
         let name = self.bodies.all[b].name.clone();

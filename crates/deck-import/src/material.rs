@@ -31,6 +31,12 @@ pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
         return Err(format!("material {} has no isotropic *ELASTIC and no *HYPERELASTIC", material.name));
     };
     let (young, poisson) = (elastic.modulus, elastic.ratio);
+    if poisson == 0.5 {
+        return Err(format!(
+            "material {} has nu = 0.5, no change of volume at all: write nu = 0.4999, with hybrid elements (as C3D8H), which are mixed here up to 0.499999",
+            material.name
+        ));
+    }
     if !(young > 0.0 && poisson > -1.0 && poisson < 0.5) {
         return Err(format!(
             "material {} has E = {young} and nu = {poisson}: E must be positive, nu between -1 and 0.5",
@@ -137,6 +143,7 @@ mod tests {
                 terms,
                 coefficients: coefficients.to_vec(),
             }),
+            damping: None,
             place: DeckPlace { file: 0, line: 1 },
         }
     }
@@ -148,6 +155,8 @@ mod tests {
         assert_eq!(law(&steel, false).unwrap().text, svk);
         let mixed = law(&steel, true).unwrap();
         assert!(mixed.text.contains("neo-hooke") && mixed.notes.len() == 1, "{mixed:?}");
+        let incompressible = law(&material(Some((1.0, 0.5)), None), true).unwrap_err();
+        assert!(incompressible.contains("write nu = 0.4999"), "{incompressible}");
         for bad in [(0.0, 0.3), (1.0, 0.5), (1.0, -1.0), (-1.0, 0.0), (f64::NAN, 0.3)] {
             assert!(law(&material(Some(bad), None), false).is_err(), "{bad:?}");
         }

@@ -1,46 +1,34 @@
 //! `*BOUNDARY` to `[[prescribe]]`.
-//!
-//! Supports in axes of their own (`*TRANSFORM`) are left out in [`local`], which is the place for them once a scene can say them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use stoss_mesh_io::deck::{Deck, DeckPlace, Prescribed, Support};
 
+use crate::axes::{Direction, LocalAxes};
 use crate::bodies::Bodies;
 use crate::cover::Cover;
-use crate::history::{History, Value, amplitude, history};
+use crate::history::{History, Value, amplitude, history, parts};
 use crate::left_out::List;
 use crate::records::{Acting, Chain, chains};
 use crate::sets::{Lookup, Meant};
-use crate::text::text;
+use crate::text::{text, vector};
 use crate::timeline::Timeline;
 use crate::write::{Tables, series};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Nodes that have axes of their own.
-pub(crate) fn local(deck: &Deck, lookup: &Lookup<'_>) -> BTreeSet<u32> {
-    deck.local_axes.iter().filter_map(|axes| lookup.node_set(&axes.nodes)).flat_map(|nodes| nodes.members).collect()
-}
-
-/// Takes the nodes with axes of their own out of what a line means, and tells of it.
-pub(crate) fn without_local(
-    meant: &mut Meant<u32>,
-    local: &BTreeSet<u32>,
-    what: &str,
-    place: DeckPlace,
-    list: &mut List,
-) {
+/// Takes the nodes whose axes are not known out of what a line means, and tells of it.
+pub(crate) fn without_unknown(meant: &mut Meant<u32>, axes: &LocalAxes, what: &str, place: DeckPlace, list: &mut List) {
     let before = meant.members.len();
-    meant.members.retain(|node| !local.contains(node));
+    meant.members.retain(|&node| !axes.are_unknown(node));
     let out = before - meant.members.len();
     if out > 0 {
         meant.name = None;
         list.add(
             place,
             what,
-            format!("it has the axes of a *TRANSFORM at {out} nodes, and does not act on them"),
-            "turn the mesh so that the axes are x, y and z, or write it by hand",
+            format!("it does not act on {out} nodes: the axes of their *TRANSFORM are not known there (on the line of cylindrical axes, or another type)"),
+            "write it by hand",
         );
     }
 }
@@ -51,7 +39,7 @@ fn record(
     support: &Support,
     bodies: &Bodies,
     lookup: &Lookup<'_>,
-    local: &BTreeSet<u32>,
+    axes: &LocalAxes,
     list: &mut List,
 ) -> Option<(Meant<u32>, Value)> {
     let mut meant = lookup.nodes(&support.nodes);
@@ -66,7 +54,7 @@ fn record(
     }
     let is_whole = support.components == [true; 3] && support.value == 0.0;
     if !is_whole {
-        without_local(&mut meant, local, "*BOUNDARY", support.place, list);
+        without_unknown(&mut meant, axes, "*BOUNDARY", support.place, list);
     }
     let scale = match &support.amplitude {
         None => None,
@@ -81,19 +69,23 @@ fn record(
             }
         },
     };
-    let is_rate = match support.prescribed {
-        Prescribed::Displacement => false,
+    let value = match support.prescribed {
+        Prescribed::Displacement => Value { value: support.value, amplitude: scale, is_rate: false },
         // At rest is at rest.
-        _ if support.value == 0.0 => false,
-        Prescribed::Velocity if scale.is_none() => true,
+        Prescribed::Place => Value { value: 0.0, amplitude: None, is_rate: true },
+        _ if support.value == 0.0 => Value { value: 0.0, amplitude: None, is_rate: true },
+        Prescribed::Velocity if scale.is_none() => Value { value: support.value, amplitude: None, is_rate: true },
         _ => {
             let consequence = "an acceleration, or a velocity with an amplitude, is not prescribed: the nodes are free";
             list.add(support.place, "*BOUNDARY", consequence, "give displacements, as a table of times and values");
             return None;
         }
     };
-    Some((meant, Value { value: support.value, amplitude: scale, is_rate }))
+    Some((meant, value))
 }
+
+/// A prescription of some nodes: along the components of space, or along a direction.
+type Group = (History, Direction, Vec<u32>, BTreeSet<u32>);
 
 /// Adds all supports.
 pub(crate) fn supports(
@@ -101,37 +93,67 @@ pub(crate) fn supports(
     bodies: &Bodies,
     lookup: &Lookup<'_>,
     timeline: &Timeline,
+    axes: &LocalAxes,
     cover: &mut Cover<'_>,
     scene: &mut Tables,
     list: &mut List,
 ) {
-    let local = local(deck, lookup);
     let of_model = deck.supports.iter().map(|support| (None, support));
     let of_steps = deck.steps.iter().enumerate().flat_map(|(s, step)| step.supports.iter().map(move |x| (Some(s), x)));
     let mut meant: Vec<Meant<u32>> = Vec::new();
+    let mut places = Vec::new();
     let mut values = Vec::new();
     let mut acting: [Vec<Acting<u32>>; 3] = Default::default();
     for (step, support) in of_model.chain(of_steps) {
-        let Some((nodes, value)) = record(deck, support, bodies, lookup, &local, list) else { continue };
+        let Some((nodes, value)) = record(deck, support, bodies, lookup, axes, list) else { continue };
         for component in (0..3).filter(|&i| support.components[i]) {
             acting[component].push(Acting { step, record: values.len() as u32, members: nodes.members.clone() });
         }
         meant.push(nodes);
+        places.push(support.place);
         values.push(value);
     }
+    let of_components = acting.map(|acting| {
+        let chains = chains(&acting, deck.steps.len(), |s| deck.steps[s].ends.supports, timeline, false);
+        let mut all: BTreeMap<Chain, Vec<u32>> = BTreeMap::new();
+        for (chain, nodes) in chains {
+            parts(&chain, &values).into_iter().for_each(|part| all.entry(part).or_default().extend(&nodes));
+        }
+        by_history(all, &values, timeline, deck, false)
+    });
+    let whole = held_in_all_directions(&of_components, axes);
     // By set and stages: the displacement of each component.
-    let mut found: BTreeMap<(usize, String, Vec<bool>), [Option<History>; 3]> = BTreeMap::new();
+    let mut found: BTreeMap<(usize, String, Vec<bool>, Option<u64>), [Option<History>; 3]> = BTreeMap::new();
     let mut order = Vec::new();
-    for (component, acting) in acting.iter().enumerate() {
-        let chains = chains(acting, deck.steps.len(), |s| deck.steps[s].ends.supports, timeline, false);
-        for (own, nodes, records) in by_history(chains, &values, timeline, deck, false) {
+    let mut inclined = Vec::new();
+    for (component, histories) in of_components.into_iter().enumerate() {
+        let groups = histories.into_iter().flat_map(|(own, nodes, records)| -> Vec<Group> {
+            let (whole, others): (Vec<u32>, Vec<u32>) =
+                nodes.iter().copied().partition(|node| !axes.has(*node) || own.is_zero() && whole.contains(node));
+            let others = axes.by_direction(&others, component);
+            let all = std::iter::once((None, whole)).chain(others).filter(|(_, nodes)| !nodes.is_empty());
+            all.map(|(direction, nodes)| (own.clone(), direction, nodes, records.clone())).collect()
+        });
+        for (own, direction, nodes, records) in groups {
+            if let (Some(normal), Some(_)) = (direction, own.ramp_until)
+                && normal.iter().filter(|&&entry| entry != 0.0).count() > 1
+            {
+                let place = records.first().map_or(places[0], |&record| places[record as usize]);
+                let consequence = "it begins in a later step along an inclined axis of a *TRANSFORM, and is there after one increment: it does not begin where the nodes are";
+                let remedy = "let it begin in the first step, or turn the mesh so that the axis is x, y or z";
+                list.add(place, "*BOUNDARY", consequence, remedy);
+            }
             for (b, body) in bodies.all.iter().enumerate() {
                 let wanted: BTreeSet<u32> = nodes.iter().copied().filter(|node| body.nodes.contains(node)).collect();
                 if wanted.is_empty() {
                     continue;
                 }
                 for set in cover.nodes(b, &wanted, &named(&meant, &records), "support") {
-                    let key = (b, set, own.active.clone());
+                    if let Some(normal) = direction {
+                        inclined.push((set, normal, own.clone()));
+                        continue;
+                    }
+                    let key = (b, set, own.active.clone(), own.ramp_until.map(f64::to_bits));
                     let entry = found.entry(key.clone()).or_insert_with(|| {
                         order.push(key);
                         Default::default()
@@ -142,7 +164,7 @@ pub(crate) fn supports(
         }
     }
     for key in order {
-        let (_, set, active) = &key;
+        let (_, set, active, _) = &key;
         let components = &found[&key];
         let is_fixed = |i: &usize| components[*i].as_ref().is_some_and(History::is_zero);
         let fixed: Vec<usize> = (0..3).filter(is_fixed).collect();
@@ -150,14 +172,43 @@ pub(crate) fn supports(
         for chosen in [fixed, moved].iter().filter(|chosen| !chosen.is_empty()) {
             let own: Vec<&History> = chosen.iter().filter_map(|&i| components[i].as_ref()).collect();
             let names: Vec<String> = chosen.iter().map(|&i| format!("\"{}\"", AXES[i])).collect();
-            let value = if own.iter().all(|history| history.is_zero()) {
-                "fixed = true".to_owned()
-            } else {
-                format!("displacement = {}", series(&own))
-            };
-            scene.prescribe(set, &names.join(", "), &value, active);
+            let along = format!("components = [{}]", names.join(", "));
+            scene.prescribe(set, &along, &displacement(&own), active, own[0].ramp_until);
         }
     }
+    for (set, normal, own) in inclined {
+        let is_inclined = normal.iter().filter(|&&entry| entry != 0.0).count() > 1;
+        let along = format!("normal = {}", vector(normal));
+        scene.prescribe(&set, &along, &displacement(&[&own]), &own.active, own.ramp_until.filter(|_| !is_inclined));
+    }
+}
+
+fn displacement(own: &[&History]) -> String {
+    if own.iter().all(|history| history.is_zero()) {
+        "fixed = true".to_owned()
+    } else {
+        format!("displacement = {}", series(own))
+    }
+}
+
+/// Nodes with axes of their own of which all three components are zero at the same times: the axes do not matter.
+fn held_in_all_directions(
+    of_components: &[Vec<(History, Vec<u32>, BTreeSet<u32>)>; 3],
+    axes: &LocalAxes,
+) -> BTreeSet<u32> {
+    let mut keys: BTreeMap<u32, Vec<(usize, &History)>> = BTreeMap::new();
+    for (component, histories) in of_components.iter().enumerate() {
+        for (own, nodes, _) in histories {
+            nodes.iter().filter(|node| axes.has(**node)).for_each(|&node| {
+                keys.entry(node).or_default().push((component, own));
+            });
+        }
+    }
+    let is_whole = |own: &[(usize, &History)]| {
+        let components: Vec<usize> = own.iter().map(|(component, _)| *component).collect();
+        components == [0, 1, 2] && own.iter().all(|(_, history)| history.is_zero() && history.key() == own[0].1.key())
+    };
+    keys.into_iter().filter(|(_, own)| is_whole(own)).map(|(node, _)| node).collect()
 }
 
 /// The named sets of some records.

@@ -22,6 +22,8 @@ pub(crate) struct Stage {
     pub first: f64,
     /// The largest increment, `step` of the scene.
     pub step_size: f64,
+    /// How often a step may be halved, where the default does not get to the first increment.
+    pub cuts: Option<u32>,
     /// As the scene writes it.
     pub automatic: Option<String>,
     pub integrator: Option<String>,
@@ -35,6 +37,8 @@ pub(crate) struct Timeline {
 
 /// Increments of a dynamic step that does not say how many.
 const INCREMENTS: f64 = 100.0;
+/// Halvings that the scene allows by default.
+const DEFAULT_CUTS: f64 = 10.0;
 /// Largest ratio of the largest increment to the first one that the scene takes.
 const RATIO: f64 = 1e6;
 
@@ -76,6 +80,7 @@ impl Timeline {
                 is_sudden: false,
                 first: 1.0,
                 step_size: 1.0,
+                cuts: None,
                 automatic: None,
                 integrator: None,
             });
@@ -126,6 +131,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
         is_sudden: is_dynamic || step.is_sudden,
         first,
         step_size: first,
+        cuts: None,
         automatic: None,
         integrator: None,
     };
@@ -136,14 +142,23 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
             list.add(step.place, "*DYNAMIC", note, "choose another `integrator` of [time] if you like");
         }
         if !times.is_fixed {
+            // The run would grow to the largest increment, which the deck trusts; that of a step that says none is not known.
+            stage.step_size = positive(times.largest).map_or(first, |largest| largest.min(period).max(first));
+            let cuts = (stage.step_size / first).log2().ceil();
+            stage.cuts = (cuts > DEFAULT_CUTS).then_some(cuts as u32);
+            let which = if stage.step_size > first {
+                "the largest increment of the deck"
+            } else {
+                "the first increment of the deck"
+            };
             list.add(
                 step.place,
                 "*DYNAMIC",
                 format!(
-                    "increments are not chosen by the run: all have the size {}, smaller ones only where a step fails",
-                    number(first)
+                    "increments follow no estimate of the error, `automatic` is for statics: all are {}, {which}, and halved only where a step fails",
+                    number(stage.step_size)
                 ),
-                "",
+                "compare with a run of half the `step`",
             );
         }
     } else if !times.is_fixed {

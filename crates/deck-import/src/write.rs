@@ -50,14 +50,18 @@ impl Tables {
     }
 
     /// A prescription that acts in some stages only gets a name.
-    pub fn prescribe(&mut self, set: &str, components: &str, value: &str, active: &[bool]) {
+    pub fn prescribe(&mut self, set: &str, along: &str, value: &str, active: &[bool], ramp_until: Option<f64>) {
         let mut table = "[[prescribe]]\n".to_owned();
         if active.contains(&false) {
             let name = format!("support-{}", self.prescriptions.len() + 1);
             let _ = writeln!(table, "name = {}", string(&name));
             self.off.push((name, active.to_vec()));
         }
-        let _ = writeln!(table, "set = {}\ncomponents = [{components}]\n{value}", string(set));
+        let _ = writeln!(table, "set = {}\n{along}\n{value}", string(set));
+        if let Some(until) = ramp_until {
+            let until = if until.is_finite() { number(until) } else { "inf".to_owned() };
+            let _ = writeln!(table, "ramp_until = {until}");
+        }
         self.prescriptions.push(table);
     }
 
@@ -123,6 +127,12 @@ fn body(body: &Body, source: &Source, velocity: [f64; 3], is_dynamic: bool) -> S
     if let Some(density) = body.density {
         let _ = writeln!(text, "density = {}", number(density));
     }
+    if let Some(damping) = body.damping.filter(|_| is_dynamic) {
+        let keys =
+            [("mass", damping.alpha), ("stiffness", damping.beta)].into_iter().filter(|(_, value)| *value != 0.0);
+        let keys: Vec<String> = keys.map(|(key, value)| format!("{key} = {}", number(value))).collect();
+        let _ = writeln!(text, "damping = {{ {} }}", keys.join(", "));
+    }
     if is_dynamic && velocity != [0.0; 3] {
         let _ = writeln!(text, "velocity = {}", vector(velocity));
     }
@@ -136,6 +146,9 @@ fn time(timeline: &Timeline, scene: &Tables) -> (String, String) {
     let mut time = format!("[time]\nend = {}\nstep = {}\n", number(timeline.end()), number(step));
     if let Some(integrator) = stages.iter().find_map(|stage| stage.integrator.as_ref()) {
         let _ = writeln!(time, "integrator = {integrator}");
+    }
+    if let Some(cuts) = stages.iter().filter_map(|stage| stage.cuts).max() {
+        let _ = writeln!(time, "max_cuts = {cuts}");
     }
     if let [stage] = stages.as_slice() {
         if let Some(automatic) = &stage.automatic {
@@ -215,9 +228,9 @@ mod tests {
 
     #[test]
     fn functions_of_time() {
-        let constant = |value| History { active: vec![true], rows: vec![[0.0, value]] };
-        let ramp = History { active: vec![true], rows: vec![[0.0, 0.0], [1.0, 2.0]] };
-        let late = History { active: vec![true], rows: vec![[0.5, 0.0], [1.5, 1.0]] };
+        let constant = |value| History { active: vec![true], rows: vec![[0.0, value]], ramp_until: None };
+        let ramp = History { rows: vec![[0.0, 0.0], [1.0, 2.0]], ..constant(0.0) };
+        let late = History { rows: vec![[0.5, 0.0], [1.5, 1.0]], ..constant(0.0) };
         assert_eq!(series(&[&constant(3.0)]), "3.0");
         assert_eq!(series(&[&constant(3.0), &constant(1e-20)]), "[3.0, 1e-20]");
         assert_eq!(

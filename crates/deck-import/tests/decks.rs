@@ -125,7 +125,9 @@ fn what_is_left_out_is_told_with_its_line() {
         ("*PLASTIC", "*PLASTIC"),
         ("*EXPANSION", "*EXPANSION"),
         ("all lines of *ELASTIC", "*ELASTIC"),
-        ("*TRANSFORM", "*TRANSFORM"),
+        ("*SPRING", "*SPRING"),
+        ("1 elements SPRINGA", "*ELEMENT, TYPE=SPRINGA"),
+        ("*DAMPING of material", "*MATERIAL"),
         ("*EQUATION", "*EQUATION"),
         ("*FREQUENCY", "*FREQUENCY"),
         ("*CLOAD", "ref, 3"),
@@ -138,8 +140,9 @@ fn what_is_left_out_is_told_with_its_line() {
     for entry in &import.left_out {
         assert!(import.scene.contains(&format!("#   {entry}")), "{entry}");
     }
-    // The two turned nodes have no support, and the shell's nodes only what they have of the solid.
-    assert_eq!(strings(&tables(&import, "prescribe"), "set"), ["block.base"]);
+    // One of the two turned nodes lies on the line of the cylindrical axes and has no radial direction; the shell's nodes have only what they have of the solid.
+    assert!(import.left_out.iter().any(|entry| entry.consequence.contains("1 nodes: the axes of their *TRANSFORM")));
+    assert_eq!(strings(&tables(&import, "prescribe"), "set"), ["block.base", "block.support"]);
 }
 
 #[test]
@@ -217,6 +220,20 @@ fn variants_of_elements_have_their_rules() {
     assert!(!import.contains("integration") && !import.contains("\nvolumetric"), "{import}");
     let hybrid = imported(&CUBE.replace("C3D8,", "C3D8H,"));
     assert!(hybrid.scene.contains("volumetric = \"mixed\"\nmaterial = { law = \"neo-hooke\""), "{}", hybrid.scene);
+    // A tetrahedron with midside nodes: what is said fits a quadratic element with an independent pressure.
+    let tet = "*NODE\n1,0,0,0\n2,2,0,0\n3,0,2,0\n4,0,0,2\n5,1,0,0\n6,1,1,0\n7,0,1,0\n8,0,0,1\n9,1,0,1\n10,0,1,1\n\
+               *ELEMENT,TYPE=C3D10MH,ELSET=E\n1,1,2,3,4,5,6,7,8,9,10\n*MATERIAL,NAME=rubber\n*ELASTIC\n1.,0.49\n*SOLID SECTION,ELSET=E,MATERIAL=rubber\n";
+    let tet = imported(tet);
+    assert!(tet.scene.contains("volumetric = \"mixed\"\nmaterial = { law = \"neo-hooke\""), "{}", tet.scene);
+    let said: Vec<String> =
+        tet.left_out.iter().map(ToString::to_string).filter(|text| text.contains("C3D10MH")).collect();
+    assert!(said.len() == 2 && said[0].contains("it is the standard tet10 here"), "{said:?}");
+    assert!(said[1].contains("one value an element, where Abaqus has a linear pressure"), "{said:?}");
+    assert!(!said.concat().contains("cell = \"quadratic\""), "{said:?}");
+    let locked = imported(&CUBE.replace("C3D8,", "C3D8IH,")).left_out;
+    let said: Vec<&str> =
+        locked.iter().filter(|e| e.consequence.contains("C3D8IH")).map(|e| e.remedy.as_str()).collect();
+    assert_eq!(said, ["for bending add `cell = \"quadratic\"` to the body", ""]);
     let reduced = imported(&CUBE.replace("C3D8,", "C3D8R,"));
     assert!(entry(&reduced, "material steel").consequence.contains("fully integrated"));
     let rubber = CUBE.replace("*ELASTIC\n100.0, 0.3", "*HYPERELASTIC, MOONEY-RIVLIN\n3.0, 0.5, 0.01");
@@ -368,4 +385,123 @@ fn loads_on_elements_do_not_replace_those_along_other_axes() {
     assert!(entry(&import, "*DLOAD").consequence.contains("no direction"));
     let falls = try_to(&deck(["E,BX,2.", "E,BY,3."], "*AMPLITUDE,NAME=A\n0.,0.,0.5,1.,0.3,0.\n")).unwrap_err();
     assert!(falls.contains("part.inp:8") && falls.contains("times that do not fall"), "{falls}");
+}
+
+fn floats(value: &toml::Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_float().unwrap()).collect()
+}
+
+/// Components along axes of their own are prescribed along normals, forces are vectors. What is held in all directions needs no axes.
+#[test]
+fn supports_and_forces_in_rectangular_axes() {
+    let import = cube(
+        "*TRANSFORM, NSET=Top\n0.6, 0.8, 0, -0.8, 0.6, 0\n*BOUNDARY\nBase, 1, 3\nTop, 1\nTop, 3\n\
+         *STEP\n*STATIC\n*BOUNDARY\nTop, 2, 2, 0.1\n*END STEP\n",
+    );
+    assert!(import.left_out.iter().all(|entry| !entry.what.contains("TRANSFORM")), "{:#?}", import.left_out);
+    let all = tables(&import, "prescribe");
+    assert_eq!(strings(&all, "set"), ["Cube.Base", "Cube.Top", "Cube.Top", "Cube.Top"]);
+    assert!(all[0].contains_key("components") && !all[0].contains_key("normal"));
+    let normals: Vec<Vec<f64>> = all[1..].iter().map(|table| floats(&table["normal"])).collect();
+    for (normal, wanted) in normals.iter().zip([[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]]) {
+        assert!(normal.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-15), "{normals:?}");
+    }
+    assert_eq!(all[1]["fixed"].as_bool(), Some(true));
+    assert_eq!(all[2]["displacement"].to_string(), "{ table = [[0.0, 0.0], [1.0, 0.1]] }");
+    let import =
+        cube("*TRANSFORM, NSET=Top, TYPE=R\n0, 1, 0, -1, 0, 0\n*STEP\n*STATIC\n*CLOAD\nTop, 1, 2.0\n*END STEP\n");
+    let [load] = tables(&import, "load").try_into().unwrap();
+    assert_eq!(load["force"].to_string(), "{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 2.0, 0.0]] }");
+    let whole = cube(
+        "*TRANSFORM, NSET=Top\n0.6, 0.8, 0, -0.8, 0.6, 0\n*BOUNDARY\nTop, 1, 2\nTop, 3\n*STEP\n*STATIC\n*END STEP\n",
+    );
+    let [held] = tables(&whole, "prescribe").try_into().unwrap();
+    assert_eq!(held["components"].to_string(), "[\"x\", \"y\", \"z\"]");
+}
+
+/// About the axis of the cube: each corner has its own radius, all of them the same axis.
+#[test]
+fn supports_in_cylindrical_axes() {
+    let import = cube(
+        "*TRANSFORM, NSET=Top, TYPE=C\n0.5, 0.5, 0, 0.5, 0.5, 1\n*BOUNDARY\nTop, 1\nTop, 3\n*STEP\n*STATIC\n*END STEP\n",
+    );
+    let all = tables(&import, "prescribe");
+    let r = 0.5_f64.sqrt();
+    let mesh = import.mesh.as_ref().unwrap();
+    assert_eq!(all.len(), 4 + 1);
+    for table in &all[..4] {
+        let (set, normal) = (table["set"].as_str().unwrap().strip_prefix("Cube.").unwrap(), floats(&table["normal"]));
+        let [node] = mesh.node_sets[set][..] else { panic!("{set}") };
+        let x = mesh.nodes[node as usize];
+        let wanted = [(x[0] - 0.5) * 2.0 * r, (x[1] - 0.5) * 2.0 * r, 0.0];
+        assert!(normal.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-15), "{x:?} {normal:?}");
+    }
+    assert_eq!((all[4]["set"].as_str(), floats(&all[4]["normal"])), (Some("Cube.Top"), vec![0.0, 0.0, 1.0]));
+    for (text, wanted) in
+        [("TYPE=C\n1, 1, 1, 1, 1, 1", "must not be the same"), ("TYPE=R\n1, 0, 0, 2, 0, 0", "one line with the origin")]
+    {
+        let error = try_to(&format!("{CUBE}*TRANSFORM, NSET=Top, {text}\n")).unwrap_err();
+        assert!(error.contains(wanted) && error.contains("part.inp:27"), "{error}");
+    }
+}
+
+/// A displacement that begins in the second step has a name, is off in the first and ramps from where the nodes are; `FIXED` keeps them there.
+#[test]
+fn displacements_of_later_steps() {
+    let steps = |second: &str| {
+        format!(
+            "*BOUNDARY\nBase, 1, 3\n*STEP\n*STATIC\n*CLOAD\nTop, 3, 1.0\n*END STEP\n*STEP\n*STATIC\n1., 2.\n{second}*END STEP\n"
+        )
+    };
+    let of = |second: &str| {
+        let import = cube(&steps(second));
+        let late = tables(&import, "prescribe")[1].clone();
+        let off = tables(&import, "stage")[0]["off"].as_array().unwrap().clone();
+        assert_eq!(off, [late["name"].clone()]);
+        late
+    };
+    let late = of("*BOUNDARY\nTop, 3, 3, 0.5\n");
+    assert_eq!((late["displacement"].as_float(), late["ramp_until"].as_float()), (Some(0.5), Some(3.0)));
+    let late = of("*BOUNDARY\nTop, 1, 3\n");
+    assert_eq!((late["fixed"].as_bool(), late["ramp_until"].as_float()), (Some(true), Some(3.0)));
+    for held in ["*BOUNDARY, FIXED\nTop, 1, 3\n", "*BOUNDARY, TYPE=VELOCITY\nTop, 1, 3\n"] {
+        let late = of(held);
+        assert_eq!((late["fixed"].as_bool(), late["ramp_until"].as_float()), (Some(true), Some(f64::INFINITY)));
+    }
+    let late = of("*BOUNDARY, TYPE=VELOCITY\nTop, 3, 3, 0.25\n");
+    assert_eq!(late["displacement"].to_string(), "{ table = [[1.0, 0.0], [3.0, 0.5]] }");
+    assert_eq!(late["ramp_until"].as_float(), Some(f64::INFINITY));
+    // From the first step on a displacement begins with zero, and goes on from its value.
+    let import = cube(
+        "*STEP\n*STATIC\n*BOUNDARY\nTop, 3, 3, 0.5\n*END STEP\n*STEP\n*STATIC\n*BOUNDARY\nTop, 3, 3, 0.75\n*END STEP\n",
+    );
+    let [only] = tables(&import, "prescribe").try_into().unwrap();
+    assert_eq!(only["displacement"].to_string(), "{ table = [[0.0, 0.0], [1.0, 0.5], [2.0, 0.75]] }");
+    assert!(!only.contains_key("ramp_until"));
+    // Along an inclined axis there is no ramp, and that is told.
+    let import =
+        cube(&format!("*TRANSFORM, NSET=Top\n0.6, 0.8, 0, -0.8, 0.6, 0\n{}", steps("*BOUNDARY\nTop, 1, 1, 0.5\n")));
+    assert!(!tables(&import, "prescribe")[1].contains_key("ramp_until"));
+    assert!(entry(&import, "*BOUNDARY").consequence.contains("does not begin where the nodes are"));
+}
+
+#[test]
+fn increments_and_damping_of_dynamics() {
+    let damped = CUBE.replace("*DENSITY", "*DAMPING, ALPHA=0.5, BETA=1e-4\n*DENSITY");
+    let of = |step: &str| imported(&format!("{damped}*STEP, NLGEOM\n{step}\n*END STEP\n"));
+    let import = of("*DYNAMIC, DIRECT\n0.01, 0.5");
+    assert_eq!(tables(&import, "body")[0]["damping"].to_string(), "{ mass = 0.5, stiffness = 0.0001 }");
+    let time = |import: &Import| import.scene.parse::<toml::Table>().unwrap()["time"].clone();
+    assert_eq!(time(&import)["step"].as_float(), Some(0.01));
+    assert!(import.left_out.iter().all(|entry| entry.what != "*DYNAMIC"), "{:#?}", import.left_out);
+    // The run of the deck would grow to the largest increment; the first one is in reach by halving.
+    let import = of("*DYNAMIC\n1e-6, 0.5, 1e-8, 0.02");
+    assert_eq!((time(&import)["step"].as_float(), time(&import)["max_cuts"].as_integer()), (Some(0.02), Some(15)));
+    assert!(entry(&import, "*DYNAMIC").consequence.contains("all are 0.02, the largest increment of the deck"));
+    let import = of("*DYNAMIC\n0.01, 0.5");
+    assert_eq!(time(&import)["step"].as_float(), Some(0.01));
+    assert!(entry(&import, "*DYNAMIC").consequence.contains("the first increment of the deck"));
+    let still = of("*STATIC");
+    assert!(!tables(&still, "body")[0].contains_key("damping"));
+    assert!(entry(&still, "*DAMPING of material steel").consequence.contains("no dynamic step"));
 }

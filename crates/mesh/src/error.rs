@@ -160,6 +160,21 @@ pub enum MeshError {
         /// `det J` there (a volume per reference volume).
         jacobian: f64,
     },
+    /// Linear elements that are valid, and one of them is not once its edges follow the curved boundary.
+    #[error(
+        "as {kind}, element {element} is turned inside out (det J = {jacobian:.1e}) where its edges follow the curved boundary: the mesh is too coarse for its curvature there{}",
+        doubtful(*.sharp)
+    )]
+    CurvedBoundary {
+        /// What elements were to become.
+        kind: stoss_reference_element::CellKind,
+        /// The element, among the new ones.
+        element: u32,
+        /// `det J` at a point of it (a volume per reference volume).
+        jacobian: f64,
+        /// Edges of the boundary that are taken for sharp, although the mesh of a smooth surface may look like that.
+        sharp: usize,
+    },
     /// Nodes that belong to no element.
     #[error("{count} nodes belong to no element, the first is node {first} at {coordinates:?}: remove them")]
     UnusedNodes {
@@ -250,6 +265,15 @@ pub enum MeshError {
 }
 
 /// Shorthand for [`MeshError::Parameter`].
+/// Says that edges stay sharp that may be none, as the end of a sentence.
+fn doubtful(sharp: usize) -> String {
+    if sharp == 0 {
+        return String::new();
+    }
+    let angle = crate::convert::SHARP_DEGREES;
+    format!(", and {sharp} edges at which facets meet by {angle:.0} to 60 degrees stay sharp")
+}
+
 pub(crate) fn parameter<T: std::fmt::Debug>(parameter: &'static str, value: T, remedy: impl Into<String>) -> MeshError {
     MeshError::Parameter { parameter, value: format!("{value:?}"), remedy: remedy.into() }
 }

@@ -1,7 +1,7 @@
 //! Meshes of other cells: what they must keep, and how well curved boundaries are met.
 
-use stoss_mesh::generate::{Ball, Block, Cylinder, HollowBall, Part};
-use stoss_mesh::{Mesh, MeshError};
+use stoss_mesh::generate::{Ball, Block, Cylinder, HollowBall, HollowTorus, Part};
+use stoss_mesh::{Elements, Mesh, MeshError};
 use stoss_reference_element::CellKind;
 
 const KINDS: [CellKind; 6] =
@@ -112,5 +112,59 @@ fn what_cannot_be_made_is_refused() {
     // The blocks of a ball have different third directions.
     let ball = Ball { radius: 1.0, divisions: [2; 3], part: Part::Quarter, refinement: None }.generate().unwrap();
     assert!(refused(&ball, CellKind::Wedge6).contains("tetrahedra"));
+    let error = ball.with_cells(CellKind::Wedge15).unwrap_err().to_string();
+    assert!(error.contains("wedge15") && !error.contains("wedge6"), "{error}");
     ball.with_cells(CellKind::Tet4).unwrap().check().unwrap();
+}
+
+/// Two hexahedra side by side along x, the first of them quadratic already, and a quadratic tetrahedron apart from them.
+fn mixed(with_tetrahedron: bool) -> Mesh {
+    let two =
+        Block { min: [0.0; 3], max: [2.0, 1.0, 1.0], divisions: [2, 1, 1], grading: [1.0; 3] }.generate().unwrap();
+    let quadratic = two.with_cells(CellKind::Hex20).unwrap();
+    let mut elements = Elements::new();
+    elements.push(CellKind::Hex20, &quadratic.elements[0]);
+    elements.push(CellKind::Hex8, &two.elements[1]);
+    let mut nodes = quadratic.nodes.clone();
+    if with_tetrahedron {
+        let tet = Elements::of_kind(CellKind::Tet10, (0..10).map(|n| n + nodes.len() as u32).collect());
+        elements.push(CellKind::Tet10, &tet[0]);
+        let corners =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|[x, y, z]| [x + 5.0, y, z]);
+        nodes.extend(corners);
+        let middle = |a: usize, b: usize| std::array::from_fn(|i| 0.5 * (corners[a][i] + corners[b][i]));
+        nodes.extend([[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]].map(|[a, b]| middle(a, b)));
+    }
+    Mesh { nodes, elements, ..Mesh::default() }
+}
+
+/// Elements that are what is asked for stay, their neighbours take over the nodes on common edges, and another element is named that cannot become it.
+#[test]
+fn elements_that_are_quadratic_already_stay() {
+    for kind in [None, Some(CellKind::Hex20)] {
+        let mesh = mixed(false);
+        let turned = kind.map_or_else(|| mesh.quadratic(), |kind| mesh.with_cells(kind)).unwrap();
+        assert_eq!(turned.elements.kinds(), [CellKind::Hex20]);
+        let [one, other] = [0, 1].map(|e| turned.elements[e].to_vec());
+        assert_eq!(one.iter().filter(|node| other.contains(node)).count(), 8);
+    }
+    let error = mixed(true).with_cells(CellKind::Hex20).unwrap_err().to_string();
+    assert!(error.contains("element 2 is a tet10 and cannot become a hex20"), "{error}");
+}
+
+/// A coarse thin wall whose middles would pass its other side: the curvature is named, not the order of nodes.
+#[test]
+fn a_mesh_too_coarse_for_its_curvature_is_refused_with_the_reason() {
+    let torus = HollowTorus { ring_radius: 2.0, tube_outer_radius: 0.6, tube_inner_radius: 0.4, divisions: [12, 8, 1] };
+    let torus = torus.generate().unwrap();
+    let error = torus.with_cells(CellKind::Tet10).unwrap_err();
+    let MeshError::CurvedBoundary { kind: CellKind::Tet10, sharp, .. } = error else { panic!("{error}") };
+    // Around the tube facets meet by 45 degrees, in both walls: 8 lines of 12 edges each.
+    assert_eq!(sharp, 2 * 8 * 12);
+    let text = error.to_string();
+    assert!(
+        text.contains("too coarse") && text.contains("by 34 to 60 degrees") && !text.contains("order of its nodes"),
+        "{text}"
+    );
+    torus.with_cells(CellKind::Hex20).unwrap();
 }

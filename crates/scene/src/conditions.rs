@@ -373,6 +373,10 @@ pub struct Prescribe {
     /// Translation that follows the rotation, three values; none if left out. With a `rotation` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub translation: Option<Series>,
+    /// Where a stage switches it on, the nodes begin where they are then, and are where `displacement` says from this time on: the difference falls linearly, and stays
+    /// if it is `inf`. If left out they are there at the end of the first step. Of sets, along components or a normal that is an axis of space.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ramp_until: Option<f64>,
 }
 
 impl Prescribe {

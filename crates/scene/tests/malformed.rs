@@ -444,6 +444,15 @@ const CASES: &[Case] = &[
     dynamic("[\"y\"]", "[]", "components = []", "prescribe[1].components"),
     dynamic("[\"y\"]", "[\"y\", \"y\"]", "\"y\", \"y\"", "prescribe[1].components"),
     dynamic("[\"y\"]", "[\"z\"]", "[\"z\"]", "prescribe[1].components"),
+    dynamic("fixed = true", "fixed = true\nramp_until = 0", "ramp_until = 0", "prescribe[1].ramp_until"),
+    dynamic("fixed = true", "fixed = true\nramp_until = nan", "ramp_until = nan", "prescribe[1].ramp_until"),
+    dynamic(
+        "components = [\"y\"]",
+        "normal = [1, 1, 0]\nramp_until = 1.0",
+        "ramp_until = 1.0",
+        "prescribe[1].ramp_until",
+    ),
+    quasi("translation = [0, 0, -0.1]", "ramp_until = 1.0", "ramp_until = 1.0", "prescribe[2].ramp_until"),
     // rotations
     turn("axis = [0, 0, 1]", "axis = [0, 0, 0]", "prescribe[2].rotation.axis"),
     turn("axis = [0, 0, 1], ", "", "prescribe[2].rotation.axis"),

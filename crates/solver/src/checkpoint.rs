@@ -1,7 +1,7 @@
 //! Checkpoints: everything that a run needs to go on with the same bits, written atomically.
 
 use crate::control::Clock;
-use crate::{Balance, Decision, Release, Switches, Timings};
+use crate::{Balance, Decision, Departure, Release, Switches, Timings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 #[cfg(feature = "checkpoints")]
@@ -54,6 +54,8 @@ pub struct Checkpoint {
     pub off: Switches,
     /// What was released.
     pub released: Vec<Release>,
+    /// Where components were whose prescription was switched on and begins there.
+    pub departures: Vec<Departure>,
     /// Energy that each contact pair stores, and the part of it that is in springs of friction.
     pub stored: Vec<[f64; 2]>,
     /// Completed steps.

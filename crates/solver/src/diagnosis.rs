@@ -95,9 +95,7 @@ pub(crate) fn linear_error(
         return StepError::Singular {
             unknown: Unknown::Multiplier { constraint: model.contacts[pair].name.clone(), equation: slot + 1 },
             at: Box::new(slot_place(model, pair, slot, &iterate.q)),
-            hint: "it follows from others at this moment: a mechanism in a singular position, a joint, tie or support that is there twice, or what is held at both ends; try another \
-                   step size"
-                .into(),
+            hint: multiplier_hint(model, pair, slot, &iterate.active).into(),
         };
     }
     let Some((pair, slot)) = slot else {
@@ -113,9 +111,47 @@ pub(crate) fn linear_error(
             node: slot_name(model, pair, slot, &iterate.q),
         },
         at: Box::new(slot_place(model, pair, slot, &iterate.q)),
-        hint: "its constraint follows from others: is the same contact given twice, or is the motion of all nodes \
-               there prescribed?"
-            .into(),
+        hint: pressure_hint(model, system, pair, slot, &iterate.q).into(),
+    }
+}
+
+/// Why a multiplier of a constraint that always holds is not determined.
+fn multiplier_hint(model: &Model, pair: usize, slot: usize, active: &[Vec<bool>]) -> &'static str {
+    let Some(held) = model.contacts[pair].method.held(slot, 0.0) else {
+        return "it follows from others at this moment: a mechanism in a singular position, a joint, tie or support that is there twice, or what is held at both ends; try another \
+                step size";
+    };
+    let mut touches = false;
+    for (pair, active) in model.contacts.iter().zip(active).filter(|(pair, _)| pair.method.as_contact().is_some()) {
+        pair.method.stencils(active, &mut |nodes, _| touches |= nodes.contains(&held.node));
+    }
+    if touches {
+        "a support along a normal and a contact hold the same node: leave the nodes that touch out of the support, or those that are held out of the contact"
+    } else {
+        "the support follows from others at this node: hold it once along each direction"
+    }
+}
+
+/// Why the pressure of a contact is not determined.
+fn pressure_hint(model: &Model, system: &System, pair: usize, slot: usize, q: &[f64]) -> &'static str {
+    let node = slot_place(model, pair, slot, q).node;
+    if node.is_some_and(|node| model.follows_its_face(node)) {
+        return "it is in the middle of a face with 8 nodes and moves with it, so that its constraint follows from others: use `method = \"mortar\"`, or a penalty, or exchange slave and master";
+    }
+    let is_guided = |node: u32| {
+        let mut slots = model
+            .contacts
+            .iter()
+            .flat_map(|pair| (0..pair.method.slot_count()).map_while(|slot| pair.method.held(slot, 0.0)));
+        slots.any(|held| held.node == node)
+    };
+    let own = |node: u32| model.embedding.carriers(node).is_none();
+    let is_prescribed =
+        |node: u32| own(node) && (0..3).any(|i| system.numbering.equation.get(3 * node as usize + i) == Some(&NONE));
+    if node.is_some_and(|node| is_guided(node) || is_prescribed(node)) {
+        "prescribed motion, or a support along a normal, holds its node as well: leave the nodes that touch out of the support, or those that are held out of the contact"
+    } else {
+        "its constraint follows from others: is the same contact given twice, or is the motion of all nodes there prescribed?"
     }
 }
 

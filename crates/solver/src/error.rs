@@ -165,7 +165,7 @@ pub enum SimulationError {
     #[error("{0}")]
     Model(String),
     /// No step size down to the smallest allowed one worked.
-    #[error("step {step} from time {time} failed even at the step size {dt:.3e}: {cause}", time = crate::short(*.time, *.dt))]
+    #[error("step {step} from time {time} failed even at the step size {dt:.3e}: {cause}{hint}", time = crate::short(*.time, *.dt))]
     StepFailed {
         /// Number of the step that failed.
         step: u64,
@@ -175,6 +175,8 @@ pub enum SimulationError {
         dt: f64,
         /// The last failure.
         cause: StepError,
+        /// What smaller steps do not help against, as the end of the sentence; else empty.
+        hint: String,
     },
     /// Setting up failed.
     #[error("setting up: {0}")]

@@ -59,7 +59,7 @@ pub use model::{Body, ContactPair, Coupling, Damping, Model, Prescription, Silen
 pub use place::Place;
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, PairSummary, StepRecord};
 pub use rotation::AxisRotation;
-pub use simulation::{FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage};
+pub use simulation::{Departure, FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage};
 pub use stabilise::Stabilise;
 pub use stoss_contact::{BodyPair, SurfaceForce, SurfaceNode};
 pub use switches::{Release, Switches};

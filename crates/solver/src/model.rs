@@ -61,6 +61,9 @@ pub struct Prescription {
     pub displacement: Table,
     /// Rotation of the reference positions before the translation.
     pub rotation: Option<AxisRotation>,
+    /// What a stage switches on begins where its nodes are then, and is where the table says from this time on: the difference falls linearly. It stays if the
+    /// time is infinite. Without it the nodes are there at the end of the first step.
+    pub ramp_until: Option<f64>,
 }
 
 impl Prescription {
@@ -68,7 +71,14 @@ impl Prescription {
     pub fn agrees(&self, other: &Self, component: u8) -> bool {
         let column = |p: &Self| p.components.iter().position(|&c| c == component);
         let (Some(own), Some(others)) = (column(self), column(other)) else { return false };
-        self.rotation == other.rotation && self.displacement.is_same_function(own, &other.displacement, others)
+        self.rotation == other.rotation
+            && self.ramp_until == other.ramp_until
+            && self.displacement.is_same_function(own, &other.displacement, others)
+    }
+
+    /// Whether it may move a node.
+    pub fn moves(&self) -> bool {
+        !self.displacement.is_constant() || self.rotation.is_some() || self.ramp_until.is_some_and(f64::is_finite)
     }
 
     /// Position (a length) of component `column` of a node with this reference position: `X + u(t)`, with a rotation

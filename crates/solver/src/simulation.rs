@@ -1,13 +1,16 @@
 //! The run: state, steps, ledger.
 
 mod advance;
+mod departure;
 mod guides;
 mod pairs;
 mod restart;
 mod stage;
 mod start;
+mod sudden;
 mod warnings;
 
+pub use departure::Departure;
 pub use stage::Stage;
 
 use crate::assembly::System;
@@ -132,6 +135,8 @@ pub struct Simulation {
     stored: Vec<[f64; 2]>,
     /// (component, prescription, column), sorted.
     prescribed: Vec<(u32, u32, u32)>,
+    departures: Vec<Departure>,
+    sudden: Vec<usize>,
     reactions: Vec<f64>,
     contact_force: Vec<f64>,
     /// What [`Simulation::moved_contact_force`] tells.
@@ -213,6 +218,8 @@ impl Simulation {
             moved: BTreeMap::new(),
             pushed: Vec::new(),
             prescribed,
+            departures: Vec::new(),
+            sudden: Vec::new(),
             system,
             clock,
             state,
@@ -232,6 +239,8 @@ impl Simulation {
             newton,
             inside_out_rule,
         };
+        simulation.departures = simulation.departures_of(&simulation.system.acting, None);
+        simulation.sudden = simulation.sudden_loads(&simulation.system.acting, None);
         if dynamic {
             let (time, mut v) = (0.0, std::mem::take(&mut simulation.state.v));
             simulation.set_prescribed_velocities(time, &mut v);
@@ -310,7 +319,8 @@ impl Simulation {
         for &(component, p, column) in &self.prescribed {
             let prescription = &self.model.prescriptions[p as usize];
             v[component as usize] =
-                prescription.velocity(component / 3, self.reference_of(component), time, column as usize);
+                prescription.velocity(component / 3, self.reference_of(component), time, column as usize)
+                    + self.rate_of_offset(component, p, time);
         }
     }
 
@@ -343,7 +353,8 @@ impl Simulation {
         let (component, p, column) = self.prescribed[k];
         let prescription = &self.model.prescriptions[p as usize];
         let reference = self.reference_of(component);
-        (component as usize, prescription.position(component / 3, reference, time, column as usize))
+        let position = prescription.position(component / 3, reference, time, column as usize);
+        (component as usize, position + self.offset(component, p, time))
     }
 
     /// Reference position of the node that a component belongs to.

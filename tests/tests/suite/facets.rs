@@ -78,6 +78,7 @@ impl Blocks {
             components: vec![component],
             displacement,
             rotation: None,
+            ramp_until: None,
         });
     }
 

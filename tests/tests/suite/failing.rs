@@ -302,6 +302,80 @@ fn right_data_in_rare_units_are_no_mistake() {
     assert_eq!(found[0].cause, Cause::Density, "{found:#?}");
 }
 
+/// What the error says, and what the diagnosis says: of one cause.
+fn of_error(text: &str) -> (String, Finding) {
+    let Left { result, diagnosis } = run(text);
+    let error = result.unwrap_err().to_string();
+    (error, diagnosis.unwrap().findings[0].clone())
+}
+
+#[test]
+fn a_load_that_is_there_at_once() {
+    let (finding, _) = diagnosed("load-at-once");
+    is_cause(&finding, Cause::LoadAtOnce);
+    let value = "{ table = [[0.0, 0.0], [1.0, 200.0]] }".to_owned();
+    assert_eq!(finding.remedies[0].changes, [Change::Set { key: "load[0].pressure".into(), value }]);
+    let (error, _) = of_error(&text_of("load-at-once"));
+    assert!(error.contains("load[0] pressure is there at once") && error.contains("table from zero"), "{error}");
+    // From zero it runs, with the cuts that the scene allows, or with smaller steps.
+    let Left { result, .. } = run(&mended(&text_of("load-at-once"), &finding, 0));
+    assert_eq!(result.unwrap().outcome, Outcome::Completed);
+}
+
+#[test]
+fn reduced_elements_in_a_single_row() {
+    let (finding, _) = diagnosed("single-row");
+    is_cause(&finding, Cause::ZeroEnergyModes);
+    assert_eq!(finding.place.body.as_deref(), Some("beam"));
+    let (error, _) = of_error(&text_of("single-row"));
+    assert!(error.contains("single row of elements"), "{error}");
+    is_mended("single-row", &finding, 0);
+}
+
+#[test]
+fn pressures_in_the_middle_of_faces() {
+    let (finding, _) = diagnosed("redundant-pressures");
+    is_cause(&finding, Cause::RedundantConstraints);
+    let (error, _) = of_error(&text_of("redundant-pressures"));
+    assert!(error.contains("middle of a face with 8 nodes"), "{error}");
+    is_mended("redundant-pressures", &finding, 0);
+    // Also where nothing but contact carries the upper block: the pressure is what is not determined, and not the motion.
+    let free = text_of("redundant-pressures").replace(
+        "components = [\"x\", \"y\", \"z\"]\ndisplacement = { table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, -0.05]] }",
+        "components = [\"x\", \"y\"]\nfixed = true",
+    ) + "\n[[load]]\nset = \"upper.top\"\npressure = { table = [[0.0, 0.0], [1.0, 10.0]] }\n";
+    is_cause(&of_error(&free).1, Cause::RedundantConstraints);
+}
+
+/// Which of the two equations is named is a matter of round-off: the cause is the same.
+#[test]
+fn a_support_on_the_slave_of_a_contact() {
+    let text = text_of("held-twice");
+    for method in ["nts", "mortar"] {
+        for normal in ["[0, \"-sin(pi / 6)\", \"cos(pi / 6)\"]", "[0, \"-sin(pi / 6) + 1e-3\", \"cos(pi / 6)\"]"] {
+            let text = text.replace("\"nts\"", &format!("\"{method}\"")).replacen(
+                "[0, \"-sin(pi / 6)\", \"cos(pi / 6)\"]",
+                normal,
+                1,
+            );
+            let (error, finding) = of_error(&text);
+            is_cause(&finding, Cause::RedundantConstraints);
+            assert!(
+                finding.sentence.contains("prescribe[1]") && finding.sentence.contains("upper.bottom/lower.top"),
+                "{finding:#?}"
+            );
+            assert!(error.contains("leave the nodes that touch out of the support"), "{error}");
+        }
+    }
+    // Without the support the contact holds it.
+    let without = text.replace("set = \"upper.bottom\"\nnormal", "set = \"upper.back\"\nnormal").replacen(
+        "[0, \"-sin(pi / 6)\", \"cos(pi / 6)\"]",
+        "[0, \"cos(pi / 6)\", \"sin(pi / 6)\"]",
+        1,
+    );
+    assert_eq!(run(&without).result.unwrap().outcome, Outcome::Completed);
+}
+
 #[test]
 fn surfaces_that_face_away() {
     let (finding, _) = diagnosed("facing-away");

@@ -18,6 +18,10 @@ use crate::element::distance;
 
 /// Cosine of the angle of two facets from which on their edge is sharp, 34.4 degrees: a chamfer of 45 degrees is, a round side of twelve facets is not.
 const FEATURE: f64 = 0.825;
+/// The same in degrees.
+pub(crate) const SHARP_DEGREES: f64 = 34.4;
+/// Cosine of the angle from which on a surface is certainly meant to have an edge.
+const CERTAIN: f64 = 0.5;
 
 type Vector = [f64; 3];
 
@@ -84,6 +88,15 @@ impl Curves {
             [f, g] => dot(self.normals[f], self.normals[g]) > FEATURE,
             _ => false,
         }
+    }
+
+    /// Number of edges that are sharp, and may be those of a coarse mesh of a smooth surface.
+    pub fn doubtful_edges(&self) -> usize {
+        let is_doubtful = |facets: &&Vec<usize>| match facets[..] {
+            [f, g] => (CERTAIN..=FEATURE).contains(&dot(self.normals[f], self.normals[g])),
+            _ => false,
+        };
+        self.edges.values().filter(is_doubtful).count()
     }
 
     /// The middle of the edge between two nodes of the mesh, at the places `x`.

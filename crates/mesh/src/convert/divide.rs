@@ -15,7 +15,7 @@ pub(super) fn divided(mesh: &Mesh, linear: CellKind, wanted: CellKind) -> Result
     let mut diagonals = BTreeMap::new();
     for (e, (kind, nodes)) in mesh.elements.cells().enumerate() {
         match (kind, linear) {
-            _ if kind == linear => elements.push(kind, nodes),
+            _ if kind == linear || kind == wanted => elements.push(kind, nodes),
             (CellKind::Hex8 | CellKind::Wedge6, CellKind::Tet4) => {
                 for tet in tetrahedra(kind, nodes) {
                     elements.push(CellKind::Tet4, &tet);
@@ -31,7 +31,7 @@ pub(super) fn divided(mesh: &Mesh, linear: CellKind, wanted: CellKind) -> Result
                         1 => Some([nodes[4], nodes[6]]),
                         _ => None,
                     };
-                    note(&mut diagonals, &Facet::of_element(e as u32, kind, nodes, local), diagonal)?;
+                    note(&mut diagonals, &Facet::of_element(e as u32, kind, nodes, local), diagonal, wanted)?;
                 }
             }
             _ => return Err(cannot(e, kind, wanted)),
@@ -66,6 +66,7 @@ fn note(
     diagonals: &mut BTreeMap<Vec<u32>, Option<[u32; 2]>>,
     facet: &Facet,
     diagonal: Option<[u32; 2]>,
+    wanted: CellKind,
 ) -> Result<(), MeshError> {
     let mut key = facet.nodes.to_vec();
     key.sort_unstable();
@@ -73,7 +74,7 @@ fn note(
     match diagonals.insert(key, diagonal) {
         Some(other) if other != diagonal => Err(parameter(
             "cell",
-            CellKind::Wedge6.name(),
+            wanted.name(),
             format!(
                 "hexahedra are cut into wedges along their third direction, which differs between element {} and a neighbour: use tetrahedra, or a \
                  mesh of layers",

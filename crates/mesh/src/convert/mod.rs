@@ -6,6 +6,8 @@
 mod curve;
 mod divide;
 
+pub(crate) use curve::SHARP_DEGREES;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use stoss_reference_element::{CellKind, FaceKind, Family};
@@ -18,7 +20,7 @@ impl Mesh {
     /// tetrahedra; elements of that kind stay.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] if an element cannot become one of that kind; [`MeshError::InvertedElement`] if a curved boundary turns an element
+    /// [`MeshError::Parameter`] if an element cannot become one of that kind; [`MeshError::CurvedBoundary`] if a curved boundary turns an element
     /// inside out.
     pub fn with_cells(&self, kind: CellKind) -> Result<Mesh, MeshError> {
         if self.elements.kinds() == [kind] {
@@ -32,7 +34,7 @@ impl Mesh {
     /// The mesh with nodes on the edges of its linear elements: hex20, tet10 and wedge15 in the place of hex8, tet4 and wedge6.
     ///
     /// # Errors
-    /// [`MeshError::InvertedElement`] if a curved boundary turns an element inside out.
+    /// [`MeshError::CurvedBoundary`] if a curved boundary turns an element inside out.
     pub fn quadratic(&self) -> Result<Mesh, MeshError> {
         self.upgraded(&curve::Curves::new(self), |kind| match kind.table().family {
             _ if kind.is_quadratic() => kind,
@@ -45,8 +47,19 @@ impl Mesh {
     /// With linear elements replaced by quadratic ones of these kinds on the same corners.
     fn upgraded(&self, curves: &curve::Curves, quadratic: impl Fn(CellKind) -> CellKind) -> Result<Mesh, MeshError> {
         let mut mesh = Mesh { nodes: self.nodes.clone(), ..Mesh::default() };
-        // New nodes by the corners that they lie between.
+        // New nodes, and those of elements that are quadratic already, by the corners that they lie between.
         let mut between: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        for (kind, nodes) in self.elements.cells().filter(|(kind, _)| kind.is_quadratic()) {
+            for [a, b, middle] in kind.table().edges {
+                let [a, b, middle] = [a, b, middle].map(|&k| nodes[usize::from(k)]);
+                between.insert(vec![a.min(b), a.max(b)], middle);
+            }
+            for face in kind.faces().iter().filter(|face| face.nodes.len() == 9) {
+                let mut key: Vec<u32> = face.nodes[..4].iter().map(|&k| nodes[usize::from(k)]).collect();
+                key.sort_unstable();
+                between.insert(key, nodes[usize::from(face.nodes[8])]);
+            }
+        }
         for (kind, corners) in self.elements.cells() {
             let quadratic = quadratic(kind);
             if quadratic == kind {
@@ -82,6 +95,8 @@ impl Mesh {
             }
             mesh.elements.push(quadratic, &nodes);
         }
+        let first_new = self.nodes.len() as u32;
+        let kinds: Vec<CellKind> = self.elements.cells().map(|(kind, _)| kind).collect();
         mesh.element_sets = self.element_sets.clone();
         for (name, set) in &self.facet_sets {
             let facets = set.iter().map(|f| mesh.facet(f.element, f.local as usize)).collect();
@@ -89,12 +104,19 @@ impl Mesh {
         }
         for (name, set) in &self.node_sets {
             let old: BTreeSet<u32> = set.iter().copied().collect();
-            let new = between.iter().filter(|(corners, _)| corners.iter().all(|n| old.contains(n))).map(|(_, &n)| n);
+            let new = between.iter().filter(|(corners, n)| **n >= first_new && corners.iter().all(|n| old.contains(n)));
+            let new = new.map(|(_, &n)| n);
             let mut all: Vec<u32> = set.iter().copied().chain(new).collect();
             all.sort_unstable();
             mesh.node_sets.insert(name.clone(), all);
         }
-        finish(mesh)
+        finish(mesh).map_err(|error| match error {
+            MeshError::InvertedElement { element, jacobian, .. } => {
+                let kind = quadratic(kinds[element as usize]);
+                MeshError::CurvedBoundary { kind, element, jacobian, sharp: curves.doubtful_edges() }
+            }
+            other => other,
+        })
     }
 }
 

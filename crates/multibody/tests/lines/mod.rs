@@ -54,6 +54,7 @@ pub fn fix(model: &mut Model, vectors: &[u32]) {
             components: vec![0, 1, 2],
             displacement: Table::constant(&[0.0; 3]),
             rotation: None,
+            ramp_until: None,
         });
     }
 }

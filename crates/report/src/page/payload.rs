@@ -47,6 +47,8 @@ struct Animation {
     edges: [f64; 3],
     /// Facets (four `u32`), segments (two), points (one), and the points of the frames that the nodes are (one).
     facets: Place,
+    /// Of each facet the sides that are edges of elements, as bits.
+    sides: Place,
     segments: Place,
     points: Place,
     numbers: Place,
@@ -272,6 +274,7 @@ fn packed(streams: &Streams, shape: &Shape, fields: &[Field], every: usize, arra
     };
     let mut whole = |numbers: &[u32]| put(&mut |out| out.extend(numbers.iter().flat_map(|n| n.to_le_bytes())));
     let facets = whole(shape.facets.as_flattened());
+    let sides = whole(&shape.sides);
     let segments = whole(shape.segments.as_flattened());
     let points = whole(&shape.points);
     let numbers = whole(&shape.nodes.iter().map(|&point| point as u32).collect::<Vec<_>>());
@@ -296,6 +299,7 @@ fn packed(streams: &Streams, shape: &Shape, fields: &[Field], every: usize, arra
         corner,
         edges,
         facets,
+        sides,
         segments,
         points,
         numbers,

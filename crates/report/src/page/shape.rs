@@ -31,6 +31,8 @@ pub struct Shape {
     pub nodes: Vec<usize>,
     /// Corners of facets; of a triangle the last two are the same.
     pub facets: Vec<[u32; 4]>,
+    /// Of each facet the sides that are edges of elements, from the corner `k` to the next: bit `k`.
+    pub sides: Vec<u32>,
     /// Ends of the segments of lines.
     pub segments: Vec<[u32; 2]>,
     /// Single points.
@@ -55,6 +57,10 @@ impl Numbering {
         }
         self.number[point]
     }
+}
+
+fn mask(sides: [bool; 4]) -> u32 {
+    sides.iter().enumerate().map(|(k, &side)| u32::from(side) << k).sum()
 }
 
 /// Numbers of cells of a frame.
@@ -85,11 +91,13 @@ impl Shape {
             let others = facets.iter().chain(&lines).copied().flatten().chain(&points).copied();
             let Some(first) = of_elements.chain(others).min() else { continue };
             let faces = boundary(&elements);
-            shape.facets.extend(faces.iter().map(|face| face.map(|point| numbering.of(point))));
+            shape.facets.extend(faces.iter().map(|face| face.points.map(|point| numbering.of(point))));
+            shape.sides.extend(faces.iter().map(|face| mask(face.edges)));
             let corner = |facet: &[usize], k: usize| facet[k.min(facet.len() - 1)];
             shape.facets.extend(
                 facets.iter().map(|facet| [0, 1, 2, 3].map(|k| corner(facet, k)).map(|point| numbering.of(point))),
             );
+            shape.sides.resize(shape.facets.len(), mask([true; 4]));
             for line in lines {
                 shape.segments.extend(line.windows(2).map(|ends| [numbering.of(ends[0]), numbering.of(ends[1])]));
             }
@@ -130,6 +138,7 @@ mod tests {
         assert_eq!(shape.bodies.iter().map(|body| body.facets).collect::<Vec<_>>(), [[0, 6], [6, 1], [7, 0], [7, 0]]);
         assert_eq!(shape.bodies.iter().map(|body| body.segments[1]).collect::<Vec<_>>(), [0, 0, 2, 0]);
         assert_eq!(shape.bodies.iter().map(|body| body.first).collect::<Vec<_>>(), [0, 11, 12, 14]);
+        assert_eq!(shape.sides, [15; 7]);
         assert_eq!(shape.nodes.len(), 8 + 4);
         let at = |node: u32| shape.nodes[node as usize];
         assert_eq!(shape.facets[6].map(at), [11, 12, 13, 13]);

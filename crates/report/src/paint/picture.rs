@@ -267,7 +267,7 @@ fn divided(quad: &Quad, view: &View, screen: &impl Fn(f64, f64) -> [f64; 2]) -> 
     let apart = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
     let (n, m) = (parts(apart(a, b), apart(c, d)), parts(apart(b, c), apart(d, a)));
     if (n, m) == (1, 1) {
-        return vec![(*quad, [true; 4])];
+        return vec![(*quad, quad.edges)];
     }
     let part = |i: usize, j: usize| {
         let at = |x: usize, y: usize| ((i + x) as f64 / n as f64, (j + y) as f64 / m as f64);

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use stoss_mesh::{Elements, FacetIndex};
+use stoss_reference_element::FaceKind;
 
 use crate::vtu::{Array, Grid};
 
@@ -13,6 +14,8 @@ pub struct Quad {
     pub corners: [[f64; 3]; 4],
     /// Value at each corner.
     pub values: [f64; 4],
+    /// Which of its sides are drawn: not those between the pieces of one face.
+    pub edges: [bool; 4],
     /// Whether it is a facet of a rigid body, which may be as large as the picture.
     pub is_rigid: bool,
     /// Whether it is seen from behind, too: its surface is open.
@@ -51,9 +54,10 @@ impl Surface {
         })?;
         let place = |point: usize| deformed(grid, point);
         let value = |point: usize| array.magnitude(point);
-        let quad = |face: [usize; 4]| Quad {
-            corners: face.map(place),
-            values: face.map(value),
+        let quad = |Piece { points, edges }: Piece| Quad {
+            corners: points.map(place),
+            values: points.map(value),
+            edges,
             is_rigid: false,
             has_back: false,
         };
@@ -62,7 +66,8 @@ impl Surface {
         let facets = grid.facets.iter().enumerate().map(|(k, facet)| {
             let corner = |k: usize| facet[k.min(facet.len() - 1)];
             let has_back = open.contains(&body_of_facet(grid, k));
-            Quad { is_rigid: true, has_back, ..quad([0, 1, 2, 3].map(corner)) }
+            let points = [0, 1, 2, 3].map(corner);
+            Quad { is_rigid: true, has_back, ..quad(Piece { points, edges: [true; 4] }) }
         });
         let line = |line: &Vec<usize>| Line {
             points: line.iter().map(|&point| place(point)).collect(),
@@ -115,12 +120,37 @@ pub(crate) fn deformed(grid: &Grid, point: usize) -> [f64; 3] {
     }
 }
 
-/// Pieces of the faces that only one element has; the last two corners of a triangle are the same.
-pub fn boundary(elements: &Elements) -> Vec<[usize; 4]> {
-    let faces = FacetIndex::new(elements).boundary();
-    let corner = |piece: &[u32], k: usize| piece[k.min(piece.len() - 1)] as usize;
-    let pieces = faces.iter().flat_map(|face| face.nodes.pieces());
-    pieces.map(|piece| [0, 1, 2, 3].map(|k| corner(&piece, k))).collect()
+/// A linear piece of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// Its corners; the last two of a triangle are the same.
+    pub points: [usize; 4],
+    /// Which of its sides, from each corner to the next, lie on edges of the face.
+    pub edges: [bool; 4],
+}
+
+/// Pieces of the faces that only one element has.
+pub fn boundary(elements: &Elements) -> Vec<Piece> {
+    let mut all = Vec::new();
+    for face in FacetIndex::new(elements).boundary() {
+        let kind = face.nodes.kind();
+        for piece in kind.pieces() {
+            let corners = [0, 1, 2, 3].map(|k: usize| piece[k.min(piece.len() - 1)]);
+            let edges = [0, 1, 2, 3].map(|k: usize| is_on_edge(kind, corners[k], corners[(k + 1) % 4]));
+            all.push(Piece { points: corners.map(|k| face.nodes[usize::from(k)] as usize), edges });
+        }
+    }
+    all
+}
+
+/// Whether two nodes of a face are ends of an edge, or an end and the node in its middle.
+fn is_on_edge(kind: FaceKind, one: u8, other: u8) -> bool {
+    let corners = kind.corner_count() as u8;
+    (0..corners).any(|k| {
+        let next = (k + 1) % corners;
+        let edge = if kind.is_quadratic() { [k, corners + k, next] } else { [k, k, next] };
+        one != other && edge.contains(&one) && edge.contains(&other)
+    })
 }
 
 #[cfg(test)]
@@ -128,6 +158,7 @@ mod tests {
     use super::*;
     use crate::paint::camera::{cross, dot};
     use crate::vtu::tests::{CUBE, cube as grid};
+    use std::collections::BTreeMap;
     use stoss_reference_element::CellKind;
 
     fn cube() -> Grid {
@@ -157,6 +188,32 @@ mod tests {
         assert_eq!(boundary(&tet10).len(), 16);
     }
 
+    /// Every edge of a cell is two sides of pieces of each of its two faces, from a corner to the node in the middle; no other side is drawn.
+    #[test]
+    fn sides_within_a_face_are_no_edges() {
+        for (kind, edges) in [
+            (CellKind::Hex8, 12),
+            (CellKind::Wedge6, 9),
+            (CellKind::Tet10, 2 * 6),
+            (CellKind::Hex20, 2 * 12),
+            (CellKind::Hex27, 2 * 12),
+            (CellKind::Wedge15, 2 * 9),
+        ] {
+            let nodes = kind.node_count() as u32;
+            let mut sides: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+            for piece in boundary(&Elements::of_kind(kind, (0..nodes).collect())) {
+                for k in (0..4).filter(|&k| piece.edges[k]) {
+                    let (a, b) = (piece.points[k], piece.points[(k + 1) % 4]);
+                    *sides.entry([a.min(b), a.max(b)]).or_default() += 1;
+                }
+            }
+            assert_eq!(sides.len(), edges, "{kind}");
+            assert!(sides.values().all(|&count| count == 2), "{kind}: {sides:?}");
+            let is_corner = |node: usize| node < kind.table().linear.node_count();
+            assert!(sides.keys().all(|[a, b]| is_corner(*a) && (is_corner(*b) != kind.is_quadratic())), "{kind}");
+        }
+    }
+
     #[test]
     fn the_displacement_is_added() {
         let mut grid = cube();
@@ -170,8 +227,8 @@ mod tests {
     fn facets_point_outwards_and_open_surfaces_have_a_back() {
         let faces = boundary(&cube().elements);
         let mut grid = Grid { elements: Elements::new(), ..cube() };
-        grid.facets = faces[..5].iter().map(|face| face.to_vec()).collect();
-        let [a, b, c, d] = faces[5];
+        grid.facets = faces[..5].iter().map(|face| face.points.to_vec()).collect();
+        let [a, b, c, d] = faces[5].points;
         grid.facets.extend([vec![a, b, c], vec![a, c, d]]);
         let closed = Surface::new(&grid, "speed").unwrap();
         assert!((volume(&closed) - 1.0).abs() < 1e-14);
@@ -179,7 +236,7 @@ mod tests {
         grid.facets.truncate(5);
         assert!(Surface::new(&grid, "speed").unwrap().quads.iter().all(|quad| quad.has_back));
         // Two bodies, the first of them open.
-        grid.facets.extend(faces.iter().map(|face| face.to_vec()));
+        grid.facets.extend(faces.iter().map(|face| face.points.to_vec()));
         let values = (0..11).map(|k| if k < 5 { 0.0 } else { 1.0 }).collect();
         grid.cell_data.insert("body".into(), Array { components: 1, values });
         let backs: Vec<bool> = Surface::new(&grid, "speed").unwrap().quads.iter().map(|quad| quad.has_back).collect();

@@ -54,14 +54,14 @@ pub(super) fn poisson(node: &Node<'_>) -> Option<f64> {
     let value = node.number()?;
     if value == 0.5 {
         return node.fail(
-            "is that of an incompressible body: its bulk modulus would be infinite, and its pressure no function of the displacements",
-            "use 0.49, with which volume hardly changes; much closer to 0.5 the elements lock",
+            "must be below 0.5: that is an incompressible body, with an infinite bulk modulus and a pressure that is no function of the displacements",
+            "use 0.49; of a body with `volumetric = \"mixed\"` up to 0.499999, without it elements lock from 0.495 on",
         );
     }
     if value <= -1.0 || value >= 0.5 {
         return node.fail(
             "must lie between -1 and 0.5, both excluded",
-            "use for instance 0.3, or 0.49 if nearly incompressible",
+            "use for instance 0.3, 0.49 for rubber, or up to 0.499999 for a body with `volumetric = \"mixed\"`",
         );
     }
     Some(value)

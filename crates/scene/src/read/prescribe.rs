@@ -71,6 +71,7 @@ fn rows(node: &Node<'_>, columns: usize) -> Option<Vec<Vec<f64>>> {
 
 pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescribe> {
     let name = table.optional("name", action_name);
+    let ramp_until = table.optional("ramp_until", end_of_ramp);
     let rigid = table.optional("rigid", |n| rigid_part(n, world));
     let set = if table.has("rigid") {
         table.optional("set", |n| n.fail("is not needed: the rigid body moves as a whole", "remove it, or `rigid`"))
@@ -89,6 +90,7 @@ pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescrib
             fixed: false,
             rotation: Some(rotation),
             translation,
+            ramp_until: None,
         });
     }
     let fixed = table.default("fixed", false, Node::boolean);
@@ -123,6 +125,17 @@ pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescrib
     table.finish();
     one_kind?;
     translation?;
+    let ramp_until = ramp_until?;
+    if ramp_until.is_some() {
+        let inclined = normal.flatten().is_some_and(|n| n.iter().filter(|&&n| n != 0.0).count() > 1);
+        if table.has("rigid") || inclined {
+            return table.fail(
+                "ramp_until",
+                "is for sets of nodes that are prescribed along axes of space",
+                "remove it, and let the displacement begin where the nodes are when it is switched on",
+            );
+        }
+    }
     Some(Prescribe {
         name: name?,
         set: set?,
@@ -133,7 +146,17 @@ pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescrib
         fixed: fixed?,
         rotation: None,
         translation: None,
+        ramp_until,
     })
+}
+
+/// A time, which may be infinite.
+fn end_of_ramp(node: &Node<'_>) -> Option<f64> {
+    let time = node.extended()?;
+    if time.is_nan() || time <= 0.0 {
+        return node.fail("must be a time after the start", "write the time at which the ramp ends, or inf");
+    }
+    Some(time)
 }
 
 /// What excludes a normal; no components.
@@ -197,6 +220,7 @@ fn rigid_motion(table: &Table<'_>) -> Option<(PrescribedRotation, Option<Series>
         ("normal", "remove it: a rotation prescribes all three components"),
         ("displacement", "call it `translation`, with three values"),
         ("fixed", "remove it, or the rotation"),
+        ("ramp_until", "remove it: a rotation begins where its angle and its translation are at that time"),
     ] {
         if table.has(key) {
             alone = table.fail(key, "excludes `rotation`", remedy);

@@ -75,7 +75,8 @@ impl Simulation {
                 Err(cause) => {
                     let (time, dt) = (self.state.time, self.clock.dt());
                     if !self.clock.cut() {
-                        return Err(SimulationError::StepFailed { step: self.step + 1, time, dt, cause });
+                        let hint = self.undivided(&cause);
+                        return Err(SimulationError::StepFailed { step: self.step + 1, time, dt, cause, hint });
                     }
                     self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Cut, cause.to_string()));
                 }
@@ -444,6 +445,7 @@ impl Simulation {
             ..balance
         };
         self.step += 1;
+        self.sudden.clear();
         if let Some(work) = work_of_contact {
             self.warn_contact_gain(work - contact_work.driven, &before);
         }

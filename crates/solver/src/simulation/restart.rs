@@ -14,6 +14,7 @@ impl Simulation {
             stage: self.stage,
             off: self.off.clone(),
             released: self.released.clone(),
+            departures: self.departures.clone(),
             stored: self.stored.clone(),
             step: self.step,
             time: self.state.time,
@@ -114,11 +115,15 @@ impl Simulation {
         self.off = checkpoint.off;
         self.released = checkpoint.released;
         self.stored = checkpoint.stored;
+        self.departures = checkpoint.departures;
         self.clock = clock;
         if let Some(how) = stabilise {
             self.set_stabilisation(how);
         }
         self.step = checkpoint.step;
+        if self.step > 0 {
+            self.sudden.clear();
+        }
         self.state = State {
             time: checkpoint.time,
             q: checkpoint.q,

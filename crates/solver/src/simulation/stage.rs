@@ -1,6 +1,6 @@
 //! Stages of a run, and releases: what acts changes between two steps.
 
-use super::Simulation;
+use super::{Departure, Simulation};
 use crate::assembly::System;
 use crate::diagnosis::node_name;
 use crate::stabilise::Stabilisation;
@@ -67,6 +67,8 @@ fn has_massless_vector(part: &dyn Part) -> bool {
 struct Saved {
     acting: Acting,
     prescribed: Vec<(u32, u32, u32)>,
+    departures: Vec<Departure>,
+    sudden: Vec<usize>,
     /// If it was replaced, without its solver.
     system: Option<System>,
     has_rates: bool,
@@ -90,7 +92,7 @@ impl Simulation {
     /// * *Statics:* slave nodes that touch are closed, as at the start of a run.
     /// * *Loads, couplings and springs:* what their energies jump by when they are switched is [`Balance::external_work`].
     /// * *Prescriptions:* components of those that are off are free. One that is switched on demands what its table says at the end of the first step, wherever
-    ///   its components are at present.
+    ///   its components are at present, or begins where they are ([`crate::Prescription::ramp_until`]).
     ///
     /// # Errors
     /// [`SimulationError::Stage`] if the stage does not fit the model or the time, [`SimulationError::Jump`] if something is switched on and is more than an edge
@@ -214,6 +216,8 @@ impl Simulation {
         Saved {
             acting: self.system.acting.clone(),
             prescribed: self.prescribed.clone(),
+            departures: self.departures.clone(),
+            sudden: self.sudden.clone(),
             system: None,
             has_rates: self.system.has_rates,
             state: self.state.clone(),
@@ -238,6 +242,8 @@ impl Simulation {
         self.system.acting = saved.acting;
         self.set_has_rates(saved.has_rates);
         self.prescribed = saved.prescribed;
+        self.departures = saved.departures;
+        self.sudden = saved.sudden;
         self.state = saved.state;
         self.pressures = saved.pressures;
         self.active = saved.active;
@@ -251,6 +257,8 @@ impl Simulation {
     /// Changes what acts.
     fn switch(&mut self, acting: Acting, saved: &mut Saved) -> Result<(), SimulationError> {
         let prescribed = self.model.prescribed_components(&acting)?;
+        self.sudden = self.sudden_loads(&acting, Some(&self.system.acting));
+        self.departures = self.departures_of(&acting, Some(&self.system.acting));
         self.check_jump(&prescribed)?;
         for c in 0..acting.contacts.len() {
             let acts = acting.contacts[c];
@@ -357,7 +365,7 @@ impl Simulation {
                 self.reference_of(component),
                 time,
                 column as usize,
-            );
+            ) + self.offset(component, p, time);
             let distance = (wanted - self.state.q[component as usize]).abs();
             let length = self.edge_length(node);
             if distance > length {

@@ -1,5 +1,6 @@
 //! Stages and releases in whole runs.
 
+mod ramps;
 mod unstable;
 
 use std::sync::Arc;
@@ -78,6 +79,7 @@ fn hold(model: &mut Model, nodes: Vec<u32>, displacement: Table) {
         components: vec![0, 1, 2],
         displacement,
         rotation: None,
+        ramp_until: None,
     });
 }
 
@@ -146,6 +148,7 @@ fn contact_carries_over_from_statics() {
             components: vec![0, 1],
             displacement: Table::constant(&[0.0; 2]),
             rotation: None,
+            ramp_until: None,
         });
         let facets = |mesh: &Mesh, set: &str, first: u32| -> Vec<[u32; 4]> {
             mesh.facets_of(set).unwrap().iter().map(|f| [0, 1, 2, 3].map(|k: usize| f.nodes[k] + first)).collect()
@@ -259,6 +262,7 @@ fn prescriptions_come_back() {
         components: vec![2],
         displacement: Table::from_rows(&rows, 1).unwrap(),
         rotation: None,
+        ramp_until: None,
     });
     let bottom = mesh.nodes_of("bottom").unwrap()[0] as usize;
     let off = Switches { prescriptions: vec![1], ..Switches::default() };

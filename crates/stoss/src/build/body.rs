@@ -86,7 +86,7 @@ pub(super) fn bodies(
         let (moduli, quality) = (law.small_strain_moduli(), mesh.quality());
         warnings.extend(quality.warning().map(|warning| format!("body `{}`: {warning}", body.name)));
         if body.integration == Integration::Reduced {
-            warnings.extend(single_rows(&body.name, &mesh));
+            warnings.extend(warn_of_single_rows(&body.name, &mesh));
         }
         lines.push(format!(
             "{}: {} nodes, {}{}, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
@@ -116,8 +116,8 @@ pub(super) fn bodies(
     (placed, lines)
 }
 
-/// Says which elements of hex20 with reduced integration have neighbours in one direction at most: nothing beside them takes their modes without stiffness.
-fn single_rows(name: &str, mesh: &Mesh) -> Option<String> {
+/// Elements hex20 that have neighbours in one direction at most: with reduced integration nothing beside them takes their modes without stiffness.
+pub(crate) fn single_rows(mesh: &Mesh) -> Vec<u32> {
     let faces = CellKind::Hex20.faces();
     let mut outside: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for facet in mesh.boundary_facets() {
@@ -130,12 +130,17 @@ fn single_rows(name: &str, mesh: &Mesh) -> Option<String> {
         let pairs = list.iter().enumerate().flat_map(|(k, &a)| list[k + 1..].iter().map(move |&b| (a, b)));
         pairs.filter(|&(a, b)| are_opposite(a, b)).count()
     };
-    let mut single = outside.iter().filter(|(_, list)| directions(list) >= 2);
-    let (first, _) = single.next()?;
+    outside.into_iter().filter(|(_, list)| directions(list) >= 2).map(|(element, _)| element).collect()
+}
+
+/// Warns of them.
+fn warn_of_single_rows(name: &str, mesh: &Mesh) -> Option<String> {
+    let rows = single_rows(mesh);
+    let first = rows.first()?;
     Some(format!(
         "body `{name}`: {} of {} elements are in a single row (the first is element {first}): hex20 with `integration = \"reduced\"` has modes without stiffness there, unless supports or other \
          bodies take them, and the system is then singular. Use two elements across, or `integration = \"full\"`",
-        single.count() + 1,
+        rows.len(),
         mesh.elements.len()
     ))
 }
@@ -258,7 +263,12 @@ fn mesh(
         };
         mesh = turned
             .map_err(|error| {
-                let remedy = "leave `cell` out, or choose one that the mesh's elements can become";
+                let remedy = match &error {
+                    MeshError::CurvedBoundary { .. } => {
+                        "take more `divisions`, or a finer mesh, or `cell = \"hex20\"` for hexahedra, or leave `cell` out"
+                    }
+                    _ => "leave `cell` out, or choose one that the mesh's elements can become",
+                };
                 problems.add(format!("{key}.cell"), cell.name(), error.to_string(), remedy);
             })
             .ok()?;

@@ -2,8 +2,9 @@
 
 use super::Problems;
 use super::placed::{self, Placed};
-use crate::scene::{LoadKind as SceneLoad, Scene, known, split_set};
+use crate::scene::{LoadKind as SceneLoad, Prescribe, Scene, Stage, known, split_set};
 use crate::solver::{AxisRotation, Load, LoadKind, Model, Prescription, Table};
+use std::collections::BTreeMap;
 use stoss_mesh::{MeshError, SetKind};
 use stoss_reference_element::FaceNodes;
 
@@ -96,6 +97,35 @@ pub(super) fn resolve<T>(
     }
 }
 
+/// Whether there is a stage in which two prescriptions act.
+fn act_together(scene: &Scene, one: &Prescribe, other: &Prescribe) -> bool {
+    let acts = |item: &Prescribe, stage: &Stage| item.name.as_ref().is_none_or(|name| !stage.off.contains(name));
+    scene.stages.is_empty() || scene.stages.iter().any(|stage| acts(one, stage) && acts(other, stage))
+}
+
+/// Reports a ramp that begins nowhere, or ends before a stage begins it.
+fn check_ramp(scene: &Scene, p: usize, problems: &mut Problems<'_>) {
+    let item = &scene.prescriptions[p];
+    let Some(until) = item.ramp_until else { return };
+    let is_off = |stage: &Stage| item.name.as_ref().is_some_and(|name| stage.off.contains(name));
+    let begins: Vec<f64> = scene
+        .stages
+        .windows(2)
+        .filter(|pair| is_off(&pair[0]) && !is_off(&pair[1]))
+        .map(|pair| pair[0].until)
+        .collect();
+    let key = || format!("prescribe[{p}].ramp_until");
+    if begins.is_empty() {
+        let message = "no stage switches this prescription on, so that nothing has to be ramped";
+        let remedy =
+            "remove it, or give the prescription a `name` that a [[stage]] has in `off` and the next one has not";
+        problems.add(key(), format!("{until}"), message, remedy);
+    } else if let Some(start) = begins.iter().find(|start| until <= **start) {
+        let message = format!("the ramp ends at t = {until}, and a stage begins it at t = {start}");
+        problems.add(key(), format!("{until}"), message, "let it end within that stage, for instance with it");
+    }
+}
+
 fn table(key: String, rows: &[Vec<f64>], columns: usize, problems: &mut Problems<'_>) -> Option<Table> {
     Table::from_rows(rows, columns)
         .map_err(|error| problems.add(key, "", error.to_string(), "give rows [time, value, ...] with increasing times"))
@@ -114,9 +144,10 @@ pub(super) fn prescriptions(
     problems: &mut Problems<'_>,
 ) -> (Vec<Option<usize>>, Vec<Guided>) {
     let (mut places, mut guided) = (vec![None; scene.prescriptions.len()], Vec::new());
-    // Of every component the first prescription: its place in the model and in the scene.
-    let mut owner: Vec<Option<(usize, usize)>> = vec![None; model.reference.len()];
+    // Of every component the prescriptions: their places in the model and in the scene.
+    let mut owners: BTreeMap<(u32, u8), Vec<(usize, usize)>> = BTreeMap::new();
     for (p, item) in scene.prescriptions.iter().enumerate() {
+        check_ramp(scene, p, problems);
         let key = format!("prescribe[{p}]");
         let (place, target) = match (&item.set, &item.rigid) {
             (Some(set), _) => (format!("{key}.set"), set),
@@ -162,12 +193,16 @@ pub(super) fn prescriptions(
             continue;
         }
         let name = item.name.clone().unwrap_or(key);
-        let prescription = Prescription { name, nodes, directions, components, displacement, rotation };
+        let ramp_until = item.ramp_until;
+        let prescription = Prescription { name, nodes, directions, components, displacement, rotation, ramp_until };
         let Prescription { nodes, components, .. } = &prescription;
         let clash = nodes.iter().find_map(|&n| {
             components.iter().find_map(|&c| {
-                let (in_model, in_scene) = owner[3 * n as usize + c as usize]?;
-                (!model.prescriptions[in_model].agrees(&prescription, c)).then_some((n, c, in_scene))
+                owners.get(&(n, c))?.iter().find_map(|&(in_model, in_scene)| {
+                    let contradicts = !model.prescriptions[in_model].agrees(&prescription, c)
+                        && act_together(scene, item, &scene.prescriptions[in_scene]);
+                    contradicts.then_some((n, c, in_scene))
+                })
             })
         });
         if let Some((node, component, other)) = clash {
@@ -181,7 +216,7 @@ pub(super) fn prescriptions(
         }
         for &n in nodes {
             for &c in components {
-                owner[3 * n as usize + c as usize].get_or_insert((model.prescriptions.len(), p));
+                owners.entry((n, c)).or_default().push((model.prescriptions.len(), p));
             }
         }
         places[p] = Some(model.prescriptions.len());

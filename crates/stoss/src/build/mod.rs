@@ -64,8 +64,9 @@ pub use schedule::Schedule;
 
 use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
 use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, Stage, StepControl};
-use mesh_files::MeshFiles;
 #[cfg(feature = "output")]
+pub(crate) use body::single_rows;
+use mesh_files::MeshFiles;
 pub(crate) use placed::Placed;
 #[cfg(not(feature = "output"))]
 use placed::Placed;

@@ -91,6 +91,12 @@ impl<'a> Case<'a> {
         stage.and_then(|stage| stage.step).unwrap_or(self.scene.time.step)
     }
 
+    /// End of the present stage.
+    pub(super) fn stage_end(&self) -> f64 {
+        let stage = self.scene.stages.get(self.simulation.stage().saturating_sub(1) as usize);
+        stage.map_or(self.scene.time.end, |stage| stage.until)
+    }
+
     /// Whether it stopped or came out wrong or doubtful.
     pub(super) fn is_bad(&self) -> bool {
         self.error.is_some() || self.verdict.level != Level::Sound

@@ -10,7 +10,7 @@ use stoss_solver::FailureKind;
 /// Scaled Jacobian in the reference below which an element is a sliver.
 const SLIVER: f64 = 0.05;
 /// Poisson's ratio from which on elements without averages of the change of volume lock.
-const LOCKS: f64 = 0.495;
+pub(super) const LOCKS: f64 = 0.495;
 
 /// The smallest scaled Jacobian at the nodes of an element, and the node in it.
 fn worst_corner(mesh: &Mesh, element: u32) -> (f64, usize) {
@@ -72,6 +72,41 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
             sentence: format!("element {worst} of `{name}` is a sliver: a small deformation is enough to turn its corner at node {node} inside out"),
             evidence,
             remedies,
+        });
+    }
+    list
+}
+
+/// Reduced hex20 in a single row, where the system is singular in a motion of a body.
+pub(super) fn single_rows(case: &Case<'_>) -> Vec<Finding> {
+    if !case.failed_by(&[FailureKind::Singular]) || case.failure().is_some_and(|failure| failure.place.slot.is_some()) {
+        return Vec::new();
+    }
+    let place = case.place();
+    let mut list = Vec::new();
+    for (b, body) in case.model().bodies.iter().enumerate() {
+        let name = body.solid.name();
+        if !body.solid.has_own_modes() || place.body.as_deref() != Some(name) {
+            continue;
+        }
+        let Some(rows) = case.mesh(name).map(crate::build::single_rows).filter(|rows| !rows.is_empty()) else {
+            continue;
+        };
+        list.push(Finding {
+            cause: Cause::ZeroEnergyModes,
+            confidence: Confidence::High,
+            place: place.clone(),
+            sentence: format!(
+                "`{name}` is hex20 with reduced integration, with elements in a single row: such an element has modes of deformation without stiffness, which nothing beside it takes"
+            ),
+            evidence: vec![
+                format!("{} of {} elements have no neighbour in two directions, the first is element {}", rows.len(), body.solid.element_count(), rows[0]),
+                "the stiffness matrix is singular".to_owned(),
+            ],
+            remedies: vec![
+                Remedy::set(format!("body[{b}].integration"), "\"full\"", "all modes have stiffness"),
+                Remedy::words("or take two elements across: more `divisions`, or a finer mesh"),
+            ],
         });
     }
     list

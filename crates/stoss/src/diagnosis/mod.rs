@@ -13,7 +13,9 @@ mod case;
 mod contact;
 mod elements;
 mod motion;
+mod redundant;
 mod scales;
+mod sudden;
 mod supports;
 mod surfaces;
 mod text;
@@ -35,7 +37,7 @@ pub const PAGE: &str = "diagnosis.html";
 type Look = fn(&Case<'_>) -> Vec<Finding>;
 
 /// All that is looked for.
-const FINDINGS: [Look; 11] = [
+const FINDINGS: [Look; 14] = [
     supports::supports,
     scales::density,
     scales::step,
@@ -45,6 +47,9 @@ const FINDINGS: [Look; 11] = [
     surfaces::missing_contact,
     elements::sliver,
     elements::incompressible,
+    elements::single_rows,
+    redundant::redundant,
+    sudden::at_once,
     contact::locked_by_friction,
     contact::cycles,
 ];
@@ -76,6 +81,12 @@ pub enum Cause {
     Incompressible,
     /// The stress of a load is of the order of Young's modulus.
     LoadTooLarge,
+    /// A load that is there at once in statics.
+    LoadAtOnce,
+    /// Hexahedra with reduced integration in a single row.
+    ZeroEnergyModes,
+    /// A contact or support that follows from others.
+    RedundantConstraints,
     /// Contact points that open and close, or stick and slide, with every iteration.
     ContactCycles,
     /// None that is known.

@@ -283,7 +283,10 @@ fn finding(
     let place = case.place();
     let is_here = |m: usize| place.body.as_deref() == Some(members[m].name.as_str());
     let singular = case.failed_by(&[FailureKind::Singular]);
+    // A rigid motion moves no multiplier: where a multiplier is what is not determined, constraints follow from others.
+    let of_multiplier = singular && case.failure().is_some_and(|failure| failure.place.slot.is_some());
     let confidence = match (singular && moving.iter().any(|&(m, _)| is_here(m)), touches) {
+        _ if of_multiplier => Confidence::Low,
         (true, _) => Confidence::High,
         (false, false) if case.is_bad() => Confidence::High,
         (false, false) => Confidence::Medium,

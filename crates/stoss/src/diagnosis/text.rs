@@ -22,6 +22,9 @@ impl Cause {
             Self::StepTooLarge => "the step is too large",
             Self::Incompressible => "nearly incompressible material",
             Self::ContactCycles => "contact points open and close without end",
+            Self::LoadAtOnce => "a load that is there at once",
+            Self::ZeroEnergyModes => "elements with modes without stiffness",
+            Self::RedundantConstraints => "constraints that follow from others",
             Self::LoadTooLarge => "the load is too large",
             Self::Unknown => "the cause is not known",
         }

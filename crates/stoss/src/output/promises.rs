@@ -50,7 +50,7 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&d
     let driven = driven(model);
     let [keeps_linear, keeps_angular] = kept(model).map(|keeps| keeps && !slowed(model));
     let mut inclined = scene.prescriptions.iter().filter(|item| item.is_inclined());
-    let moved = model.prescriptions.iter().any(|p| !p.displacement.is_constant() || p.rotation.is_some())
+    let moved = model.prescriptions.iter().any(stoss_solver::Prescription::moves)
         || inclined.any(|item| item.rows().iter().any(|row| row[1] != item.rows()[0][1]));
     let gives_nothing = |contact: &Contact| match contact.method {
         ContactMethod::Mortar => contact.integrals != Some(Integrals::Frozen),

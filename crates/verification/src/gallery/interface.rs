@@ -133,7 +133,7 @@ fn hull(frame: &Grid, body: f64) -> Outcome<Vec<[usize; 4]>> {
     let cells = frame.elements.iter().zip(bodies(frame)?).filter(|(_, b)| **b == body);
     let mut elements = Elements::new();
     cells.for_each(|(cell, _)| elements.push(CellKind::Hex8, cell));
-    Ok(boundary(&elements))
+    Ok(boundary(&elements).iter().map(|piece| piece.points).collect())
 }
 
 /// Both surfaces from the side of the slave and the triangles of the segments between them, on the slave: from above, or, of whole surfaces, along the mean

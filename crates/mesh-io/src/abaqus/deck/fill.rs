@@ -2,9 +2,9 @@
 
 use super::rows::Row;
 use super::{
-    Amplitude, Behavior, ContactPair, Deck, DeckPlace, Elastic, ElementLoad, Ends, Force, Friction, Hyperelastic,
-    InitialVelocity, Interaction, LeftOut, LoadKind, LocalAxes, Material, Prescribed, Procedure, SolidSection, Step,
-    Support, SurfacePressure, Tie, Times,
+    Amplitude, Axes, Behavior, ContactPair, Damping, Deck, DeckPlace, Elastic, ElementLoad, Ends, Force, Friction,
+    Hyperelastic, InitialVelocity, Interaction, LeftOut, LoadKind, LocalAxes, Material, Prescribed, Procedure,
+    SolidSection, Step, Support, SurfacePressure, Tie, Times,
 };
 use crate::abaqus::block::Block;
 use crate::{Contents, MeshIoError};
@@ -91,7 +91,9 @@ impl Filler<'_> {
     fn block(&mut self, block: &Block) -> Result<(), MeshIoError> {
         let name = block.name();
         match (name.as_str(), &self.owner) {
-            ("DENSITY" | "ELASTIC" | "HYPERELASTIC", Owner::Material) => return self.of_material(block, &name),
+            ("DENSITY" | "ELASTIC" | "HYPERELASTIC" | "DAMPING", Owner::Material) => {
+                return self.of_material(block, &name);
+            }
             ("FRICTION" | "SURFACEBEHAVIOR", Owner::Interaction) => return self.of_interaction(block, &name),
             _ => {}
         }
@@ -101,7 +103,8 @@ impl Filler<'_> {
             "MATERIAL" => {
                 let (name, place) = (block.require(self.contents, "NAME")?, block.place());
                 self.other_parameters(block, &["NAME"]);
-                self.deck.materials.push(Material { name, density: None, elastic: None, hyperelastic: None, place });
+                let (density, elastic, hyperelastic, damping) = (None, None, None, None);
+                self.deck.materials.push(Material { name, density, elastic, hyperelastic, damping, place });
                 self.owner = Owner::Material;
             }
             "SURFACEINTERACTION" => {
@@ -119,14 +122,7 @@ impl Filler<'_> {
             }
             "PART" => self.part = block.keyword.value("NAME").map(str::to_owned),
             "ENDPART" => self.part = None,
-            "TRANSFORM" => {
-                let kind = block.keyword.value("TYPE").unwrap_or("R");
-                let (is_cylindrical, place) = (kind.eq_ignore_ascii_case("C"), block.place());
-                if let Some(nodes) = block.keyword.value("NSET") {
-                    self.deck.local_axes.push(LocalAxes { nodes: nodes.to_owned(), is_cylindrical, place });
-                }
-                self.leave(place, format!("*TRANSFORM, TYPE={}", kind.to_uppercase()));
-            }
+            "TRANSFORM" => self.transform(block)?,
             "AMPLITUDE" => self.amplitude(block)?,
             "CONTACTPAIR" => self.contact_pair(block)?,
             "TIE" => self.tie(block)?,
@@ -181,6 +177,35 @@ impl Filler<'_> {
         other.is_some()
     }
 
+    fn transform(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let kind = block.keyword.value("TYPE").unwrap_or("R").to_uppercase();
+        let place = block.place();
+        let axes = match kind.as_str() {
+            "R" | "C" => {
+                let first = block.first(self.contents, "six coordinates of two points")?;
+                let [a, b] = [first.vector(0, "a coordinate")?, first.vector(3, "a coordinate")?];
+                let across = cross(a, b);
+                let apart: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
+                if kind == "C" && apart == [0.0; 3] {
+                    return Err(first.error(first.text, "the two points of the axis must not be the same"));
+                }
+                if kind == "R" && across == [0.0; 3] {
+                    return Err(first.error(first.text, "the two points must not lie on one line with the origin"));
+                }
+                Some(if kind == "C" { Axes::Cylindrical { a, b } } else { Axes::Rectangular { a, b } })
+            }
+            _ => None,
+        };
+        let nodes = block.keyword.value("NSET");
+        if axes.is_none() || nodes.is_none() {
+            self.leave(place, format!("*TRANSFORM, TYPE={kind}"));
+        }
+        if let Some(nodes) = nodes {
+            self.deck.local_axes.push(LocalAxes { nodes: nodes.to_owned(), axes, place });
+        }
+        Ok(())
+    }
+
     fn of_material(&mut self, block: &Block, name: &str) -> Result<(), MeshIoError> {
         let contents = self.contents;
         let is_plain =
@@ -188,6 +213,13 @@ impl Filler<'_> {
         if name == "ELASTIC" && !is_plain || block.keyword.flag("TESTDATAINPUT") {
             let kind = block.keyword.value("TYPE").map_or("TEST DATA INPUT".to_owned(), |kind| format!("TYPE={kind}"));
             self.leave(block.place(), format!("*{}, {kind}", block.keyword.name));
+            return Ok(());
+        }
+        if name == "DAMPING" {
+            let [alpha, beta] = ["ALPHA", "BETA"].map(|parameter| block.number(contents, parameter));
+            let damping = Damping { alpha: alpha?.unwrap_or(0.0), beta: beta?.unwrap_or(0.0) };
+            self.other_parameters(block, &["ALPHA", "BETA"]);
+            self.material(|material| material.damping = Some(damping));
             return Ok(());
         }
         let first = block.first(contents, "numbers of the material")?;
@@ -408,10 +440,11 @@ impl Filler<'_> {
     }
 
     fn boundary(&mut self, block: &Block) -> Result<(), MeshIoError> {
-        if self.is_other(block, &["OP", "AMPLITUDE", "TYPE"]) {
+        if self.is_other(block, &["OP", "AMPLITUDE", "TYPE", "FIXED"]) {
             return Ok(());
         }
         let prescribed = match block.keyword.value("TYPE").unwrap_or("DISPLACEMENT").to_uppercase().as_str() {
+            "DISPLACEMENT" if block.keyword.flag("FIXED") => Prescribed::Place,
             "DISPLACEMENT" => Prescribed::Displacement,
             "VELOCITY" => Prescribed::Velocity,
             "ACCELERATION" => Prescribed::Acceleration,
@@ -541,6 +574,13 @@ impl Filler<'_> {
         }
         Ok(())
     }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
 }
 
 fn is_new(block: &Block) -> bool {

@@ -7,9 +7,9 @@
 //! | keyword | in the deck |
 //! |---|---|
 //! | `*HEADING` | [`Deck::title`] |
-//! | `*MATERIAL` with `*DENSITY`, `*ELASTIC` (isotropic), `*HYPERELASTIC` | [`Material`] |
+//! | `*MATERIAL` with `*DENSITY`, `*ELASTIC` (isotropic), `*HYPERELASTIC`, `*DAMPING` (`ALPHA`, `BETA`) | [`Material`] |
 //! | `*SOLID SECTION` | [`SolidSection`] |
-//! | `*TRANSFORM` | which nodes have it ([`LocalAxes`]) |
+//! | `*TRANSFORM` (rectangular and cylindrical) | [`LocalAxes`] |
 //! | `*AMPLITUDE` (tabular) | [`Amplitude`] |
 //! | `*SURFACE INTERACTION` with `*FRICTION`, `*SURFACE BEHAVIOR`; `*CONTACT PAIR`; `*TIE` | [`Interaction`], [`ContactPair`], [`Tie`] |
 //! | `*INITIAL CONDITIONS, TYPE=VELOCITY` | [`InitialVelocity`] |
@@ -68,6 +68,8 @@ pub struct Material {
     pub elastic: Option<Elastic>,
     /// Of `*HYPERELASTIC`.
     pub hyperelastic: Option<Hyperelastic>,
+    /// Of `*DAMPING`.
+    pub damping: Option<Damping>,
     /// Its place.
     pub place: DeckPlace,
 }
@@ -79,6 +81,15 @@ pub struct Elastic {
     pub modulus: f64,
     /// Poisson's ratio.
     pub ratio: f64,
+}
+
+/// Rayleigh damping.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Damping {
+    /// `ALPHA`, of the mass (one over a time).
+    pub alpha: f64,
+    /// `BETA`, of the stiffness (a time).
+    pub beta: f64,
 }
 
 /// Hyperelasticity with its coefficients.
@@ -110,10 +121,29 @@ pub struct SolidSection {
 pub struct LocalAxes {
     /// The node set.
     pub nodes: String,
-    /// True for cylindrical axes (`TYPE=C`), false for rectangular ones.
-    pub is_cylindrical: bool,
+    /// The axes; none of another kind than rectangular and cylindrical.
+    pub axes: Option<Axes>,
     /// Its place.
     pub place: DeckPlace,
+}
+
+/// Axes of `*TRANSFORM`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Axes {
+    /// `TYPE=R`: the first axis along `a`, the second across it in the plane of `a` and `b`. Both have a length, and are not along one line.
+    Rectangular {
+        /// Along the first axis.
+        a: [f64; 3],
+        /// In the plane of the first two.
+        b: [f64; 3],
+    },
+    /// `TYPE=C`: of each node away from the line through two points, around it from the first point to the second, and along it.
+    Cylindrical {
+        /// A point of the line.
+        a: [f64; 3],
+        /// Another one.
+        b: [f64; 3],
+    },
 }
 
 /// A function of time.
@@ -218,6 +248,8 @@ pub enum Prescribed {
     Velocity,
     /// Accelerations.
     Acceleration,
+    /// With `FIXED`: the place at the start of the step.
+    Place,
 }
 
 /// Prescribed displacements, or their rates. Only of the three translations: nodes of solids have no others.
@@ -410,7 +442,7 @@ pub struct Deck {
     pub materials: Vec<Material>,
     /// Sections.
     pub sections: Vec<SolidSection>,
-    /// Nodes with axes of their own. The axes are not kept: each of these stands in [`Deck::left_out`], too.
+    /// Nodes with axes of their own. Those without [`LocalAxes::axes`] stand in [`Deck::left_out`], too.
     pub local_axes: Vec<LocalAxes>,
     /// Amplitudes.
     pub amplitudes: Vec<Amplitude>,

@@ -11,7 +11,7 @@ async function unpack(base64) {
   const at = (place) => bytes.subarray(4 + length + place.start, 4 + length + place.start + place.bytes);
   const animation = run.animation;
   if (animation) {
-    for (const name of ['facets', 'segments', 'points', 'numbers']) {
+    for (const name of ['facets', 'sides', 'segments', 'points', 'numbers']) {
       animation[name] = new Uint32Array(at(animation[name]).slice().buffer);
     }
     animation.positions = interleaved(decode(at(animation.positions), 3 * animation.nodes), animation.nodes);

@@ -396,7 +396,7 @@ function trianglesOf(facets) {
   return out;
 }
 
-/** Sides of a body's facets, each once: all of them, and those with one facet only or with an angle above 30 degrees in the reference configuration. */
+/** Sides of a body's facets that are edges of elements, each once: all of them, and those with one facet only or with an angle above 30 degrees in the reference configuration. */
 function sidesOf(run, body) {
   const normals = new Map();
   for (let f = body.facets[0]; f < body.facets[0] + body.facets[1]; f++) {
@@ -405,7 +405,7 @@ function sidesOf(run, body) {
     const normal = cross(subtract(c, a), subtract(d, b));
     for (let k = 0; k < 4; k++) {
       const [p, q] = [nodes[k], nodes[(k + 1) % 4]];
-      if (p === q) continue;
+      if (p === q || !((run.sides[f] >> k) & 1)) continue;
       const key = p < q ? p * run.nodes + q : q * run.nodes + p;
       const found = normals.get(key);
       if (found) found.push(normal);

@@ -57,6 +57,7 @@ pub(in crate::build) fn fix(scene: &Scene, parts: &Parts, model: &mut Model) {
             components: vec![0, 1, 2],
             displacement: Table::constant(&[0.0; 3]),
             rotation: None,
+            ramp_until: None,
         });
     }
 }

@@ -1,0 +1,44 @@
+//! Loads that are there at once: smaller steps do not divide them.
+
+use super::Simulation;
+use crate::StepError;
+use crate::switches::Acting;
+
+impl Simulation {
+    /// Loads that act with their whole present value in the next step whatever its size, by their numbers in `Model::loads`: in statics those that are not zero where
+    /// the run, or the stage that switches them on, begins.
+    pub fn loads_at_once(&self) -> &[usize] {
+        if self.scheme.is_none() { &self.sudden } else { &[] }
+    }
+
+    /// Those of what is to act that begin at the present time with another value than zero; none of what acted `before`.
+    pub(super) fn sudden_loads(&self, acting: &Acting, before: Option<&Acting>) -> Vec<usize> {
+        let begins = |l: usize| acting.loads[l] && before.is_none_or(|before| !before.loads[l]);
+        let is_there = |l: usize| {
+            let magnitude = &self.model.loads[l].magnitude;
+            (0..magnitude.columns()).any(|column| magnitude.value(self.state.time, column) != 0.0)
+        };
+        (0..self.model.loads.len()).filter(|&l| begins(l) && is_there(l)).collect()
+    }
+
+    /// What to do about loads that are there at once if a step failed at every size, as the end of a sentence.
+    pub(super) fn undivided(&self, cause: &StepError) -> String {
+        let deforms = matches!(
+            cause,
+            StepError::Solid(_)
+                | StepError::NotConverged { .. }
+                | StepError::InsideOut { .. }
+                | StepError::ActiveSet { .. }
+                | StepError::Cycling { .. }
+        );
+        let names: Vec<&str> = self.loads_at_once().iter().map(|&l| self.model.loads[l].name.as_str()).collect();
+        if !deforms || names.is_empty() {
+            return String::new();
+        }
+        let (does, them) = if names.len() == 1 { ("is", "it") } else { ("are", "them") };
+        format!(
+            "; {} {does} there at once, and smaller steps do not divide {them}: give {them} as a table from zero, with which every step adds a part",
+            names.join(", ")
+        )
+    }
+}

@@ -1,0 +1,165 @@
+//! Pressures of contact and forces of supports that are not determined, because one constraint follows from others.
+
+use super::case::Case;
+use super::{Cause, Confidence, Finding, Remedy, Where};
+use crate::scene::{ContactMethod, Enforcement};
+use std::collections::{BTreeMap, BTreeSet};
+use stoss_solver::FailureKind;
+
+/// Part of a normal that other constraints leave free, below which they hold it.
+const HELD: f64 = 1e-2;
+
+/// Directions in which nodes are held by prescribed motion and by supports along normals.
+fn held_directions(case: &Case<'_>) -> BTreeMap<u32, Vec<[f64; 3]>> {
+    let mut held: BTreeMap<u32, Vec<[f64; 3]>> = BTreeMap::new();
+    for prescription in &case.model().prescriptions {
+        for &node in &prescription.nodes {
+            let axes = prescription
+                .components
+                .iter()
+                .map(|&c| std::array::from_fn(|i| f64::from(u8::from(i == usize::from(c)))));
+            held.entry(node).or_default().extend(axes);
+        }
+    }
+    for pair in &case.model().contacts {
+        let slots = 0..pair.method.slot_count();
+        for guide in slots.filter_map(|slot| pair.method.held(slot, case.simulation.state().time)) {
+            held.entry(guide.node).or_default().push(guide.direction);
+        }
+    }
+    held
+}
+
+/// Whether a direction is a combination of others.
+fn follows(direction: [f64; 3], from: &[[f64; 3]]) -> bool {
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+    let mut basis: Vec<[f64; 3]> = Vec::new();
+    let across = |mut d: [f64; 3], basis: &[[f64; 3]]| {
+        for &e in basis.iter().chain(basis) {
+            let part = dot(d, e);
+            (0..3).for_each(|i| d[i] -= part * e[i]);
+        }
+        d
+    };
+    for &d in from {
+        let rest = across(d, &basis);
+        let size = dot(rest, rest).sqrt();
+        if size > 1e-6 {
+            basis.push(rest.map(|r| r / size));
+        }
+    }
+    let rest = across(direction, &basis);
+    dot(direction, direction) > 0.0 && dot(rest, rest).sqrt() < HELD
+}
+
+/// Closed contact points whose pressure is not determined: on faces of quadratic elements, or where supports hold the slave along the normal.
+pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
+    let Some(failure) = case.failure().filter(|_| case.failed_by(&[FailureKind::Singular])) else { return Vec::new() };
+    let Some((failed, _)) = failure.place.slot else { return Vec::new() };
+    let held = held_directions(case);
+    let mut list = Vec::new();
+    for (c, item) in case.contacts() {
+        if item.enforcement != Enforcement::Multiplier {
+            continue;
+        }
+        let pair = &case.model().contacts[c];
+        let (Ok(points), active) = (case.simulation.contact_report(c), &case.simulation.active()[c]) else { continue };
+        let is_here = failed == c;
+        let label = &pair.name;
+        let place = Where { pair: Some(label.clone()), ..case.place() };
+        // What closes in the step that failed is not known: all points count that are near enough to be in it.
+        let near = |k: usize| active[k] || points[k].gap.is_some_and(|gap| gap <= pair.method.length_scale());
+        let near: Vec<usize> = (0..points.len().min(active.len())).filter(|&k| near(k)).collect();
+        let of_supports: BTreeSet<u32> = near
+            .iter()
+            .map(|&k| &points[k])
+            .filter(|point| held.get(&point.node).is_some_and(|held| follows(point.normal, held)))
+            .map(|point| point.node)
+            .collect();
+        let failed_support = (0..case.model().contacts[failed].method.slot_count())
+            .filter_map(|slot| case.model().contacts[failed].method.held(slot, 0.0))
+            .any(|guide| of_supports.contains(&guide.node));
+        if !of_supports.is_empty() && (is_here || failed_support) {
+            list.push(held_twice(case, c, &of_supports, place.clone()));
+        }
+        let middles = near.iter().filter(|&&k| case.model().follows_its_face(points[k].node)).count();
+        if is_here && middles > 0 && item.method != ContactMethod::Mortar {
+            let penalty = "or `enforcement = { penalty = k }`, with the modulus over the length of an element for `k`";
+            list.push(Finding {
+                cause: Cause::RedundantConstraints,
+                confidence: if of_supports.is_empty() { Confidence::High } else { Confidence::Medium },
+                place,
+                sentence: format!(
+                    "the slave of `{label}` has faces with 8 nodes: the point in the middle of a face has a pressure of its own, but moves with the face, so that where the slave is as fine as the master or \
+                     finer that pressure follows from the others"
+                ),
+                evidence: vec![
+                    format!("{middles} of {} points near the master are middles of such faces", near.len()),
+                    "the system is singular in a pressure, not in a motion".to_owned(),
+                ],
+                remedies: vec![
+                    Remedy::set(format!("contact[{c}].method"), "\"mortar\"", "its pressures belong to the corners of faces, and are determined"),
+                    Remedy::words(penalty),
+                    Remedy::words("or exchange `slave` and `master`, if the other surface is coarser"),
+                ],
+            });
+        }
+    }
+    list
+}
+
+/// The finding for nodes that a contact and supports hold along the same direction.
+fn held_twice(case: &Case<'_>, c: usize, nodes: &BTreeSet<u32>, place: Where) -> Finding {
+    let item = &case.scene.contacts[c];
+    let label = item.label();
+    let [slave, _] = item.surfaces();
+    let supports: Vec<String> = case
+        .scene
+        .prescriptions
+        .iter()
+        .enumerate()
+        .filter(|(_, given)| {
+            given.set.as_ref().is_some_and(|set| case.nodes(set).iter().any(|node| nodes.contains(node)))
+        })
+        .map(|(p, given)| format!("`prescribe[{p}]` on `{}`", given.set.as_deref().unwrap_or_default()))
+        .collect();
+    let by = if supports.is_empty() { "prescribed motion".to_owned() } else { supports.join(" and ") };
+    Finding {
+        cause: Cause::RedundantConstraints,
+        confidence: Confidence::High,
+        place,
+        sentence: format!(
+            "{by} and the contact `{label}` hold the same nodes of `{slave}` along the same direction: how the force is shared between them is not determined"
+        ),
+        evidence: vec![
+            format!("{} nodes near the master are held along the normal of the contact", nodes.len()),
+            "the system is singular in a pressure or in the force of a support, not in a motion".to_owned(),
+        ],
+        remedies: vec![
+            Remedy::words(format!(
+                "hold these nodes by one of them: leave the nodes that touch out of the set of the prescription (a [[set]] without them), or `{slave}` without the nodes that are held"
+            )),
+            Remedy::words(
+                "or exchange `slave` and `master` of the contact, if nothing holds the master along the normal",
+            ),
+            Remedy::words(
+                "or `enforcement = { penalty = k }` for the contact, with the modulus over the length of an element for `k`",
+            ),
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::follows;
+
+    #[test]
+    fn a_normal_follows_from_directions_that_span_it() {
+        let r = 0.5_f64.sqrt();
+        let (x, z) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        assert!(follows(z, &[z]) && follows([r, 0.0, -r], &[x, z]) && follows([1e-3, 0.0, 1.0], &[z]));
+        assert!(!follows(z, &[]) && !follows([r, 0.0, r], &[z]) && !follows([0.0; 3], &[x]));
+        // The same direction twice is one.
+        assert!(!follows(z, &[x, x]));
+    }
+}
