@@ -1,6 +1,6 @@
 //! Strain and stress measures. Not the derivatives of strains by positions, which are the elements'.
 
-use stoss_tensor::{SymmetricTensor2, Tensor2, spectral};
+use stoss_tensor::{SymmetricTensor2, Tensor2, spectral_decomposition};
 
 /// Green-Lagrange strain `E = (C - 1)/2`.
 #[inline]
@@ -12,14 +12,14 @@ pub fn green_lagrange(right_cauchy_green: &SymmetricTensor2) -> SymmetricTensor2
 /// principal stretches. Infinite or NaN for a singular `F`.
 pub fn logarithmic_strain(deformation_gradient: &Tensor2) -> SymmetricTensor2 {
     let f = deformation_gradient;
-    let left = spectral(&SymmetricTensor2::from_matrix(&(f * f.transpose())));
+    let left = spectral_decomposition(&SymmetricTensor2::from_matrix(&(f * f.transpose())));
     let terms = left.values.iter().zip(&left.vectors).map(|(b, n)| 0.5 * b.ln() * n * n.transpose());
     SymmetricTensor2::from_matrix(&terms.sum())
 }
 
 /// Principal values of a symmetric tensor, the largest first.
 pub fn principal_values(tensor: &SymmetricTensor2) -> [f64; 3] {
-    let [smallest, middle, largest] = spectral(tensor).values;
+    let [smallest, middle, largest] = spectral_decomposition(tensor).values;
     [largest, middle, smallest]
 }
 

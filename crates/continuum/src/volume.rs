@@ -19,12 +19,12 @@ pub trait VolumetricEnergy: std::fmt::Debug + Send + Sync {
     /// The pressure `U'(J)` (a stress, positive in tension) and `U''(J)`.
     fn pressure(&self, j: f64) -> (f64, f64);
     /// `p = (U(b) - U(a)) / (b - a)`, and its derivative by `b`, to round-off also for `a = b`, where they are `U'` and `U''/2`.
-    fn quotient(&self, a: f64, b: f64) -> (f64, f64);
+    fn divided_difference(&self, a: f64, b: f64) -> (f64, f64);
 }
 
 /// `(ln b - ln a) / (b - a)` and its derivative by `b`, without a difference of logarithms: with `r = (b - a)/(a + b)` it is
 /// `2 atanh(r) / (r (a + b))`. For positive `a` and `b`.
-pub fn logarithm_quotient(a: f64, b: f64) -> (f64, f64) {
+pub fn logarithm_divided_difference(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let r = (b - a) / sum;
     let s = r * r;
@@ -52,13 +52,13 @@ fn cofactor(a: &SymmetricTensor2) -> SymmetricTensor2 {
 /// `K = (cof C0 + cof C1 + cof(C0 + C1)) / (6 (J0 + J1))`: the derivative of `det(C0 + t dC)` is quadratic in `t`, so that Simpson's rule integrates it to
 /// `J1^2 - J0^2`. Symmetric; `J C^-1 / 2`, the gradient, at `C0 = C1`.
 #[inline]
-pub fn jacobian_gradient(c0: &SymmetricTensor2, j0: f64, c1: &SymmetricTensor2, j1: f64) -> SymmetricTensor2 {
+pub fn discrete_jacobian_gradient(c0: &SymmetricTensor2, j0: f64, c1: &SymmetricTensor2, j1: f64) -> SymmetricTensor2 {
     (cofactor(c0) + cofactor(c1) + cofactor(&(*c0 + *c1))) * (1.0 / (6.0 * (j0 + j1)))
 }
 
 /// `A` with `dK = A : dE1` for a change of `C1 = 1 + 2 E1`, given `K`. No major symmetry.
 #[inline]
-pub fn jacobian_gradient_tangent(
+pub fn discrete_jacobian_gradient_tangent(
     c0: &SymmetricTensor2,
     j0: f64,
     c1: &SymmetricTensor2,
@@ -110,10 +110,10 @@ mod tests {
             let c1 = c0 + SymmetricTensor2(d) * 10f64.powf(-power) * 0.5;
             let (j0, j1) = (c0.det().sqrt(), c1.det().sqrt());
             prop_assume!(c1.det() > 0.01);
-            let k = jacobian_gradient(&c0, j0, &c1, j1);
+            let k = discrete_jacobian_gradient(&c0, j0, &c1, j1);
             prop_assert!((k.double_contract(&(c1 - c0)) - (j1 - j0)).abs() < 1e-14 * j0.max(j1).max(1.0));
             // The gradient itself at one state.
-            let one = jacobian_gradient(&c0, j0, &c0, j0);
+            let one = discrete_jacobian_gradient(&c0, j0, &c0, j0);
             prop_assert!((one - c0.inverse() * (0.5 * j0)).norm() < 1e-14 * one.norm() * 10.0);
         }
 
@@ -121,16 +121,16 @@ mod tests {
         fn tangents_match_differences(c0 in strain(), c1 in strain(), d in proptest::array::uniform6(-1.0..1.0_f64), p in -3.0..3.0_f64) {
             let d = SymmetricTensor2(d);
             let j = |c: &SymmetricTensor2| c.det().sqrt();
-            let k = |c: &SymmetricTensor2| jacobian_gradient(&c0, j(&c0), c, j(c));
+            let k = |c: &SymmetricTensor2| discrete_jacobian_gradient(&c0, j(&c0), c, j(c));
             let h = 1e-4;
             let difference = |f: &dyn Fn(&SymmetricTensor2) -> SymmetricTensor2| {
                 let at = |t: f64| f(&(c1 + d * t));
                 ((at(h) - at(-h)) * 8.0 - (at(2.0 * h) - at(-2.0 * h))) * (1.0 / (12.0 * h))
             };
-            let found = jacobian_gradient_tangent(&c0, j(&c0), &c1, j(&c1), &k(&c1)).double_contract_right(&(d * 0.5));
+            let found = discrete_jacobian_gradient_tangent(&c0, j(&c0), &c1, j(&c1), &k(&c1)).double_contract_right(&(d * 0.5));
             prop_assert!((found - difference(&k)).norm() < 1e-9);
             let (stress, moduli) = pressure_stress(p, &c1, j(&c1));
-            prop_assert!((stress - jacobian_gradient(&c1, j(&c1), &c1, j(&c1)) * (2.0 * p)).norm() < 1e-13);
+            prop_assert!((stress - discrete_jacobian_gradient(&c1, j(&c1), &c1, j(&c1)) * (2.0 * p)).norm() < 1e-13);
             let of_pressure = |c: &SymmetricTensor2| pressure_stress(p, c, j(c)).0;
             prop_assert!((moduli.double_contract_right(&(d * 0.5)) - difference(&of_pressure)).norm() < 1e-8);
         }
@@ -138,14 +138,14 @@ mod tests {
         #[test]
         fn quotient_of_logarithms(a in 0.05..20.0_f64, power in -12.0..1.0_f64, sign in proptest::bool::ANY) {
             let b = a * if sign { 1.0 + 10f64.powf(power) } else { 1.0 / (1.0 + 10f64.powf(power)) };
-            let (l, slope) = logarithm_quotient(a, b);
+            let (l, slope) = logarithm_divided_difference(a, b);
             let x = (b - a) / a;
             let exact = x.ln_1p() / x / a;
             if x != 0.0 {
                 prop_assert!((l - exact).abs() < 1e-15 * 10.0 * exact, "{} {}", l, exact);
             }
             let h = 1e-3 * b;
-            let at = |t: f64| logarithm_quotient(a, b + t).0;
+            let at = |t: f64| logarithm_divided_difference(a, b + t).0;
             let difference = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
             prop_assert!((slope - difference).abs() < 1e-10 * slope.abs());
         }

@@ -144,7 +144,7 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
 
     fn begin_step(&mut self, material: Material<'_>, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure> {
         let nodes = elements::<N>(nodes);
-        let identity = GaussPointHistory { right_cauchy_green: SymmetricTensor2::identity(), energy: 0.0 };
+        let identity = GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 };
         let (mut history, mut jacobians) = (std::mem::take(&mut self.history), std::mem::take(&mut self.jacobians));
         history.resize(nodes.len(), [identity; G]);
         let averaged = !matches!(self.projection, Projection::None);

@@ -133,7 +133,7 @@ pub(crate) fn history<const N: usize, const G: usize>(
     integration: &ElementIntegration<N, G>,
     q: &NodalVectors<N>,
 ) -> Result<[GaussPointHistory; G], Failure> {
-    let mut out = [GaussPointHistory { right_cauchy_green: SymmetricTensor2::identity(), energy: 0.0 }; G];
+    let mut out = [GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 }; G];
     for (g, slot) in out.iter_mut().enumerate() {
         let (_, c) = strain(q, integration, g, Level::Start)?;
         let energy = law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;

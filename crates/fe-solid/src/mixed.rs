@@ -11,7 +11,7 @@ use crate::{
 };
 use stoss_continuum::{
     HyperelasticLaw, SymmetricTensor2, VolumetricEnergy,
-    volume::{jacobian_gradient, jacobian_gradient_tangent, pressure_stress},
+    volume::{discrete_jacobian_gradient, discrete_jacobian_gradient_tangent, pressure_stress},
 };
 
 /// Values of the `A` orthonormal functions at the Gauss points.
@@ -283,11 +283,14 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
     ) -> Result<(), Failure> {
         let state = self.state(step.q_np1, Level::End)?;
         let start = self.average(jacobians);
-        let (pressure, slope) = Self::at_points(|g| self.parts.volume.quotient(start[g], state.dilatations[g]));
+        let (pressure, slope) =
+            Self::at_points(|g| self.parts.volume.divided_difference(start[g], state.dilatations[g]));
         let pressure = self.average(&pressure);
         let continued = match before {
             Some(before) if tangent.is_some() => self
-                .continued(&state, before, |g, dilatations| self.parts.volume.quotient(start[g], dilatations[g]))
+                .continued(&state, before, |g, dilatations| {
+                    self.parts.volume.divided_difference(start[g], dilatations[g])
+                })
                 .unwrap_or(pressure),
             _ => pressure,
         };
@@ -298,7 +301,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             let (gradients, weight) = (&self.integration.gradients[g], self.integration.weights[g]);
             let GaussPointHistory { right_cauchy_green: c_n, energy } = &history[g];
             let f_mid = kernel::deformation_gradient(&q_mid, gradients);
-            let k = jacobian_gradient(c_n, jacobians[g], c, j);
+            let k = discrete_jacobian_gradient(c_n, jacobians[g], c, j);
             let of_pressure = k * (2.0 * pressure[g]);
             let Some((_, factors)) = &mut tangent else {
                 let rest = stoss_continuum::energy_momentum_stress(self.parts.rest, c_n, *energy, c)
@@ -311,7 +314,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
                     .map_err(|e| FailureKind::from(e).at(g))?;
             kernel::add_force(&f_mid, &(rest + of_pressure).to_voigt(), gradients, weight, force);
             let stress = (rest + k * (2.0 * continued[g])).to_voigt();
-            moduli.add_scaled(2.0 * continued[g], &jacobian_gradient_tangent(c_n, jacobians[g], c, j, &k));
+            moduli.add_scaled(2.0 * continued[g], &discrete_jacobian_gradient_tangent(c_n, jacobians[g], c, j, &k));
             kernel::tangent_factors(&f_mid, f, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
             for (psi, work) in self.basis.iter().zip(&mut works) {
                 kernel::add_force(&f_mid, &k.to_voigt(), gradients, 2.0 * weight * psi[g], work);

@@ -16,7 +16,7 @@ use crate::{
 use rayon::prelude::*;
 use stoss_continuum::{
     SymmetricTensor2, VolumetricEnergy,
-    volume::{jacobian_gradient, jacobian_gradient_tangent, pressure_stress},
+    volume::{discrete_jacobian_gradient, discrete_jacobian_gradient_tangent, pressure_stress},
 };
 use stoss_reference_element::Rule;
 
@@ -173,7 +173,7 @@ impl NodalTetrahedra {
         self.pressures(scratch, |node, jacobians| {
             let now = self.dilatation(node, |e| jacobians[e]);
             if conserving {
-                volume.quotient(self.dilatation(node, |e| self.jacobians[e]), now)
+                volume.divided_difference(self.dilatation(node, |e| self.jacobians[e]), now)
             } else {
                 volume.pressure(now)
             }
@@ -253,7 +253,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         }
         let (f_mid, _) = self.strain(element, &(self.mid)(element));
         let c_n = &self.tetrahedra.block.history(element)[0].right_cauchy_green;
-        let k = jacobian_gradient(c_n, self.tetrahedra.jacobians[element], &c, j);
+        let k = discrete_jacobian_gradient(c_n, self.tetrahedra.jacobians[element], &c, j);
         let mut work = [[0.0; 4]; 3];
         kernel::add_force(&f_mid, &k.to_voigt(), gradients, 2.0, &mut work);
         [work, change]
@@ -282,7 +282,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         let (left, k) = match history {
             None => (f, None),
             Some(history) => {
-                let k = jacobian_gradient(&history.right_cauchy_green, j_n, &c, j);
+                let k = discrete_jacobian_gradient(&history.right_cauchy_green, j_n, &c, j);
                 (self.strain(element, &(self.mid)(element)).0, Some(k))
             }
         };
@@ -304,7 +304,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
                 let (rest, mut moduli) =
                     stoss_continuum::energy_momentum_stress_and_tangent(law, c_n, history.energy, &c)
                         .map_err(failure)?;
-                moduli.add_scaled(2.0 * p, &jacobian_gradient_tangent(c_n, j_n, &c, j, &k));
+                moduli.add_scaled(2.0 * p, &discrete_jacobian_gradient_tangent(c_n, j_n, &c, j, &k));
                 (rest + k * (2.0 * p), moduli)
             }
             _ => {

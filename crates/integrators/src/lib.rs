@@ -34,4 +34,4 @@ pub use schemes::{
 };
 pub use state::State;
 pub use step::{Buffers, EndPoint, Step, evaluate, finish, start};
-pub use system::{RateTangent, SecondOrderSystem, StepConfiguration};
+pub use system::{DampingTangent, SecondOrderSystem, StepConfiguration};

@@ -5,16 +5,16 @@ use crate::{
     Trapezoidal, VariationalMidpoint,
 };
 
-/// A number that a scheme can be given.
+/// A parameter of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// Name in scenes.
     pub name: &'static str,
-    /// Value if it is not given.
+    /// Default value.
     pub default: f64,
     /// Smallest and largest value.
     pub range: (f64, f64),
-    /// What it is.
+    /// Meaning, in a phrase.
     pub about: &'static str,
 }
 
@@ -25,9 +25,9 @@ pub struct SchemeEntry {
     pub name: &'static str,
     /// One sentence.
     pub about: &'static str,
-    /// What it can be given.
+    /// Its parameters.
     pub parameters: &'static [Parameter],
-    /// Makes the scheme from one value a parameter, each within its range.
+    /// Makes the scheme from one value for each parameter, each within its range.
     pub make: fn(&[f64]) -> Box<dyn Scheme>,
 }
 
@@ -67,7 +67,7 @@ pub const SCHEMES: &[SchemeEntry] = &[
             name: "alpha",
             default: 0.5,
             range: (0.0, 0.95),
-            about: "place of the forces in the step; second order only for 1/2",
+            about: "position of the forces in the step, 0 start to 1 end; second order only for 1/2",
         }],
         make: |p| Box::new(VariationalMidpoint { alpha: p[0] }),
     },
@@ -128,7 +128,7 @@ pub const SCHEMES: &[SchemeEntry] = &[
     },
 ];
 
-/// Why there is no such scheme.
+/// Why a scheme cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SchemeError {

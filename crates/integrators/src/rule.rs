@@ -1,6 +1,6 @@
-//! What a scheme prescribes for one step, as data.
+//! The equations of one step of a scheme, as data.
 
-/// Where the forces `F(q)` of a step are taken.
+/// Configuration at which the forces `F(q)` of a step are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ForceRule {
@@ -21,7 +21,7 @@ impl ForceRule {
     /// At `q_np1`.
     pub const END_POINT: Self = Self::Configuration { theta: 1.0 };
 
-    /// Fraction of the step at which given loads are taken (`t_n + fraction * dt`).
+    /// Fraction of the step at which time-dependent loads are evaluated (`t_n + fraction * dt`).
     pub fn load_fraction(self) -> f64 {
         match self {
             Self::Configuration { theta } => theta,
@@ -30,7 +30,7 @@ impl ForceRule {
     }
 }
 
-/// Where the constraint gradients `G(q)` of a step are taken. The constraint itself is always that of `q_np1`.
+/// Configuration at which the constraint gradients `G(q)` of a step are evaluated. The constraint itself is always that of `q_np1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GradientRule {
@@ -67,7 +67,7 @@ impl Combination {
 /// `weight * F_rule`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceTerm {
-    /// Where forces are taken.
+    /// Configuration of the forces.
     pub rule: ForceRule,
     /// Factor in the residual; with zero they are not evaluated during the iteration.
     pub weight: f64,
@@ -76,7 +76,7 @@ pub struct ForceTerm {
 /// `weight * G_rule^T p`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintTerm {
-    /// Where constraint gradients are taken.
+    /// Configuration of the constraint gradients.
     pub rule: GradientRule,
     /// Factor in the residual.
     pub weight: f64,
@@ -94,7 +94,7 @@ pub struct HistoryTerm {
 }
 
 impl HistoryTerm {
-    /// False if there is nothing to remember: constraint forces only, of a system without constraints.
+    /// False if no history is needed: constraint forces only, in a system without constraints.
     pub fn is_needed(&self, constrained: bool) -> bool {
         self.force || (self.constraint && constrained)
     }
@@ -121,7 +121,7 @@ pub struct StepRule {
 }
 
 impl StepRule {
-    /// Equilibrium at the end of the step: no inertia; the "velocity" is the mean one of the step.
+    /// Static equilibrium at the end of the step, without inertia; the velocity is the mean one of the step.
     pub fn quasi_static(dt: f64) -> Self {
         Self {
             inertia: Combination::default(),
@@ -134,13 +134,13 @@ impl StepRule {
         }
     }
 
-    /// Factor of the forces of dampers in the residual: that of the forces, with those of the last end point, for what dampers do is not remembered.
+    /// Factor of the damping forces in the residual: the sum of the weights of the forces at both ends, because damping forces have no history.
     pub fn damping_weight(&self) -> f64 {
         self.force.weight + self.history.filter(|history| history.force).map_or(0.0, |history| history.weight)
     }
 
-    /// Whether constraint forces are those of the end of the step, or do the work of their energy, and nothing else is added to them: only then can a potential keep
-    /// surfaces apart that is infinite where they meet. A state with accelerations remembers the blow of an impact, and takes it for a force that goes on: such schemes gain energy.
+    /// Whether a barrier potential can be integrated: constraint forces must be those of the end of the step, or a discrete gradient, without history. A scheme that carries
+    /// accelerations keeps the force of an impact in the next step, and gains energy.
     pub fn carries_barriers(&self) -> bool {
         let ConstraintTerm { rule, weight } = self.constraint;
         matches!(rule, GradientRule::EndPoint | GradientRule::DiscreteGradient)

@@ -2,8 +2,8 @@
 
 use crate::{State, StepRule};
 
-/// What a scheme conserves for an autonomous, frictionless, free system, to the tolerance of the nonlinear solution
-/// (theory/integrators#kept), and its order. Data, so that a battery can test each claim.
+/// Order of a scheme, and what it conserves for an autonomous, frictionless, free system to the tolerance of the nonlinear solution
+/// (theory/integrators#kept). As data, so that tests can check each claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Claims {
     /// Order of convergence of positions.
@@ -14,7 +14,7 @@ pub struct Claims {
     pub angular_momentum: bool,
     /// Total energy is exact for any potential.
     pub energy: bool,
-    /// The scheme can carry constraints (contact).
+    /// The scheme can integrate systems with constraints (contact).
     pub constraints: bool,
 }
 

@@ -1,7 +1,7 @@
 //! One step, for any scheme and any system.
 
 use crate::{
-    Combination, ConstraintTerm, ForceRule, RateTangent, SecondOrderSystem, State, StepConfiguration, StepRule,
+    Combination, ConstraintTerm, DampingTangent, ForceRule, SecondOrderSystem, State, StepConfiguration, StepRule,
 };
 use std::ops::Range;
 
@@ -16,9 +16,9 @@ pub struct Step<'a> {
     pub rule: StepRule,
 }
 
-/// The end of a step: the positions, and the increment that led to them. They are the same thing but for round-off, which
-/// `q_np1 - q_n` has of the size of the positions, and velocities and inertia, made from it, over a small step size.
-/// Iterations therefore add to the increment, `q_np1 = q_n + increment`, and everything that is divided by the step size is formed from it.
+/// The end of a step: positions and increment. `q_np1 - q_n` has the round-off of the positions, which velocities and inertia
+/// would divide by the step size.
+/// Iterations therefore update the increment, `q_np1 = q_n + increment`, and everything that is divided by the step size is computed from it.
 #[derive(Clone, Copy, Debug)]
 pub struct EndPoint<'a> {
     /// `q_np1`.
@@ -35,8 +35,8 @@ impl<'a> Step<'a> {
         StepConfiguration { time: self.state_n.time, dt: self.dt, q_n: &self.state_n.q, q_np1 }
     }
 
-    /// Where dampers act: `q_n + theta increment`, with a velocity there. Schemes that carry an acceleration have velocities of their own at both ends and take the one
-    /// of the time at which they ask for balance; for all others it is the mean velocity `increment / dt` at the midpoint, whose product with a force is exactly the
+    /// Configuration `q_n + theta increment` at which damping forces are evaluated, and the velocity there. Schemes that carry an acceleration use their own velocity
+    /// at the time of the equilibrium; all others use the mean velocity `increment / dt` at the midpoint, so that force times velocity is exactly the mean
     /// power of the step.
     fn rate(&self) -> (f64, Combination) {
         let StepRule { force, velocity, acceleration, .. } = &self.rule;
@@ -53,7 +53,7 @@ impl<'a> Step<'a> {
         (theta, rate)
     }
 
-    /// A combination of increment and state, into those coordinates of `out`.
+    /// A combination of increment and state, for the coordinates `own` of `out`.
     fn combine(&self, c: Combination, increment: &[f64], own: &[Range<usize>], out: &mut [f64]) {
         let State { v, a, .. } = self.state_n;
         for own in own {
@@ -70,7 +70,7 @@ impl<'a> Step<'a> {
     }
 }
 
-/// Vectors of a step, allocated once. What a run does not need has no entries.
+/// Vectors of a step, allocated once; empty if a run does not need them.
 #[derive(Clone, Debug, Default)]
 pub struct Buffers {
     /// `R`, without the constraint rows.
@@ -81,9 +81,9 @@ pub struct Buffers {
     pub constraint: Vec<f64>,
     /// `M a_alg`.
     pub inertia: Vec<f64>,
-    /// Forces of dampers, not weighted, and the velocity that they belong to; empty without.
+    /// Damping forces, not weighted; empty without damping.
     pub damping: Vec<f64>,
-    /// See `damping`.
+    /// Velocity at which the damping forces are evaluated.
     pub rate: Vec<f64>,
     /// Positions at which dampers act.
     damped_at: Vec<f64>,
@@ -98,8 +98,8 @@ impl Buffers {
         Self::with_own(dimension, std::iter::once(0..dimension).collect(), inertia, constraints)
     }
 
-    /// For a system of which only the coordinates `own` have equations. The others are left alone, in the states too: whoever has them looks after
-    /// them. They have no mass and no force, and what constraints do to them (`constraint`) is not in the residual.
+    /// For a system of which only the coordinates `own` have equations. The others are not changed, in the states neither: the caller updates
+    /// them. They have no mass and no force, and constraint forces on them (`constraint`) are not in the residual.
     pub fn with_own(dimension: usize, own: Vec<Range<usize>>, inertia: bool, constraints: bool) -> Self {
         let vector = |wanted| vec![0.0; if wanted { dimension } else { 0 }];
         Self {
@@ -121,7 +121,7 @@ impl Buffers {
     }
 }
 
-/// Forces of dampers in a step into `damping`, with the velocity that they belong to; with `tangent` also that times their derivative.
+/// Damping forces of a step into `damping`, and their velocity; with `tangent` also that factor times their derivative.
 fn damp<S: SecondOrderSystem>(
     system: &mut S,
     step: &Step<'_>,
@@ -142,11 +142,11 @@ fn damp<S: SecondOrderSystem>(
         }
     }
     clear(own, damping);
-    let tangent = tangent.map(|weight| RateTangent { weight, position: theta, rate: velocity.increment });
+    let tangent = tangent.map(|weight| DampingTangent { weight, position: theta, rate: velocity.increment });
     system.add_damping(damped_at, rate, tangent, damping)
 }
 
-/// `out += factor x`; nothing of what is not held.
+/// `out += factor x` for the coordinates `own`; nothing if `x` is empty.
 fn add(factor: f64, x: &[f64], own: &[Range<usize>], out: &mut [f64]) {
     for own in own.iter().filter(|_| !x.is_empty()) {
         for (out, x) in out[own.clone()].iter_mut().zip(&x[own.clone()]) {
@@ -213,7 +213,7 @@ pub fn evaluate<S: SecondOrderSystem>(
 }
 
 /// Velocity, acceleration and history at `n+1` from the converged `q_np1` and its `increment` ([`EndPoint`]), whose [`evaluate`] was the last one with these buffers.
-/// `next.q` holds `q_np1`; where an update of momenta meets prescribed motion, `next.v` comes with the prescribed velocities.
+/// `next.q` holds `q_np1`; on entry `next.v` holds the prescribed velocities, for schemes that update momenta.
 /// Returns the reaction impulse over `dt` that the update of momenta leaves at prescribed coordinates, to be added to the residual there (in
 /// `buffers.inertia`, which is overwritten): true if there is one.
 ///
@@ -271,7 +271,7 @@ pub fn finish<S: SecondOrderSystem>(
     Ok(rule.impulse.is_some())
 }
 
-/// Completes an initial state: `M a_0 = -F(q_0) - D(q_0, v_0)` with the forces `D` of dampers, and `H_0 = F(q_0)`, for schemes that carry them. There are no multipliers yet.
+/// Completes an initial state: `M a_0 = -F(q_0) - D(q_0, v_0)` with the damping forces `D`, and `H_0 = F(q_0)`, for schemes that carry them. Multipliers are zero.
 ///
 /// # Errors
 /// Those of the system.

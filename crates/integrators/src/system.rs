@@ -1,4 +1,4 @@
-//! What a scheme needs to know of a system.
+//! The trait of a system that a scheme integrates.
 
 use crate::{ForceRule, GradientRule};
 
@@ -15,14 +15,14 @@ pub struct StepConfiguration<'a> {
     pub q_np1: &'a [f64],
 }
 
-/// What derivative of the forces of dampers a scheme asks for: `weight (position dD/dq + rate dD/dv)`.
+/// The tangent of damping forces that a scheme needs: `weight (position dD/dq + rate dD/dv)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RateTangent {
+pub struct DampingTangent {
     /// Factor of the whole.
     pub weight: f64,
-    /// Derivative of the positions at which they act with respect to `q_np1`.
+    /// Derivative of the positions at which they are evaluated with respect to `q_np1`.
     pub position: f64,
-    /// Derivative of the velocities there with respect to `q_np1`, one over a time.
+    /// Derivative of the velocities at which they are evaluated with respect to `q_np1`, one over a time.
     pub rate: f64,
 }
 
@@ -35,7 +35,7 @@ pub trait SecondOrderSystem {
     /// Number of coordinates.
     fn dimension(&self) -> usize;
 
-    /// False if there are no constraints: then nothing is kept for their forces, and they are not asked for.
+    /// False if there are no constraints: then no storage is kept for their forces, and they are not evaluated.
     fn has_constraints(&self) -> bool {
         true
     }
@@ -43,7 +43,7 @@ pub trait SecondOrderSystem {
     /// `out += factor M x`.
     fn add_mass_product(&self, factor: f64, x: &[f64], out: &mut [f64]);
 
-    /// Solves `M x = rhs`; `x` comes with a guess. Coordinates whose motion is prescribed keep the value that they come with.
+    /// Solves `M x = rhs`; on entry `x` is an initial guess. Coordinates whose motion is prescribed keep their value on entry.
     ///
     /// # Errors
     /// The mass is singular.
@@ -56,7 +56,7 @@ pub trait SecondOrderSystem {
     /// `w dF_rule/dq_np1` to the tangent.
     ///
     /// # Errors
-    /// The force does not exist at this configuration.
+    /// The force is not defined at this configuration.
     fn add_force(
         &mut self,
         step: StepConfiguration<'_>,
@@ -65,20 +65,20 @@ pub trait SecondOrderSystem {
         out: &mut [f64],
     ) -> Result<(), Self::Error>;
 
-    /// Whether there are dampers ([`Self::add_damping`]); false by default.
+    /// Whether there are damping forces ([`Self::add_damping`]); false by default.
     fn has_damping(&self) -> bool {
         false
     }
 
-    /// `out += D(q, v)`, forces of dampers, and `tangent` of it to the tangent. Default: nothing.
+    /// `out += D(q, v)`, the damping forces; with `tangent` also their derivative to the tangent. No damping by default.
     ///
     /// # Errors
-    /// The force does not exist at this configuration.
+    /// The force is not defined at this configuration.
     fn add_damping(
         &mut self,
         _q: &[f64],
         _v: &[f64],
-        _tangent: Option<RateTangent>,
+        _tangent: Option<DampingTangent>,
         _out: &mut [f64],
     ) -> Result<(), Self::Error> {
         Ok(())
@@ -88,7 +88,7 @@ pub trait SecondOrderSystem {
     /// derivatives of the rows (these not weighted). Systems without constraints do nothing (default).
     ///
     /// # Errors
-    /// The constraint does not exist at this configuration.
+    /// The constraint is not defined at this configuration.
     fn add_constraint_force(
         &mut self,
         _step: StepConfiguration<'_>,

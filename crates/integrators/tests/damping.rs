@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 use stoss_integrators::{
-    Buffers, EndPoint, ForceRule, RateTangent, SCHEMES, Scheme, SecondOrderSystem, State, Step, StepConfiguration,
+    Buffers, DampingTangent, EndPoint, ForceRule, SCHEMES, Scheme, SecondOrderSystem, State, Step, StepConfiguration,
     evaluate, finish, start,
 };
 
@@ -52,7 +52,7 @@ impl SecondOrderSystem for Oscillator {
         &mut self,
         _q: &[f64],
         v: &[f64],
-        tangent: Option<RateTangent>,
+        tangent: Option<DampingTangent>,
         out: &mut [f64],
     ) -> Result<(), Infallible> {
         out[0] += DAMPING * v[0];

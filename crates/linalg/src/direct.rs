@@ -1,4 +1,4 @@
-//! What all direct solvers share: equilibration, the test for singularity, the residual check, refinement, statistics,
+//! The common part of all direct solvers: equilibration, the test for singularity, the residual check, refinement, statistics,
 //! the caching of the analysis. A backend is only the factorisation in between.
 
 use crate::gmres::Gmres;
@@ -36,8 +36,8 @@ pub trait Factorisation: Send + Debug {
     /// Heap memory in bytes.
     fn memory_bytes(&self) -> usize;
 
-    /// Factorises again by a slower and safer method, because what the last one gave is not good enough; false if there is no such
-    /// method or it is the one in use.
+    /// Factorises again by a slower and safer method, because the last factors are not accurate enough; false if there is no such
+    /// method or it is in use already.
     ///
     /// # Errors
     /// [`LinalgError::Singular`], [`LinalgError::Backend`].
@@ -45,12 +45,12 @@ pub trait Factorisation: Send + Debug {
         Ok(false)
     }
 
-    /// Negative eigenvalues of the symmetric matrix with these values, a symmetric scaling of what was factorised last; `None` if the factors do not tell (default).
+    /// Negative eigenvalues of the symmetric matrix with these values, a symmetric scaling of what was factorised last; `None` if it cannot be computed from the factors (default).
     fn negative_eigenvalues(&mut self, _: &SparsityPattern, _: &[f64]) -> Option<usize> {
         None
     }
 
-    /// Applications of the factors that are worth as much as a factorisation; zero if they are not worth counting.
+    /// Number of substitutions that cost as much as a factorisation; zero if iterative solutions do not pay.
     fn applications_per_factorisation(&self) -> u32 {
         0
     }
@@ -60,29 +60,29 @@ pub trait Factorisation: Send + Debug {
         false
     }
 
-    /// How often the safer method was needed.
+    /// Number of factorisations by the safer method.
     fn pivoting_fallbacks(&self) -> u64 {
         0
     }
 
-    /// How often a matrix announced as positive definite was not.
+    /// Number of matrices announced as positive definite that were not.
     fn indefinite_fallbacks(&self) -> u64 {
         0
     }
 }
 
-/// Above this a solution is looked at twice. A matrix that is singular up to round-off shows at least this growth unless the
+/// Growth of a solution above which the matrix is tested for singularity once more. A matrix that is singular up to round-off shows at least this growth unless the
 /// right-hand side is orthogonal to the undetermined motion to eight digits.
 const SUSPICIOUS_GROWTH: f64 = 1e7;
 
 /// A solution with a larger row-wise backward error is worth a second factorisation with safer pivoting.
 const GOOD_BACKWARD_ERROR: f64 = 1e-13;
 
-/// Fewer iterations than these are not worth a try. (Two tori with friction, 28 000 equations: the seldom solution takes fewer than six to a
+/// Least number of iterations for which an iterative solution is tried. (Two tori with friction, 28 000 equations: the seldom solution takes fewer than six to a
 /// relative residual of 1e-6, ten on average, while a factorisation is worth about forty.)
 const FEWEST_NEARBY_ITERATIONS: u32 = 6;
 
-/// The residual of a solution by iteration may be this many times what was asked for.
+/// The true residual of an iterative solution may be this many times the tolerance.
 const TRUE_RESIDUAL: f64 = 2.0;
 
 /// A [`LinearSolver`] made of a [`Factorisation`].

@@ -21,7 +21,7 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// What can go wrong in this crate.
+/// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinalgError {
@@ -76,8 +76,8 @@ pub enum LinalgError {
     /// The matrix is singular to working precision.
     #[error("the matrix is singular to working precision{}", .row.map(|row| format!(" (the undetermined motion is largest in equation {row})")).unwrap_or_default())]
     Singular {
-        /// The equation in which the (nearly) undetermined motion is largest, if it is known. A body that nothing holds
-        /// shows up here.
+        /// The equation in which the (nearly) undetermined motion is largest, if it is known. A body without supports
+        /// leads to this error.
         row: Option<usize>,
     },
     /// NaN or infinity.
@@ -90,7 +90,7 @@ pub enum LinalgError {
     },
     /// The residual of the solution stayed too large in spite of the iterative refinement.
     #[error(
-        "the solution's row-wise backward error {backward_error:.1e} stays above {limit:.1e} after {refinement_steps} refinement steps"
+        "the row-wise backward error {backward_error:.1e} of the solution stays above {limit:.1e} after {refinement_steps} refinement steps"
     )]
     NotConverged {
         /// The smallest row-wise backward error reached.
@@ -100,12 +100,12 @@ pub enum LinalgError {
         /// Refinement steps done.
         refinement_steps: u32,
     },
-    /// The library underneath refused; normally for want of memory.
+    /// The library underneath failed, usually for lack of memory.
     #[error("{operation} failed: {message}")]
     Backend {
-        /// What was attempted.
+        /// The operation that failed.
         operation: &'static str,
-        /// What the library said.
+        /// The message of the library.
         message: String,
     },
 }

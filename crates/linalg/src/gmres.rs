@@ -1,4 +1,4 @@
-//! GMRES with a preconditioner on the right, without restarts. Not a solver of its own: it makes use of factors of a matrix near the one at hand.
+//! GMRES with a preconditioner on the right, without restarts. Not a solver by itself: it uses the factors of a matrix close to the one at hand.
 //!
 //! Saad and Schultz, SIAM J. Sci. Stat. Comput. 7 (1986). Preconditioned by the factors of a matrix that differs in `r` rows it ends after `r + 1`
 //! iterations; a small difference in all rows reduces the residual by about its size each time. Both is what a Newton iteration with contact
@@ -6,10 +6,10 @@
 
 use crate::vector::{axpy, dot, norm2};
 
-/// What the residual must have fallen to after a third of the iterations, as a power of the tolerance: with a tolerance of 1e-6 a tenth.
+/// Relative residual that must be reached after a third of the iterations, as a power of the tolerance: with a tolerance of 1e-6 a tenth.
 /// (Residuals fall faster later on, where the changes of single rows are used up. Chosen on the tori of `scenes/tori-friction-03.toml`; a wrong
 /// choice costs time, never the answer.)
-const HOPE: f64 = 1.0 / 6.0;
+const EARLY_REDUCTION: f64 = 1.0 / 6.0;
 
 /// Work space, kept between solutions; it grows with the largest number of iterations so far.
 #[derive(Debug, Default)]
@@ -76,7 +76,7 @@ impl Gmres {
             self.basis[k + 1] = next;
             residual = self.projected[k + 1].abs() / size;
             k += 1;
-            let hopeless = k as u32 == limit / 3 && residual > tolerance.powf(HOPE);
+            let hopeless = k as u32 == limit / 3 && residual > tolerance.powf(EARLY_REDUCTION);
             if length == 0.0 || !residual.is_finite() || hopeless {
                 break;
             }

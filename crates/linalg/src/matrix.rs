@@ -1,6 +1,6 @@
 //! A sparse matrix: a shared pattern and values. Products and norms, no factorisation.
 
-use crate::{LinalgError, SparsityPattern};
+use crate::SparsityPattern;
 use std::sync::Arc;
 
 /// A square sparse matrix. The pattern is shared, the values are the matrix's own, in the order of the pattern.
@@ -34,17 +34,6 @@ impl SparseMatrix {
         multiply(&self.pattern, &self.values, x, y);
     }
 
-    /// `y = |A| |x|`, entry by entry.
-    pub fn multiply_abs(&self, x: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
-        for j in 0..self.n() {
-            let xj = x[j].abs();
-            for k in self.pattern.column_range(j) {
-                y[self.pattern.row_indices()[k]] += self.values[k].abs() * xj;
-            }
-        }
-    }
-
     /// The largest absolute value in each row.
     pub fn row_max(&self, rows: &mut [f64]) {
         self.pattern.row_max(&self.values, rows);
@@ -62,16 +51,6 @@ impl SparseMatrix {
     /// Value of entry `(row, col)`; zero where the pattern has none.
     pub fn get(&self, row: u32, col: u32) -> f64 {
         self.pattern.position(row, col).map_or(0.0, |k| self.values[k])
-    }
-
-    /// A view for the algorithms of `sprs`, without a copy.
-    ///
-    /// # Errors
-    /// [`LinalgError::Length`] if the values were resized by hand.
-    pub fn to_sprs(&self) -> Result<sprs::CsMatView<'_, f64>, LinalgError> {
-        let (n, p) = (self.n(), &self.pattern);
-        sprs::CsMatView::try_new_csc((n, n), p.column_pointers(), p.row_indices(), &self.values)
-            .map_err(|_| LinalgError::Length { what: "values", expected: p.nnz(), found: self.values.len() })
     }
 }
 

@@ -21,7 +21,7 @@ pub enum SystemFileError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// Not a file of this kind.
@@ -34,7 +34,7 @@ pub enum SystemFileError {
         /// What is wrong.
         reason: String,
     },
-    /// The entries make no pattern.
+    /// The entries do not form a valid pattern.
     #[error(transparent)]
     Pattern(#[from] LinalgError),
 }
@@ -153,7 +153,7 @@ impl Lines {
         let found = header.trim().strip_prefix("%%MatrixMarket").map(|rest| rest.trim().to_lowercase());
         match found {
             Some(found) if found == kind => Ok(lines),
-            _ => Err(lines.wrong(&format!("is no Matrix Market file with `{kind}`"))),
+            _ => Err(lines.wrong(&format!("is not a Matrix Market file with `{kind}`"))),
         }
     }
 

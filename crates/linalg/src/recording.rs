@@ -1,4 +1,4 @@
-//! A solver that shows the systems it solves.
+//! A solver that hands the systems it solves to a recorder.
 
 use crate::{LinalgError, LinearSolver, MatrixKind, SolveReport, SolverStatistics, SparsityPattern};
 use std::fmt::{self, Debug, Formatter};
@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub struct SolvedSystem<'a> {
     /// Pattern of the matrix.
     pub pattern: &'a SparsityPattern,
-    /// What the caller says of the values.
+    /// Kind of the matrix as announced by the caller.
     pub kind: MatrixKind,
     /// Values in the order of the pattern.
     pub values: &'a [f64],
@@ -17,21 +17,21 @@ pub struct SolvedSystem<'a> {
     pub rhs: &'a [f64],
 }
 
-/// What looks at a system; it answers whether it wants to see more.
+/// Called with each system; returns whether it wants further ones.
 pub type Recorder = Box<dyn FnMut(SolvedSystem<'_>) -> bool + Send>;
 
-/// Passes everything on to another solver, and shows the systems that are factorised and solved. No result depends on it.
+/// Passes everything on to another solver, and hands the systems that are factorised and solved to a [`Recorder`]. Results do not depend on it.
 pub struct RecordingSolver {
     inner: Box<dyn LinearSolver>,
     recorder: Option<Recorder>,
     pattern: Option<Arc<SparsityPattern>>,
     kind: MatrixKind,
-    /// Values that were factorised and not shown yet.
+    /// Values that were factorised and not recorded yet.
     values: Vec<f64>,
 }
 
 impl RecordingSolver {
-    /// Shows systems to a recorder as long as that wants to see them.
+    /// With a recorder that gets the systems until it returns false.
     pub fn new(inner: Box<dyn LinearSolver>, recorder: Recorder) -> Self {
         Self { inner, recorder: Some(recorder), pattern: None, kind: MatrixKind::General, values: Vec::new() }
     }

@@ -1,8 +1,8 @@
-//! The trait of a direct linear solver, what it reports, and its settings. The implementations are in
+//! The trait of a direct linear solver, its reports and settings. The implementations are in
 //! [`crate::faer_backend`] and [`crate::AutoSolver`].
 //!
 //! # To add a solver
-//! Implement [`crate::Factorisation`] and wrap it in [`crate::DirectSolver`], so that all solvers promise the same, and add
+//! Implement [`crate::Factorisation`] and wrap it in [`crate::DirectSolver`], so that all solvers have the same guarantees, and add
 //! a line to the battery in `tests/solvers.rs`. An iterative solver implements [`LinearSolver`] itself and uses
 //! the residual check in `refinement.rs`.
 
@@ -10,15 +10,15 @@ use crate::{LinalgError, SparsityPattern};
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// What is known of the values. The pattern always holds both triangles.
+/// Kind of the matrix. The pattern always has both triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum MatrixKind {
-    /// Nothing: unsymmetric, indefinite, zero blocks on the diagonal.
+    /// General: unsymmetric, indefinite, with zero blocks on the diagonal.
     #[default]
     General,
     /// `A = A^T`, possibly indefinite.
     Symmetric,
-    /// `A = A^T` and probably positive definite. A promise that turns out to be wrong costs time, not the answer:
+    /// `A = A^T` and probably positive definite. If it is not, that costs time but does not change the answer:
     /// a Newton tangent need not stay definite.
     SymmetricPositiveDefinite,
 }
@@ -38,14 +38,14 @@ pub struct SolveReport {
     pub refinement_steps: u32,
 }
 
-/// What a solver did since it was made.
+/// Statistics of a solver since it was made.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SolverStatistics {
     /// Symbolic analyses (calls of `analyse` that found the pattern unchanged are not counted).
     pub analyses: u64,
     /// Numeric factorisations, failed ones and fallbacks included.
     pub factorisations: u64,
-    /// Those of matrices announced as symmetric.
+    /// Factorisations of matrices announced as symmetric.
     pub symmetric: u64,
     /// Solutions.
     pub solves: u64,
@@ -55,7 +55,7 @@ pub struct SolverStatistics {
     pub nearby_solves: u64,
     /// Iterations of [`Self::nearby_solves`] and of those that were given up.
     pub nearby_iterations: u64,
-    /// Solutions by iteration that were begun and given up: too many iterations, or a residual that was not what the iteration said.
+    /// Iterative solutions that were given up: too many iterations, or a true residual larger than that of the iteration.
     pub nearby_given_up: u64,
     /// Matrices announced as positive definite that were not, and were factorised by LU instead.
     pub indefinite_fallbacks: u64,
@@ -86,18 +86,18 @@ impl std::ops::Add for SolverStatistics {
 /// Settings common to all solvers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverOptions {
-    /// Refine until the row-wise backward error is at most this.
+    /// Row-wise backward error at which refinement stops.
     pub target_backward_error: f64,
     /// An error above this after refinement is [`LinalgError::NotConverged`].
     pub acceptable_backward_error: f64,
-    /// At most so many refinement steps a solution.
+    /// Largest number of refinement steps for a solution.
     pub max_refinement_steps: u32,
     /// After a factorisation the equilibrated system is solved once for a fixed right-hand side of entries in [-1, 1). If the
     /// solution is larger than this the matrix is [`LinalgError::Singular`]: its smallest singular value is at round-off level,
-    /// and Newton would follow noise. Without this test a body that nothing holds passes unnoticed, because its residual
+    /// and the Newton increment would be noise. Without this test a body without supports is not detected, because its residual
     /// is self-equilibrated.
     pub singular_growth: f64,
-    /// At most so many iterations of [`LinearSolver::solve_nearby`], each of which keeps a vector. Zero: factorise each time.
+    /// Largest number of iterations of [`LinearSolver::solve_nearby`], each of which stores a vector. Zero: factorise each time.
     pub max_nearby_iterations: u32,
 }
 
@@ -122,7 +122,7 @@ pub trait LinearSolver: Send + Debug {
     /// call. A change invalidates the factorisation.
     ///
     /// # Errors
-    /// [`LinalgError::Backend`] for want of memory.
+    /// [`LinalgError::Backend`] for lack of memory.
     fn analyse(&mut self, pattern: &Arc<SparsityPattern>, kind: MatrixKind) -> Result<(), LinalgError>;
 
     /// Numeric phase. `values` in the order of the pattern; they are copied.
@@ -160,12 +160,12 @@ pub trait LinearSolver: Send + Debug {
     }
 
     /// Number of negative eigenvalues of the matrix that was factorised last (Sylvester: as many as negative pivots of `L D L^T`), of one announced as symmetric.
-    /// `None` for others, without factors, and if the solver cannot tell (default).
+    /// `None` for others, without factors, and for solvers that cannot count them (default).
     fn negative_eigenvalues(&mut self) -> Option<usize> {
         None
     }
 
-    /// Drops the factors, so that the bits of nothing that follows depend on what came before. An analysis that would be made again in the same way stays.
+    /// Drops the factors, so that later results do not depend on earlier ones, to the last bit. An analysis that would be repeated in the same way is kept.
     fn forget(&mut self);
 
     /// Heap memory in bytes: exact for our own arrays, an estimate for the library's factors.
@@ -174,6 +174,6 @@ pub trait LinearSolver: Send + Debug {
     /// A short name for records.
     fn name(&self) -> &str;
 
-    /// What was done so far.
+    /// Statistics so far.
     fn statistics(&self) -> SolverStatistics;
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use stoss_continuum::{
     ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, VolumetricSplit,
 };
-use stoss_tensor::spectral;
+use stoss_tensor::spectral_decomposition;
 
 const NAME: &str = "ogden";
 
@@ -40,7 +40,7 @@ impl State {
         if !c.is_finite() {
             return Err(ConstitutiveError::NonFinite);
         }
-        let form = spectral(c);
+        let form = spectral_decomposition(c);
         // The eigenvalues' product is the determinant without the cancellation of the expanded formula.
         if form.values[0] <= 0.0 {
             return Err(ConstitutiveError::NonPositiveJacobian { det_c: form.values.iter().product() });

@@ -1,7 +1,7 @@
 //! Energies of the change of volume of the catalogue's laws, see [`stoss_continuum::volume`].
 
 use stoss_continuum::VolumetricEnergy;
-use stoss_continuum::volume::logarithm_quotient;
+use stoss_continuum::volume::logarithm_divided_difference;
 
 /// `U = lambda/2 (ln J)^2`, of neo-Hooke.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +17,8 @@ impl VolumetricEnergy for Logarithmic {
         let log = j.ln();
         (self.lambda * log / j, self.lambda * (1.0 - log) / (j * j))
     }
-    fn quotient(&self, a: f64, b: f64) -> (f64, f64) {
-        let (quotient, slope) = logarithm_quotient(a, b);
+    fn divided_difference(&self, a: f64, b: f64) -> (f64, f64) {
+        let (quotient, slope) = logarithm_divided_difference(a, b);
         let mean = 0.5 * (a.ln() + b.ln());
         (self.lambda * mean * quotient, self.lambda * (0.5 * quotient / b + mean * slope))
     }
@@ -37,7 +37,7 @@ impl VolumetricEnergy for Quadratic {
     fn pressure(&self, j: f64) -> (f64, f64) {
         (2.0 * self.c * (j - 1.0), 2.0 * self.c)
     }
-    fn quotient(&self, a: f64, b: f64) -> (f64, f64) {
+    fn divided_difference(&self, a: f64, b: f64) -> (f64, f64) {
         (self.c * ((a - 1.0) + (b - 1.0)), self.c)
     }
 }
@@ -79,9 +79,9 @@ impl VolumetricEnergy for Power {
         // J^-beta = 1 - less
         (kappa / (beta * j) * less, kappa / (beta * j * j) * (beta - (beta + 1.0) * less))
     }
-    fn quotient(&self, a: f64, b: f64) -> (f64, f64) {
+    fn divided_difference(&self, a: f64, b: f64) -> (f64, f64) {
         let Self { kappa, beta } = *self;
-        let (quotient, slope) = logarithm_quotient(a, b);
+        let (quotient, slope) = logarithm_divided_difference(a, b);
         let z = -beta * (b - a) * quotient;
         let (more, e_slope) = exponential_quotient(z);
         let less = -(-beta * a.ln()).exp_m1();
@@ -139,7 +139,7 @@ mod tests {
             for law in laws() {
                 let u = law.volumetric().unwrap().volume;
                 let b = a * (1.0 + 10f64.powf(power));
-                let (p, slope) = u.quotient(a, b);
+                let (p, slope) = u.divided_difference(a, b);
                 let change = u.energy(b) - u.energy(a);
                 prop_assert!((p * (b - a) - change).abs() < 1e-14 * (u.energy(a) + u.energy(b)).max(1e-2), "{}", law.name());
                 let h = 1e-4 * b;
@@ -147,12 +147,12 @@ mod tests {
                 // The second derivative of Ogden's has a zero, where the first one is the measure.
                 let measure = |j: f64| u.pressure(j).1.abs().max(u.pressure(j).0.abs() / j);
                 let scale = measure(a).max(measure(b));
-                prop_assert!((slope - difference(&|t| u.quotient(a, b + t).0)).abs() < 1e-9 * scale, "{}", law.name());
+                prop_assert!((slope - difference(&|t| u.divided_difference(a, b + t).0)).abs() < 1e-9 * scale, "{}", law.name());
                 let (first, second) = u.pressure(b);
                 prop_assert!((first - difference(&|t| u.energy(b + t))).abs() < 1e-9 * scale);
                 prop_assert!((second - difference(&|t| u.pressure(b + t).0)).abs() < 1e-9 * scale);
                 // The limit of no step.
-                let (p, slope) = u.quotient(b, b);
+                let (p, slope) = u.divided_difference(b, b);
                 prop_assert!((p - first).abs() < 1e-14 * scale && (slope - 0.5 * second).abs() < 1e-13 * scale, "{}", law.name());
             }
         }

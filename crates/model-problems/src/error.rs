@@ -4,15 +4,15 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// The scheme cannot do this problem.
-    #[error("scheme `{scheme}` cannot carry constraints, and `{problem}` has some")]
+    /// The scheme cannot integrate constraints.
+    #[error("scheme `{scheme}` cannot integrate constraints, which `{problem}` has")]
     Constraints {
         /// The scheme.
         scheme: String,
         /// The problem.
         problem: String,
     },
-    /// Step size or number of steps make no sense.
+    /// The step size is not positive and finite.
     #[error("the step size must be positive and finite, found {dt}")]
     StepSize {
         /// What was given.
@@ -42,9 +42,9 @@ pub enum ModelError {
         /// Its start.
         time: f64,
     },
-    /// Coordinates or energy grew beyond all bounds.
-    #[error("step {step} at time {time}: the solution has left all bounds")]
-    Escaped {
+    /// Coordinates or energy have grown without bound.
+    #[error("step {step} at time {time}: the solution has grown without bound")]
+    Unbounded {
         /// Number of the step.
         step: u64,
         /// Its end.

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use stoss_integrators::State;
 
-/// What is kept zero while a constraint is active (theory/constraints#modified).
+/// Function that is zero while a constraint is active (theory/constraints#modified).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ConstraintForm {
     /// `Phi(q_np1) = 0`.
@@ -55,7 +55,7 @@ pub trait ModelProblem: std::fmt::Debug {
     /// Adds `factor sum_k p_k d^2 Phi_k/dq^2`; constant, since constraints are at most quadratic.
     fn add_constraint_hessian(&self, _p: &[f64], _factor: f64, _out: &mut DMatrix<f64>) {}
 
-    /// The first `3 * spatial_nodes` coordinates are points in space, whose momenta make sense.
+    /// Number of points in space, to which the first `3 * spatial_nodes` coordinates belong, and whose momenta are reported.
     fn spatial_nodes(&self) -> usize {
         0
     }

@@ -6,9 +6,9 @@ use nalgebra::DVector;
 use stoss_integrators::{Buffers, EndPoint, Scheme, Step, evaluate, finish, start};
 use stoss_newton::{NewtonFailure, NewtonOptions, NewtonProblem, ResidualNorms, solve};
 
-/// Coordinates beyond this size have left the problem for good.
-const ESCAPED: f64 = 1e8;
-/// Changes of the active set in a step before it is given up.
+/// Coordinates above this value count as unbounded.
+const UNBOUNDED: f64 = 1e8;
+/// Largest number of changes of the active set in a step.
 const MAX_SET_CHANGES: usize = 20;
 
 /// State and balance after a step.
@@ -43,7 +43,7 @@ impl Sample<'_> {
     }
 }
 
-/// What a run cost.
+/// Numerical effort of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Steps done.
@@ -52,7 +52,7 @@ pub struct Effort {
     pub evaluations: u64,
     /// Linear systems solved.
     pub solves: u64,
-    /// Times that Newton found nothing from the last positions and started again from the predictor. (From the last positions, because stiff
+    /// Number of steps in which Newton failed from the last positions and was restarted from the predictor. (From the last positions, because stiff
     /// problems at large steps have several solutions, and that start finds the smallest step.)
     pub restarts: u64,
 }
@@ -207,9 +207,9 @@ fn run(
         effort.steps = number;
         effort.evaluations = system.evaluations;
         let escaped =
-            state.q.iter().chain(&state.v).any(|x| !x.is_finite()) || state.q.iter().any(|x| x.abs() > ESCAPED);
+            state.q.iter().chain(&state.v).any(|x| !x.is_finite()) || state.q.iter().any(|x| x.abs() > UNBOUNDED);
         if escaped {
-            return Err(ModelError::Escaped { step: number, time: state.time });
+            return Err(ModelError::Unbounded { step: number, time: state.time });
         }
         observe(&sample(&system, number, &state));
     }

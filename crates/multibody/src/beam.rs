@@ -52,7 +52,7 @@ struct Point {
 
 /// Internal forces and moments at a Gauss point, where they are most accurate; components along the directors there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Resultant {
+pub struct SectionForces {
     /// Length of the reference axis from its start.
     pub arc: f64,
     /// Shear forces along `d_1`, `d_2` and tension along `d_3`.
@@ -315,13 +315,13 @@ impl Beam {
     }
 
     /// Internal forces and moments at all Gauss points at `q`.
-    pub fn resultants(&self, q: &[f64]) -> Vec<Resultant> {
+    pub fn section_forces(&self, q: &[f64]) -> Vec<SectionForces> {
         let mut strains = Evaluation::default();
         let mut at = |point: &Point| {
             point.strains.evaluate(q, q, 1.0, false, &mut strains);
             let rest = &point.energy.rest;
             let stress = |k: usize| self.section.stiffness()[k] * (strains.values[k] - rest[k]);
-            Resultant { arc: point.arc, force: [0, 1, 2].map(stress), moment: [3, 4, 5].map(stress) }
+            SectionForces { arc: point.arc, force: [0, 1, 2].map(stress), moment: [3, 4, 5].map(stress) }
         };
         self.points.iter().map(&mut at).collect()
     }

@@ -1,8 +1,8 @@
-//! What makes the linear equations of redundant constraints solvable, without a trace in the solution.
+//! Compliance in the tangent that makes the linear equations of redundant constraints solvable, without an influence on the converged solution.
 
 use stoss_contact::LocalContribution;
 
-/// Linear equations at the beginning of a step that are written for the multipliers themselves.
+/// Number of linear equations at the beginning of a step that are written for the multipliers themselves, not for their increments.
 const ABSOLUTE: u32 = 2;
 
 /// Weights against which the rows of constraints are measured: a mass and a stiffness that are typical of what they connect.

@@ -1,4 +1,4 @@
-//! Couplings of nodes, for instance of the surface of a solid, to a rigid body, mostly one without mass: what is joined to that acts on the nodes.
+//! Kinematic and distributing couplings of nodes, for instance of the surface of a solid, to a rigid body, usually one without mass, to which joints and loads are then applied.
 
 use crate::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody};
 use nalgebra::{Matrix3, Vector3};
@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CouplingError {
-    /// There is none.
+    /// The coupling has no nodes.
     #[error("coupling {coupling} has no nodes")]
     NoNodes {
         /// The coupling.
@@ -24,14 +24,14 @@ pub enum CouplingError {
         weight: f64,
     },
     /// Nodes on a line, or all at one point, do not determine a rotation.
-    #[error("coupling {coupling}: the nodes are on a line, or all at one point, so that they have no rotation")]
+    #[error("coupling {coupling}: the nodes are on a line, or all at one point, and do not determine a rotation")]
     OnALine {
         /// The coupling.
         coupling: String,
     },
     /// The body is not where the nodes have their centre.
     #[error(
-        "coupling {coupling}: the point of the body is {distance:e} from the weighted centre of the nodes; it has to be there"
+        "coupling {coupling}: the point of the body is {distance:e} from the weighted centre of the nodes; move the point there"
     )]
     Centre {
         /// The coupling.
@@ -73,12 +73,12 @@ pub fn kinematic_coupling(
     Ok(ConstraintSet::new(name, body.director_length(), equations.collect()))
 }
 
-/// The body moves as the nodes do in the weighted mean: `sum w_a x_a - c = 0` with weights that are scaled to the sum 1, and `sum w_a (R X_a) x (x_a - c) = 0`, in the body's
+/// The body follows the weighted mean motion of the nodes: `sum w_a x_a - c = 0` with weights that are scaled to the sum 1, and `sum w_a (R X_a) x (x_a - c) = 0`, in the body's
 /// axes: `(S_j . D_k - S_k . D_j) / L = 0`, `S_j = sum w_a X_aj x_a`, with the square `L` of the radius of gyration of the nodes over a length. 6 equations; the centre `c` of the body
 /// is at the weighted centre of the nodes.
 ///
-/// Forces and moments on the body go to the nodes, `w_a (f + t x R X_a)` with some vector `t`; the nodes are as free to deform as they were. All nodes are one dense contribution: some hundred
-/// are as many as should be.
+/// Forces and moments on the body go to the nodes, `w_a (f + t x R X_a)` with some vector `t`; the deformation of the nodes is not constrained. All nodes form one dense contribution: use a few hundred nodes
+/// at most.
 ///
 /// # Errors
 /// [`CouplingError`].

@@ -3,7 +3,7 @@
 /// `u(q) = c + sum_k w_k q_k`: a point of a body (weights of positions add up to 1, `c` zero), a direction fixed to a body, or, without terms, a
 /// point or direction of the ground.
 ///
-/// Whatever acts on such a point acts on its carriers with the weights, `f_k = w_k f`: the work is the same, and so is the moment `sum q_k x f_k = u x f`
+/// A force on such a point acts on the vectors that carry it with the weights, `f_k = w_k f`: the work is the same, and so is the moment `sum q_k x f_k = u x f`
 /// (theory/multibody#embedded).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Embedded {

@@ -1,4 +1,4 @@
-//! Why a beam, string, spring or point mass cannot be made.
+//! Errors in the data of a beam, string, spring or point mass.
 
 /// What is wrong with the data of a part.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum PartDataError {
         order: usize,
     },
     /// Two neighbours coincide, or an element is folded.
-    #[error("element {element} has no length at a point of its axis")]
+    #[error("element {element} has zero length at a point of its axis (coincident nodes, or a folded element)")]
     NoLength {
         /// Number of the element.
         element: usize,
@@ -35,7 +35,9 @@ pub enum PartDataError {
         node: usize,
     },
     /// A direction that is needed for the directors is zero or along the axis.
-    #[error("the direction {direction:?} does not tell the directors of a beam along {axis:?}")]
+    #[error(
+        "the direction {direction:?} does not determine the directors of a beam along {axis:?}: it is zero or parallel to the axis"
+    )]
     Direction {
         /// The direction.
         direction: [f64; 3],

@@ -1,4 +1,4 @@
-//! What a joint holds on each of its sides.
+//! Frames: a point and three directions on each side of a joint.
 
 use crate::{Embedded, RigidBody};
 

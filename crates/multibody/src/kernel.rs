@@ -129,10 +129,4 @@ impl Kernel {
         functions.evaluate(q, q, 1.0, false, &mut self.end);
         response.value(&self.end.values)
     }
-
-    /// Value of the function at a configuration and its gradient there, into `force`.
-    pub fn value_and_gradient(&mut self, functions: &Quadratics, response: &dyn Response, q: &[f64]) -> f64 {
-        self.evaluate(functions, response, q, q, GradientAt::Configuration(1.0), false);
-        response.value(&self.between.values)
-    }
 }

@@ -42,7 +42,7 @@ mod string;
 mod support;
 
 pub use axis::{BeamAxis, Triad};
-pub use beam::{Beam, Resultant};
+pub use beam::{Beam, SectionForces};
 pub use compliance::Weights;
 pub use constraint::{ConstraintSet, Equation};
 pub use coupling::{CouplingError, distributing_coupling, kinematic_coupling};
@@ -58,7 +58,7 @@ pub use line::tributary_lengths;
 pub use point_mass::PointMass;
 pub use quadratic::{Evaluation, FormId, Quadratics, QuadraticsBuilder};
 pub use redundancy::{Equations, Redundancy, RedundancyError, analyse, velocity_violation};
-pub use response::{Identity, QuadraticEnergy, Response};
+pub use response::{QuadraticEnergy, Response};
 pub use rigid::{RigidBody, RigidError, RigidMass};
 pub use section::{Area, Section, SectionMaterial};
 pub use spring::{Spring, SpringData};

@@ -8,17 +8,17 @@ use crate::{ConstraintSet, Joint};
 use std::collections::BTreeMap;
 use stoss_contact::{Constraint, ContactError, ContactRule, StepConfiguration};
 
-/// A row is nothing if its entries fell below this share of its largest entry before the elimination.
+/// A row counts as zero if its entries fell below this part of its largest entry before the elimination.
 const TOLERANCE: f64 = 1e-8;
 
-/// A value contradicts others if more than this share of the length of its set is left.
+/// An equation contradicts others if the rest of its value exceeds this part of the length scale of its set.
 const CONTRADICTION: f64 = 1e-6;
 
 /// Constraints that hold as equations.
 pub trait Equations: Constraint {
     /// Whether the slot is an equation between positions at all times: not that of friction or of a limit.
     fn is_equation(&self, slot: usize) -> bool;
-    /// Whether it is rigidity of a body or the like, which every body has: of a redundant system others are blamed.
+    /// Whether it is the rigidity of a body: in a redundant system the other sets are reported, not these.
     fn is_rigidity(&self) -> bool {
         false
     }
@@ -26,7 +26,7 @@ pub trait Equations: Constraint {
     fn moves_by_itself(&self, _slot: usize) -> bool {
         false
     }
-    /// What it is, for messages: "hinge".
+    /// Kind for messages, for instance "hinge".
     fn kind_name(&self) -> &str;
 }
 
@@ -63,23 +63,23 @@ impl Equations for Joint {
 pub struct Redundancy {
     /// Number of equations.
     pub equations: usize,
-    /// Number of those that follow from no others before them.
+    /// Number of independent equations.
     pub rank: usize,
-    /// Set and slot of the others.
+    /// Set and slot of the redundant ones.
     pub redundant: Vec<(usize, usize)>,
     /// Sets without rigidity in parts of the system that are connected and have redundant equations: of these the multipliers are not determined, and all are to be made
     /// compliant ([`Joint::set_redundant`], [`ConstraintSet::set_redundant`]).
     pub involved: Vec<usize>,
-    /// In words, one for each set with redundant equations.
+    /// Messages, one for each set with redundant equations.
     pub messages: Vec<String>,
 }
 
-/// Why a system of equations has no solution, or none that can be told.
+/// Why the redundancy of a system of equations cannot be resolved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RedundancyError {
     /// An equation contradicts others.
-    #[error("{kind} {name}: equation {equation} follows from others and contradicts them, by {value:e}")]
+    #[error("{kind} {name}: equation {equation} is redundant and contradicts the others, by {value:e}")]
     Contradiction {
         /// Name of the set.
         name: String,
@@ -87,7 +87,7 @@ pub enum RedundancyError {
         kind: String,
         /// Slot of the set, from one.
         equation: usize,
-        /// What is left of its value, a length.
+        /// Rest of its value after elimination, a length.
         value: f64,
     },
     /// A set cannot be evaluated.

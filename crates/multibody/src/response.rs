@@ -42,21 +42,3 @@ impl Response for QuadraticEnergy {
         }
     }
 }
-
-/// `W = phi_0`: a constraint function or a length that is quadratic in the positions itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Identity;
-
-impl Response for Identity {
-    fn value(&self, phi: &[f64]) -> f64 {
-        phi[0]
-    }
-
-    fn derivatives(&self, _phi: &[f64], gradient: &mut [f64], _second: &mut [f64]) {
-        gradient[0] = 1.0;
-    }
-
-    fn discrete_gradient(&self, _phi_n: &[f64], _phi_np1: &[f64], gradient: &mut [f64], _derivative: &mut [f64]) {
-        gradient[0] = 1.0;
-    }
-}

@@ -7,11 +7,11 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use std::ops::Range;
 use stoss_part::Part;
 
-/// Why there is no such rigid body.
+/// Why a rigid body cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RigidError {
-    /// Mass or Euler tensor.
+    /// A mass, a principal value or a length is not positive and finite.
     #[error("{what} = {value:e} must be positive and finite")]
     NotPositive {
         /// Which number.
@@ -19,10 +19,10 @@ pub enum RigidError {
         /// The number.
         value: f64,
     },
-    /// Not finite.
+    /// A coordinate is NaN or infinite.
     #[error("{what} is not finite")]
     NotFinite {
-        /// What.
+        /// Which number.
         what: &'static str,
     },
 }
@@ -113,7 +113,7 @@ impl RigidBody {
         Self { name: name.to_owned(), first, mass, length }
     }
 
-    /// A body without mass, to which nodes of a solid are coupled ([`crate::kinematic_coupling`], [`crate::distributing_coupling`]). What is coupled to it
+    /// A body without mass, to which nodes of a solid are coupled ([`crate::kinematic_coupling`], [`crate::distributing_coupling`]). The couplings
     /// must determine its motion, for it has no inertia. Velocities at the start must be those that the couplings say.
     ///
     /// # Errors

@@ -151,11 +151,6 @@ impl Section {
     pub fn stiffness(&self) -> [f64; 6] {
         [self.shear[0], self.shear[1], self.axial, self.bending[0], self.bending[1], self.torsion]
     }
-
-    /// Radius of gyration `sqrt(max EI / EA)`, a length.
-    pub fn gyration(&self) -> f64 {
-        (self.bending[0].max(self.bending[1]) / self.axial).sqrt()
-    }
 }
 
 #[cfg(test)]

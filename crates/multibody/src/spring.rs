@@ -25,7 +25,7 @@ pub struct SpringData {
 ///
 /// The energy is `V = k/2 (l - L)^2` with `l = |a - b|`, for tension only zero where `l < L`. With the invariant `pi = l^2` its discrete gradient is
 /// `k/2 (l_0 + l_1 - 2 L) / (l_0 + l_1)`. The damper has the force `d (l_1 - l_0) / dt`, as `d (l_1 - l_0) / (dt (l_0 + l_1))` times the gradient of `pi` at the
-/// midpoint of the step whatever the rule: it takes `d (l_1 - l_0)^2 / dt` out of a step, and turns and moves nothing.
+/// midpoint of the step whatever the rule: it dissipates `d (l_1 - l_0)^2 / dt` in a step and changes no momentum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     name: String,
@@ -76,7 +76,7 @@ impl Spring {
         if self.data.tension_only { l.max(self.data.rest_length) } else { l }
     }
 
-    /// An error if the spring has a force but no direction.
+    /// An error if the ends of a spring with a force coincide.
     fn check(&self, step: &PartStep<'_>, at: GradientAt) -> Result<(), PartError> {
         let pushes = self.data.stiffness > 0.0 && self.data.rest_length > 0.0 && !self.data.tension_only;
         let no_length = pushes

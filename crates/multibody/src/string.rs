@@ -1,4 +1,4 @@
-//! Elastic strings: tension, and nothing else.
+//! Elastic strings, which have axial stiffness only.
 
 use crate::Embedded;
 use crate::axis::check_lengths;
@@ -10,14 +10,14 @@ use crate::response::Response;
 use std::ops::Range;
 use stoss_part::{LocalForce, Part, PartError, PartStep};
 
-/// What a string is made of.
+/// Stiffness and mass of a string.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StringMaterial {
     /// `E A`, a force.
     pub stiffness: f64,
     /// Mass per natural length.
     pub mass: f64,
-    /// Whether a string that is shorter than its natural length has no force at all. Else it resists being shortened, and cannot be shortened to nothing.
+    /// Whether a string that is shorter than its natural length has no force at all. Otherwise it also resists compression, with an energy that tends to infinity as its length tends to zero.
     pub tension_only: bool,
 }
 

@@ -236,7 +236,7 @@ fn statics() {
     assert!(turned(1.3, 0.0).abs() < 1e-9);
 }
 
-/// A hinge with mass far from the axis at a rough state of all options: the energy of the ledger stays.
+/// A hinge with mass far from the axis at a rough state of all options: the total energy of the balance stays.
 #[test]
 fn everything_at_once_is_balanced() {
     let mut model = Model::default();

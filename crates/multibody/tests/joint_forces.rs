@@ -258,7 +258,7 @@ proptest! {
         }
     }
 
-    /// As [`no_resultant_no_moment_and_exact_work`] with options on both coordinates, and the ledger says the same.
+    /// As [`no_resultant_no_moment_and_exact_work`] with options on both coordinates, and the reported work is the same.
     #[test]
     fn work_of_two_coordinates_is_exact(
         about in proptest::array::uniform3(0.1..1.0_f64),
@@ -301,9 +301,9 @@ proptest! {
                 expected += (0.4 * change / 0.05 + joint.scale(k) * multipliers) * change;
             }
             prop_assert!((work - expected).abs() < 1e-11, "{kind:?} {work} {expected}");
-            // The same in the ledger where nothing gives energy.
+            // The same of the reported work where nothing gives energy.
             let towards: Vec<f64> = (0..8).map(|s| if s < 4 { m[s] } else { m[s] * (own.1[(s - 4) / 2] - own.0[(s - 4) / 2]).signum() }).collect();
-            let ledger = joint.work(&q_np1, &towards, &[true; 8]).unwrap();
+            let reported = joint.work(&q_np1, &towards, &[true; 8]).unwrap();
             let local = assemble(&joint, [&q_n, &q_np1], rule, &towards, false);
             let mut work = 0.0;
             for (k, &node) in local.nodes.iter().enumerate() {
@@ -311,7 +311,7 @@ proptest! {
                 work += (0..3).map(|i| local.residual[3 * k + i] * (q_np1[at + i] - q_n[at + i])).sum::<f64>();
             }
             let stored = joint.stored_at_start(&q_n);
-            prop_assert!((ledger.stored - stored + ledger.dissipated - work).abs() < 1e-11, "{kind:?}");
+            prop_assert!((reported.stored - stored + reported.dissipated - work).abs() < 1e-11, "{kind:?}");
         }
     }
 }
@@ -440,7 +440,7 @@ proptest! {
     }
 }
 
-/// Work in the ledger is the work of the forces, and losses are never negative.
+/// Work in the reported is the work of the forces, and losses are never negative.
 #[test]
 fn work_of_the_ledger() {
     let mut joint = joint(JointKind::Hinge, false).with_options(options(5)).unwrap();

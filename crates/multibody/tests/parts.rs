@@ -184,8 +184,8 @@ proptest! {
             }).collect()
         };
         let q = disturbed(&flat(&beam.reference()), &a);
-        let here = beam.resultants(&q);
-        let there = beam.resultants(&moved(&q, &|v| beam.is_direction(v as u32)));
+        let here = beam.section_forces(&q);
+        let there = beam.section_forces(&moved(&q, &|v| beam.is_direction(v as u32)));
         for (x, y) in here.iter().zip(&there) {
             for k in 0..3 {
                 prop_assert!((x.force[k] - y.force[k]).abs() < 1e-12 * 50.0 && (x.moment[k] - y.moment[k]).abs() < 1e-12 * 50.0);

@@ -101,6 +101,17 @@ fn distance_to_least_norm(
     (&found - &least).amax() / found.amax()
 }
 
+/// Runs with the energy-momentum scheme; returns the largest number of iterations in a step, and the largest distance from the multipliers of least norm.
+fn run_to_end(simulation: &mut Simulation, first: usize, bodies: &[&RigidBody], joints: &[Joint]) -> (u32, f64) {
+    let (mut most, mut worst) = (0, 0.0_f64);
+    while !simulation.finished() {
+        let q_n = simulation.state().q.clone();
+        most = most.max(simulation.advance().unwrap().iterations);
+        worst = worst.max(distance_to_least_norm(simulation, first, &q_n, bodies, joints, ContactRule::EnergyMomentum));
+    }
+    (most, worst)
+}
+
 fn door(hinges: u8) -> (Model, RigidBody, Vec<Joint>) {
     let mut model = Model::default();
     let mass = RigidMass::new(2.0, [0.4, 0.1, 1.0], [0.1, 0.03, 0.3], AXES).unwrap();
@@ -213,13 +224,7 @@ fn a_loop_of_four_links() {
     assert_eq!(found.messages, ["hinge pin-3: 3 of its 5 equations follow from others"]);
     let mut simulation = run(model, 0.01, 5.0);
     let start = *simulation.balance();
-    let (mut worst, mut most) = (0.0_f64, 0);
-    while !simulation.finished() {
-        let q_n = simulation.state().q.clone();
-        most = most.max(simulation.advance().unwrap().iterations);
-        worst =
-            worst.max(distance_to_least_norm(&simulation, first, &q_n, &bodies, &joints, ContactRule::EnergyMomentum));
-    }
+    let (most, worst) = run_to_end(&mut simulation, first, &bodies, &joints);
     let end = *simulation.balance();
     let apart = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max);
     let momenta =
@@ -256,13 +261,7 @@ fn a_hundred_redundant_equations() {
     assert_eq!(found.equations - found.rank, 102);
     let mut simulation = run(model, 0.01, 2.0);
     let start = *simulation.balance();
-    let (mut worst, mut most) = (0.0_f64, 0);
-    while !simulation.finished() {
-        let q_n = simulation.state().q.clone();
-        most = most.max(simulation.advance().unwrap().iterations);
-        worst =
-            worst.max(distance_to_least_norm(&simulation, first, &q_n, &bodies, &joints, ContactRule::EnergyMomentum));
-    }
+    let (most, worst) = run_to_end(&mut simulation, first, &bodies, &joints);
     let end = *simulation.balance();
     println!("welds: {most} iterations, least norm {worst:e}, energy {:e}", end.total() / start.total() - 1.0);
     for i in 0..3 {

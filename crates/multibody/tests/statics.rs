@@ -147,7 +147,7 @@ fn roll_up() {
             );
             // d_1 = y, d_2 = z: bending about z is about d_2. The moment is the applied one at every Gauss point, but for directors that are shorter between
             // nodes: elements of order 1 have the strain sin(a) / h for an angle of a, thus the moment M / cos(a).
-            let worst = beam.resultants(q).iter().map(|r| (r.moment[1] / moment - 1.0).abs()).fold(0.0, f64::max);
+            let worst = beam.section_forces(q).iter().map(|r| (r.moment[1] / moment - 1.0).abs()).fold(0.0, f64::max);
             println!("order {order}, {elements} elements: error of the moment {worst:.1e}");
             moments.push(worst);
         }

@@ -1,7 +1,7 @@
 //! Newton iteration, line search, convergence tests, stop reasons.
 //!
 //! The iteration `K du = -R`, `q <- q + s du` for a problem that knows its own residual `R`, tangent `K` and iterate `q`
-//! (theory/linear-solvers#tolerance). This crate decides when to go on, when to stop, how long a step is and why; it keeps a
+//! (theory/linear-solvers#tolerance). This crate decides when to continue, when to stop and how long a step is, with the reason; it keeps a
 //! record of every iteration.
 //!
 //! * [`NewtonProblem`]: what a problem brings; [`Potential`], if its residual is the slope of one;
@@ -15,13 +15,13 @@
 //! # When is it converged?
 //! When `residual <= absolute + relative * scale`. For schemes that conserve momentum and energy algebraically that is not
 //! enough: the drift of a step is the work of the residual that is left. Hence the iteration goes on ("polish") after
-//! the tolerance is reached, as long as an iteration still pays; with quadratic convergence one more is nearly always enough
+//! the tolerance is reached, as long as an iteration still reduces the residual; with quadratic convergence one more is nearly always enough
 //! to arrive at round-off. See [`NewtonOptions::polish`].
 //!
-//! # What if it goes round?
-//! A residual with kinks (stick and slip, closed and open, the facets of a surface) can send Newton's method round among its pieces for ever. When the
-//! last residuals, after full steps, are those of two or three iterations before, the next step is half as long: it ends between the pieces, and the method
-//! goes on from there as usual.
+//! # What if it cycles?
+//! A residual with kinks (stick and slip, closed and open, the facets of a surface) can make Newton's method jump between its smooth pieces for ever. When the
+//! last residuals, after full steps, are equal to those of two or three iterations before, the next step is half as long: it ends between the pieces, and the
+//! iteration continues from there.
 //!
 #![doc = include_str!("../README.md")]
 

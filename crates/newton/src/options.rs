@@ -9,20 +9,20 @@ pub enum LineSearch {
     /// A full step is tried first, and assembled at once, so that the line search costs nothing while it is not needed.
     /// If the step is not admissible or the residual grows too much, the step is shortened until both are fine.
     Backtracking {
-        /// A step is accepted if the residual is at most this times the previous one. At contact a residual may well
-        /// grow in one iteration; 1 would suffocate the iteration there.
+        /// A step is accepted if the residual is at most this times the previous one. In contact problems the residual may
+        /// grow in one iteration; with 1 the iteration would stall there.
         max_growth: f64,
-        /// A previous residual below this times the scale counts as that much. In dynamics a contact that closes begins with the violation of its
-        /// constraint alone, which may be any small number; the forces that it takes come with the first step.
+        /// Lower bound of the previous residual in this test, as a part of the scale. In dynamics a contact that closes starts with the violation of its
+        /// constraint alone, which may be arbitrarily small; the contact forces come with the first step.
         small: f64,
         /// Factor between two trials, in (0, 1).
         reduction: f64,
         /// At most so many reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
         max_reductions: u32,
     },
-    /// If the problem has a [`crate::Potential`], a step is accepted if that falls as its slope promises (Armijo), up to round-off; the residual may grow. Without, if the residual does
-    /// not grow. Else it is shortened until that is so, and if nothing helps, the length with the smallest potential, or residual, is taken.
-    /// For forces that grow without bound as surfaces come near.
+    /// If the problem has a [`crate::Potential`], a step is accepted if the potential falls sufficiently (Armijo's condition), up to round-off; the residual may grow. Without a potential a step is accepted if the residual does
+    /// not grow. Otherwise the step is reduced, and if no length is accepted, the one with the smallest potential, or residual, is taken.
+    /// For forces that grow without bound as surfaces approach each other.
     Best {
         /// Factor between two trials, in (0, 1).
         reduction: f64,
@@ -46,23 +46,23 @@ impl LineSearch {
 /// Settings of the iteration. Norms are those of the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewtonOptions {
-    /// So many linear systems are solved before the tolerance counts. One where the residual says nothing of what is wanted: after a change of
+    /// Least number of linear systems solved before the tolerance is tested. 1 where a small first residual does not mean a solution: after a change of
     /// constraints it may be small before anything has moved.
     pub min_iterations: u32,
-    /// At most so many linear systems are solved to reach the tolerance; those of the polishing come on top, and, up to four times as many, those whose step went down on a
-    /// potential that lasts.
+    /// Largest number of linear systems solved to reach the tolerance. The iterations of [`Self::polish`] are not counted, nor, up to four times this number, those whose
+    /// step lowered a fixed potential.
     pub max_iterations: u32,
     /// Converged when `residual <= absolute_tolerance + relative_tolerance * scale` and the constraints' relative violation is at
     /// most `relative_tolerance`. A residual's unit.
     pub absolute_tolerance: f64,
     /// See [`Self::absolute_tolerance`]. Without unit.
     pub relative_tolerance: f64,
-    /// At most so many further iterations after the tolerance is reached, each only if the one before reduced the residual
+    /// Largest number of further iterations after the tolerance is reached, each only if the one before reduced the residual
     /// by [`Self::polish_factor`] and round-off is not reached yet. Zero: stop at the tolerance.
     pub polish: u32,
-    /// An iteration of the polishing has paid if the residual fell at least by this factor, in (0, 1).
+    /// Reduction of the residual, in (0, 1), that a further iteration must reach for another one to follow.
     pub polish_factor: f64,
-    /// No polishing below `round_off_level * scale`: there is nothing left to gain.
+    /// No further iterations below `round_off_level * scale`: the residual is round-off.
     pub round_off_level: f64,
     /// A residual that no longer falls by [`Self::polish_factor`] counts as converged to round-off although the tolerance is
     /// not reached, if it is at most this times the scale, or ...

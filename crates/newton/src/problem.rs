@@ -17,10 +17,10 @@ pub struct ResidualNorms {
 pub struct Potential {
     /// Its value, up to a constant.
     pub value: f64,
-    /// What round-off may do to a difference of values, `>= 0`.
+    /// Bound of the round-off of a difference of two values, `>= 0`.
     pub round_off: f64,
-    /// Whether it stays the same from one iteration to the next. If it does not, as that of friction with the normal forces of the last iterate, a smaller residual is progress as well.
-    pub is_lasting: bool,
+    /// Whether it is the same function in all iterations. If not (friction with the normal forces of the last iterate), a smaller residual counts as progress too.
+    pub is_fixed: bool,
 }
 
 /// A system of equations at an iterate that the problem itself stores.
@@ -44,7 +44,7 @@ pub trait NewtonProblem {
     /// The problem's own, for instance a singular tangent. They end the iteration.
     fn solve(&mut self) -> Result<f64, Self::Error>;
 
-    /// As [`Self::solve`], with a tangent that is changed, if it has to be, such that the increment goes downhill on the potential: comes in its place with [`crate::LineSearch::Best`].
+    /// As [`Self::solve`], with a tangent that is modified, if necessary, so that the potential falls along the increment. Called instead of `solve` with [`crate::LineSearch::Best`].
     /// [`Self::solve`] by default.
     ///
     /// # Errors
@@ -53,13 +53,13 @@ pub trait NewtonProblem {
         self.solve()
     }
 
-    /// The line search of the next iteration, where the options have `chosen`: [`crate::LineSearch::Best`] is worth its price where forces may grow out of all proportion along the way.
+    /// The line search of the next iteration, where the options have `chosen`: [`crate::LineSearch::Best`] pays where forces may grow without bound along the increment.
     /// `chosen` by default.
     fn line_search(&self, chosen: LineSearch) -> LineSearch {
         chosen
     }
 
-    /// The potential at the iterate that was evaluated last, if the problem has one. It may be another one after each solution, as long as its gradient where it was solved is the residual.
+    /// The potential at the iterate that was evaluated last, if the problem has one. It may be another function after each linear solution, if its gradient at the iterate of that solution is the residual.
     /// None by default.
     ///
     /// # Errors
@@ -68,12 +68,12 @@ pub trait NewtonProblem {
         Ok(None)
     }
 
-    /// Derivative of the potential along the increment that was solved for last, at the iterate that was evaluated last: residual times increment. Of use only with a potential.
+    /// Derivative of the potential along the increment that was solved for last, at the iterate that was evaluated last: residual times increment. Used only with a potential.
     fn slope(&self) -> f64 {
         0.0
     }
 
-    /// Part of the increment that was solved for last, in (0, 1], beyond which the iterate must not go in this iteration: where surfaces would pass through each other, for instance.
+    /// Largest admissible step length in this iteration, as a part of the last increment, in (0, 1]: beyond it surfaces would pass through each other, for instance.
     /// 1 by default.
     ///
     /// # Errors
@@ -105,7 +105,7 @@ pub trait NewtonProblem {
         0.0
     }
 
-    /// Whether the linear equations that were solved last were those of the residual. If not, a small increment says nothing of round-off. True by default.
+    /// Whether the linear equations that were solved last were those of the residual. If not, a small increment is no sign of round-off. True by default.
     fn is_linearised(&self) -> bool {
         true
     }

@@ -55,8 +55,8 @@ pub struct IterationRecord {
     pub violation: f64,
     /// Norm of the full increment `du` that led here.
     pub increment: f64,
-    /// The part of the increment that was taken: 1 without a line search (less where the iteration went round), 0 for an iterate of the polishing that was
-    /// taken back (its residual is the rejected one).
+    /// The part of the increment that was taken: 1 without a line search (less after a cycle), 0 for a further iteration that was rejected
+    /// (its residual is that of the rejected iterate).
     pub step_length: f64,
 }
 
@@ -109,7 +109,7 @@ impl NewtonReport {
 /// The iteration did not arrive at a solution.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum NewtonFailure<E> {
-    /// The problem reported an error that no shorter step helped against.
+    /// The problem reported an error that no shorter step avoids.
     #[error("error in iteration {}: {error}", .report.iterations.len())]
     Problem {
         /// The problem's error.

@@ -17,7 +17,7 @@ pub fn solve<P: NewtonProblem>(
     problem: &mut P,
     options: &NewtonOptions,
 ) -> Result<NewtonReport, NewtonFailure<P::Error>> {
-    let mut course = Course { options, records: Vec::with_capacity(options.max_iterations as usize + 1) };
+    let mut course = Iteration { options, records: Vec::with_capacity(options.max_iterations as usize + 1) };
     match course.run(problem) {
         Ok(reason) if reason.is_converged() => Ok(course.report(reason)),
         Ok(reason) => Err(NewtonFailure::NotConverged(course.report(reason))),
@@ -25,53 +25,56 @@ pub fn solve<P: NewtonProblem>(
     }
 }
 
-/// Newton's method may go round for ever among the pieces of a residual with kinks (stick and slip, the facets of a surface), each of
-/// which leads to the next. A step of this length ends between them.
-const SHORT_STEP: f64 = 0.5;
+/// Step length when the iteration cycles: Newton's method may jump for ever between the smooth pieces of a residual with kinks (stick and slip, the
+/// facets of a surface). A step of this length ends between them.
+const CYCLE_STEP: f64 = 0.5;
 
-/// Relative difference of residuals that are taken for the same.
+/// Relative difference below which two residuals count as equal in the test for cycles.
 const SAME_RESIDUAL: f64 = 0.02;
 
-/// A residual below this share of what the violation of constraints counts for is none. The forces that the constraints will need are still to come,
-/// and neither the residual nor its scale says how large they are: contact that closes on bodies without load has both as small as one likes.
-const IN_BALANCE: f64 = 1e-3;
+/// A residual below this part of the measure of the constraint violation counts as zero. The forces of the constraints are still missing then, and neither
+/// the residual nor its scale says how large they will be: when contact closes on unloaded bodies, both may be arbitrarily small.
+const BALANCED_RESIDUAL: f64 = 1e-3;
 
-/// A violation of constraints above this is none of round-off, however small the increment of the positions was: multipliers alone may have changed, such as that of
-/// a friction that sticks and will slide.
-const NO_ROUND_OFF: f64 = 1e-6;
+/// A relative violation of constraints above this is not round-off, however small the increment of the positions: the multipliers alone may have changed, for
+/// instance that of a sticking point that is about to slide.
+const ROUND_OFF_VIOLATION: f64 = 1e-6;
 
-/// At most so many reductions of a step on a potential; the last one is taken if it does not fall then, which it must but for round-off.
-const MAX_DESCENTS: u32 = 20;
+/// Largest number of reductions of a step in the line search on a potential. The last trial is accepted even if the potential has not fallen, which only
+/// round-off can cause.
+const MAX_REDUCTIONS_ON_POTENTIAL: u32 = 20;
 
-/// So many times the limit on iterations that go down on a lasting potential come on top of it. They lead to a minimum, which may be far where a surface snaps through or slips off; a shorter
-/// load step would not bring it nearer.
-const MORE_DESCENTS: u32 = 4;
+/// Iterations that lower a fixed potential do not count against the limit, up to this multiple of it. They lead to a minimum, which may be far away where a
+/// surface snaps through or slips off; a shorter load step would not bring it nearer.
+const EXTRA_DESCENT_ITERATIONS: u32 = 4;
 
-/// Part of the residual by which it must at least be smaller after a full step, and after a shorter one in proportion, where a potential does not last.
-const PROMISED_REST: f64 = 0.1;
+/// Relative decrease of the residual that a full step must reach, and a shorter one in proportion, where the potential is not fixed.
+const SUFFICIENT_DECREASE: f64 = 0.1;
 
-/// Part of the fall that the slope of a potential promises and that a step must have at least (Armijo).
-const PROMISED_FALL: f64 = 1e-4;
+/// Armijo's constant: least decrease of the potential over the decrease that its slope at the start predicts.
+const ARMIJO: f64 = 1e-4;
 
-/// Behind a minimum the potential rises again: a step that ends where it rises by more than this part of what it fell at the start has gone too far, nearly twice as far as a parabola has its minimum.
-const TOO_FAR: f64 = 0.9;
+/// Constant of the curvature condition (strong Wolfe), used where round-off hides the decrease: beyond a minimum the potential rises again, and a step that ends with
+/// a slope of more than this part of the slope at the start is too long (nearly twice the distance of the minimum of a parabola).
+const CURVATURE: f64 = 0.9;
 
-/// Potential and slope where a step begins.
+/// Potential, and its slope along the increment, where a line search starts.
 #[derive(Clone, Copy)]
-struct Hill {
+struct LineStart {
     at_start: Potential,
     slope: f64,
 }
 
-impl Hill {
-    /// Whether a step of this length that ends at `potential`, with this slope there, has gone down. Where round-off hides it, the slope tells that the step went too far.
+impl LineStart {
+    /// Whether a step of this length that ends at `potential` with this slope lowers the potential sufficiently. Where round-off hides the decrease, the slope at the
+    /// end decides ([`CURVATURE`]).
     fn is_descent(self, potential: Potential, length: f64, slope: f64) -> bool {
-        let excess = potential.value - self.at_start.value - PROMISED_FALL * length * self.slope;
+        let excess = potential.value - self.at_start.value - ARMIJO * length * self.slope;
         excess <= 0.0 && self.is_lower(potential)
-            || excess <= self.at_start.round_off.max(potential.round_off) && slope <= -TOO_FAR * self.slope
+            || excess <= self.at_start.round_off.max(potential.round_off) && slope <= -CURVATURE * self.slope
     }
 
-    /// Whether it is lower there by more than round-off.
+    /// Whether `potential` is lower than at the start by more than round-off.
     fn is_lower(self, potential: Potential) -> bool {
         potential.value < self.at_start.value - self.at_start.round_off.max(potential.round_off)
     }
@@ -80,7 +83,7 @@ impl Hill {
 /// Norms of an iterate.
 #[derive(Clone, Copy)]
 struct Norms {
-    /// The larger of the residual and of the violation times the scale, of which no more than the whole counts: what has to fall.
+    /// What has to decrease: the larger of the residual and of the relative violation (at most 1) times the scale.
     measure: f64,
     residual: f64,
     scale: f64,
@@ -110,8 +113,8 @@ fn assemble<P: NewtonProblem>(problem: &mut P) -> Result<Norms, P::Error> {
     Ok(Norms::new(norms, problem.relative_violation()))
 }
 
-/// What became of a step.
-enum Step {
+/// Outcome of a step.
+enum Trial {
     Taken {
         norms: Norms,
         length: f64,
@@ -122,12 +125,12 @@ enum Step {
     NotFinite,
 }
 
-struct Course<'a> {
+struct Iteration<'a> {
     options: &'a NewtonOptions,
     records: Vec<IterationRecord>,
 }
 
-impl Course<'_> {
+impl Iteration<'_> {
     fn report(self, reason: StopReason) -> NewtonReport {
         NewtonReport { reason, iterations: self.records }
     }
@@ -144,7 +147,7 @@ impl Course<'_> {
         let mut since_smallest = 0;
         let (mut solves, mut descents) = (0, 0);
         while solves < o.min_iterations || !self.within_tolerance(norms) {
-            if solves >= o.max_iterations + descents.min(MORE_DESCENTS * o.max_iterations) {
+            if solves >= o.max_iterations + descents.min(EXTRA_DESCENT_ITERATIONS * o.max_iterations) {
                 return Ok(StopReason::MaxIterations);
             }
             solves += 1;
@@ -156,23 +159,24 @@ impl Course<'_> {
             }
             let previous = norms;
             let at_start = if downhill { problem.potential()? } else { None };
-            // An increment that goes uphill says that the problem could not help it.
-            let hill =
-                at_start.map(|at_start| Hill { at_start, slope: problem.slope() }).filter(|hill| hill.slope <= 0.0);
-            let first = problem.longest_step()?.min(if self.cycles() { SHORT_STEP } else { 1.0 });
-            let (length, lower) = match self.step(problem, line_search, previous, (first, hill))? {
-                Step::Taken { norms: new, length, lower } => {
+            // An increment along which the potential rises: the problem could not avoid it, and the residual is searched instead.
+            let start = at_start
+                .map(|at_start| LineStart { at_start, slope: problem.slope() })
+                .filter(|start| start.slope <= 0.0);
+            let first = problem.longest_step()?.min(if self.cycles() { CYCLE_STEP } else { 1.0 });
+            let (length, lower) = match self.step(problem, line_search, previous, (first, start))? {
+                Trial::Taken { norms: new, length, lower } => {
                     norms = new;
                     (length, lower)
                 }
-                Step::NotAcceptable => return Ok(StopReason::LineSearchFailed),
-                Step::NotFinite => return Ok(StopReason::NotFinite),
+                Trial::NotAcceptable => return Ok(StopReason::LineSearchFailed),
+                Trial::NotFinite => return Ok(StopReason::NotFinite),
             };
             if self.begins_in_balance(previous) {
                 divergence = divergence.max(o.divergence_factor * norms.scale);
                 smallest = norms.measure;
             }
-            descents += u32::from(lower && at_start.is_some_and(|potential| potential.is_lasting));
+            descents += u32::from(lower && at_start.is_some_and(|potential| potential.is_fixed));
             self.record(norms, increment, length);
             if self.within_tolerance(norms) {
                 continue;
@@ -183,7 +187,7 @@ impl Course<'_> {
                 || (increment <= o.stagnation_increment * problem.iterate_norm()
                     && increment > 0.0
                     && problem.is_linearised()
-                    && norms.violation <= NO_ROUND_OFF);
+                    && norms.violation <= ROUND_OFF_VIOLATION);
             if !fell && at_round_off {
                 return Ok(StopReason::ConvergedToRoundOff);
             }
@@ -203,7 +207,7 @@ impl Course<'_> {
         self.polish(problem, norms)
     }
 
-    /// Further iterations below the tolerance. Nothing that happens here turns success into failure, but an error at the
+    /// Further iterations below the tolerance. They cannot turn success into failure, except for an error at the
     /// restored iterate.
     fn polish<P: NewtonProblem>(&mut self, problem: &mut P, mut norms: Norms) -> Result<StopReason, P::Error> {
         let o = self.options;
@@ -234,7 +238,7 @@ impl Course<'_> {
                     }
                 }
                 _ => {
-                    // Clearly worse than before: take it back.
+                    // Clearly worse than before: restore the last iterate.
                     problem.update(0.0)?;
                     problem.assemble()?;
                     self.record(Norms { residual: rejected, ..norms }, increment, 0.0);
@@ -245,7 +249,7 @@ impl Course<'_> {
         Ok(StopReason::Converged)
     }
 
-    /// Whether the last two residuals, all after full steps, are those of the same number of iterations before, two or three.
+    /// Whether the iteration cycles: the last two residuals are equal to those of two or of three iterations before, all after full steps.
     fn cycles(&self) -> bool {
         (2..=3).any(|period| {
             let Some(last) = self.records.last_chunk::<5>().map(|last| &last[3 - period..]) else { return false };
@@ -259,16 +263,16 @@ impl Course<'_> {
         })
     }
 
-    /// One step along the increment: `first` times it, or a shorter one where the line search is on and has to act.
+    /// One step along the increment: `first` times the increment, or less if the line search reduces it.
     fn step<P: NewtonProblem>(
         &self,
         problem: &mut P,
         line_search: LineSearch,
         previous: Norms,
-        (first, hill): (f64, Option<Hill>),
-    ) -> Result<Step, P::Error> {
-        if let (Some(hill), LineSearch::Best { reduction, max_reductions }) = (hill, line_search) {
-            return self.descend(problem, previous, (first, reduction, max_reductions), hill);
+        (first, start): (f64, Option<LineStart>),
+    ) -> Result<Trial, P::Error> {
+        if let (Some(start), LineSearch::Best { reduction, max_reductions }) = (start, line_search) {
+            return self.descend(problem, previous, (first, reduction, max_reductions), start);
         }
         let full = match problem.update(first) {
             Ok(()) => assemble(problem),
@@ -285,7 +289,7 @@ impl Course<'_> {
             }
         };
         let limit = max_growth * previous.measure.max(small * previous.scale);
-        // Then any step is as good as any other: all bring forces that were not there.
+        // Any step is acceptable then: every one brings constraint forces that were zero before.
         let unbounded = self.begins_in_balance(previous);
         let mut last_error = None;
         let mut best = (f64::INFINITY, first);
@@ -325,27 +329,27 @@ impl Course<'_> {
             let norms = assemble(problem)?;
             return Ok(self.taken(norms, best.1));
         }
-        last_error.map_or(Ok(Step::NotAcceptable), Err)
+        last_error.map_or(Ok(Trial::NotAcceptable), Err)
     }
 
-    /// A step without a potential.
-    fn taken(&self, norms: Norms, length: f64) -> Step {
-        if norms.is_finite() { Step::Taken { norms, length, lower: false } } else { Step::NotFinite }
+    /// An accepted step without a potential.
+    fn taken(&self, norms: Norms, length: f64) -> Trial {
+        if norms.is_finite() { Trial::Taken { norms, length, lower: false } } else { Trial::NotFinite }
     }
 
-    /// One step along an increment that goes downhill.
+    /// One step along an increment along which the potential falls: line search on the potential.
     fn descend<P: NewtonProblem>(
         &self,
         problem: &mut P,
         previous: Norms,
         (first, reduction, max_reductions): (f64, f64, u32),
-        hill: Hill,
-    ) -> Result<Step, P::Error> {
+        start: LineStart,
+    ) -> Result<Trial, P::Error> {
         let mut last_error = None;
-        // The longest step that goes down.
+        // The longest step with a sufficient decrease.
         let mut down = None;
         let mut length = first;
-        for trial in 0..=MAX_DESCENTS {
+        for trial in 0..=MAX_REDUCTIONS_ON_POTENTIAL {
             let norms = match problem.update(length) {
                 Ok(()) if trial == 0 => assemble(problem),
                 Ok(()) => problem.residual_norm().map(|residual| {
@@ -356,17 +360,17 @@ impl Course<'_> {
             match norms.and_then(|norms| problem.potential().map(|potential| (norms, potential))) {
                 Ok((norms, Some(potential))) if norms.is_finite() => {
                     last_error = None;
-                    let goes_down = hill.is_descent(potential, length, problem.slope())
-                        || trial == MAX_DESCENTS
+                    let goes_down = start.is_descent(potential, length, problem.slope())
+                        || trial == MAX_REDUCTIONS_ON_POTENTIAL
                         || trial == 0 && self.within_tolerance(norms);
-                    let is_smaller = norms.measure <= (1.0 - PROMISED_REST * length) * previous.measure;
-                    let lower = hill.is_lower(potential);
+                    let is_smaller = norms.measure <= (1.0 - SUFFICIENT_DECREASE * length) * previous.measure;
+                    let lower = start.is_lower(potential);
                     if goes_down && down.is_none() {
                         down = Some((length, lower));
                     }
-                    if !potential.is_lasting && is_smaller {
+                    if !potential.is_fixed && is_smaller {
                         down = Some((length, lower));
-                    } else if !potential.is_lasting && trial < max_reductions {
+                    } else if !potential.is_fixed && trial < max_reductions {
                         length *= reduction;
                         continue;
                     }
@@ -376,9 +380,9 @@ impl Course<'_> {
                         }
                         let norms = if trial == 0 { norms } else { assemble(problem)? };
                         return Ok(if norms.is_finite() {
-                            Step::Taken { norms, length: taken, lower }
+                            Trial::Taken { norms, length: taken, lower }
                         } else {
-                            Step::NotFinite
+                            Trial::NotFinite
                         });
                     }
                 }
@@ -388,12 +392,12 @@ impl Course<'_> {
             }
             length *= reduction;
         }
-        last_error.map_or(Ok(Step::NotAcceptable), Err)
+        last_error.map_or(Ok(Trial::NotAcceptable), Err)
     }
 
     /// Whether `previous` is the first iterate of this solution (of a step, or after a change of constraints), and only constraints are violated there.
     fn begins_in_balance(&self, previous: Norms) -> bool {
-        self.records.len() == 1 && previous.residual < IN_BALANCE * previous.measure
+        self.records.len() == 1 && previous.residual < BALANCED_RESIDUAL * previous.measure
     }
 
     fn within_tolerance(&self, norms: Norms) -> bool {

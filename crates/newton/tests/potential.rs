@@ -10,7 +10,7 @@ struct Well {
     slope: fn(f64) -> f64,
     curvature: fn(f64) -> f64,
     has_potential: bool,
-    is_lasting: bool,
+    is_fixed: bool,
     x: f64,
     base: f64,
     dx: f64,
@@ -24,7 +24,7 @@ impl Well {
             slope: |x| x.powi(3) - x,
             curvature: |x| 3.0 * x * x - 1.0,
             has_potential: true,
-            is_lasting: true,
+            is_fixed: true,
             x,
             base: x,
             dx: 0.0,
@@ -56,7 +56,7 @@ impl NewtonProblem for Well {
     }
 
     fn potential(&mut self) -> Result<Option<Potential>, ()> {
-        let potential = Potential { value: (self.value)(self.x), round_off: 1e-15, is_lasting: self.is_lasting };
+        let potential = Potential { value: (self.value)(self.x), round_off: 1e-15, is_fixed: self.is_fixed };
         Ok(self.has_potential.then_some(potential))
     }
 
@@ -100,12 +100,12 @@ fn minima_are_found_and_not_the_ridge() {
 /// A step that overshoots is shortened until the potential falls as its slope promises.
 #[test]
 fn steps_that_go_up_are_shortened() {
-    let bell = |is_lasting| Well {
+    let bell = |is_fixed| Well {
         value: |x| x * x.atan() - 0.5 * (1.0 + x * x).ln(),
         slope: |x| x.atan(),
         // A tenth of the largest curvature: full steps are far too long.
         curvature: |_| 0.1,
-        is_lasting,
+        is_fixed,
         ..Well::double(0.9)
     };
     let o = NewtonOptions { max_iterations: 200, ..options() };

@@ -1,14 +1,14 @@
-//! The TRAIT of a part of a mechanical system that is no solid: rigid bodies, beams, strings, springs, dampers.
+//! The TRAIT of a part of a mechanical system other than a solid: rigid bodies, beams, strings, springs, dampers.
 //!
 //! All unknowns of a system are vectors in space, three components each, numbered together: the position of a node, the centre of a rigid
 //! body, a director. A part may bring vectors of its own, gives them a constant mass, and has forces that depend on its own and other vectors.
 //!
 //! # What it is not
-//! No part ([`stoss-multibody`](https://docs.rs/stoss-multibody) has some), no constraint, no global system.
+//! No implementation (those are in [`stoss-multibody`](https://docs.rs/stoss-multibody)), no constraint, no global system.
 //!
 //! # How to add a part
 //! Implement [`Part`]. Forces that come from an energy `V(q)` must do the work `V(q_n) - V(q_np1)` under [`ForceRule::DiscreteGradient`], and must have neither
-//! resultant nor moment about `(q_n + q_np1)/2`; then the energy-momentum scheme keeps what it promises.
+//! resultant nor moment about `(q_n + q_np1)/2`; then the energy-momentum scheme conserves energy and momenta.
 //!
 #![doc = include_str!("../README.md")]
 
@@ -16,8 +16,8 @@ use std::ops::Range;
 
 pub use stoss_integrators::ForceRule;
 
-/// Angular velocity of orthogonal vectors `D_k` of one length that turn together, at `q`, `v`: `1/2 sum_k D_k x D_k' / l^2`, the mean if they do not quite. `directions` are
-/// the numbers of the three vectors.
+/// Angular velocity (three values, 1/time) of three orthogonal directors `D_k` of equal length `l` at positions `q` and velocities `v`: `1/2 sum_k D_k x D_k' / l^2`; a mean value if the directors do not
+/// rotate rigidly. `directions` are the numbers of the three vectors.
 pub fn angular_velocity(directions: impl IntoIterator<Item = u32>, q: &[f64], v: &[f64]) -> [f64; 3] {
     let mut spin = [0.0; 3];
     for vector in directions {
@@ -38,34 +38,34 @@ pub fn angular_velocity(directions: impl IntoIterator<Item = u32>, q: &[f64], v:
 pub struct PartError {
     /// Name of the part.
     pub part: String,
-    /// What is wrong, with the element and the value.
+    /// The error, with element and value.
     pub reason: String,
 }
 
-/// Positions that the evaluation of a step may read, `3 * vectors` entries each.
+/// Positions and rule of a step, for its evaluation; `3 * vectors` entries each.
 #[derive(Clone, Copy, Debug)]
 pub struct PartStep<'a> {
     /// Converged positions at `n`.
     pub q_n: &'a [f64],
     /// Iterate of the positions at `n+1`.
     pub q_np1: &'a [f64],
-    /// Where forces are taken.
+    /// Configuration at which forces are evaluated.
     pub rule: ForceRule,
     /// Step size.
     pub dt: f64,
-    /// False in statics, where nothing has a rate and dampers do not act.
+    /// False in statics, where dampers do not act.
     pub has_rates: bool,
 }
 
-/// One dense contribution: `residual` is the internal force `dV/dq` (it is resisted by the rest of the system), `tangent` row-major
-/// `d residual / d q_np1`; three rows for each of `vectors`.
+/// A dense contribution: `residual` is the internal force `dV/dq` (positive as in the residual `M a + F_int - F_ext`), `tangent` is
+/// `d residual / d q_np1`, row-major; three rows for each of `vectors`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LocalForce {
     /// Global numbers of the vectors, each at most once.
     pub vectors: Vec<u32>,
     /// `3 * vectors` entries.
     pub residual: Vec<f64>,
-    /// Row-major; empty or stale if it was not asked for.
+    /// Row-major, `dim * dim` entries; meaningless if it was not requested.
     pub tangent: Vec<f64>,
 }
 
@@ -87,20 +87,20 @@ impl LocalForce {
     }
 }
 
-/// A part of a system with constant mass. Everything is constant but for the positions that are handed in.
+/// A part of a system, with constant mass and without internal state: all methods depend on the positions given to them only.
 pub trait Part: Send + Sync + std::fmt::Debug {
     /// Name for reports and messages.
     fn name(&self) -> &str;
 
-    /// Vectors that belong to this part and to nothing else; empty for springs and dampers.
+    /// Numbers of the vectors that belong to this part only; empty for springs and dampers.
     fn own_vectors(&self) -> Range<u32>;
 
-    /// Whether one of the own vectors is a direction: a translation of the system leaves it as it is, so that its momentum is none of linear momentum.
+    /// Whether one of the own vectors is a director: a translation of the system does not change it, so that it does not contribute to linear momentum.
     fn is_direction(&self, _vector: u32) -> bool {
         false
     }
 
-    /// First of the own vectors that belong closest to this one, for the linear solver: those of a rigid body, of a cross-section.
+    /// First of the own vectors that the linear solver keeps together with this one: those of a rigid body, or of a cross-section.
     fn cluster(&self, vector: u32) -> u32 {
         vector
     }
@@ -108,8 +108,8 @@ pub trait Part: Send + Sync + std::fmt::Debug {
     /// Entries `M_ij` of the mass (a mass each; it acts alike on the three components) with `i <= j`.
     fn mass(&self, _visit: &mut dyn FnMut(u32, u32, f64)) {}
 
-    /// Dead forces of a uniform acceleration `a` (gravity): `f_i = sum_j M_ij a` with the positions `j` among the own vectors. Visits a vector as often as
-    /// the mass names it; what it gets adds up.
+    /// Dead forces of a uniform acceleration `a` (gravity): `f_i = sum_j M_ij a` with the positions `j` among the own vectors. A vector is visited once for each of its
+    /// entries of the mass; the forces add up.
     fn weight(&self, acceleration: [f64; 3], visit: &mut dyn FnMut(u32, [f64; 3])) {
         self.mass(&mut |i, j, m| {
             let force = acceleration.map(|a| m * a);
@@ -128,7 +128,7 @@ pub trait Part: Send + Sync + std::fmt::Debug {
     /// Forces and, if asked, tangents.
     ///
     /// # Errors
-    /// [`PartError`] if the configuration has no energy, for instance a string of no length.
+    /// [`PartError`] if the energy is not defined at the configuration, for instance for a string of zero length.
     fn assemble(
         &self,
         _step: PartStep<'_>,
@@ -138,7 +138,7 @@ pub trait Part: Send + Sync + std::fmt::Debug {
         Ok(())
     }
 
-    /// Energy at a configuration.
+    /// Potential energy at a configuration.
     ///
     /// # Errors
     /// As [`Part::assemble`].
@@ -146,26 +146,26 @@ pub trait Part: Send + Sync + std::fmt::Debug {
         Ok(0.0)
     }
 
-    /// What dampers of this part took out of the system in a step that was accepted; never negative.
+    /// Energy that the dampers of this part dissipate in an accepted step; not negative.
     fn dissipated(&self, _step: PartStep<'_>) -> f64 {
         0.0
     }
 
-    /// Whether the forces leave linear momentum as it is: they add up to zero. Not so where the ground takes a part of them, as with a spring that is
-    /// tied to it.
+    /// Whether the forces conserve linear momentum, that is, their resultant is zero. False for instance for a spring to
+    /// the ground.
     fn conserves_linear_momentum(&self) -> bool {
         true
     }
 
-    /// Whether the forces leave angular momentum as it is, under schemes that conserve it.
+    /// Whether the forces conserve angular momentum with schemes that can.
     fn conserves_angular_momentum(&self) -> bool {
         true
     }
 
-    /// A length of the part, the unit of its deformations.
+    /// A characteristic length, to which deformations are compared.
     fn length_scale(&self) -> f64;
 
-    /// Size of the forces that a motion of a length would need, a force; zero without stiffness.
+    /// A characteristic force: stiffness times characteristic length; zero without stiffness.
     fn force_scale(&self) -> f64 {
         0.0
     }

@@ -6,7 +6,7 @@ use crate::vector::{cross, dot, norm, scaled, sub};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[[beam]]`: a beam that resists stretch, shear, bending and torsion, geometrically exact.
+/// `[[beam]]`: a geometrically exact beam with axial, shear, bending and torsional stiffness.
 ///
 /// ```toml
 /// [[beam]]
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 /// up = [1, 0, 0]
 /// ```
 ///
-/// The axis is a polygon of `points` or an `arc`. `d1` is the part of `up` that is perpendicular to the axis, as a unit vector; `d3` goes along the axis,
+/// The axis is a polygon of `points` or an `arc`. The directors of a section are `d3` along the axis, `d1` (the part of `up` normal to the axis, normalised) and
 /// `d2 = d3 x d1`. Sets: `start`, `end`, `all`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -27,18 +27,18 @@ use serde::{Deserialize, Serialize};
 pub struct Beam {
     /// Name, unique among all parts: letters, digits, `-` and `_`.
     pub name: String,
-    /// Corners of the axis, two or more, joined by straight pieces. Either these, or an `arc`.
+    /// Vertices of the axis, two or more, joined by straight pieces. Either these, or an `arc`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<[f64; 3]>,
-    /// A circular axis.
+    /// A circular axis, instead of `points`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arc: Option<Arc>,
-    /// Elements over the whole length, shared among straight pieces by their lengths; at least one a piece.
+    /// Number of elements over the whole length, distributed over the straight pieces by their lengths; at least one for each piece.
     pub elements: u32,
-    /// Degree of the shape functions: 1, 2 or 3.
+    /// Polynomial degree of the shape functions: 1, 2 or 3; 2 if left out.
     #[serde(default = "Beam::default_order")]
     pub order: u32,
-    /// Cross-section: a shape, or stiffnesses.
+    /// Cross-section: a shape with dimensions, or stiffnesses.
     pub section: Section,
     /// Young's modulus (stress), positive; for a section with a `shape`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -46,25 +46,25 @@ pub struct Beam {
     /// Poisson's ratio, between -1 and 0.5; 0.3 if left out. For a section with a `shape`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub poisson: Option<f64>,
-    /// Mass per volume; for a section with a `shape`. Positive and required in dynamic scenes.
+    /// Density (mass per volume), for a section with a `shape`. Positive, and required in dynamic scenes and with gravity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
-    /// Factor of the shear stiffnesses `k G A`, in (0, 1]; 5/6 if left out. For a section with a `shape`.
+    /// Shear correction factor `k` of the shear stiffness `k G A`, in (0, 1]; 5/6 if left out. For a section with a `shape`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shear_factor: Option<f64>,
-    /// Torsion constant `J` (length^4) of `G J`, positive; if left out that of Saint-Venant's torsion. For a section with a `shape`.
+    /// Torsion constant `J` (length^4) of the torsional stiffness `G J`, positive; that of Saint-Venant torsion if left out. For a section with a `shape`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torsion_constant: Option<f64>,
-    /// Direction that `d1` is made from, nowhere parallel to the axis. May be left out where the section is the same in all directions.
+    /// Direction whose part normal to the axis gives `d1`; nowhere parallel to the axis. Not needed for isotropic sections (circles, tubes).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// Initial velocity `v0` of `v(X) = v0 + omega x (X - c)`. Dynamic scenes only.
+    /// Initial velocity `v0` (length per time) in `v(X) = v0 + omega x (X - c)`; zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity: [f64; 3],
-    /// Initial angular velocity `omega` (1/time), with which the sections turn, too.
+    /// Initial angular velocity `omega` (radians per time) of axis and sections; zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub angular_velocity: [f64; 3],
-    /// Point `c` about which `angular_velocity` acts.
+    /// Point `c` about which `angular_velocity` acts; the origin if left out.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity_about: [f64; 3],
 }
@@ -74,7 +74,7 @@ impl Beam {
     pub const DEFAULT_ORDER: u32 = 2;
     /// Poisson's ratio if left out.
     pub const DEFAULT_POISSON: f64 = 0.3;
-    /// Factor of the shear stiffnesses if left out.
+    /// Shear correction factor if left out.
     pub const DEFAULT_SHEAR_FACTOR: f64 = 5.0 / 6.0;
 
     fn default_order() -> u32 {
@@ -89,11 +89,11 @@ impl Beam {
 pub struct Arc {
     /// Centre of the circle.
     pub centre: [f64; 3],
-    /// First point; its distance from the centre is the radius, and is perpendicular to `axis`.
+    /// First point; its distance from the centre is the radius, and the vector from the centre is perpendicular to `axis`.
     pub start: [f64; 3],
     /// Direction of the axis, of any length but zero.
     pub axis: [f64; 3],
-    /// Angle in degrees, positive by the right-hand rule; not zero, at most 360 in magnitude. Ends that meet are not joined.
+    /// Angle in degrees, positive by the right-hand rule; not zero, at most 360 in magnitude. The ends of a full circle are not joined.
     pub degrees: f64,
 }
 
@@ -134,7 +134,7 @@ pub enum Section {
 }
 
 impl Section {
-    /// True if it is the same in all directions.
+    /// True if the bending and shear stiffnesses are the same in all directions.
     pub fn is_isotropic(&self) -> bool {
         let same = |[a, b]: [f64; 2]| a == b;
         match self {
@@ -163,7 +163,7 @@ pub enum SectionShape {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RectangleSection {
-    /// Width `b` along `d1` and height `h` along `d2`.
+    /// Width along `d1` and height along `d2` (lengths).
     pub size: [f64; 2],
 }
 
@@ -172,7 +172,7 @@ pub struct RectangleSection {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CircleSection {
-    /// Radius.
+    /// Radius (length).
     pub radius: f64,
 }
 
@@ -181,9 +181,9 @@ pub struct CircleSection {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TubeSection {
-    /// Outer radius.
+    /// Outer radius (length).
     pub radius: f64,
-    /// Thickness of the wall, below the radius.
+    /// Wall thickness (length), less than the radius.
     pub thickness: f64,
 }
 
@@ -197,13 +197,13 @@ impl SectionShape {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SectionStiffness {
-    /// `E A` (force), positive.
+    /// Axial stiffness `E A` (force), positive.
     pub axial: f64,
-    /// `G A_1`, `G A_2` (force) against shear along `d1` and `d2`, positive.
+    /// Shear stiffnesses `k G A` along `d1` and `d2` (forces), positive.
     pub shear: [f64; 2],
-    /// `E I_1`, `E I_2` (force times area) against bending about `d1` and `d2`, positive.
+    /// Bending stiffnesses `E I` about `d1` and `d2` (force times area), positive.
     pub bending: [f64; 2],
-    /// `G J` (force times area), positive.
+    /// Torsional stiffness `G J` (force times area), positive.
     pub torsion: f64,
     /// Mass per length; positive and required in dynamic scenes.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -9,102 +9,102 @@ use serde::{Deserialize, Serialize};
 named! {
     /// Mass matrix of a body.
     Mass {
-        /// `M_IJ = int rho N_I N_J dV`.
+        /// Consistent mass matrix `M_IJ = int rho N_I N_J dV`.
         Consistent = "consistent",
-        /// On the diagonal: row sums of the consistent mass, or its diagonal scaled to the mass of each element where row sums are negative (hex20, tet10, wedge15).
+        /// Diagonal mass matrix: row sums of the consistent one, or its diagonal scaled to the mass of each element (HRZ) where row sums are negative (hex20, tet10, wedge15).
         Lumped = "lumped",
     }
 }
 
 named! {
-    /// Elements that a mesh is turned into.
+    /// Element types into which a mesh can be converted.
     Cell {
-        /// Linear hexahedra.
+        /// Trilinear hexahedra with 8 nodes.
         Hex8 = "hex8",
-        /// Quadratic hexahedra with nodes on the edges.
+        /// Quadratic (serendipity) hexahedra with 20 nodes: corners and edges.
         Hex20 = "hex20",
-        /// Quadratic hexahedra with nodes on edges, faces and in the middle.
+        /// Triquadratic hexahedra with 27 nodes: corners, edges, faces and centre.
         Hex27 = "hex27",
-        /// Linear tetrahedra; too stiff in bending and where the material is nearly incompressible.
+        /// Linear tetrahedra with 4 nodes. They lock in bending and with nearly incompressible materials.
         Tet4 = "tet4",
-        /// Quadratic tetrahedra.
+        /// Quadratic tetrahedra with 10 nodes.
         Tet10 = "tet10",
-        /// Linear wedges.
+        /// Linear wedges with 6 nodes.
         Wedge6 = "wedge6",
-        /// Quadratic wedges.
+        /// Quadratic wedges with 15 nodes.
         Wedge15 = "wedge15",
-        /// Quadratic elements on the corners of the linear ones: hex20, tet10, wedge15.
+        /// The quadratic element of the shape of each linear one: hex20, tet10 or wedge15.
         Quadratic = "quadratic",
     }
 }
 
 named! {
-    /// Points at which stress and stiffness of an element are taken.
+    /// Integration rule for stress and stiffness.
     Integration {
-        /// As many as each element needs.
+        /// Full integration: enough Gauss points for the stiffness of each element.
         Full = "full",
-        /// Fewer: 8 of hex20, which then bends without locking and has modes without stiffness; 4 of tet10, which do not see its corners.
+        /// Reduced integration: 8 points of hex20, which then does not lock in bending but has zero-energy modes; 4 points of tet10, none of them near its corners.
         Reduced = "reduced",
     }
 }
 
 named! {
-    /// How the volume change of an element is interpolated.
+    /// Interpolation of the volume change in an element.
     Volumetric {
-        /// By the displacements at every point.
+        /// From the displacements at every Gauss point.
         Displacement = "displacement",
-        /// By means over each element (linear over a hex27), so that nearly incompressible materials do not lock.
+        /// Mixed form: means over each element (linear over a hex27), so that nearly incompressible materials do not lock.
         Mixed = "mixed",
     }
 }
 
-/// A deformable body.
+/// `[[body]]`: a deformable body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// Unique name: letters, digits, `-` and `_`. Sets of the body are called `body.set`.
+    /// Name, unique among all parts: letters, digits, `-` and `_`. Sets of the body are written `name.set`.
     pub name: String,
-    /// Generator or file of the mesh.
+    /// Mesh: a generator with its parameters, or a file.
     pub mesh: MeshSource,
-    /// Translation of the mesh, after the rotation (length).
+    /// Translation of the mesh, after the rotation (a length each).
     #[serde(default)]
     pub position: [f64; 3],
-    /// Rotation of the mesh, or a list of rotations that are done one after the other.
+    /// Rotation of the mesh, or a list of rotations that are applied one after the other; none if left out.
     #[serde(default, skip_serializing_if = "Rotations::is_empty")]
     pub rotation: Rotations,
-    /// Elements that the mesh is turned into: hexahedra into any, wedges into tetrahedra, linear elements into quadratic ones. Boundaries that are curved stay so.
-    /// The mesh's own if left out.
+    /// Element type to which the mesh is converted: hexahedra to any type, wedges to tetrahedra, linear elements to quadratic ones. Curved boundaries stay curved.
+    /// If left out the elements of the mesh are used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<Cell>,
-    /// Points at which stress and stiffness are taken: `full` if left out.
+    /// Integration rule for stress and stiffness: `full` if left out.
     #[serde(default = "Body::default_integration", skip_serializing_if = "Body::is_full")]
     pub integration: Integration,
     /// Interpolation of the volume change: `displacement` if left out; `mixed` for nearly incompressible materials.
     #[serde(default = "Body::default_volumetric", skip_serializing_if = "Body::is_displacement")]
     pub volumetric: Volumetric,
-    /// Hyperelastic law and its parameters.
+    /// Hyperelastic law with its parameters.
     pub material: Material,
-    /// Mass per reference volume, positive. Required in dynamic scenes.
+    /// Density: mass per reference volume, positive. Required in dynamic scenes, and with gravity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
-    /// Consistent or lumped mass.
+    /// Mass matrix: `consistent` if left out, or `lumped`.
     #[serde(default = "Body::default_mass")]
     pub mass: Mass,
-    /// Mass- and stiffness-proportional damping; none if left out. Dynamic scenes only; it acts in dynamic stages.
+    /// Mass- and stiffness-proportional (Rayleigh) damping; none if left out. Dynamic scenes only; it acts in dynamic stages.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
-    /// Initial velocity `v0` of `v(X) = v0 + omega x (X - c) + G (X - c)`, with `X` the placed reference position.
-    /// Dynamic scenes only.
+    /// Initial velocity `v0` (length per time) in `v(X) = v0 + omega x (X - c) + G (X - c)`, where `X` is the reference position after placement.
+    /// Zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity: [f64; 3],
-    /// Initial angular velocity `omega` (1/time).
+    /// Initial angular velocity `omega` (radians per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub angular_velocity: [f64; 3],
-    /// Initial velocity gradient `G`, three rows (1/time).
+    /// Initial velocity gradient `G`, three rows (1/time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity_gradient: [[f64; 3]; 3],
-    /// Point `c` about which `angular_velocity` and `velocity_gradient` act.
+    /// Point `c` about which `angular_velocity` and `velocity_gradient` act; the origin if left out.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity_about: [f64; 3],
 }
@@ -115,15 +115,15 @@ pub struct Body {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Damping {
-    /// Factor of the mass, not negative (1/time). It slows rigid motions too.
+    /// Factor of the mass matrix, not negative (1/time); 0 if left out. It also damps rigid motions.
     #[serde(default)]
     pub mass: f64,
-    /// Factor of the stiffness at small strains, not negative (time): a viscous stress in the material frame, which leaves rigid motions and both momenta alone.
+    /// Factor of the stiffness at small strains, not negative (a time); 0 if left out. It is a viscous stress in the material frame and changes neither rigid motions nor momenta.
     #[serde(default)]
     pub stiffness: f64,
 }
 
-/// A scene is written without velocities that are zero, for a quasi-static one must not have the keys.
+/// Zero velocities are not serialised, because a quasi-static scene must not have the keys.
 pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -164,7 +164,7 @@ impl Body {
     }
 }
 
-/// A rotation of the mesh.
+/// A rotation of a mesh about an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -173,7 +173,7 @@ pub struct Rotation {
     pub axis: [f64; 3],
     /// Angle in degrees, positive by the right-hand rule.
     pub degrees: f64,
-    /// A point of the axis; the origin of the mesh's own coordinates if left out.
+    /// A point on the axis; the origin of the coordinates of the mesh if left out.
     #[serde(default)]
     pub about: [f64; 3],
 }
@@ -185,7 +185,7 @@ pub struct Rotation {
 pub enum Rotations {
     /// A single rotation.
     One(Rotation),
-    /// Rotations in the order in which they are done.
+    /// Rotations in the order in which they are applied.
     Many(Vec<Rotation>),
 }
 
@@ -196,7 +196,7 @@ impl Default for Rotations {
 }
 
 impl Rotations {
-    /// The rotations in the order in which they are done.
+    /// The rotations in the order in which they are applied.
     pub fn as_slice(&self) -> &[Rotation] {
         match self {
             Self::One(rotation) => std::slice::from_ref(rotation),

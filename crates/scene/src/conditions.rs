@@ -9,13 +9,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 named! {
-    /// Contact methods.
+    /// Contact discretisation.
     ContactMethod {
-        /// Node-to-surface: every slave node against the master's facets. The form follows the scheme: with `energy-momentum`
+        /// Node to surface: each slave node against the facets of the master. The element follows from the scheme: with `energy-momentum`
         /// the energy-momentum element (theory/node-to-surface#element), otherwise the direct one (theory/node-to-surface#residual).
         Nts = "nts",
-        /// Node-to-surface by coordinate augmentation (theory/coordinate-augmentation): the foot's coordinates are unknowns of each contact. Statics, backward Euler,
-        /// generalised-alpha, midpoint; with `energy-momentum` the solids conserve energy, the contact is that of the midpoint rule.
+        /// Node to surface by coordinate augmentation (theory/coordinate-augmentation): the convective coordinates of the projection are unknowns of each contact. For statics, backward Euler,
+        /// generalised-alpha and midpoint; with `energy-momentum` the solids conserve energy, and the contact follows the midpoint rule.
         Cat = "cat",
         /// Mortar: weighted gaps and pressures on the overlap of the facets (theory/mortar#eq-gap), whose integrals move with the positions.
         Mortar = "mortar",
@@ -23,31 +23,31 @@ named! {
 }
 
 named! {
-    /// What keeps the two bodies of a contact apart where the method does not see them: edges on edges, beyond rims, sides that are not named.
+    /// Treatment of contact that the method does not detect: edge against edge, beyond the rim of a surface, on sides that are not part of slave or master.
     #[derive(Default)]
     Edges {
-        /// Nothing: the method acts alone.
+        /// None: only the method of the contact acts.
         #[default]
         Method = "method",
-        /// General contact, of surfaces half a thickness inside the bodies, so that it has nothing to do as long as the method keeps the gaps.
+        /// General contact between surfaces half a thickness inside the bodies, so that it does not act while the method keeps the gaps.
         General = "general",
     }
 }
 
 named! {
-    /// How much of the system of coordinate augmentation is eliminated (theory/coordinate-augmentation#full). The result is the same.
+    /// Unknowns of coordinate augmentation that are eliminated (theory/coordinate-augmentation#full). The result does not depend on it.
     Reduction {
-        /// Nothing: pressure, two coordinates and two multipliers for each slave node.
+        /// None: pressure, two convective coordinates and two multipliers remain for each slave node.
         None = "none",
-        /// The multipliers.
+        /// The multipliers are eliminated.
         First = "first",
-        /// Multipliers and coordinates: the size of the direct form.
+        /// Multipliers and coordinates are eliminated: the system has the size of the direct form.
         Second = "second",
     }
 }
 
 named! {
-    /// Gauss points of the triangles that mortar integrals are made of.
+    /// Gauss rule for the triangles of the mortar integrals.
     Quadrature {
         /// 4 points, degree 3, one weight negative.
         FourPoint = "four-point",
@@ -59,53 +59,53 @@ named! {
 }
 
 named! {
-    /// What becomes of the energy that gaps cost when they close in a step of mortar contact.
+    /// Treatment of the energy that is lost when gaps close in a step of mortar contact.
     Closing {
-        /// It is lost, as in the impact of two parts that move on together.
+        /// The energy stays lost, as in a perfectly plastic impact.
         Keep = "keep",
-        /// It goes back into the velocities at the end of the step, by an impulse of the contact forces that leaves both momenta as they are.
+        /// The energy is returned to the velocities at the end of the step, by an impulse of the contact forces that changes neither momentum.
         Restore = "restore",
     }
 }
 
 named! {
-    /// Which integrals the weighted gaps of mortar contact have.
+    /// Configuration of the mortar integrals in the weighted gaps.
     Integrals {
-        /// Those of the present positions: the weighted gap is a function of the positions alone.
+        /// Integrals at the current positions: the weighted gap is a function of the positions alone.
         Moving = "moving",
-        /// Those of the expected middle of the step, held in the step, as in the thesis: for comparison. With schemes that take contact forces at the
-        /// middle of the step. Sliding over facets gains or loses energy by it.
+        /// Integrals at the predicted middle of the step, constant during the step, as in the thesis: for comparison, with schemes that take contact forces at the
+        /// middle of the step. Sliding over facets then gains or loses energy.
         Frozen = "frozen",
     }
 }
 
 named! {
-    /// What an active constraint asks for (theory/constraints#eq-modified).
+    /// Constraint of a closed contact (theory/constraints#eq-modified).
     Constraint {
-        /// Zero gap at the end of a step. Energy changes in a step in which a node closes.
+        /// The gap is zero at the end of a step. Energy is lost or gained in a step in which a node closes.
         Standard = "standard",
-        /// The gap keeps its value in the step: conserves energy, while nodes float at the gap that they had. Frictionless
+        /// The gap keeps the value that it has at the start of the step: conserves energy, but nodes keep the gap, or penetration, with which they closed. Frictionless
         /// dynamics only.
         Modified = "modified",
     }
 }
 
-/// How the normal part of a contact is enforced. Stiffnesses are tractions per length.
+/// Enforcement of the normal constraint. Stiffnesses are pressures per length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Enforcement {
-    /// Exactly, the pressures being unknowns.
+    /// Exactly, by Lagrange multipliers: the pressures are unknowns.
     #[default]
     Multiplier,
-    /// By springs of this stiffness against penetration.
+    /// Penalty method: springs of this stiffness against penetration.
     Penalty(
         /// Stiffness, positive.
         f64,
     ),
-    /// Exactly, by an augmented Lagrangian: further solutions a step, fewer for a larger stiffness.
+    /// Exactly, by an augmented Lagrangian: several solutions in each step, fewer with a larger stiffness.
     Augmented(
-        /// Stiffness, positive. It decides on the number of solutions, not on the result.
+        /// Stiffness, positive. It affects the number of solutions, not the result.
         f64,
     ),
 }
@@ -122,11 +122,11 @@ impl Enforcement {
 named! {
     /// Cartesian component.
     Component {
-        /// First.
+        /// Along x.
         X = "x",
-        /// Second.
+        /// Along y.
         Y = "y",
-        /// Third.
+        /// Along z.
         Z = "z",
     }
 }
@@ -138,20 +138,20 @@ impl Component {
     }
 }
 
-/// `[[set]]`: nodes, facets and elements of a body, or of a rigid body with a surface, inside a box or on a plane, in the placed reference configuration.
+/// `[[set]]`: nodes, facets and elements of a body, or of a rigid body with a surface, inside a box or on a plane, in the reference configuration after placement.
 /// Exactly one of `box` and `plane`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SetDefinition {
-    /// `body.name`, unique.
+    /// Name of the set, written `body.name`; unique.
     pub name: String,
-    /// Name of the body.
+    /// Name of the body, or of the rigid body with a surface.
     pub body: String,
-    /// An axis-parallel box, its boundary included.
+    /// An axis-parallel box that contains the set, its boundary included.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
     pub inside: Option<BoxRegion>,
-    /// A plane with a tolerance.
+    /// A plane on which the set lies, within a tolerance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneRegion>,
 }
@@ -173,9 +173,9 @@ pub fn split_set(reference: &str) -> Option<(&str, &str)> {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BoxRegion {
-    /// Smallest coordinates; `-inf` is allowed.
+    /// Smallest coordinates (a length each); `-inf` is allowed.
     pub min: [f64; 3],
-    /// Largest coordinates, not below `min`; `inf` is allowed.
+    /// Largest coordinates (a length each), not below `min`; `inf` is allowed.
     pub max: [f64; 3],
 }
 
@@ -184,26 +184,26 @@ pub struct BoxRegion {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlaneRegion {
-    /// A point of the plane.
+    /// A point on the plane.
     pub point: [f64; 3],
-    /// Its normal, of any length but zero.
+    /// Normal of the plane, of any length but zero.
     pub normal: [f64; 3],
-    /// Largest distance of a node from the plane; by default a millionth of the body's size.
+    /// Largest distance of a node from the plane (length), positive; a millionth of the size of the body if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
 }
 
 /// `[[contact]]`: unilateral contact, with or without friction, of a slave surface with a master surface, of deformable or rigid bodies.
 ///
-/// With `nts` the slave may also be a set of a beam or string (`rope.all`): its nodes touch, from any side, and pressures are forces per length.
+/// With `nts` the slave may also be a set of a beam or string (`rope.all`): its nodes are in contact from any side, and pressures are forces per length.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Unique name for reports; `slave/master`, or the two of `between`, if left out.
+    /// Unique name; `slave/master`, or the two surfaces of `between`, if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Contact method.
+    /// Contact discretisation: `nts`, `cat` or `mortar`.
     pub method: ContactMethod,
     /// Slave surface, `body.set`; with `nts` also a set of a beam or string.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -211,50 +211,50 @@ pub struct Contact {
     /// Master surface, `body.set`, of another body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub master: Option<String>,
-    /// Instead of `slave` and `master`: two surfaces of different bodies. The slave is a beam or string, else the one that is not prescribed as a whole, else the finer one, else the
-    /// softer one.
+    /// Two surfaces of different bodies, instead of `slave` and `master`. The slave is then the beam or string, otherwise the surface whose motion is not prescribed as a whole, otherwise the one with the finer mesh,
+    /// otherwise the softer one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub between: Option<[String; 2]>,
-    /// What an active constraint asks for. For `nts` and `cat`; `standard` if left out. Mortar contact has one constraint: the
-    /// weighted gap of a closed node is zero at the end of a step.
+    /// Constraint of a closed contact, for `nts` and `cat`; `standard` if left out. With `mortar` the
+    /// weighted gap of a closed node is always zero at the end of a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub constraint: Option<Constraint>,
-    /// `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`.
+    /// Enforcement of the normal constraint: `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`, with the stiffness in pressure per length. `"multiplier"` if left out.
     #[serde(default, skip_serializing_if = "Enforcement::is_multiplier")]
     pub enforcement: Enforcement,
-    /// Size of the system, for `cat` only; `second` if left out.
+    /// Unknowns that are eliminated, for `cat` only; `second` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reduction: Option<Reduction>,
-    /// `true`, for `cat` only: leaves the derivative of the gap by the coordinates out of their balance, as in (5.117) of the thesis. At the midpoint a
-    /// slightly different scheme; momenta are exact all the same.
+    /// `true`: omits the derivative of the gap with respect to the convective coordinates from their equilibrium equation, as in (5.117) of the thesis. At the midpoint this is a
+    /// slightly different scheme; momenta are still exact. For `cat` only; `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_gap_term: bool,
-    /// `true`, for the second reduction of `cat` only: leaves the same derivative out of the linear equations, as in (4.70) of the thesis. The result is the
-    /// same.
+    /// `true`: omits the same derivative from the tangent only, as in (4.70) of the thesis. The result is the
+    /// same. For `cat` with `reduction = "second"` only; `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_gap_slope: bool,
-    /// Pressures of `mortar`; `standard` if left out.
+    /// Shape functions of the pressures, for `mortar` only; `standard` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multipliers: Option<Multipliers>,
-    /// Gauss points of `mortar`; `seven-point` if left out.
+    /// Gauss rule of the mortar integrals, for `mortar` only; `seven-point` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quadrature: Option<Quadrature>,
-    /// Integrals of `mortar`; `moving` if left out.
+    /// Configuration of the mortar integrals, for `mortar` only; `moving` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrals: Option<Integrals>,
-    /// Energy that closing gaps cost, in `mortar` with schemes that take contact forces at the middle of the step; `keep` if left out.
+    /// Treatment of the energy that closing gaps lose, for `mortar` with schemes that take contact forces at the middle of the step; `keep` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub closing: Option<Closing>,
-    /// Of `mortar`, where a surface has sharp edges: how much more points that are near count than points that are far, in one over the length of a slave facet.
-    /// With 0 gaps are plain means, and edges sink
-    /// in by a quarter of a facet, with 12 by half of that. If left out 12 in statics and 0 in dynamics, where steps may fail with more if edges of both surfaces lie on
-    /// each other.
+    /// Weighting of near points over far points in the weighted gap at sharp edges, not negative, times one over the length of a slave facet; for `mortar` only.
+    /// With 0 the gap is a plain mean, and edges penetrate
+    /// by a quarter of a facet; with 12 by half of that. If left out 12 in statics and 0 in dynamics, where steps may fail with larger values if edges of both surfaces
+    /// coincide.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nearness: Option<f64>,
-    /// What the method does not see: `method` (nothing acts there) or `general`, which switches `[general_contact]` on for the two bodies as well.
+    /// Treatment of contact that the method does not detect, such as edge against edge: `method` (none) or `general`, which switches `[general_contact]` on for the two bodies. `method` if left out.
     #[serde(default, skip_serializing_if = "Edges::is_method")]
     pub edges: Edges,
-    /// Friction; none if left out. Not with the modified constraint.
+    /// Friction law with its parameters; frictionless if left out. Not with `constraint = "modified"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
 }
@@ -291,7 +291,7 @@ impl Contact {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum Series {
-    /// One constant value.
+    /// A constant value.
     Scalar(f64),
     /// Constant values.
     Vector(Vec<f64>),
@@ -328,11 +328,11 @@ impl Series {
     }
 }
 
-/// `[[prescribe]]`: displacement components of a set, given as functions of time, its displacement along a direction, or a rigid motion of the set. Exactly one of
+/// `[[prescribe]]`: prescribed displacement components of a set as functions of time, its displacement along a direction, or a rigid motion of the set. Exactly one of
 /// `displacement`, `fixed = true` and `rotation`.
 ///
-/// With `rigid` in place of `set` it is a rigid body that moves, all of it: where there is no `rotation` it does not turn, and components that are not
-/// named do not move.
+/// With `rigid` instead of `set` the whole motion of a rigid body is prescribed: without a `rotation` it does not rotate, and components that are not
+/// named are fixed.
 ///
 /// ```toml
 /// [[prescribe]]
@@ -345,32 +345,32 @@ impl Series {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Prescribe {
-    /// Unique name, by which an `[[event]]` releases it and a `[[stage]]` switches it off.
+    /// Unique name, with which an `[[event]]` releases it and a `[[stage]]` switches it off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Set of nodes, `part.set`; of a beam the places of its nodes are prescribed, not its directors.
+    /// Set of nodes, `part.set`. Of a beam the positions of its nodes are prescribed, not its directors.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
     /// Name of a rigid body, instead of a set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rigid: Option<String>,
-    /// Components, each at most once. Not with a `rotation`, which prescribes all three, and not with a rigid body that is `fixed`.
+    /// Prescribed components `x`, `y`, `z`, each at most once. Not with a `rotation`, which prescribes all three, nor with a rigid body that is `fixed`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub components: Vec<Component>,
-    /// Instead of `components`: a direction of any length but zero along which the nodes are held, or moved by `displacement`, while they slide freely across it. With
-    /// `fixed = true` a plane of symmetry, or a sliding support, in any direction.
+    /// Instead of `components`: a direction of any length but zero along which the displacement is prescribed, while the nodes slide freely in the plane normal to it. With
+    /// `fixed = true` this is a symmetry plane, or a sliding support, in any direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<[f64; 3]>,
-    /// Displacement from the reference position, one value a component, or the one along `normal`.
+    /// Displacement from the reference position (a length each): one value for each component, or one value along `normal`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Series>,
-    /// `true`: the components, or the displacement along `normal`, are zero.
+    /// `true`: the displacement of the components, or along `normal`, is zero. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fixed: bool,
-    /// Rotation of the set's reference positions, at any angle.
+    /// Rotation of the reference positions of the set, by any angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotation: Option<PrescribedRotation>,
-    /// Translation that follows the rotation, three values; none if left out. With a `rotation` only.
+    /// Translation after the rotation (three lengths); none if left out. With a `rotation` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub translation: Option<Series>,
     /// Where a stage switches it on, the nodes begin where they are then, and are where `displacement` says from this time on: the difference falls linearly, and stays
@@ -380,13 +380,13 @@ pub struct Prescribe {
 }
 
 impl Prescribe {
-    /// Whether it is along a direction that is no axis of space.
+    /// Whether it is along a `normal` that is not a coordinate axis.
     pub fn is_inclined(&self) -> bool {
         self.normal.is_some_and(|normal| normal.iter().filter(|&&n| n != 0.0).count() > 1)
     }
 
     /// The prescribed components: all three with a rotation, and of a rigid body that is fixed. They are the columns of [`Self::rows`]; the other
-    /// components of a rigid body do not move.
+    /// components of a rigid body are fixed.
     pub fn prescribed_components(&self) -> Vec<Component> {
         match &self.rotation {
             None if self.rigid.is_none() || !self.fixed => self.components.clone(),
@@ -404,16 +404,16 @@ impl Prescribe {
     }
 }
 
-/// Rotation of a set about an axis that is fixed in space but for the translation.
+/// Rotation of a set about an axis that moves only with the translation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PrescribedRotation {
     /// Direction of the axis, of any length but zero.
     pub axis: [f64; 3],
-    /// Angle from the reference position in degrees, positive by the right-hand rule, one value; not limited to a turn.
+    /// Angle from the reference position in degrees, positive by the right-hand rule; may exceed 360.
     pub degrees: Series,
-    /// A point of the axis; the origin if left out.
+    /// A point on the axis; the origin if left out.
     #[serde(default)]
     pub about: [f64; 3],
 }
@@ -421,23 +421,23 @@ pub struct PrescribedRotation {
 named! {
     /// Kinds of loads.
     LoadKind {
-        /// Dead pressure on facets, per reference area against the outward reference normal; one value.
+        /// Dead pressure on facets: a force per reference area along the inward reference normal; one value.
         Pressure = "pressure",
         /// Dead traction on facets, per reference area; three values.
         Traction = "traction",
         /// Force per reference volume; three values.
         BodyForce = "body_force",
-        /// Pressure against the current outward normal, per current area; one value.
+        /// Follower pressure on facets: a force per current area along the current inward normal; one value.
         FollowerPressure = "follower_pressure",
-        /// Force on each node; on the centre of mass of a rigid body; three values.
+        /// Force on each node, or on the centre of mass of a rigid body; three values.
         Force = "force",
-        /// Moment fixed in space on a rigid body, a node of a beam, or a set of a deformable body as a whole; three values.
+        /// Moment with a direction fixed in space, on a rigid body, a node of a beam, or a set of a deformable body as a whole; three values.
         Moment = "moment",
-        /// Acceleration of a whole body, a force per mass; three values.
+        /// Force per mass on a whole body; three values.
         Acceleration = "acceleration",
-        /// Force on a set of facets altogether, distributed over its nodes by their parts of the reference area; three values.
+        /// Resultant force on a set of facets, distributed as a uniform traction over the reference area; three values.
         TotalForce = "total_force",
-        /// Centrifugal force of a whole body in a frame that turns about an axis; one value, the angular velocity.
+        /// Centrifugal force on a whole body in a rotating frame; one value, the angular velocity.
         Centrifugal = "angular_velocity",
     }
 }
@@ -452,63 +452,63 @@ impl LoadKind {
     }
 }
 
-/// `[[load]]`: a load on a set, or a body force on a whole body. Exactly one of the kinds.
+/// `[[load]]`: a load on a set, or a body force on a whole body. Exactly one kind of load in each table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Load {
-    /// Unique name, by which a `[[stage]]` switches it off.
+    /// Unique name, with which a `[[stage]]` switches it off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Set of facets (`pressure`, `traction`, `follower_pressure`, `total_force`), elements (`body_force`) or nodes (`force`), `body.set`. A `force` may also
-    /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass, a `moment` on `part.all` of a rigid body, on sets of beams, and on sets of deformable bodies
-    /// as wholes.
+    /// Set `body.set` of facets (`pressure`, `traction`, `follower_pressure`, `total_force`), elements (`body_force`) or nodes (`force`). A `force` may also
+    /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass; a `moment` acts on `part.all` of a rigid body, on sets of beams, and on whole sets of deformable
+    /// bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
-    /// Name of a body, instead of a set, for a `body_force`, an `acceleration` or an `angular_velocity` of all of it.
+    /// Name of a body, instead of a set, for a `body_force`, an `acceleration` or an `angular_velocity` of the whole body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<String>,
-    /// Dead pressure (force per reference area), positive when it presses on the body.
+    /// Dead pressure (force per reference area), positive in compression.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Series>,
-    /// Dead traction (force per reference area).
+    /// Dead traction (force per reference area), three values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traction: Option<Series>,
-    /// Force per reference volume; gravity is density times its acceleration.
+    /// Dead body force (force per reference volume), three values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body_force: Option<Series>,
-    /// Pressure that follows the surface (force per current area), positive when it presses on the body.
+    /// Follower pressure (force per current area), positive in compression.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follower_pressure: Option<Series>,
-    /// Force on each node of the set; on a rigid body once, at its centre of mass.
+    /// Dead force on each node of the set (three values); on a rigid body one force at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<Series>,
-    /// Moment whose direction is fixed in space, on a rigid body or on each node of a set of a beam; on a set of a deformable body once, as `coupling` says.
+    /// Moment (three values) with a direction fixed in space, on a rigid body or on each node of a set of a beam; on a set of a deformable body one moment, transferred by the `coupling`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moment: Option<Series>,
-    /// How a set of a deformable body follows the point that the moment acts on; `distributing` if left out. With a `moment` only.
+    /// Coupling of a set of a deformable body to the point on which the moment acts; `distributing` if left out. With a `moment` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
-    /// Force per mass on a whole body with a density: what `[gravity]` is for all of them.
+    /// Force per mass (three values) on a whole body with a density, as `[gravity]` is for all bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub acceleration: Option<Series>,
-    /// Dead force on the whole set of facets: the traction `total_force / area` of the reference configuration.
+    /// Resultant dead force (three values) on the set of facets: the uniform traction `total_force / area` on its reference area.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub total_force: Option<Series>,
-    /// Angular velocity (1/time) of a frame in which the body is seen, about `axis`: the centrifugal force `density angular_velocity^2 r` at the present distance `r` from the axis,
-    /// on a whole body with a density. Neither the force of Coriolis nor that of a changing angular velocity is added.
+    /// Angular velocity (radians per time) of the rotating frame of reference about `axis`: the centrifugal force `density angular_velocity^2 r` at the current distance `r` from the axis,
+    /// on a whole body with a density. Coriolis and Euler forces are not added.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angular_velocity: Option<Series>,
-    /// Direction of the axis, of any length but zero; with an `angular_velocity` only, and needed there.
+    /// Direction of the axis, of any length but zero; required with an `angular_velocity`, not allowed otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<[f64; 3]>,
-    /// A point of the axis; the origin if left out. With an `angular_velocity` only.
+    /// A point on the axis; the origin if left out. With an `angular_velocity` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<[f64; 3]>,
 }
 
 impl Load {
-    /// How a set of a deformable body follows the point of a moment.
+    /// Coupling of a set of a deformable body to the point of a moment, with its default.
     pub fn coupling(&self) -> Coupling {
         self.coupling.unwrap_or(Coupling::Distributing)
     }

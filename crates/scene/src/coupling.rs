@@ -1,13 +1,13 @@
-//! How sets of deformable bodies follow what acts on them as wholes.
+//! Kinematic and distributing coupling of sets of deformable bodies to a reference point.
 
 use crate::names::named;
 
 named! {
-    /// How the set of a deformable body follows its reference point.
+    /// Coupling of a set of a deformable body to its reference point.
     Coupling {
-        /// The set moves as a rigid body.
+        /// Kinematic coupling: the set moves as a rigid body with the reference point.
         Kinematic = "kinematic",
-        /// The reference point follows the set in the mean: the set deforms freely.
+        /// Distributing coupling: the reference point follows the mean motion of the set, which can deform freely.
         Distributing = "distributing",
     }
 }

@@ -1,11 +1,11 @@
-//! `[[event]]` and `[[stage]]`: what changes in the course of a run.
+//! `[[event]]` and `[[stage]]`: changes in the course of a run.
 
 use crate::{Automatic, Integrator, Kind, ProbeComponent, Stabilise};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[[event]]`: a joint, a spring or a prescribed motion ends, at a time or once a probe passes a value; exactly one of `time` and `when`.
+/// `[[event]]`: the release of a joint, a spring or a prescribed motion, at a time or once a probe passes a value. Exactly one of `time` and `when`.
 ///
 /// ```toml
 /// [[event]]
@@ -19,35 +19,35 @@ use serde::{Deserialize, Serialize};
 pub struct Event {
     /// Unique name, for reports.
     pub name: String,
-    /// Name of the `[[joint]]`, `[[spring]]` or `[[prescribe]]` that does not act any more after the event.
+    /// Name of the `[[joint]]`, `[[spring]]` or `[[prescribe]]` that is released by the event.
     pub release: String,
     /// Time of the event, positive and at most the end of the run; a step ends there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
-    /// Condition: the event takes place at the end of the first step in which it holds.
+    /// Condition on a probe: the event takes place at the end of the first step in which it is true.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub when: Option<EventCondition>,
 }
 
-/// A probe passes a value; exactly one of `above` and `below`.
+/// Condition on the value of a probe; exactly one of `above` and `below`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct EventCondition {
     /// Name of the probe.
     pub probe: String,
-    /// Component of a quantity with several values; left out where there is one.
+    /// Component of a quantity with several values; not for a quantity with one value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<ProbeComponent>,
-    /// Holds if the value is larger.
+    /// True if the value is larger than this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub above: Option<f64>,
-    /// Holds if the value is smaller.
+    /// True if the value is smaller than this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub below: Option<f64>,
 }
 
-/// `[[stage]]`: a part of the run. Without any the run is one stage of the kind of the scene.
+/// `[[stage]]`: a part of the run with its own kind of analysis, step size and active conditions. Without stages the run is one stage of the kind of the scene.
 ///
 /// ```toml
 /// [[stage]]
@@ -73,21 +73,21 @@ pub struct Stage {
     pub name: String,
     /// Quasi-static or dynamic. Probes of velocities show the motion of the last step over its time in a quasi-static stage.
     pub kind: Kind,
-    /// Time at which the stage ends, later than that of the stage before.
+    /// Time at which the stage ends, later than the end of the stage before.
     pub until: f64,
     /// Nominal step size; `[time] step` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
-    /// Of a quasi-static stage: it chooses its increments, of which `step` is the largest.
+    /// Automatic choice of the increments of a quasi-static stage, of which `step` is the largest; off if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub automatic: Option<Automatic>,
-    /// Of a quasi-static stage: viscous stabilisation that vanishes.
+    /// Viscous stabilisation of a quasi-static stage, which vanishes at its end; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stabilise: Option<Stabilise>,
     /// Time-stepping scheme of a dynamic stage; `[time] integrator` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
-    /// Names of joints, springs, contacts, prescribed motions and loads, and the word `gravity`, that do not act in this stage.
+    /// Names of joints, springs, contacts, prescribed motions and loads that are switched off in this stage; `gravity` switches gravity off.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub off: Vec<String>,
 }

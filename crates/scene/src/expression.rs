@@ -121,11 +121,11 @@ pub(crate) fn evaluate(text: &str, lookup: &dyn Fn(&str) -> Name) -> Result<f64,
     let term = parser.sum()?;
     parser.skip_space();
     if parser.at < text.len() {
-        return Err(parser.wrong("an operator is missing here, or a bracket is too much"));
+        return Err(parser.wrong("an operator is missing here, or a bracket is superfluous"));
     }
     let value = term.value([0.0; 3]);
     if !value.is_finite() {
-        return Err(ExpressionError::Wrong { message: format!("gives {value}, which is no finite number"), at: 1 });
+        return Err(ExpressionError::Wrong { message: format!("gives {value}, which is not a finite number"), at: 1 });
     }
     Ok(value)
 }
@@ -301,7 +301,7 @@ impl Parser<'_> {
             }
         }
         let value = rest.get(..end).and_then(|text| text.parse().ok());
-        let value = value.ok_or_else(|| self.wrong("is no number"))?;
+        let value = value.ok_or_else(|| self.wrong("is not a number"))?;
         self.at += end;
         Ok(Term::Number(value))
     }

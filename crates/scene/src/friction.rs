@@ -8,42 +8,42 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 named! {
-    /// How stick is enforced.
+    /// Enforcement of stick.
     Stick {
-        /// By a tangential spring between slave and master: a sticking node moves by traction over `penalty`, and no farther.
+        /// Penalty method: tangential springs between slave and master; a sticking node moves elastically by its traction over `penalty`.
         Penalty = "penalty",
-        /// Exactly, by an augmented Lagrangian: a few more solutions a step, the result does not depend on `penalty`.
+        /// Exactly, by an augmented Lagrangian: several solutions in each step; the result does not depend on `penalty`.
         Augmented = "augmented",
-        /// Exactly, by two multipliers a node, unknowns of the step: one Newton method, the result does not depend on `penalty`.
+        /// Exactly, by two Lagrange multipliers for each node: one Newton iteration; the result does not depend on `penalty`.
         Multiplier = "multiplier",
     }
 }
 
 named! {
-    /// Traction in the equations of the midpoint schemes (theory/friction#midpoint). Other schemes take the one at the end of the step.
+    /// Friction traction in the equations of the midpoint schemes (theory/friction#midpoint). Other schemes use the traction at the end of the step.
     MidpointFriction {
-        /// Return at the midpoint, the end traction extrapolated: it leaves the cone and alternates.
+        /// Return mapping at the midpoint, the traction at the end extrapolated: it can leave the friction cone and oscillate.
         A = "a",
-        /// Return over the step, its result in the equations: robust, damps stick.
+        /// Return mapping over the step, its result used in the equations: robust, damps stick.
         B = "b",
-        /// Mean of the tractions at both ends, of second order; too small where the pressure alternates from step to step. The default.
+        /// Mean of the tractions at both ends of the step, second order; too small where the pressure oscillates from step to step. The default.
         C = "c",
     }
 }
 
 named! {
-    /// How mortar contact measures the slip of a step (theory/friction#mortar).
+    /// Measure of the slip in a step of mortar contact (theory/friction#mortar).
     Slip {
-        /// By products of gap vector and facet that no rigid motion changes; momenta and work are exact. The default.
+        /// From invariants of gap vector and facet under rigid motions; momenta and work are exact. The default.
         Objective = "objective",
-        /// By the change of the gap vector, as in the thesis: a rotation with a gap counts as slip, angular momentum is not exact.
+        /// From the change of the gap vector, as in the thesis: a rotation with an open gap counts as slip, and angular momentum is not exact.
         Direct = "direct",
-        /// By the change of the integrals: statics and backward Euler only.
+        /// From the change of the mortar integrals (Yang, Laursen and Meng): statics and backward Euler only.
         Yang = "yang",
     }
 }
 
-/// A law of friction with its parameters.
+/// A friction law with its parameters.
 ///
 /// # How to add one
 /// A variant with a struct of parameters here, its reading in `read/friction.rs`, its arm in the facade.
@@ -51,14 +51,14 @@ named! {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Friction {
-    /// Coulomb's law: the tangential traction does not exceed `mu` times the pressure.
+    /// Coulomb friction: the tangential traction does not exceed `mu` times the pressure.
     Coulomb(CoulombFriction),
-    /// Coulomb's law with a coefficient that falls with the speed `v` of the slip,
+    /// Coulomb friction with a coefficient that decreases with the slip speed `v`,
     /// `mu_dynamic + (mu_static - mu_dynamic) exp(-(v / speed)^2)`.
     StaticDynamic(StaticDynamicFriction),
-    /// Coulomb's law without stick: traction `mu p v / sqrt(v^2 + speed^2)`.
+    /// Regularised Coulomb friction without stick: traction `mu p v / sqrt(v^2 + speed^2)`.
     Regularised(RegularisedFriction),
-    /// A law that the program brings with it; see [`crate::parse_with`]. Not in the schema, which knows the catalogue only.
+    /// A user's own law, registered by the program; see [`crate::parse_with`]. Not in the schema, which has the catalogue only.
     #[serde(untagged)]
     #[cfg_attr(feature = "schema", schemars(skip))]
     Own(OwnFriction),
@@ -94,14 +94,14 @@ impl Friction {
     }
 }
 
-/// Tangential stiffness, stick and stepping of the laws that can stick.
+/// Parameters of stick, for laws with stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sticking {
-    /// Tangential stiffness (traction per length), positive; `None`: ten times Young's modulus over an edge. Multipliers have none.
+    /// Tangential stiffness (traction per length), positive; `None`: ten times Young's modulus over an edge length. Not used with multipliers.
     pub penalty: Option<f64>,
-    /// How stick is enforced; `None`: by multipliers, or by springs if a `penalty` is given.
+    /// Enforcement of stick; `None`: by multipliers, or by springs if a `penalty` is given.
     pub stick: Option<Stick>,
-    /// Which traction the midpoint schemes take; `None`: the mean of both ends. Exact stick leaves no choice.
+    /// Friction traction of the midpoint schemes; `None`: the mean of both ends. Not used with exact stick.
     pub midpoint: Option<MidpointFriction>,
 }
 
@@ -125,19 +125,19 @@ impl Sticking {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CoulombFriction {
-    /// Coefficient, not negative.
+    /// Coefficient of friction, not negative.
     pub mu: f64,
-    /// Tangential stiffness (traction per length), positive, not for `multiplier`; ten times Young's modulus of the softer body over an edge if left
+    /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
     /// out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penalty: Option<f64>,
-    /// How stick is enforced; by multipliers if left out, or by springs if a `penalty` is given.
+    /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stick: Option<Stick>,
-    /// Which traction the midpoint schemes take, with springs; `c` if left out.
+    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `c` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub midpoint: Option<MidpointFriction>,
-    /// Slip of `mortar`; `objective` if left out.
+    /// Measure of the slip, for `mortar` only; `objective` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip: Option<Slip>,
 }
@@ -147,23 +147,23 @@ pub struct CoulombFriction {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct StaticDynamicFriction {
-    /// Coefficient at rest, not below `mu_dynamic`.
+    /// Static coefficient of friction, not below `mu_dynamic`.
     pub mu_static: f64,
-    /// Coefficient of fast slip, not negative.
+    /// Dynamic coefficient of friction, for fast slip; not negative.
     pub mu_dynamic: f64,
-    /// Speed of the transition (length per time), positive.
+    /// Slip speed of the transition (length per time), positive.
     pub speed: f64,
-    /// Tangential stiffness (traction per length), positive, not for `multiplier`; ten times Young's modulus of the softer body over an edge if left
+    /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
     /// out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub penalty: Option<f64>,
-    /// How stick is enforced; by multipliers if left out, or by springs if a `penalty` is given.
+    /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stick: Option<Stick>,
-    /// Which traction the midpoint schemes take, with springs; `c` if left out.
+    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `c` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub midpoint: Option<MidpointFriction>,
-    /// Slip of `mortar`; `objective` if left out.
+    /// Measure of the slip, for `mortar` only; `objective` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip: Option<Slip>,
 }
@@ -173,22 +173,22 @@ pub struct StaticDynamicFriction {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RegularisedFriction {
-    /// Coefficient, not negative.
+    /// Coefficient of friction, not negative.
     pub mu: f64,
-    /// Speed below which it is viscous (length per time), positive.
+    /// Slip speed below which friction is viscous (length per time), positive.
     pub speed: f64,
-    /// Slip of `mortar`; `objective` if left out.
+    /// Measure of the slip, for `mortar` only; `objective` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip: Option<Slip>,
 }
 
-/// A law of friction that is not in the catalogue, with whatever parameters stand beside its name. The four keys below belong to the contact.
+/// A user's own friction law, with any parameters. The four keys below belong to the contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "AnyFriction")]
 pub struct OwnFriction {
     /// Name of the law.
     pub law: String,
-    /// Tangential stiffness (traction per length), positive; ten times Young's modulus of the softer body over an edge if left out.
+    /// Tangential stiffness (traction per length), positive; ten times Young's modulus of the softer body over an edge length if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub penalty: Option<f64>,
     /// How stick is enforced, if given.
@@ -197,7 +197,7 @@ pub struct OwnFriction {
     /// Which traction the midpoint schemes take, if given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub midpoint: Option<MidpointFriction>,
-    /// Slip of `mortar`; `objective` if left out.
+    /// Measure of the slip, for `mortar` only; `objective` if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slip: Option<Slip>,
     /// Parameters of the law by key.

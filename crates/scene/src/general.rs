@@ -13,7 +13,7 @@ use stoss_integrators::SCHEMES;
 use stoss_integrators::SchemeError;
 
 named! {
-    /// What kind of analysis a scene or a stage is.
+    /// Kind of analysis of a scene or a stage.
     Kind {
         /// With inertia: needs `[time] integrator` and the density of every body.
         Dynamic = "dynamic",
@@ -23,51 +23,51 @@ named! {
 }
 
 named! {
-    /// How linear systems are solved.
+    /// Direct solver for linear systems.
     #[derive(Default)]
     LinearSolver {
-        /// The direct solver that suits the system: dense LU up to 50 equations, multifrontal above.
+        /// Chosen by the number of equations: dense LU up to 50, multifrontal above.
         #[default]
         Auto = "auto",
-        /// Multifrontal LU or LDL' of any size.
+        /// Multifrontal LU or LDL' for systems of any size.
         Multifrontal = "multifrontal",
-        /// Sparse LU or Cholesky of the library faer, of any size: slower, with pivots from whole columns.
+        /// Sparse LU or Cholesky of the library faer for systems of any size: slower, with partial pivoting over whole columns.
         Faer = "faer",
     }
 }
 
 named! {
-    /// How often matrices are factorised.
+    /// Use of factorisations within a step.
     #[derive(Default)]
     Factors {
-        /// Within a step the factors of an earlier iterate serve as long as that is faster than new ones: linear systems are then solved by an
-        /// iteration that they precondition.
+        /// The factors of an earlier iterate of the step precondition an iterative solution (GMRES), as long as that is faster than a new
+        /// factorisation.
         #[default]
         Reused = "reused",
-        /// A factorisation in each Newton iteration.
+        /// A new factorisation in each Newton iteration.
         New = "new",
     }
 }
 
-/// `[scene]`: what the scene is.
+/// `[scene]`: title, kind of analysis and units of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Header {
-    /// Title for reports.
+    /// Title, for reports.
     pub title: String,
-    /// Dynamic or quasi-static.
+    /// Kind of analysis: `dynamic` or `quasi-static`.
     pub kind: Kind,
-    /// What the numbers are measured in: labels of tables, charts and pictures, and a warning where densities, moduli, sizes or gravity are unusual. Nothing is
-    /// converted.
+    /// System of units of all numbers in the scene: used for the labels of tables, charts and pictures, and for a warning where densities, moduli, sizes or gravity are unusual. Numbers are not
+    /// converted. No labels if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub units: Option<Units>,
-    /// Version of the scene format that the scene is written for, at most [`FORMAT`].
+    /// Version of the scene format for which the scene is written, at most [`FORMAT`]; the current one if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub format: Option<u32>,
 }
 
-/// Version of the scene format that this program reads. It grows when a scene that was right means something else or is wrong: renamed and removed keys; not when
+/// Version of the scene format that this program reads. It is raised when a valid scene becomes invalid or changes its meaning (keys renamed or removed), not when
 /// keys are added.
 pub const FORMAT: u32 = 2;
 
@@ -76,46 +76,46 @@ pub const FORMAT: u32 = 2;
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Time {
-    /// End of the run, positive.
+    /// End of the run (time), positive.
     pub end: f64,
-    /// Nominal step size, positive, at most `end`. The last step is shortened to meet `end`. With `automatic` it is the largest step.
+    /// Nominal step size (time), positive, at most `end`. The last step is shortened to meet `end`. With `automatic` it is the largest step.
     pub step: f64,
-    /// Time-stepping scheme; required in dynamic scenes, an error in quasi-static ones.
+    /// Time-stepping scheme with its parameters; required in dynamic scenes, not allowed in quasi-static ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
-    /// How often a failing step may be halved in a row before the run stops (0 to 30): the smallest step is
+    /// Largest number of successive cutbacks (halvings) of a step that fails, 0 to 30, before the run stops: the smallest step is
     /// `step / 2^max_cuts`.
     #[serde(default = "Time::default_max_cuts")]
     pub max_cuts: u32,
-    /// After so many successful steps a halved step is doubled again (at least 1).
+    /// Number of successful steps after which a halved step is doubled again, at least 1.
     #[serde(default = "Time::default_grow_after")]
     pub grow_after: u32,
-    /// Of a quasi-static scene: the run chooses its increments. Stages may have their own.
+    /// Automatic choice of the increments in a quasi-static scene; off if left out. Stages may have their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub automatic: Option<Automatic>,
-    /// Of a quasi-static scene: viscous stabilisation that vanishes. Stages may have their own.
+    /// Viscous stabilisation of a quasi-static scene, which vanishes at its end; none if left out. Stages may have their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stabilise: Option<Stabilise>,
 }
 
-/// Increments that a static run or stage chooses between `smallest` and `step`: it begins with `initial`, doubles it after `after` easy increments in a row, and halves it after
-/// an increment of more than `hard` iterations and after a failure. All are `step` over a power of two.
+/// Automatic increments of a static run or stage, between `smallest` and `step`: the first one is `initial`; it is doubled after `after` successive easy increments, and halved after
+/// an increment of more than `hard` iterations and after a failure. All increments are `step` over a power of two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Automatic {
-    /// The first increment is `step` over a power of two, and not larger than this. At most `step`.
+    /// Upper bound of the first increment (time), at most `step`: the first increment is the largest `step` over a power of two below it.
     pub initial: f64,
-    /// No increment is smaller than this; the run stops instead. By default a thousandth (over 2^10) of the first one.
+    /// Smallest increment (time); if it fails the run stops. The first increment over 2^10 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub smallest: Option<f64>,
-    /// An increment is easy if it took so many Newton iterations at most (at least 1).
+    /// Largest number of Newton iterations of an easy increment, at least 1.
     #[serde(default = "Automatic::default_easy")]
     pub easy: u32,
-    /// So many easy increments in a row double the next one (at least 1).
+    /// Number of successive easy increments after which the next one is doubled, at least 1.
     #[serde(default = "Automatic::default_after")]
     pub after: u32,
-    /// An increment that took more iterations than this halves the next one, but not below the first one. At least `easy`; by default 10, or `easy` if that is larger.
+    /// Number of Newton iterations above which the next increment is halved, but not below the first one. At least `easy`; 10, or `easy` if that is larger, if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hard: Option<u32>,
 }
@@ -151,22 +151,22 @@ impl Automatic {
     }
 }
 
-/// Viscous stabilisation of a static run or stage: nodes of bodies resist motion, with a factor that falls linearly to zero at the end, so that the last equilibrium is free of it.
+/// Viscous stabilisation of a static run or stage: a viscous force on the nodes of bodies whose coefficient decreases linearly to zero at the end, so that the last equilibrium is not affected.
 /// Exactly one of the two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Stabilise {
-    /// Part of the strain energy that a bar of the body's size would lose if it were stretched steadily all the time, in (0, 1]; for instance 2e-4.
+    /// Viscous dissipation relative to the strain energy of a bar of the size of the body that is stretched at a constant rate over the run or stage, in (0, 1]; for instance 2e-4.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fraction: Option<f64>,
-    /// The factor itself at the start, positive: a force per volume and velocity.
+    /// Viscous coefficient at the start, positive: a force per volume and velocity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coefficient: Option<f64>,
 }
 
 impl Time {
-    /// Halvings allowed by default: a thousandth of the nominal step.
+    /// Cutbacks allowed by default: down to a thousandth of the nominal step.
     pub const DEFAULT_MAX_CUTS: u32 = 10;
     /// Successes before regrowth by default: fewer make a step that is too large fail again and again.
     pub const DEFAULT_GROW_AFTER: u32 = 4;
@@ -242,43 +242,43 @@ impl JsonSchema for Integrator {
 }
 
 named! {
-    /// What happens if an element is turned inside out at a corner while it is not at its integration points.
+    /// Treatment of elements that are inverted at a corner, but not at their Gauss points.
     #[derive(Default)]
     InsideOut {
-        /// The step fails; it is tried again with a smaller step size.
+        /// The step fails, and is repeated with a smaller step size.
         #[default]
         Refuse = "refuse",
-        /// A warning and the number of such elements in the records.
+        /// A warning; the number of such elements is in the records.
         Warn = "warn",
     }
 }
 
-/// `[solver]`: the nonlinear and the linear solver. What is left out takes the program's default.
+/// `[solver]`: settings of the nonlinear and the linear solver.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Solver {
-    /// Newton has converged when `residual <= absolute_tolerance + relative_tolerance * scale`, where the scale is the
-    /// largest of the forces whose balance is sought. In (0, 1).
+    /// Relative tolerance of Newton's method, in (0, 1): converged when `residual <= absolute_tolerance + relative_tolerance * scale`, where the scale is the
+    /// largest norm of inertial, internal, external and contact forces. 1e-9 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_tolerance: Option<f64>,
-    /// See `relative_tolerance`; a force, not negative.
+    /// Absolute tolerance of Newton's method (a force), not negative, see `relative_tolerance`; 0 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub absolute_tolerance: Option<f64>,
-    /// Largest number of Newton iterations a step, at least 1.
+    /// Largest number of Newton iterations for one solution, at least 1; 25 if left out, 40 with general contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
-    /// Whether one iteration more follows when Newton has converged, where that still pays; default: true. Balances are exact only as far as
-    /// the residual is.
+    /// `true`: one more Newton iteration follows after convergence if it can still reduce the residual, because momenta and energy are conserved only to the accuracy of
+    /// the residual. `true` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub polish: Option<bool>,
-    /// How linear systems are solved.
+    /// Direct solver for linear systems: `auto` if left out.
     #[serde(default)]
     pub linear: LinearSolver,
-    /// How often matrices are factorised.
+    /// Use of factorisations within a step: `reused` if left out.
     #[serde(default)]
     pub factors: Factors,
-    /// What happens if an element is turned inside out at a corner at the end of a step.
+    /// Treatment of elements that are inverted at a corner at the end of a step: `refuse` if left out.
     #[serde(default)]
     pub inside_out: InsideOut,
 }

@@ -7,70 +7,70 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 named! {
-    /// What happens to bodies that overlap at the start.
+    /// Treatment of bodies that penetrate each other at the start: `refuse` if left out.
     #[derive(Default)]
     Initial {
-        /// They are refused.
+        /// The scene is refused with an error.
         #[default]
         Refuse = "refuse",
-        /// Bodies that may be moved are moved apart before the start, without stress.
+        /// Bodies that are free to move are moved apart before the start, without stress.
         Separate = "separate",
     }
 }
 
-/// `[general_contact]`: contact of everything with everything, without slave and master. It is on by default where several parts have surfaces, no pair is named with `[[contact]]`, and
-/// the scheme carries it. Facets that a `[[contact]]` or a `[[tie]]` pairs are left out for each other, and parts that a joint connects.
+/// `[general_contact]`: contact of all surfaces with each other by a barrier, without slave and master. It is on by default where several parts have surfaces, no `[[contact]]` is defined, and
+/// the scheme supports it. Pairs of facets that belong to a `[[contact]]` or a `[[tie]]`, and pairs of parts that are connected by a joint, are excluded.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GeneralContact {
-    /// `false` switches it off.
+    /// `false` switches general contact off; `true` if left out.
     #[serde(default = "GeneralContact::yes", skip_serializing_if = "GeneralContact::is_yes")]
     pub enabled: bool,
-    /// Thickness of the layer on the surfaces, a length: forces begin at this distance. By default 0.04 of the shortest edge of a facet, or half of the smallest distance of two parts of
-    /// the surface of a body that are no neighbours, if that is less.
+    /// Thickness of the contact layer on the surfaces (a length): contact forces begin at this distance. By default 0.04 of the shortest edge of a facet, or half of the smallest distance between two parts of
+    /// the surface of a body that are not neighbours, if that is less.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thickness: Option<f64>,
-    /// Modulus of the layer in multiples of Young's modulus of the softer body of a pair, positive.
+    /// Modulus of the contact layer as a multiple of Young's modulus of the softer body of a pair, positive.
     #[serde(default = "GeneralContact::one")]
     pub stiffness: f64,
-    /// Coefficient of friction of all pairs of bodies that `pairs` does not name.
+    /// Coefficient of friction, not negative, of all pairs of bodies that are not in `pairs`.
     #[serde(default)]
     pub friction: f64,
-    /// Speed of slip in dynamics below which friction falls to zero, positive: there bodies creep instead of sticking. By default, for each two bodies, a hundredth of the largest speed of a point of one against a point of the other at the start, or, if they do not move against each other, a tenth of the thickness over the time of the run; needed with friction where nothing moves against anything else.
+    /// Slip speed (length per time) in dynamics below which friction falls to zero, positive: bodies creep instead of sticking. By default, for each two bodies, a hundredth of the largest speed of a point of one against a point of the other at the start, or, if they do not move against each other, a tenth of the thickness over the time of the run; needed with friction where nothing moves against anything else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip_velocity: Option<f64>,
-    /// Time of a viscous layer, not negative: it damps the motion in the layer. Its loss is in the balance of energy.
+    /// Relaxation time of viscous damping in the contact layer, not negative. Its dissipation is part of the balance of energy.
     #[serde(default)]
     pub damping: f64,
-    /// Whether a body is in contact with itself.
+    /// `true`: self-contact of each body is included.
     #[serde(default = "GeneralContact::yes", rename = "self")]
     pub with_itself: bool,
-    /// What happens to bodies that overlap at the start.
+    /// Treatment of bodies that penetrate each other at the start: `refuse` if left out.
     #[serde(default)]
     pub initial: Initial,
-    /// What takes part: names of parts, and sets of them (`part.set`); by default all bodies.
+    /// Surfaces that take part: names of parts, and sets of them (`part.set`); all bodies if left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub include: Vec<String>,
-    /// What does not, even if it is included.
+    /// Surfaces that do not take part, also where `include` names them: names of parts, and sets of them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub exclude: Vec<String>,
-    /// Pairs of bodies that differ.
+    /// Pairs of bodies with their own friction or modulus.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<GeneralPair>,
 }
 
-/// A pair of bodies in `[general_contact]`.
+/// A pair of bodies in `[general_contact]` with its own parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GeneralPair {
-    /// The two parts, which may be the same.
+    /// Names of the two parts, which may be the same.
     pub between: [String; 2],
-    /// Coefficient of friction.
+    /// Coefficient of friction, not negative; that of `[general_contact]` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
-    /// Modulus of the layer, a pressure. Two rigid bodies need it.
+    /// Modulus of the contact layer (a stress), positive; it follows from `stiffness` if left out. Required between two rigid bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modulus: Option<f64>,
 }

@@ -11,12 +11,12 @@ use serde::{Deserialize, Serialize};
 /// acceleration = [0, 0, -9.81]
 /// ```
 ///
-/// In a quasi-static scene with gravity every part needs its mass: bodies, beams, strings and rigid bodies that are not held need
-/// their density or mass there, too. Zero is allowed.
+/// In a scene with gravity every body, beam and string, and every rigid body whose motion is not prescribed, needs a density or mass, also if the scene is
+/// quasi-static. There zero is allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Gravity {
-    /// Acceleration (length per square of time), not zero.
+    /// Acceleration (length per time squared), not zero.
     pub acceleration: [f64; 3],
 }

@@ -1,4 +1,4 @@
-//! `[[joint]]` and `[[spring]]`: what joins two parts.
+//! `[[joint]]` and `[[spring]]`: connections of two parts.
 
 use crate::Series;
 use crate::coupling::Coupling;
@@ -7,27 +7,27 @@ use crate::names::named;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The name that stands for what does not move.
+/// Name of the ground, which does not move.
 pub const GROUND: &str = "ground";
 
 named! {
     /// Kinds of joints.
     JointKind {
-        /// Common point `at`.
+        /// Ball joint (spherical): the point `at` is common.
         Ball = "ball",
-        /// Common point and axis: one rotation is free.
+        /// Hinge (revolute): common point and axis; the rotation about the axis is free.
         Hinge = "hinge",
-        /// Common axis and no rotation: one translation is free.
+        /// Slider (prismatic): common axis, no relative rotation; the translation along the axis is free.
         Slider = "slider",
-        /// Common axis: rotation about it and translation along it are free.
+        /// Cylindrical joint: common axis; rotation about it and translation along it are free.
         Cylindrical = "cylindrical",
-        /// Common point, and two axes, the first of the first part and the second of the second, that stay perpendicular.
+        /// Universal (Cardan) joint: common point, and two axes, one fixed to each part, that stay perpendicular.
         Universal = "universal",
-        /// No relative motion.
+        /// Rigid connection: no relative motion.
         Weld = "weld",
-        /// Constant distance of two points.
+        /// Rigid link: constant distance of two points.
         Distance = "distance",
-        /// Common plane: two translations in it and the rotation about its normal are free.
+        /// Planar joint: common plane; two translations in it and the rotation about its normal are free.
         Planar = "planar",
     }
 }
@@ -43,7 +43,7 @@ impl JointKind {
         matches!(self, Self::Hinge | Self::Slider | Self::Cylindrical | Self::Planar)
     }
 
-    /// The relative coordinates that it leaves free and that motors, limits, friction and springs act on: of `cylindrical` the angle and the displacement, of
+    /// The free relative coordinates, on which motors, limits, friction and springs can act: of `cylindrical` the angle and the displacement, of
     /// `universal` the angle about the first axis and the one about the second.
     pub fn coordinates(self) -> &'static [CoordinateKind] {
         use CoordinateKind::{Angle, Displacement};
@@ -57,7 +57,7 @@ impl JointKind {
     }
 }
 
-/// What a relative coordinate of a joint is.
+/// Kind of a relative coordinate of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateKind {
     /// An angle.
@@ -66,7 +66,7 @@ pub enum CoordinateKind {
     Displacement,
 }
 
-/// `[[joint]]`: a joint between two parts, or a part and the ground.
+/// `[[joint]]`: a joint between two parts, or between a part and the ground.
 ///
 /// ```toml
 /// [[joint]]
@@ -85,51 +85,51 @@ pub enum CoordinateKind {
 /// coupling = "kinematic"
 /// ```
 ///
-/// Points and axes are given in space, in the initial configuration, and are then carried by both parts. The relative coordinate of a joint is that of the
-/// second part against the first one, zero at the start; an angle is positive by the right-hand rule about `axis`.
+/// Points and axes are given in space in the initial configuration, and then move with both parts. The relative coordinate of a joint is the motion of the
+/// second part relative to the first one, zero at the start; an angle is positive by the right-hand rule about `axis`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
-    /// Name, unique among joints, springs and what else has a name that `[[event]]` or `off` of `[[stage]]` may use.
+    /// Name, unique among joints, springs, contacts, prescribed motions and loads: letters, digits, `-` and `_`.
     pub name: String,
     /// Kind of the joint.
     pub kind: JointKind,
-    /// The two sides: a rigid body or point mass by its name, an end of a beam or string (`beam.start`, `string.end`), a beam by its name for the node that is
+    /// The two sides: the name of a rigid body or point mass, an end of a beam or string (`beam.start`, `string.end`), the name of a beam for its node
     /// nearest to `at`, a set of a deformable body (`body.set`), or `ground`.
     pub between: [String; 2],
-    /// The point of the joint; of a `distance` two points, the first on the first part. A point mass or the end of a string must be there.
+    /// Position of the joint (three lengths); for `distance` two points, the first on the first part. A point mass or the end of a string must be at this point.
     pub at: JointPoint,
-    /// Direction of the axis of `hinge`, `slider` and `cylindrical`, normal of `planar`; of any length but zero.
+    /// Direction of the axis of `hinge`, `slider` and `cylindrical`, or normal of `planar`; of any length but zero. Required for these kinds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<[f64; 3]>,
-    /// Axes of `universal`, of the first and the second part, perpendicular to 1e-6.
+    /// The two axes of `universal`, fixed to the first and the second part, perpendicular to 1e-6. Required for this kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<[[f64; 3]; 2]>,
-    /// How sets of deformable bodies are coupled to the joint's point; `distributing` if left out.
+    /// Coupling of sets of deformable bodies to the point of the joint; `distributing` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
-    /// Prescribed relative motion of the first coordinate: the angle of `hinge` and `cylindrical`, the displacement of `slider`, the angle of `universal` about its first axis.
+    /// Motor: prescribed motion of the first coordinate (the angle of `hinge` and `cylindrical`, the displacement of `slider`, the angle of `universal` about its first axis); none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<Motor>,
-    /// Pretension of a bolt whose two halves a `slider` along its axis connects. Not with a motor, limits or friction.
+    /// Pretension of a bolt that is cut in two halves, which a `slider` along its axis connects; none if left out. Not with a motor, limits or friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pretension: Option<Pretension>,
-    /// Smallest and largest value of the first coordinate, around zero: degrees or a length. Not with a motor.
+    /// Smallest and largest value of the first coordinate, in degrees or a length; the interval contains 0. No limits if left out. Not with a motor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<[f64; 2]>,
-    /// Friction of the first coordinate.
+    /// Friction on the first coordinate; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<JointFriction>,
-    /// Spring and damper of the first coordinate.
+    /// Spring and damper on the first coordinate; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
-    /// What acts on the second coordinate: the displacement of `cylindrical`, the angle of `universal` about its second axis.
+    /// Motor, limits, friction and spring on the second coordinate: the displacement of `cylindrical`, the angle of `universal` about its second axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second: Option<ActingOn>,
 }
 
-/// What acts on the second coordinate of a joint, with the keys of the first one: `second = { friction = { viscous = 2.0 }, limits = [-0.1, 0.1] }`.
+/// Motor, limits, friction and spring on the second coordinate of a joint, with the keys of the first one: `second = { friction = { viscous = 2.0 }, limits = [-0.1, 0.1] }`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -137,7 +137,7 @@ pub struct ActingOn {
     /// Prescribed relative motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<Motor>,
-    /// Smallest and largest value, around zero: degrees or a length. Not with a motor.
+    /// Smallest and largest value, in degrees or a length; the interval contains 0. Not with a motor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<[f64; 2]>,
     /// Friction.
@@ -149,7 +149,7 @@ pub struct ActingOn {
 }
 
 impl Joint {
-    /// Each relative coordinate with what acts on it.
+    /// Each relative coordinate with its motor, limits, friction and spring.
     pub fn coordinates(&self) -> Vec<(CoordinateKind, ActingOn)> {
         let Self { motor, limits, friction, spring, .. } = self;
         let first = ActingOn { motor: motor.clone(), limits: *limits, friction: *friction, spring: *spring };
@@ -184,16 +184,16 @@ impl JointPoint {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Motor {
-    /// Angle in degrees, one value; not limited to a turn.
+    /// Angle in degrees, as a function of time; may exceed 360.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle: Option<Series>,
-    /// Displacement, one value.
+    /// Displacement (length), as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Series>,
 }
 
-/// Pretension of a bolt that is cut in two: a force along the axis pulls both sides of the cut together until the lock. From then on the relative displacement
-/// keeps the value that it has, and the force of the bolt follows from the loads.
+/// Pretension of a bolt that is cut in two: until the lock time a given force along the axis pulls both sides of the cut together. After it the relative displacement
+/// is constant, and the bolt force follows from the loads.
 ///
 /// ```toml
 /// [[joint]]
@@ -208,44 +208,44 @@ pub struct Motor {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Pretension {
-    /// Force of the bolt until the lock, positive in tension, one value. Its work is external work.
+    /// Bolt force until the lock, positive in tension, as a function of time. Its work is external work.
     pub force: Series,
-    /// Time of the lock, positive and at most the end of the run; a step ends there.
+    /// Lock time, positive and at most the end of the run; a step ends there.
     pub lock: f64,
 }
 
-/// Friction of an angle (a torque) or a displacement (a force) against the motion: `viscous` times the speed, and either `coulomb` or what the reaction
-/// of the joint gives, `coefficient radius |reaction|` of an angle and `coefficient |reaction|` of a displacement.
+/// Friction on the coordinate of a joint, a torque for an angle and a force for a displacement: `viscous` times the speed, plus Coulomb friction, either the constant `coulomb` or from the reaction
+/// force of the joint, `coefficient * radius * |reaction|` for an angle and `coefficient * |reaction|` for a displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct JointFriction {
-    /// Torque per angular speed (radians per time), or force per speed; not negative.
+    /// Viscous coefficient: torque per angular velocity (radians per time), or force per velocity; not negative, 0 if left out.
     #[serde(default)]
     pub viscous: f64,
-    /// Constant torque or force, not negative.
+    /// Constant Coulomb friction, a torque or a force, not negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<f64>,
-    /// Radius of the bearing of an angle, positive; with `coefficient`.
+    /// Radius of the bearing (length), positive; for an angle, with `coefficient`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<f64>,
-    /// Coefficient of friction, not negative; with `radius` of an angle.
+    /// Coefficient of friction, not negative; for an angle with `radius`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coefficient: Option<f64>,
 }
 
-/// Spring and damper of a coordinate: torque or force `-stiffness (s - rest) - damping ds/dt`, where `s` is the relative coordinate, an angle in
-/// radians.
+/// Spring and damper on a coordinate `s` of a joint: torque or force `-stiffness (s - rest) - damping ds/dt`. An angle is in
+/// radians in this formula.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct JointSpring {
-    /// Torque per radian or force per length, not negative.
+    /// Stiffness: torque per radian or force per length, not negative.
     pub stiffness: f64,
-    /// Coordinate without force: degrees of an angle, or a length; 0 if left out.
+    /// Value of the coordinate without force, in degrees or a length; 0 if left out.
     #[serde(default)]
     pub rest: f64,
-    /// Torque per angular speed (radians per time) or force per speed, not negative; 0 if left out.
+    /// Damping: torque per angular velocity (radians per time) or force per velocity, not negative; 0 if left out.
     #[serde(default)]
     pub damping: f64,
 }
@@ -261,26 +261,26 @@ pub struct JointSpring {
 /// damping = 150.0
 /// ```
 ///
-/// Its force along the line between the points is `stiffness (l - rest_length) + damping dl/dt`, with the distance `l`.
+/// Its force along the line between the points, positive in tension, is `stiffness (l - rest_length) + damping dl/dt`, with the distance `l`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
     /// Name, unique as that of a joint.
     pub name: String,
-    /// The two sides, as those of a joint; sets of deformable bodies are coupled in the mean.
+    /// The two sides, as of a joint; sets of deformable bodies have a distributing coupling.
     pub between: [String; 2],
-    /// The points on the first and the second side in the initial configuration, not the same.
+    /// The points on the first and the second side in the initial configuration (three lengths each); they must differ.
     pub at: [[f64; 3]; 2],
-    /// Force per length, not negative.
+    /// Stiffness: force per length, not negative.
     pub stiffness: f64,
-    /// Length without force, not negative; the distance of the points if left out.
+    /// Length without force, not negative; the initial distance of the points if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest_length: Option<f64>,
-    /// Force per speed, not negative; 0 if left out.
+    /// Damping: force per velocity, not negative; 0 if left out.
     #[serde(default)]
     pub damping: f64,
-    /// `true`: without force while it is shorter than `rest_length`.
+    /// `true`: no force while the spring is shorter than `rest_length`. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub tension_only: bool,
 }

@@ -80,8 +80,8 @@ pub use names::known;
 pub use part::PartKind;
 pub use problem::{Problem, SceneErrors};
 pub use results::{
-    Expect, ExpectedValue, Field, FrameFormat, Frames, Interval, Outcome, Output, Probe, ProbeComponent, Quantity,
-    Reduce,
+    Expect, ExpectedValue, Extremum, Field, FrameFormat, Frames, Interval, Outcome, Output, Probe, ProbeComponent,
+    Quantity,
 };
 pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, SphereShape, SurfaceFile};
 #[cfg(feature = "schema")]
@@ -106,8 +106,8 @@ use std::collections::BTreeMap;
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// `[parameters]`: numbers by name, for expressions. Every number of a scene may be a string with an expression over them,
-    /// for instance `"2*radius"`; so may a parameter.
+    /// `[parameters]`: named numbers for expressions. Every number of a scene, parameters included, may be a string with an expression in them,
+    /// for instance `"2*radius"`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,
     /// `[sweep]`.
@@ -124,7 +124,7 @@ pub struct Scene {
     /// `[gravity]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,
-    /// `[[body]]`. Of bodies, rigid bodies, beams, strings and point masses, the parts of the scene, there is at least one.
+    /// `[[body]]`. A scene has at least one part: a body, rigid body, beam, string or point mass.
     #[serde(default, rename = "body", skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<Body>,
     /// `[[rigid]]`.
@@ -142,8 +142,8 @@ pub struct Scene {
     /// `[[set]]`.
     #[serde(default, rename = "set", skip_serializing_if = "Vec::is_empty")]
     pub sets: Vec<SetDefinition>,
-    /// `[sets]`: names for expressions over sets, for instance `left = "block.all & x < 0.5"`. Such a name may stand wherever a set is
-    /// named, by itself or as `part.name`, and in other expressions.
+    /// `[sets]`: named expressions of sets, for instance `left = "block.all & x < 0.5"`. Such a name can be used wherever a set is
+    /// expected, by itself or as `part.name`, and in other expressions.
     #[serde(default, rename = "sets", skip_serializing_if = "BTreeMap::is_empty")]
     pub named_sets: BTreeMap<String, String>,
     /// `[[contact]]`.
@@ -193,8 +193,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// General contact, if it is on: as the scene has it; as it is by default if a contact leaves its edges to it, or if no pair is named, several parts have surfaces, some of them
-    /// deformable, and all schemes carry it.
+    /// General contact, if it is on: as given in the scene; with its defaults if a contact has `edges = "general"`, or if there is no `[[contact]]`, several parts have surfaces, some of them
+    /// deformable, and all schemes support it.
     pub fn general_contact(&self) -> Option<GeneralContact> {
         if let Some(table) = &self.general_contact {
             return table.enabled.then(|| table.clone());
@@ -238,8 +238,8 @@ impl Scene {
         self.bodies.iter().position(|body| body.name == name)
     }
 
-    /// Whether a prescribed motion is along a direction that is no axis of space: such ones have multipliers.
-    pub fn has_guides(&self) -> bool {
+    /// Whether a prescribed motion is along a `normal` that is not a coordinate axis: it is then a constraint with multipliers.
+    pub fn has_sliding_supports(&self) -> bool {
         self.prescriptions.iter().any(Prescribe::is_inclined)
     }
 
@@ -251,7 +251,7 @@ impl Scene {
 
 /// Reads a scene.
 ///
-/// `file` is what messages call it; nothing is read from disk.
+/// `file` is the name of the file in messages; nothing is read from disk.
 ///
 /// # Errors
 /// All problems of the scene: those of TOML's syntax if there are any, otherwise unknown keys, wrong types, missing keys, values
@@ -260,7 +260,7 @@ pub fn parse(text: &str, file: &str) -> Result<Scene, SceneErrors> {
     read::scene(text, file, &OwnNames::default(), &[])
 }
 
-/// Names of laws beside the catalogues.
+/// Names of a user's own laws.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OwnNames<'a> {
     /// Hyperelastic laws.
@@ -271,7 +271,7 @@ pub struct OwnNames<'a> {
 
 /// As [`parse`] for a program with laws of its own: `material = { law = "mine", ... }` with a name from `own_laws` is read as
 /// [`Material::Own`], with any keys whose values are numbers or lists of numbers; so is `friction = { law = "mine", ... }` as
-/// [`Friction::Own`]. A name of the catalogue stays the catalogue's.
+/// [`Friction::Own`]. A name of the catalogue keeps its meaning.
 ///
 /// # Errors
 /// As [`parse`].
@@ -279,8 +279,8 @@ pub fn parse_with(text: &str, file: &str, own_laws: &OwnNames<'_>) -> Result<Sce
     read::scene(text, file, own_laws, &[])
 }
 
-/// As [`parse_with`], and some parameters have other values than the text gives them: names and expressions over the parameters, as in
-/// `--set radius=2*width`. Of two for the same name the last one counts.
+/// As [`parse_with`], with other values for some parameters: names and expressions in the parameters, as in
+/// `--set radius=2*width`. If a name occurs twice the last value is used.
 ///
 /// # Errors
 /// As [`parse`]; a name that is no parameter of the scene is a problem of its table `[parameters]`.

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A hyperelastic law with its parameters. The implied small-strain shear modulus and bulk modulus must be positive.
+/// Hyperelastic law with its parameters. The shear and bulk moduli at small strains that follow from them must be positive.
 ///
 /// # How to add one
 /// A variant with a struct of parameters here, its reading in `read/material.rs`, its arm in the facade.
@@ -13,15 +13,15 @@ use std::collections::BTreeMap;
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Material {
-    /// `W = lambda/2 (tr E)^2 + mu E:E`. For large rotations with small strains; it softens under compression.
+    /// Saint Venant-Kirchhoff law: `W = lambda/2 (tr E)^2 + mu E:E`. For small strains with large rotations; it softens in compression.
     SaintVenantKirchhoff(ElasticModuli),
-    /// `W = mu/2 (I1 - 3) + lambda/2 (ln J)^2 - mu ln J`.
+    /// Compressible neo-Hooke law: `W = mu/2 (I1 - 3) + lambda/2 (ln J)^2 - mu ln J`.
     NeoHooke(ElasticModuli),
-    /// `W = c1 (I1 - 3) + c2 (I2 - 3) + c (J - 1)^2 - 2 (c1 + 2 c2) ln J`.
+    /// Compressible Mooney-Rivlin law: `W = c1 (I1 - 3) + c2 (I2 - 3) + c (J - 1)^2 - 2 (c1 + 2 c2) ln J`.
     MooneyRivlin(MooneyRivlin),
-    /// Isochoric Ogden terms and a volumetric part; see the parameters.
+    /// Ogden law with isochoric terms and a volumetric part; see its parameters.
     Ogden(Ogden),
-    /// A law that the program brings with it; see [`crate::parse_with`]. Not in the schema, which knows the catalogue only.
+    /// A user's own law, registered by the program; see [`crate::parse_with`]. Not in the schema, which has the catalogue only.
     #[serde(untagged)]
     #[cfg_attr(feature = "schema", schemars(skip))]
     Own(OwnMaterial),
@@ -105,7 +105,7 @@ pub struct Ogden {
     pub beta: f64,
 }
 
-/// A law that is not in the catalogue, with whatever parameters stand beside its name.
+/// A user's own law, with any parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "AnyMaterial")]
 pub struct OwnMaterial {

@@ -1,4 +1,4 @@
-//! Where a mesh comes from.
+//! Mesh of a body: a generator with parameters, or a file.
 
 use crate::names::named;
 #[cfg(feature = "schema")]
@@ -27,11 +27,11 @@ pub enum MeshSource {
 pub struct MeshFile {
     /// Path, relative to the folder of the scene file.
     pub file: String,
-    /// The group of elements that is the body: a physical volume of Gmsh, an instance or a set of elements of Abaqus, `array=value` of a VTU
+    /// Group of elements that forms the body: a physical volume of Gmsh, an instance or element set of Abaqus, `array=value` of a VTU
     /// file. Sets are restricted to it. The whole file if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
-    /// Factor on the coordinates, for another unit of length: positive; 1 if left out.
+    /// Factor on the coordinates, for instance to convert the unit of length; positive, 1 if left out.
     #[serde(default = "MeshFile::default_scale")]
     pub scale: f64,
 }
@@ -87,7 +87,7 @@ fn uniform() -> [f64; 3] {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Block {
-    /// Edge lengths of a box with its centre at the origin. Either this, or `min` and `max`.
+    /// Edge lengths along x, y, z of a box with its centre at the origin. Either this, or `min` and `max`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<[f64; 3]>,
     /// Smallest coordinates.
@@ -98,7 +98,7 @@ pub struct Block {
     pub max: Option<[f64; 3]>,
     /// Numbers of elements along x, y, z.
     pub divisions: [usize; 3],
-    /// For each axis the size of the last element over that of the first (geometric progression); 1 if left out.
+    /// Grading along each axis: the size of the last element over that of the first, in geometric progression, from 1e-6 to 1e6; 1 if left out.
     #[serde(default = "uniform")]
     pub grading: [f64; 3],
 }
@@ -125,7 +125,7 @@ pub struct HollowBall {
     pub inner_diameter: f64,
     /// Outer diameter, larger than the inner one.
     pub outer_diameter: f64,
-    /// Elements along an edge of the cube's faces, and through the wall: `6 n^2 layers` elements.
+    /// Numbers of elements along an edge of the cubed sphere, and through the wall: `6 n^2 layers` elements.
     pub divisions: [usize; 2],
 }
 
@@ -140,7 +140,7 @@ pub struct HollowTorus {
     pub tube_outer_radius: f64,
     /// Inner radius of the tube, smaller than its outer one.
     pub tube_inner_radius: f64,
-    /// Elements along the ring (at least 3), around the tube (at least 3), through the wall.
+    /// Numbers of elements along the ring (at least 3), around the tube (at least 3), and through the wall.
     pub divisions: [usize; 3],
 }
 
@@ -153,7 +153,7 @@ pub struct Hexahedron {
     pub corners: [[f64; 3]; 8],
     /// Numbers of elements along the natural directions.
     pub divisions: [usize; 3],
-    /// As for `block`.
+    /// Grading along each direction, as for `block`.
     #[serde(default = "uniform")]
     pub grading: [f64; 3],
 }
@@ -171,15 +171,15 @@ pub struct Indenter {
     pub radius: f64,
     /// Numbers of elements along x, y, z.
     pub divisions: [usize; 3],
-    /// As for `block`.
+    /// Grading along each direction, as for `block`.
     #[serde(default = "uniform")]
     pub grading: [f64; 3],
 }
 
 named! {
-    /// What is meshed of a round body; the cut surfaces are planes of symmetry.
+    /// Part of a round body that is meshed; the cut surfaces are symmetry planes.
     Part {
-        /// Everything.
+        /// The whole body.
         Full = "full",
         /// z <= 0.
         Half = "half",
@@ -190,15 +190,15 @@ named! {
     }
 }
 
-/// A finer mesh around the lowest point (line) of a round body, for a contact there: elements of equal size within `half_width`, beyond growing
-/// in geometric progression.
+/// Finer mesh around the lowest point (or line) of a round body, for contact there: elements of equal size within `half_width`, growing
+/// in geometric progression beyond it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
     /// Distance from the lowest point, along the surface, over which the elements have equal size.
     pub half_width: f64,
-    /// Number of elements over this distance, below the first of the divisions.
+    /// Number of elements over this distance, less than the first of the `divisions`.
     pub elements: usize,
 }
 
@@ -209,10 +209,10 @@ pub struct Refinement {
 pub struct Ball {
     /// Radius.
     pub radius: f64,
-    /// What is meshed; everything if left out.
+    /// Part that is meshed: `full` if left out.
     #[serde(default = "Part::default_part")]
     pub part: Part,
-    /// Elements of an eighth: across (x and y), upwards (z), from the cube in the middle to the surface.
+    /// Numbers of elements of an eighth: horizontally (x and y), vertically (z), and from the cube in the middle to the surface.
     pub divisions: [usize; 3],
     /// A finer mesh at the lowest point; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -228,10 +228,10 @@ pub struct Cylinder {
     pub radius: f64,
     /// Length along y.
     pub length: f64,
-    /// What is meshed; everything if left out. No eighth.
+    /// Part that is meshed: `full` if left out; not `eighth`.
     #[serde(default = "Part::default_part")]
     pub part: Part,
-    /// Elements of a quarter: across (x), upwards (z), from the square in the middle to the surface, along y.
+    /// Numbers of elements of a quarter: horizontally (x), vertically (z), from the square in the middle to the surface, and along y.
     pub divisions: [usize; 4],
     /// A finer mesh at the lowest line; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -45,8 +45,8 @@ pub(crate) use named;
 pub fn known<'n>(word: &str, names: impl IntoIterator<Item = &'n str> + Clone) -> String {
     let list = names.clone().into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     match nearest(word, names) {
-        Some(name) => format!("did you mean `{name}`? Known are {list}"),
-        None => format!("known are {list}"),
+        Some(name) => format!("did you mean `{name}`? The choices are {list}"),
+        None => format!("the choices are {list}"),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Probes, output, and what a run is expected to show.
+//! Probes, output, and expected results of a run.
 
 use crate::Verdict;
 use crate::names::named;
@@ -7,33 +7,33 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 named! {
-    /// What a probe records.
+    /// Quantity that a probe records.
     Quantity {
-        /// Displacement from the reference position; mean of a set's nodes.
+        /// Displacement from the reference position (length); of a set the mean over its nodes.
         Displacement = "displacement",
-        /// Current position; mean of a set's nodes.
+        /// Current position (length); of a set the mean over its nodes.
         Position = "position",
-        /// Velocity; mean of a set's nodes. Dynamic scenes only.
+        /// Velocity; of a set the mean over its nodes. Dynamic scenes only.
         Velocity = "velocity",
-        /// Force of the supports on the body; sum over a set's nodes, zero in components that are not prescribed.
+        /// Reaction force of the supports on the body; of a set the sum over its nodes. Zero in components that are not prescribed.
         Reaction = "reaction",
-        /// Moment of the same forces about the origin, at the current positions.
+        /// Moment of the reaction forces about the origin, at the current positions.
         ReactionMoment = "reaction_moment",
-        /// Contact force on the body; sum over a set's nodes, or all of a rigid body.
+        /// Contact force on the body; of a set the sum over its nodes, of a rigid body the resultant.
         ContactForce = "contact_force",
-        /// Moment of the same forces about the origin, at the current positions.
+        /// Moment of the contact forces about the origin, at the current positions.
         ContactMoment = "contact_moment",
         /// Force of a joint on the first of its parts.
         JointForce = "joint_force",
         /// Moment of a joint on the first of its parts, about the joint's point on it.
         JointMoment = "joint_moment",
-        /// Relative angle of a hinge or cylindrical joint in degrees, not limited to a turn.
+        /// Relative angle of a hinge, cylindrical or universal joint in degrees; may exceed 360.
         JointAngle = "joint_angle",
-        /// Relative displacement of a slider: of a bolt, the opening of its cut.
+        /// Relative displacement of a slider (length); of a bolt with pretension, the opening of its cut.
         JointDisplacement = "joint_displacement",
-        /// Angle of the velocity above the plane of x and y in degrees, positive where it points to z; of a set of the mean velocity. Dynamic scenes only.
+        /// Elevation angle of the velocity above the x-y plane in degrees, positive towards z; of a set that of the mean velocity. Dynamic scenes only.
         Elevation = "elevation",
-        /// Angular velocity of a rigid body (1/time). Dynamic scenes only.
+        /// Angular velocity of a rigid body (radians per time). Dynamic scenes only.
         AngularVelocity = "angular_velocity",
         /// Cauchy stress at a material point: `.xx .yy .zz .xy .yz .xz`.
         CauchyStress = "cauchy_stress",
@@ -45,17 +45,17 @@ named! {
         PrincipalStresses = "principal_stresses",
         /// Von Mises stress at a material point.
         VonMises = "von_mises",
-        /// Deformation gradient at a material point, rows of the current and columns of the reference direction: `.xx .xy .xz .yx` and so on.
+        /// Deformation gradient at a material point, first index current, second index reference direction: `.xx .xy .xz .yx` and so on.
         DeformationGradient = "deformation_gradient",
-        /// Kinetic plus strain energy of a body, or of all.
+        /// Kinetic plus strain energy of a body, or of the whole model.
         Energy = "energy",
-        /// Kinetic energy of a body, or of all. Dynamic scenes only.
+        /// Kinetic energy of a body, or of the whole model. Dynamic scenes only.
         KineticEnergy = "kinetic_energy",
-        /// Strain energy of a body, or of all.
+        /// Strain energy of a body, or of the whole model.
         StrainEnergy = "strain_energy",
-        /// Linear momentum of a body, or of all. Dynamic scenes only.
+        /// Linear momentum of a body, or of the whole model. Dynamic scenes only.
         LinearMomentum = "linear_momentum",
-        /// Angular momentum about the origin of a body, or of all. Dynamic scenes only.
+        /// Angular momentum about the origin of a body, or of the whole model. Dynamic scenes only.
         AngularMomentum = "angular_momentum",
     }
 }
@@ -107,7 +107,7 @@ impl Quantity {
         )
     }
 
-    /// True if it may have a [`Reduce`]: it has a value at each node. Stresses and strains are then those of the frames, extrapolated to nodes.
+    /// True if it may have a [`Extremum`]: it has a value at each node. Stresses and strains are then those of the frames, extrapolated to nodes.
     pub fn has_extrema(self) -> bool {
         matches!(
             self,
@@ -185,8 +185,8 @@ named! {
 }
 
 named! {
-    /// Which of the values at the nodes of a set or body a probe records.
-    Reduce {
+    /// Extremum over the nodes of a set or body that a probe records.
+    Extremum {
         /// The largest.
         Max = "max",
         /// The smallest.
@@ -195,36 +195,36 @@ named! {
 }
 
 named! {
-    /// Fields of the frames.
+    /// Field in the frames.
     Field {
-        /// Nodal displacement.
+        /// Displacement of the nodes (length).
         Displacement = "displacement",
-        /// Nodal velocity.
+        /// Velocity of the nodes.
         Velocity = "velocity",
         /// Cauchy stress, extrapolated to nodes.
         CauchyStress = "cauchy_stress",
         /// Von Mises stress.
         VonMises = "von_mises",
-        /// Principal Cauchy stresses, the largest first. Has to be named.
+        /// Principal Cauchy stresses, the largest first. Only if named in `fields`.
         PrincipalStresses = "principal_stresses",
         /// Deformation gradient `F`, extrapolated to nodes, in the order xx, xy, xz, yx, ...: first the current direction, then the reference
-        /// direction. Has to be named.
+        /// direction. Only if named in `fields`.
         DeformationGradient = "deformation_gradient",
-        /// Green-Lagrange strain `(F^T F - 1)/2`, extrapolated to nodes; shears are tensor components. Has to be named.
+        /// Green-Lagrange strain `(F^T F - 1)/2`, extrapolated to nodes; shears are tensor components. Only if named in `fields`.
         GreenLagrangeStrain = "green_lagrange_strain",
-        /// Logarithmic strain `ln V = ln(F F^T)/2` in the current directions, extrapolated to nodes; shears are tensor components. Has to be named.
+        /// Logarithmic strain `ln V = ln(F F^T)/2` in the current directions, extrapolated to nodes; shears are tensor components. Only if named in `fields`.
         LogarithmicStrain = "logarithmic_strain",
-        /// Force of the supports on each node, zero where nothing is prescribed. Has to be named.
+        /// Force of the supports on each node, zero where nothing is prescribed. Only if named in `fields`.
         Reaction = "reaction",
-        /// Contact pressure on slave nodes; of general contact on all surfaces, as a mean since the last frame.
+        /// Contact pressure on slave nodes, positive in compression; of general contact on all surfaces, as a mean since the last frame.
         ContactPressure = "contact_pressure",
-        /// Gap of slave nodes; of general contact the distance to the nearest other surface.
+        /// Gap of slave nodes (length), positive if open; of general contact the distance to the nearest other surface.
         Gap = "gap",
-        /// Of slave nodes: 0 open, 1 sticks, 2 slides (also without friction); where a node has several constraints, the largest.
+        /// Contact status of slave nodes: 0 open, 1 stick, 2 slip (also without friction); the largest where a node has several constraints.
         ContactStatus = "contact_status",
-        /// Size of the friction per current area; scenes with friction.
+        /// Magnitude of the friction traction, per current area; scenes with friction only.
         FrictionTraction = "friction_traction",
-        /// Length of the slip in the last step, of the slave against the master; scenes with friction.
+        /// Magnitude of the slip of the slave relative to the master in the last step (length); scenes with friction only.
         Slip = "slip",
     }
 }
@@ -244,18 +244,18 @@ impl Field {
 }
 
 named! {
-    /// How a run ends.
+    /// Outcome of a run.
     Outcome {
-        /// The end of the interval was reached.
+        /// The run reached its end.
         Completed = "completed",
         /// A step failed at the smallest step size.
         Failed = "failed",
     }
 }
 
-/// `[[probe]]`: a column, or three, of `probes.csv`. Nodal quantities need `set`, or `body` and `point`, or a rigid body or point mass as `body`; energies
-/// and momenta are those of `body`, or of everything; those of joints need `joint`; stresses and strains need `body` and `point`. With `reduce` it is the
-/// extremum over the nodes of `set` or `body`, and a second column `name.node` has the node at which it is, by its number in the frames.
+/// `[[probe]]`: a quantity that is written to `probes.csv`, a column for each component. Nodal quantities need `set`, or `body` and `point`, or a rigid body or point mass as `body`; energies
+/// and momenta are those of `body`, or of the whole model; quantities of joints need `joint`; stresses and strains need `body` and `point`. With `reduce` the probe records the
+/// extremum over the nodes of `set` or `body`, and a second column `name.node` has the number of that node in the frames.
 ///
 /// ```toml
 /// [[probe]]
@@ -267,27 +267,27 @@ named! {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
-    /// Unique name.
+    /// Unique name: the heading of its columns.
     pub name: String,
-    /// What is recorded.
+    /// Quantity that is recorded.
     pub quantity: Quantity,
     /// Set of nodes, `part.set`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set: Option<String>,
-    /// Name of a part. Motions of a rigid body without a `point` are those of its centre of mass.
+    /// Name of a part. The motion of a rigid body without a `point` is that of its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<String>,
-    /// A point in the placed reference configuration: the nearest node of `body` is probed, or of a rigid body the point itself; of stresses and strains the
+    /// A point in the reference configuration after placement (three lengths): the nearest node of `body` is probed, or of a rigid body the point itself; for stresses and strains the
     /// material point, which must lie in the body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,
     /// Name of a joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
-    /// Records the extremum over the nodes of `set` or `body` instead.
+    /// Records the extremum over the nodes of `set` or `body`: `max` or `min`. The mean or sum of the quantity if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reduce: Option<Reduce>,
-    /// Component whose extremum it is; if left out the length of the vector, of strains and principal stresses the largest (`max`) or smallest
+    pub reduce: Option<Extremum>,
+    /// Component whose extremum is recorded. If left out it is the magnitude of a vector, and of strains and principal stresses the largest (`max`) or smallest
     /// (`min`) principal value. With `reduce` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<ProbeComponent>,
@@ -301,18 +301,18 @@ impl Probe {
 }
 
 named! {
-    /// In which files the frames of a run are.
+    /// File format of the frames of a run.
     #[derive(Default)]
     FrameFormat {
-        /// One VTU file each, and a collection of them.
+        /// A VTU file for each frame, and a PVD collection of them.
         #[default]
         Vtu = "vtu",
-        /// All in one VTKHDF file.
+        /// All frames in one VTKHDF file.
         Vtkhdf = "vtkhdf",
     }
 }
 
-/// Which completed steps have a frame, beside the last one.
+/// Steps with a frame, beside the last one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Frames {
     /// Every so many steps, step 0 included.
@@ -325,7 +325,7 @@ pub enum Frames {
     Last,
 }
 
-/// `[output]`: what is written, and how often.
+/// `[output]`: fields and times of the frames, and checkpoints.
 ///
 /// One of `every`, `interval`, `times` and `last_only` says which steps have a frame; step sizes do not depend on it. The last step always has one.
 ///
@@ -338,7 +338,7 @@ pub enum Frames {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// A frame every so many steps, at least 1. The tables have a row for every step anyway.
+    /// Number of steps from one frame to the next, at least 1. The tables have a row for each step.
     #[serde(default = "Output::default_every")]
     pub every: u32,
     /// A frame at the first step that ends at or after each multiple of this time, instead of `every`; positive.
@@ -347,16 +347,16 @@ pub struct Output {
     /// A frame at the first step that ends at or after each of these times, instead of `every`; 0 is the initial state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub times: Option<Vec<f64>>,
-    /// No frame but that of the last step, instead of `every`.
+    /// `true`: no frame but that of the last step, instead of `every`. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub last_only: bool,
-    /// In which files frames are.
+    /// File format of the frames: `vtu` if left out, or `vtkhdf`.
     #[serde(default, skip_serializing_if = "FrameFormat::is_default")]
     pub format: FrameFormat,
-    /// Fields of the frames; if left out all that apply, but for those that have to be named.
+    /// Fields in the frames; if left out all that apply, except those that must be named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fields: Option<Vec<Field>>,
-    /// A checkpoint every so many steps, at least 1.
+    /// Number of steps from one checkpoint to the next, at least 1.
     #[serde(default = "Output::default_checkpoint_every")]
     pub checkpoint_every: u32,
 }
@@ -406,7 +406,7 @@ impl Default for Output {
     }
 }
 
-/// `[expect]`: what the files of a finished run must show; `cargo xtask verify` checks it.
+/// `[expect]`: expected results of a finished run, which `cargo xtask verify` checks in its files.
 ///
 /// The drift of a quantity is the largest distance from its value at step 0, divided by its scale: the largest norm of the
 /// quantity in the run unless a `*_scale` is given (needed where the quantity itself is zero, as the linear momentum of a body
@@ -415,55 +415,55 @@ impl Default for Output {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Expect {
-    /// How the run ends (`summary.json`).
+    /// Expected outcome of the run (`summary.json`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outcome: Option<Outcome>,
-    /// What the watch finds (`summary.json`); a scene that says nothing must be sound.
+    /// Expected verdict of the watch (`summary.json`); `sound` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
-    /// Number of completed steps.
+    /// Expected number of completed steps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steps: Option<u64>,
-    /// Largest number of step cuts.
+    /// Upper bound of the number of cutbacks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_cuts: Option<u64>,
-    /// Largest mean number of Newton iterations (linear solves) a step.
+    /// Upper bound of the mean number of Newton iterations (linear solutions) in a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_newton_mean: Option<f64>,
-    /// Largest drift of the energy.
+    /// Upper bound of the drift of the energy, relative to its scale.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_drift: Option<f64>,
-    /// Smallest drift of the energy: shows that a scheme does not conserve it.
+    /// Lower bound of the drift of the energy, to show that a scheme does not conserve it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_drift_at_least: Option<f64>,
-    /// Largest change of the energy, over its scale, in any one step in which no contact node closes.
+    /// Upper bound of the change of the energy, relative to its scale, in a step in which no contact closes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_change_without_closing: Option<f64>,
-    /// Largest gain of energy, over its scale, in any one step: shows that contact does not create energy.
+    /// Upper bound of the gain of energy, relative to its scale, in a step, to show that contact adds no energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_gain: Option<f64>,
-    /// Scale of the energy instead of its largest value.
+    /// Scale of the energy, positive; its largest value in the run if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_scale: Option<f64>,
-    /// Largest drift of the linear momentum.
+    /// Upper bound of the drift of the linear momentum, relative to its scale.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub linear_momentum_drift: Option<f64>,
-    /// Scale of the linear momentum instead of its largest norm.
+    /// Scale of the linear momentum, positive; its largest norm in the run if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub linear_momentum_scale: Option<f64>,
-    /// Largest drift of the angular momentum.
+    /// Upper bound of the drift of the angular momentum, relative to its scale.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angular_momentum_drift: Option<f64>,
-    /// Scale of the angular momentum instead of its largest norm.
+    /// Scale of the angular momentum, positive; its largest norm in the run if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angular_momentum_scale: Option<f64>,
-    /// The first step with an active contact ends in this interval of time.
+    /// Interval of time in which the first step with a closed contact must end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_contact: Option<Interval>,
-    /// Whether any contact is active at the end of the last step.
+    /// Whether any contact is closed at the end of the last step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_at_end: Option<bool>,
-    /// Values of probes.
+    /// Expected values of probes.
     #[serde(default, rename = "probe", skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<ExpectedValue>,
 }
@@ -473,13 +473,13 @@ pub struct Expect {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Interval {
-    /// Its start.
+    /// Start of the interval, not negative.
     pub from: f64,
-    /// Its end.
+    /// End of the interval, not before `from`.
     pub to: f64,
 }
 
-/// `[[expect.probe]]`: the value of a probe at the step whose time is nearest to `time`.
+/// `[[expect.probe]]`: expected value of a probe at the step whose time is nearest to `time`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -488,7 +488,7 @@ pub struct ExpectedValue {
     pub name: String,
     /// Time, in `[0, end]`.
     pub time: f64,
-    /// Component; left out where there is one value.
+    /// Component of a quantity with several values; not for a quantity with one value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<ProbeComponent>,
     /// Expected value.

@@ -24,56 +24,56 @@ use serde::{Deserialize, Serialize};
 /// angular_velocity = [0, 0, 50]
 /// ```
 ///
-/// It has at most one of `shape`, `mesh` and `surface`; without any it has no surface, and cannot be in contact. Its mass properties are either
-/// those of the enclosed volume with a `density`, or given by `mass` with `euler` or `inertia`.
+/// At most one of `shape`, `mesh` and `surface` is given; without any the body has no surface, and cannot be in contact. Its mass properties either follow
+/// from the enclosed volume with a `density`, or are given by `mass` with `euler` or `inertia`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Rigid {
     /// Name, unique among all parts: letters, digits, `-` and `_`. Sets of its surface are called `name.set`; `name.all` is all of it.
     pub name: String,
-    /// A simple shape.
+    /// Surface: a simple shape with its dimensions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
-    /// Generator or file of a mesh, of which the boundary is the surface.
+    /// Surface: the boundary of a mesh from a generator or a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<MeshSource>,
-    /// A surface of triangles from a file.
+    /// Surface: triangles from an STL file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<SurfaceFile>,
-    /// Translation, after the rotation (length).
+    /// Translation, after the rotation (a length each).
     #[serde(default)]
     pub position: [f64; 3],
-    /// Rotation, or a list of rotations that are done one after the other.
+    /// Rotation, or a list of rotations that are applied one after the other; none if left out.
     #[serde(default, skip_serializing_if = "Rotations::is_empty")]
     pub rotation: Rotations,
-    /// Mass per volume, positive; needs a closed surface. Mass, centre and inertia are those of the volume.
+    /// Density (mass per volume), positive; needs a closed surface. Mass, centre of mass and inertia follow from the volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
-    /// Mass, positive. In dynamic scenes with `euler` or `inertia`.
+    /// Mass, positive, instead of `density`. In dynamic scenes with `euler` or `inertia`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// Principal values `E_i = int rho x_i^2 dV` of the Euler tensor about the centre of mass, positive.
+    /// Principal values `E_i = int rho x_i^2 dV` of the Euler tensor about the centre of mass (mass times length^2), positive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub euler: Option<[f64; 3]>,
-    /// Principal moments of inertia `I_i = E_j + E_k` about the centre of mass, each below the sum of the other two.
+    /// Principal moments of inertia `I_i = E_j + E_k` about the centre of mass (mass times length^2), positive, each less than the sum of the other two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<[f64; 3]>,
     /// Centre of mass in space, the body being placed. With `mass` only; if left out the middle of the box around the
     /// surface, or `position` if there is no surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre: Option<[f64; 3]>,
-    /// Principal axes in space, the body being placed: three unit vectors, perpendicular and right-handed to 1e-6. With `mass` only; if left out
-    /// the axes x, y, z turned by `rotation`.
+    /// Principal axes in space, after placement: three unit vectors, perpendicular and right-handed to 1e-6. With `mass` only; if left out
+    /// the axes x, y, z rotated by `rotation`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<[[f64; 3]; 3]>,
-    /// Initial velocity of the centre of mass. Dynamic scenes only.
+    /// Initial velocity of the centre of mass (length per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity: [f64; 3],
-    /// Initial angular velocity (1/time), about the centre of mass. Dynamic scenes only.
+    /// Initial angular velocity about the centre of mass (radians per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub angular_velocity: [f64; 3],
-    /// `true`: the body does not move. It needs no mass then.
+    /// `true`: the body does not move, and needs no mass. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fixed: bool,
 }
@@ -95,7 +95,7 @@ pub(crate) fn euler_from_inertia(inertia: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| 0.5 * (inertia[(i + 1) % 3] + inertia[(i + 2) % 3] - inertia[i]))
 }
 
-/// A simple shape, for instance `{ kind = "sphere", radius = 1.0, divisions = 8 }`. Lengths are positive, divisions numbers of facets and at least 1.
+/// A simple shape, for instance `{ kind = "sphere", radius = 1.0, divisions = 8 }`. Lengths are positive; divisions are numbers of facets, at least 1.
 ///
 /// # How to add one
 /// A variant with its parameters here, its reading in `read/rigid.rs`, its arm in the facade.
@@ -109,10 +109,10 @@ pub enum Shape {
     Box(BoxShape),
     /// A cylinder about the z-axis, its centre at the origin. Sets: `side`, `bottom`, `top`.
     Cylinder(CylinderShape),
-    /// A cone about the z-axis, whole or cut off: its tip in the origin, pointing to -z, its base at z = `height`. Sets: `side`, `base`, and `tip` where it is
-    /// cut off.
+    /// A cone or truncated cone about the z-axis: its tip at the origin pointing to -z, its base at z = `height`. Sets: `side`, `base`, and `tip` of a truncated
+    /// cone.
     Cone(ConeShape),
-    /// A rectangle in the plane z = 0 about the origin, whose outside is z > 0. It is not closed: it has no volume.
+    /// A rectangle in the plane z = 0 about the origin, with the outward normal +z. It encloses no volume.
     Plane(PlaneShape),
 }
 
@@ -133,7 +133,7 @@ impl Shape {
 pub struct SphereShape {
     /// Radius.
     pub radius: f64,
-    /// Facets along an edge of the cubed sphere: `6 n^2` facets.
+    /// Number of facets along an edge of the cubed sphere, which has `6 n^2` facets.
     pub divisions: u32,
 }
 
@@ -144,7 +144,7 @@ pub struct SphereShape {
 pub struct BoxShape {
     /// Edge lengths along x, y, z.
     pub size: [f64; 3],
-    /// Facets along x, y, z.
+    /// Numbers of facets along x, y, z.
     #[serde(default = "BoxShape::default_divisions")]
     pub divisions: [u32; 3],
 }
@@ -164,7 +164,7 @@ pub struct CylinderShape {
     pub radius: f64,
     /// Length along z.
     pub length: f64,
-    /// Facets around the axis, at least 3, along the length, and from the axis to the edge of the ends.
+    /// Numbers of facets around the axis (at least 3), along the length, and from the axis to the rim of the ends.
     pub divisions: [u32; 3],
 }
 
@@ -175,12 +175,12 @@ pub struct CylinderShape {
 pub struct ConeShape {
     /// Radius of the base.
     pub radius: f64,
-    /// Distance of base and tip.
+    /// Distance between base and tip.
     pub height: f64,
-    /// Radius of the flat end where the tip is cut off, below `radius`; 0, a sharp tip, if left out.
+    /// Radius of the flat end of a truncated cone, less than `radius`; 0 (a sharp tip) if left out.
     #[serde(default)]
     pub tip_radius: f64,
-    /// Facets around the axis, at least 3, from the tip to the base along the side, and from the axis to the edge of the ends.
+    /// Numbers of facets around the axis (at least 3), from the tip to the base along the side, and from the axis to the rim of the ends.
     pub divisions: [u32; 3],
 }
 
@@ -191,7 +191,7 @@ pub struct ConeShape {
 pub struct PlaneShape {
     /// Edge lengths along x and y.
     pub size: [f64; 2],
-    /// Facets along x and y.
+    /// Numbers of facets along x and y.
     #[serde(default = "PlaneShape::default_divisions")]
     pub divisions: [u32; 2],
 }
@@ -209,7 +209,7 @@ impl PlaneShape {
 pub struct SurfaceFile {
     /// Path (`.stl`), relative to the folder of the scene file.
     pub file: String,
-    /// Factor of the coordinates, positive, before they are placed.
+    /// Factor on the coordinates before placement, positive; 1 if left out.
     #[serde(default = "SurfaceFile::default_scale")]
     pub scale: f64,
 }

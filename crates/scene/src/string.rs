@@ -6,7 +6,7 @@ use crate::vector::{norm, sub};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[[string]]`: a string that resists stretch only.
+/// `[[string]]`: an elastic string (cable), with axial stiffness only.
 ///
 /// ```toml
 /// [[string]]
@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 pub struct ElasticString {
     /// Name, unique among all parts: letters, digits, `-` and `_`.
     pub name: String,
-    /// Corners of the initial polygon, two or more. Either these, or `from` and `to`.
+    /// Vertices of the initial polygon, two or more. Either these, or `from` and `to`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<[f64; 3]>,
     /// Start of a straight string.
@@ -35,9 +35,9 @@ pub struct ElasticString {
     /// End of a straight string.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to: Option<[f64; 3]>,
-    /// Elements over the whole length, shared among straight pieces by their lengths; at least one a piece.
+    /// Number of elements over the whole length, distributed over the straight pieces by their lengths; at least one for each piece.
     pub elements: u32,
-    /// Degree of the shape functions: 1, 2 or 3.
+    /// Polynomial degree of the shape functions: 1, 2 or 3; 1 if left out.
     #[serde(default = "ElasticString::default_order")]
     pub order: u32,
     /// Axial stiffness `E A` (force), positive. Either this, or `young` and `area`.
@@ -46,22 +46,22 @@ pub struct ElasticString {
     /// Young's modulus (stress), positive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub young: Option<f64>,
-    /// Area of the section, positive; for `young` and `density`.
+    /// Area of the cross-section (length^2), positive; for `young` and `density`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area: Option<f64>,
-    /// Mass per natural length. Either this, or `density` and `area`; one of them is positive and required in dynamic scenes.
+    /// Mass per unstretched length. Either this, or `density` and `area`; one of them is positive and required in dynamic scenes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// Mass per natural volume.
+    /// Density: mass per unstretched volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
-    /// Length of the whole string without tension, positive; the length of the polygon if left out.
+    /// Unstretched length of the whole string, positive; the length of the polygon if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub natural_length: Option<f64>,
-    /// `true`: the string does not resist shortening.
+    /// `true`: the string goes slack, without force in compression. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub tension_only: bool,
-    /// Initial velocity of all of it. Dynamic scenes only.
+    /// Initial velocity of the whole string (length per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity: [f64; 3],
 }
@@ -74,7 +74,7 @@ impl ElasticString {
         Self::DEFAULT_ORDER
     }
 
-    /// Corners of the initial polygon: `points`, or `from` and `to`.
+    /// Vertices of the initial polygon: `points`, or `from` and `to`.
     pub fn corners(&self) -> Vec<[f64; 3]> {
         match (self.from, self.to) {
             (Some(from), Some(to)) => vec![from, to],
@@ -118,7 +118,7 @@ pub struct PointMass {
     pub at: [f64; 3],
     /// Mass, positive.
     pub mass: f64,
-    /// Initial velocity. Dynamic scenes only.
+    /// Initial velocity (length per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
     pub velocity: [f64; 3],
 }

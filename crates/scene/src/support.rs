@@ -1,4 +1,4 @@
-//! `[[support]]`: springs and dashpots to the ground.
+//! `[[support]]`: elastic foundation, springs and dashpots to the ground.
 
 use crate::names::named;
 #[cfg(feature = "schema")]
@@ -6,16 +6,16 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 named! {
-    /// What stiffness and damping of a support are given for.
+    /// Reference of stiffness and damping of a support.
     SupportPer {
-        /// For a unit of the reference area of a set of facets.
+        /// Per reference area of a set of facets.
         Area = "area",
-        /// For each node of a set.
+        /// Per node of a set.
         Node = "node",
     }
 }
 
-/// Sine of the angle between the directions of a frame below which they count as one.
+/// Sine of the angle between the directions of a frame below which they count as parallel.
 const SMALLEST_SINE: f64 = 1e-6;
 
 /// `[[support]]`: springs and dashpots from a set of a deformable body to the ground, without force in the reference configuration.
@@ -25,23 +25,23 @@ const SMALLEST_SINE: f64 = 1e-6;
 pub struct Support {
     /// Set of facets, or of nodes with `per = "node"`, `body.set`.
     pub set: String,
-    /// What the numbers are given for.
+    /// Reference of `stiffness` and `damping`: per `area` of facets, or per `node`. `area` if left out.
     #[serde(default = "Support::default_per")]
     pub per: SupportPer,
-    /// Two directions that do not lie on one line, of any length: the first axis, and a direction in the plane of the first and the second axis; the third is across both.
-    /// The axes of space if left out.
+    /// Axes of the springs, by two directions of any length that are not parallel: the first axis, and a direction in the plane of the first and second axis; the third axis is normal to both.
+    /// The coordinate axes if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<[[f64; 3]; 2]>,
-    /// Stiffness along the three axes: force per length, and per area or node.
+    /// Stiffness along the three axes, not negative: force per length, and per area or node. Zero if left out.
     #[serde(default)]
     pub stiffness: [f64; 3],
-    /// Damping along the three axes: force per velocity, and per area or node. It does not act in statics; a quasi-static scene needs stiffness.
+    /// Damping along the three axes, not negative: force per velocity, and per area or node. Zero if left out. It does not act in statics; a quasi-static scene needs stiffness.
     #[serde(default)]
     pub damping: [f64; 3],
 }
 
 impl Support {
-    /// Orthonormal axes of stiffness and damping; `None` if the two directions of the frame lie on one line.
+    /// Orthonormal axes of stiffness and damping; `None` if the two directions of the frame are parallel.
     pub fn axes(&self) -> Option<[[f64; 3]; 3]> {
         let Some([first, second]) = self.frame else {
             return Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);

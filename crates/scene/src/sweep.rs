@@ -1,4 +1,4 @@
-//! `[sweep]`: one scene, many values of its parameters.
+//! `[sweep]`: runs of a scene with many values of its parameters.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -10,14 +10,14 @@ use std::collections::BTreeMap;
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// Values of parameters, every combination of which is a case. The parameters are taken in alphabetical order; the last one varies
+    /// Values of parameters: each combination is a case. Parameters are in alphabetical order; the last one varies
     /// fastest.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub grid: BTreeMap<String, SweepValues>,
-    /// The cases one by one, each with its values of parameters; what a case does not name keeps its value.
+    /// List of cases, each with values of parameters; other parameters keep their value.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cases: Vec<BTreeMap<String, f64>>,
-    /// Columns of tables of results whose smallest and largest values go into `sweep.csv`, as `TABLE.COLUMN`, for instance
+    /// Columns of result tables whose smallest and largest values are written to `sweep.csv`, as `TABLE.COLUMN`, for instance
     /// `contact.max_pressure`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub extremes: Vec<String>,
@@ -30,11 +30,11 @@ pub struct Sweep {
 pub enum SweepValues {
     /// A list.
     List(Vec<f64>),
-    /// At equal distances.
+    /// Equally spaced values.
     Range(SweepRange),
 }
 
-/// Values at equal distances.
+/// Equally spaced values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -43,7 +43,7 @@ pub struct SweepRange {
     pub from: f64,
     /// The last value.
     pub to: f64,
-    /// How many values, both ends included; at least 2.
+    /// Number of values, both ends included, at least 2.
     pub count: u32,
 }
 
@@ -67,7 +67,7 @@ impl SweepValues {
 }
 
 impl Sweep {
-    /// Most cases of a sweep.
+    /// Largest number of cases of a sweep.
     pub const MAX_CASES: usize = 100_000;
 
     /// Tables of results of which columns may be named in [`Self::extremes`].

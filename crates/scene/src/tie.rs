@@ -8,59 +8,59 @@ use serde::{Deserialize, Serialize};
 named! {
     /// Form of the constraints of a tie (theory/mortar#eq-tie).
     TieForm {
-        /// Gap vectors in Cartesian components: linear constraints. Rotations of the whole do no work if the
+        /// Cartesian components of the gap vectors: linear constraints, objective under rotations only if the
         /// interface is closed.
         Constant = "constant",
-        /// Gap vectors in a frame that moves with the slave surface: rotations of the whole do no work whatever the
-        /// gap is, and an offset that is kept turns with the bodies.
+        /// Components of the gap vectors in a frame that moves with the slave surface: objective under rotations with any
+        /// gap; a gap that is kept rotates with the bodies.
         FrameInvariant = "frame-invariant",
     }
 }
 
 named! {
-    /// What happens to surfaces that do not fit in the reference configuration.
+    /// Treatment of an initial gap between the surfaces.
     Interface {
-        /// The slave nodes of the interface are moved before the run.
+        /// The slave nodes of the interface are moved onto the master before the run, without stress.
         Move = "move",
-        /// The meshes stay as they are and the initial gap is kept.
+        /// The initial gap is kept.
         Keep = "keep",
-        /// The first step closes the gap and strains the bodies.
+        /// The first step closes the gap, which strains the bodies.
         Close = "close",
     }
 }
 
 named! {
-    /// Functions of the multipliers of a mortar method.
+    /// Shape functions of the multipliers of a mortar method.
     Multipliers {
-        /// The shape functions of the slave surface.
+        /// Standard: the shape functions of the slave surface.
         Standard = "standard",
-        /// Functions that are biorthogonal to them: the slave's mortar matrix is diagonal.
+        /// Dual: functions that are biorthogonal to the shape functions; the mortar matrix of the slave is diagonal.
         Dual = "dual",
     }
 }
 
-/// `[[tie]]`: two surfaces with meshes that need not match stay together for the whole run (mortar method).
+/// `[[tie]]`: mesh tie of two surfaces, whose meshes need not match, for the whole run (mortar method).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Tie {
-    /// Unique name for reports; `slave+master` if left out.
+    /// Unique name; `slave+master` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Slave surface, `body.set`: it carries the multipliers. Components of its nodes that are prescribed have none.
+    /// Slave surface, `body.set`, whose nodes have the multipliers, except in prescribed components.
     pub slave: String,
-    /// Master surface, `body.set`; no node of it is on the slave surface.
+    /// Master surface, `body.set`; it has no node in common with the slave surface.
     pub master: String,
-    /// Form of the constraints.
+    /// Form of the constraints: `constant` or `frame-invariant`.
     #[serde(default = "Tie::default_form")]
     pub form: TieForm,
-    /// Treatment of an initial gap.
+    /// Treatment of an initial gap: `move`, `keep` or `close`.
     #[serde(default = "Tie::default_interface")]
     pub interface: Interface,
-    /// Functions of the multipliers.
+    /// Shape functions of the multipliers: `standard` or `dual`.
     #[serde(default = "Tie::default_multipliers")]
     pub multipliers: Multipliers,
-    /// Largest distance at which facets are tied, a length; by default the longer of the two surfaces' mean edges.
+    /// Largest distance (length) at which facets are tied, positive; the larger of the mean edge lengths of the two surfaces if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reach: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! `[scene] units`: what the numbers of a scene are measured in. Labels only: nothing is converted.
+//! `[scene] units`: systems of units. Labels only: nothing is converted.
 
 use crate::names::named;
 
@@ -29,7 +29,7 @@ named! {
 }
 
 named! {
-    /// What a number measures.
+    /// Physical dimension of a number.
     Dimension {
         /// Position, displacement, gap.
         Length = "length",
@@ -61,12 +61,12 @@ named! {
         AngularVelocity = "angular_velocity",
         /// Angle.
         Angle = "angle",
-        /// A pure number, as a strain.
+        /// A dimensionless number, for instance a strain.
         Number = "number",
     }
 }
 
-/// Labels of a system and what its length, mass and time are in SI.
+/// Labels of a system, and its length, mass and time in SI.
 struct System {
     length: &'static str,
     mass: &'static str,

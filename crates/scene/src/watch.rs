@@ -6,51 +6,51 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 named! {
-    /// What a verdict `wrong` does to the run.
+    /// Consequence of the verdict `wrong` for the run.
     #[derive(Default)]
     OnFault {
-        /// The run goes on to its end; the program then exits with code 4.
+        /// The run continues to its end; the program then exits with code 4.
         #[default]
         Finish = "finish",
         /// The run stops after the step; the program exits with code 4. The run can be resumed.
         Stop = "stop",
-        /// The verdict is written, the program exits with code 0.
+        /// The verdict is written, and the program exits with code 0.
         Ignore = "ignore",
     }
 }
 
 named! {
-    /// What the watch found in a run.
+    /// Verdict of the watch on a run.
     Verdict {
-        /// Nothing.
+        /// Nothing was found.
         Sound = "sound",
-        /// Something that needs attention.
+        /// The result should be examined.
         Doubtful = "doubtful",
-        /// The result must not be used as it is.
+        /// The result must not be used.
         Wrong = "wrong",
     }
 }
 
-/// `[watch]`: the independent check of every run for bodies inside each other, inverted elements and broken balances.
+/// `[watch]`: the independent check of every run for penetration, inverted elements and violated conservation of momentum and energy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Watch {
-    /// The geometry is checked every so many steps, at least 1; by default every step with less than 4000 facets, every second one
+    /// Number of steps from one check of the geometry to the next, at least 1. If left out every step with less than 4000 facets, every second one
     /// with less than 8000, and so on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub every: Option<u32>,
-    /// Depth of a node inside another body, in edge lengths of the facet that it passed, from which on a run is wrong; positive. A
-    /// sixth of it is doubtful.
+    /// Depth of a node inside another body from which on a run is `wrong`, in edge lengths of the facet there; positive. From a
+    /// sixth of it on a run is `doubtful`.
     #[serde(default = "Watch::default_limit")]
     pub limit: f64,
-    /// What a verdict `wrong` does.
+    /// Consequence of the verdict `wrong`: `finish` if left out.
     #[serde(default)]
     pub on_fault: OnFault,
 }
 
 impl Watch {
-    /// Less than a third of an edge is within what a coarse mesh leaves open.
+    /// Depths of less than a third of an edge occur with coarse meshes.
     pub const DEFAULT_LIMIT: f64 = 0.3;
 
     fn default_limit() -> f64 {

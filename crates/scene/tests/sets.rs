@@ -102,7 +102,7 @@ fn mistakes_are_told_with_their_place() {
         ("block.top & x >", "character 16: ends too early"),
         ("block.top & (x > 1", "character 19: a closing bracket"),
         ("block.top x > 1", "character 11: an operator is missing"),
-        ("block.top & xx > 1", "character 13: `xx` is no coordinate"),
+        ("block.top & xx > 1", "character 13: `xx` is not a coordinate"),
         ("blok.top & x > 1", "there is no part `blok`"),
         ("block.top & corner.top", "character 13: has sets of `block` and of `corner`"),
         ("x > 1", "names no part"),

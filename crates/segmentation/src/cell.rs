@@ -118,27 +118,27 @@ impl Cell {
 /// Images of a facet's corners in the plane.
 pub(crate) type Images = Nodal<[f64; 2]>;
 
-/// The way round in which the corners of a facet are walked.
+/// Order in which the corners of a facet are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Walk {
+pub(crate) enum Orientation {
     /// In the order of their numbers.
     Forward,
     /// Against it: for a facet that looks the other way.
     Backward,
 }
 
-/// The convex pieces that are seen counter-clockwise when the corners are walked in this way.
+/// The convex pieces of a facet that are counter-clockwise in the plane when its corners are taken in this order.
 ///
 /// The whole facet if the image is strictly convex. Otherwise, of a quadrilateral, the triangles of positive area that a diagonal
 /// leaves: of both diagonals the one whose triangles reach less to the negative side. For a reflex image that is the
 /// inner one; an image that crosses itself has one triangle of each sign, and the smaller the crossing, the less is
 /// lost.
-pub(crate) fn split(images: &Images, walk: Walk) -> ([Option<Cell>; 2], bool) {
+pub(crate) fn split(images: &Images, orientation: Orientation) -> ([Option<Cell>; 2], bool) {
     let kind = images.kind();
     let count = images.len();
-    let order = Nodal::from_fn(kind, |k| match walk {
-        Walk::Forward => k as u8,
-        Walk::Backward => ((count - k) % count) as u8,
+    let order = Nodal::from_fn(kind, |k| match orientation {
+        Orientation::Forward => k as u8,
+        Orientation::Backward => ((count - k) % count) as u8,
     });
     let p = order.map(|k| images[k as usize]);
     let turn = Nodal::from_fn(kind, |k| orient(p[kind.previous(k)], p[k], p[kind.next(k)]));
@@ -226,16 +226,16 @@ mod tests {
 
     #[test]
     fn pieces_of_convex_reflex_crossed_and_reversed_images() {
-        let count = |x: &[[f64; 2]; 4]| split(&(*x).into(), Walk::Forward).0.iter().flatten().count();
+        let count = |x: &[[f64; 2]; 4]| split(&(*x).into(), Orientation::Forward).0.iter().flatten().count();
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        assert!(!split(&square.into(), Walk::Forward).1);
+        assert!(!split(&square.into(), Orientation::Forward).1);
         assert_eq!(count(&[[0.0, 0.0], [0.4, 0.4], [1.0, 0.0], [0.5, 1.0]]), 2);
         assert_eq!(count(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), 1);
         assert_eq!(count(&[[0.0, 0.0], [5.0, 1.0], [1.0, 0.0], [5.0, 3.0]]), 1);
-        assert_eq!(split(&square.into(), Walk::Backward).0.iter().flatten().count(), 0);
+        assert_eq!(split(&square.into(), Orientation::Backward).0.iter().flatten().count(), 0);
         let triangle = Images::from([[0.0, 0.0], [1.0, 0.0], [0.3, 1.0]]);
-        let cells = |walk| split(&triangle, walk).0.iter().flatten().count();
-        assert_eq!([cells(Walk::Forward), cells(Walk::Backward)], [1, 0]);
+        let cells = |orientation| split(&triangle, orientation).0.iter().flatten().count();
+        assert_eq!([cells(Orientation::Forward), cells(Orientation::Backward)], [1, 0]);
     }
 
     #[test]

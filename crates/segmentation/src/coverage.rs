@@ -5,18 +5,18 @@ use crate::{FacetSegmentation, GapRange, MasterFacet, Provenance, Segment, Segme
 use std::collections::BTreeMap;
 use stoss_reference_element::FacetNodes;
 
-/// A master edge inside the slave facet that two facets should share there, but only one has.
+/// A master edge inside the slave facet that only one of its two facets has in its segments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenEdge {
-    /// Facet that has a segment at the edge.
+    /// Number of the facet with a segment at the edge.
     pub facet: u32,
-    /// Its neighbour, which has segments too, but none that fits.
+    /// Number of its neighbour, which has segments, but none at this edge.
     pub neighbour: u32,
     /// Ends in the slave's coordinates.
     pub ends: [[f64; 2]; 2],
 }
 
-/// What [`check_coverage`] found. Areas are parametric: the slave facet has [`stoss_reference_element::FacetKind::area`].
+/// Result of [`check_coverage`]. Areas are parametric: the slave facet has [`stoss_reference_element::FacetKind::area`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverageReport {
     /// Area of the segments.
@@ -28,7 +28,7 @@ pub struct CoverageReport {
     pub missing: Vec<(u32, f64)>,
     /// Area covered twice (measured in the image and scaled).
     pub double: f64,
-    /// Interior edges that do not fit.
+    /// Interior edges that do not match.
     pub open_edges: Vec<OpenEdge>,
     /// Whether segments were cut because the master is folded. A cut is straight in the image; on a distorted slave facet the parametric areas
     /// then add up only as far as it is straight there too.
@@ -36,7 +36,7 @@ pub struct CoverageReport {
 }
 
 impl CoverageReport {
-    /// Uncovered area that lies opposite the master.
+    /// Uncovered area that is opposite the master.
     pub fn uncovered_opposite(&self) -> f64 {
         self.missing.iter().map(|m| m.1).sum()
     }
@@ -52,7 +52,7 @@ impl CoverageReport {
 }
 
 /// Part of the slave's image that a hidden facet may leave uncovered: round-off of many differences of areas.
-const HIDDEN_BARE: f64 = 1e-8;
+const HIDDEN_UNCOVERED: f64 = 1e-8;
 
 /// Compares segments with the whole master surface.
 ///
@@ -82,7 +82,11 @@ pub fn check_coverage(
         let area: f64 = if found.hidden.iter().any(|h| h.id == facet.id) {
             let covered = |s: &Segment| found.segments.iter().map(|near| common_area(s, near)).sum::<f64>();
             let bare: f64 = scratch.iter().map(|s| s.image_area() - covered(s)).sum();
-            if bare > HIDDEN_BARE * found.frame.image_area() { whole * bare / found.frame.image_area() } else { 0.0 }
+            if bare > HIDDEN_UNCOVERED * found.frame.image_area() {
+                whole * bare / found.frame.image_area()
+            } else {
+                0.0
+            }
         } else {
             scratch.iter().map(Segment::parametric_area).sum()
         };

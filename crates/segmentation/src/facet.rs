@@ -1,4 +1,4 @@
-//! Facets of the master, and what the segments of one slave facet come to.
+//! Facets of the master, and the segmentation of one slave facet.
 
 use crate::{Segment, SlaveFrame};
 use nalgebra::Vector3;
@@ -15,7 +15,7 @@ pub struct MasterFacet {
     pub corners: Nodal<Vector3<f64>>,
 }
 
-/// A master facet that lies opposite, but behind another sheet of the master.
+/// A master facet that is opposite the slave facet, but hidden behind another sheet of the master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HiddenFacet {
     /// Number of the facet.
@@ -31,7 +31,7 @@ pub struct FacetSegmentation {
     pub frame: SlaveFrame,
     /// Segments in the order of the candidates.
     pub segments: Vec<Segment>,
-    /// Facets left out because a nearer sheet covers the same part of the slave.
+    /// Facets without a segment because a nearer sheet covers the same part of the slave.
     pub hidden: Vec<HiddenFacet>,
 }
 

@@ -5,7 +5,7 @@ use crate::frame::weighted;
 use crate::overlap::{common_area, sides};
 use crate::{FacetSegmentation, HiddenFacet, MasterFacet, Provenance, Segment, SlaveFrame, Vertex};
 
-/// Common area, in images of the slave, that is round-off.
+/// Common area, as a part of the image of the slave, below which it is round-off.
 const ROUND_OFF: f64 = 1e-13;
 
 /// A corner of a polygon in the plane: a vertex of a segment, or a new point.
@@ -82,8 +82,8 @@ fn distance(segment: &Segment) -> f64 {
     (v.iter().map(|v| v.gap).sum::<f64>() / v.len() as f64).abs()
 }
 
-/// Takes from each segment what a nearer one covers.
-pub(crate) fn unfold(found: &mut FacetSegmentation, candidates: &[MasterFacet]) {
+/// Removes from each segment the part that a nearer one covers.
+pub(crate) fn remove_hidden_parts(found: &mut FacetSegmentation, candidates: &[MasterFacet]) {
     let tolerance = ROUND_OFF * found.frame.image_area();
     let boxes: Vec<[[f64; 2]; 2]> = found.segments.iter().map(Segment::bounds).collect();
     let meet = |i: usize, j: usize| {

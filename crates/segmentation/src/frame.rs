@@ -1,7 +1,7 @@
 //! The segmentation plane of a slave facet.
 
 use crate::SegmentationError;
-use crate::cell::{Cell, Images, Walk, split};
+use crate::cell::{Cell, Images, Orientation, split};
 use nalgebra::{Matrix3, Vector3};
 use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
@@ -54,7 +54,7 @@ impl SlaveFrame {
             is_split: false,
         };
         frame.images = corners.map(|x| frame.image(&x));
-        (frame.cells, frame.is_split) = split(&frame.images, Walk::Forward);
+        (frame.cells, frame.is_split) = split(&frame.images, Orientation::Forward);
         Ok(frame)
     }
 

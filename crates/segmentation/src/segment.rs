@@ -1,6 +1,6 @@
 //! One pair of facets: polygons with coordinates and origin of every vertex.
 
-use crate::cell::{FacetMap, Images, Walk, cross, inverse, split, sub};
+use crate::cell::{FacetMap, Images, Orientation, cross, inverse, split, sub};
 use crate::clip::{ClipVertex, clip, crossing};
 use crate::frame::weighted;
 use crate::{SegmentationError, SlaveFrame};
@@ -10,7 +10,7 @@ use stoss_reference_element::{FacetKind, Nodal};
 /// Most vertices that a segment can have: two convex quadrilaterals meet in an octagon.
 pub const MAX_VERTICES: usize = 8;
 
-/// Where a vertex comes from.
+/// Origin of a vertex.
 ///
 /// Edges of a facet and the diagonals along which one had to be split are numbered as in [`FacetKind::sides`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub enum Provenance {
         /// Edge of the master.
         master_edge: u8,
     },
-    /// Where a nearer facet of a folded master begins; its place on the slave counts as fixed in derivatives.
+    /// Boundary of a nearer facet of a folded master; its coordinates on the slave count as constant in derivatives.
     Cut,
 }
 
@@ -54,17 +54,17 @@ const NO_VERTEX: Vertex =
 /// A convex polygon in which a slave and a master facet lie opposite each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    /// What the caller called the master facet.
+    /// Number of the master facet, given by the caller.
     pub master_facet: u32,
-    /// How points of the slave belong to its coordinates.
+    /// Map from the convective coordinates of the slave facet to its points.
     pub slave_map: FacetMap,
-    /// The same for the master.
+    /// The same map of the master facet.
     pub master_map: FacetMap,
     count: usize,
     vertices: [Vertex; MAX_VERTICES],
 }
 
-/// Foot of a slave point on the master, along the normal of the segmentation plane.
+/// Projection of a slave point on the master, along the normal of the segmentation plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
     /// Convective coordinates on the master; may leave the facet by a little inside a segment of distorted facets.
@@ -201,7 +201,7 @@ pub fn segment_pair(
         }
     }
     // The master looks the other way: its corners run clockwise in the plane.
-    let (master_cells, _) = split(&images, Walk::Backward);
+    let (master_cells, _) = split(&images, Orientation::Backward);
     let (slave_kind, master_kind) = (frame.kind(), master.kind());
     for s in frame.cells.iter().flatten() {
         for m in master_cells.iter().flatten() {

@@ -1,6 +1,6 @@
 //! One slave facet against a master surface.
 
-use crate::folded::unfold;
+use crate::folded::remove_hidden_parts;
 use crate::{FacetSegmentation, MasterFacet, Segment, SegmentationError, SlaveFrame, segment_pair};
 use nalgebra::Vector3;
 use stoss_reference_element::Nodal;
@@ -46,6 +46,6 @@ pub fn segment_facet(
     }
     segments.retain(|segment| range.meets(segment));
     let mut found = FacetSegmentation { frame, segments, hidden: Vec::new() };
-    unfold(&mut found, candidates);
+    remove_hidden_parts(&mut found, candidates);
     Ok(found)
 }

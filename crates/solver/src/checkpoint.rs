@@ -1,4 +1,4 @@
-//! Checkpoints: everything that a run needs to go on with the same bits, written atomically.
+//! Checkpoints: the whole state of a run, from which it continues with the same bits; written atomically.
 
 use crate::control::Clock;
 use crate::{Balance, Decision, Departure, Release, Switches, Timings};
@@ -22,7 +22,7 @@ pub enum CheckpointError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// Not a checkpoint, of another version, or damaged.
@@ -50,9 +50,9 @@ pub struct Checkpoint {
     pub clock: Clock,
     /// Number of the stage, from 1.
     pub stage: u32,
-    /// What the stage switches off.
+    /// What is switched off in the stage.
     pub off: Switches,
-    /// What was released.
+    /// What has been released.
     pub released: Vec<Release>,
     /// Where components were whose prescription was switched on and begins there.
     pub departures: Vec<Departure>,
@@ -88,7 +88,7 @@ pub struct Checkpoint {
     pub decisions: Vec<Decision>,
     /// Linear solves so far.
     pub solves: u64,
-    /// State of whoever writes the results (file lengths, for instance).
+    /// Further data of the caller by name, for instance the lengths of result files.
     pub attachments: BTreeMap<String, Vec<u8>>,
 }
 

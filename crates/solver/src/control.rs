@@ -9,34 +9,34 @@ pub struct StepControl {
     pub step: f64,
     /// End of the run or of the stage, a time.
     pub end: f64,
-    /// How often a step may be halved in a row.
+    /// Largest number of successive cutbacks (halvings) of a step.
     pub max_cuts: u32,
     /// Successful steps before a halved step is doubled again.
     pub grow_after: u32,
-    /// Whether the run chooses its step sizes: `step` is then the largest one.
+    /// Automatic choice of the step size; `step` is then the largest one.
     pub automatic: Option<Automatic>,
 }
 
-/// Step sizes that a run chooses: it begins with a small one, doubles it after steps that were easy, and halves it after a
-/// step that was hard and after a failure.
+/// Automatic step size: starts small, doubles after easy steps, and halves after a
+/// hard step and after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Automatic {
-    /// Halvings of the largest step that the first one has.
+    /// Number of halvings of the largest step that give the first one.
     pub first: u32,
-    /// Halvings of the largest step that the smallest one has; at least `first`, and instead of [`StepControl::max_cuts`].
+    /// Number of halvings of the largest step that give the smallest one; at least `first`, and instead of [`StepControl::max_cuts`].
     pub last: u32,
-    /// A step is easy if it took so many Newton iterations at most.
+    /// Largest number of Newton iterations of an easy step.
     pub easy: u32,
-    /// After so many easy steps in a row the step is doubled.
+    /// Number of successive easy steps after which the step is doubled.
     pub after: u32,
-    /// After a step that took more Newton iterations than this the next one is halved, but not below the first one: only failures do that.
+    /// Number of Newton iterations above which the next step is halved, but not below the first one, which only failures do.
     pub hard: u32,
 }
 
-/// What happens to the step size after a step that succeeded.
+/// Change of the step size after a successful step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepChange {
-    /// It stays.
+    /// It is kept.
     None,
     /// It is doubled.
     Doubled,
@@ -60,7 +60,7 @@ pub struct Clock {
     easy: Option<u32>,
     /// Largest number of iterations of a step after which the next one is not halved, and how often the first step is halved.
     hard: Option<(u32, u32)>,
-    /// Ticks done.
+    /// Ticks completed.
     tick: u64,
     /// Present number of halvings.
     level: u32,
@@ -165,7 +165,7 @@ impl Clock {
         self.end - self.start
     }
 
-    /// The step succeeded, after so many Newton iterations; returns how the next one is chosen.
+    /// Accepts a step that took this number of Newton iterations; returns how the step size changes.
     pub fn accept(&mut self, iterations: u32) -> StepChange {
         self.tick += self.stride();
         if self.hard.is_some_and(|(hard, first)| iterations > hard && self.level < first) {
@@ -183,7 +183,7 @@ impl Clock {
         StepChange::None
     }
 
-    /// The step failed; returns false if it cannot be halved any more.
+    /// Cuts back after a failed step; returns false if the step cannot be halved further.
     pub fn cut(&mut self) -> bool {
         self.successes = 0;
         if self.level == self.max_cuts {

@@ -4,7 +4,7 @@ use crate::assembly::System;
 use crate::system::FeSystem;
 use crate::{Damping, Model, StepError};
 use stoss_fe_solid::{TangentTarget, ViscousRate};
-use stoss_integrators::RateTangent;
+use stoss_integrators::DampingTangent;
 use stoss_linalg::vector;
 
 impl System {
@@ -63,7 +63,7 @@ impl FeSystem<'_> {
         &mut self,
         q: &[f64],
         v: &[f64],
-        tangent: Option<RateTangent>,
+        tangent: Option<DampingTangent>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
         let System {
@@ -72,7 +72,7 @@ impl FeSystem<'_> {
         if let Some(stabilisation) = stabilisation.as_ref().filter(|_| !*has_rates) {
             for (mass, &first_stencil) in stabilisation.masses().iter().zip(&*first_stencil) {
                 mass.multiply_add(stabilisation.ramp, v, out);
-                if let Some(RateTangent { weight, rate, .. }) = tangent {
+                if let Some(DampingTangent { weight, rate, .. }) = tangent {
                     let target = TangentTarget { map, first_stencil, factor: stabilisation.ramp, values: solid_values };
                     mass.add_to_tangent(weight * rate, target);
                 }
@@ -86,7 +86,7 @@ impl FeSystem<'_> {
                 && let Some(matrix) = masses.bodies.get(b)
             {
                 matrix.multiply_add(mass, v, out);
-                if let Some(RateTangent { weight, rate, .. }) = tangent {
+                if let Some(DampingTangent { weight, rate, .. }) = tangent {
                     let target = TangentTarget { map, first_stencil, factor: mass, values: solid_values };
                     matrix.add_to_tangent(weight * rate, target);
                 }

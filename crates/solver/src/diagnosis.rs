@@ -1,4 +1,4 @@
-//! Says in words of the model what the linear algebra knows by the number of an equation.
+//! Names in messages for the unknowns that the linear algebra knows by the number of an equation.
 
 use crate::assembly::{Iterate, System};
 use crate::words::short;
@@ -6,10 +6,10 @@ use crate::{Model, Place, StepError, Unknown};
 use stoss_contact::SurfaceNode;
 use stoss_linalg::{LinalgError, NONE};
 
-/// Constraints that are violated by this part of the largest violation are named, too.
+/// Constraints violated by more than this part of the largest violation are named too.
 const PART: f64 = 0.1;
 
-/// A node in words: its number in its body, and where it is.
+/// Name of a node in messages: its number in its body, and its position.
 pub(crate) fn node_name(model: &Model, node: u32, q: &[f64]) -> String {
     let at = 3 * node as usize;
     let place = q.get(at..at + 3).map_or(String::new(), |x| {
@@ -40,13 +40,13 @@ fn owner(model: &Model, node: u32) -> Option<&str> {
 
 /// Where surfaces that must stay apart are nearest to each other, as the middle of a sentence, and what helps if prescribed motion takes them there.
 pub(crate) fn blocked(model: &Model, q: &[f64], is_prescribed: &dyn Fn(u32) -> bool) -> (String, Place, &'static str) {
-    const GIVE_WAY: &str = "smaller steps help where the bodies can give way";
+    const CAN_DEFORM: &str = "smaller steps help where the bodies can deform";
     let nodes = model.contacts.iter().filter(|pair| pair.method.keeps_apart());
     let nodes: Vec<_> = nodes.flat_map(|pair| pair.method.surface_nodes(q)).collect();
     let nearest = |list: &mut dyn Iterator<Item = &SurfaceNode>| {
         list.filter(|node| node.distance.is_finite()).min_by(|a, b| a.distance.total_cmp(&b.distance)).copied()
     };
-    let Some(first) = nearest(&mut nodes.iter()) else { return (String::new(), Place::default(), GIVE_WAY) };
+    let Some(first) = nearest(&mut nodes.iter()) else { return (String::new(), Place::default(), CAN_DEFORM) };
     let own = owner(model, first.node);
     let others = nodes.iter().filter(|node| owner(model, node.node) != own);
     // What it is near to: the nodes of others that are not much farther away, the one next to it.
@@ -60,9 +60,9 @@ pub(crate) fn blocked(model: &Model, q: &[f64], is_prescribed: &dyn Fn(u32) -> b
     let all = is_prescribed(first.node) && second.is_some_and(|second| is_prescribed(second.node));
     let remedy = match all {
         true => {
-            "nothing can give way there, for the motion of all of it is prescribed: change it, or leave a larger gap"
+            "the motion of everything there is prescribed, so nothing can deform: change the prescribed motion, or leave a larger gap"
         }
-        false => GIVE_WAY,
+        false => CAN_DEFORM,
     };
     (place, Place::of_node(first.node), remedy)
 }
@@ -102,7 +102,7 @@ pub(crate) fn linear_error(
         return StepError::Singular {
             unknown: Unknown::Unnamed,
             at: Box::default(),
-            hint: "are there enough supports, and no constraint twice?".into(),
+            hint: "check that there are enough supports and that no constraint is given twice".into(),
         };
     };
     StepError::Singular {
@@ -197,7 +197,7 @@ pub(crate) fn largest_residual(
                 }
                 let others = if others.is_empty() { String::new() } else { format!(" (and in {})", others.join(", ")) };
                 let text = format!(
-                    "largest in equation {} of {name}{others}: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now; try \
+                    "largest in equation {} of {name}{others}: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support; try \
                      another step size",
                     slot + 1
                 );
@@ -212,7 +212,7 @@ pub(crate) fn largest_residual(
     }
     let free = system.numbering.free.iter().enumerate();
     let Some((_, &component)) = free.max_by(|a, b| size(a.0).total_cmp(&size(b.0))) else {
-        return ("there is no equation".into(), Place::default());
+        return ("no equation is left".into(), Place::default());
     };
     let node = component / 3;
     let place = node_name(model, node, &iterate.q);
@@ -230,7 +230,7 @@ pub(crate) fn largest_residual(
              large; try another step size"
         ),
         Some((name, false, true)) => format!(
-            "largest at {place}, which is in contact {name}: in one step bodies move there by much more than the layer is thick, or slide; try smaller steps, or a larger `thickness`"
+            "largest at {place}, which is in contact {name}: in one step the bodies there slide, or move by much more than the thickness of the layer; try smaller steps, or a larger `thickness`"
         ),
         Some((name, false, false)) => format!(
             "largest at {place}, which is in contact {name}: contact points there may change facets, or between stick and slip, with every iteration; try \
@@ -243,10 +243,10 @@ pub(crate) fn largest_residual(
     (text, Place { component: Some((component % 3) as u8), ..Place::of_node(node) })
 }
 
-/// Why a vector of a part is not determined.
+/// Why a vector of a part (position or director) is not determined.
 fn part_hint(model: &Model, dynamic: bool, node: u32) -> String {
     let Some(part) = model.parts.iter().find(|part| part.own_vectors().contains(&node)) else {
-        return "are there enough supports?".into();
+        return "check that there are enough supports".into();
     };
     let name = part.name();
     if dynamic {
@@ -263,10 +263,10 @@ fn part_hint(model: &Model, dynamic: bool, node: u32) -> String {
         }
     }
     let reason = if elastic.is_empty() {
-        format!("nothing elastic holds {name}, and its weight does not before its joints carry it")
+        format!("no elastic part supports {name}, and its weight cannot before its joints carry forces")
     } else {
         format!(
-            "{} (strings, springs and beams that hold it) have no stiffness along it, as strings and springs have none across themselves without tension",
+            "{} (strings, springs and beams that hold it) have no stiffness in this direction: strings and springs without tension have no lateral stiffness",
             elastic.join(", ")
         )
     };
@@ -292,17 +292,17 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
         pair.method.stencils(active, &mut |nodes, _| *reached |= nodes.iter().any(|node| body.nodes.contains(node)));
     }
     let contact = if model.keeps_apart() {
-        "; general contact has no stiffness before surfaces are pressed on each other: where it has to hold the body, set `stabilise`"
+        "; general contact has no stiffness before surfaces are pressed together: where it has to support the body, set `stabilise`"
     } else if model.contacts.is_empty() || touches {
         ""
     } else {
-        "; contact can hold it only if it touches from the start (gap below 1/1000 of an edge)"
+        "; contact can support it only if it is closed from the start (gap below 1/1000 of an edge length)"
     };
     let reason = match (held, touches) {
-        (false, false) => format!("nothing holds body {name}: prescribe displacements that exclude a rigid motion"),
+        (false, false) => format!("body {name} has no supports: prescribe displacements that exclude a rigid motion"),
         (false, true) => {
             format!(
-                "body {name} is held by contact alone, which leaves a rigid motion: prescribe some displacements, or stabilise the run"
+                "body {name} is supported by contact alone, which leaves a rigid motion: prescribe some displacements, or stabilise the run"
             )
         }
         _ => format!(
@@ -313,10 +313,10 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
     reason + contact + single_rows(body)
 }
 
-/// What else may be the matter with reduced integration.
+/// Hint about zero-energy modes of reduced integration.
 fn single_rows(body: &crate::Body) -> &'static str {
     if body.solid.has_own_modes() {
-        "; hex20 with reduced integration has modes without stiffness of its own where nothing beside it takes them, as in a single row of elements: use two elements across, or \
+        "; hex20 with reduced integration has zero-energy modes unless neighbouring elements prevent them, as in a single row of elements: use two elements across, or \
          `integration = \"full\"`"
     } else {
         ""

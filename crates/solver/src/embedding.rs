@@ -1,4 +1,4 @@
-//! Embedded nodes: nodes without equations that are carried by others.
+//! Embedded nodes: nodes without equations, whose positions are linear combinations of those of other nodes.
 
 use std::ops::Range;
 
@@ -7,8 +7,8 @@ const NONE: u32 = u32::MAX;
 
 /// Nodes whose positions are `x_a = sum_j w_aj q_j` with constant weights and other nodes as carriers: the surface of a rigid body, for instance.
 ///
-/// Whoever acts on nodes acts on these like on any others. Their positions and velocities follow the carriers; forces on them go to the carriers with the same
-/// weights, and tangents with them, so that work and moments are the same.
+/// Contact and loads act on them like on other nodes. Their positions and velocities follow the carriers; forces and tangents are transferred to the carriers with the same
+/// weights, so that work and moments are the same.
 ///
 /// A surface may have many more nodes than a step uses: what is done in each iteration passes over the nodes that contact uses, and over those whose carriers moved.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,7 +34,7 @@ struct Group {
 pub(crate) struct Followed(Vec<f64>);
 
 impl Embedding {
-    /// Adds a node with its carriers, which are no embedded nodes themselves, each once.
+    /// Adds a node with its carriers and their weights; carriers are not embedded themselves, and each is given once.
     pub fn add(&mut self, node: u32, carriers: &[(u32, f64)]) {
         if self.starts.is_empty() {
             self.starts.push(0);
@@ -104,7 +104,7 @@ impl Embedding {
         runs
     }
 
-    /// Gives the embedded nodes of a vector of the model (positions, increments, velocities) what they have from their carriers; an empty vector stays so.
+    /// Computes the embedded nodes of a vector of the model (positions, increments, velocities) from their carriers; an empty vector is left as it is.
     pub fn follow(&self, x: &mut [f64]) {
         if x.is_empty() {
             return;

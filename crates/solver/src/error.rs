@@ -36,7 +36,7 @@ pub enum StepError {
         /// The same in numbers of the model.
         at: Box<Place>,
     },
-    /// A matrix without inverse.
+    /// The matrix is singular.
     #[error("the system is singular: {unknown} is not determined; {hint}")]
     Singular {
         /// The unknown in which the undetermined motion is largest.
@@ -48,7 +48,7 @@ pub enum StepError {
     },
     /// Prescribed motion cannot reach its end without surfaces passing through each other.
     #[error(
-        "surfaces are in the way of prescribed motion{place}: it has not reached its end in {attempts} linear responses of the bodies; {remedy}"
+        "prescribed motion is blocked by surfaces that would pass through each other{place}: it has not reached its end in {attempts} attempts; {remedy}"
     )]
     Blocked {
         /// Linear responses tried.
@@ -60,9 +60,9 @@ pub enum StepError {
         /// What may help.
         remedy: &'static str,
     },
-    /// Sets of constraints came back.
+    /// The active set cycles.
     #[error(
-        "the active set cycles: {count} node(s) of contact {pair} (first: {first}) want to open when closed and to close when open, after {changes} changes of the set and {repairs} changes of facets"
+        "the active set cycles: {count} node(s) of contact {pair} (first: {first}) open when closed and close when open, after {changes} changes of the set and {repairs} changes of pairing"
     )]
     Cycling {
         /// Contact pair.
@@ -80,7 +80,7 @@ pub enum StepError {
     },
     /// The active set did not settle.
     #[error(
-        "the active set did not settle in {rounds} rounds, with {changes} changes of the set and {repairs} changes of facets"
+        "the active set did not settle in {rounds} rounds, with {changes} changes of the set and {repairs} changes of pairing"
     )]
     ActiveSet {
         /// Rounds tried, each with a solution.
@@ -100,16 +100,16 @@ pub enum StepError {
         body: String,
         /// Its number of elements.
         elements: usize,
-        /// How many, and the worst one.
+        /// Number of such elements, and the worst one.
         found: InsideOut,
     },
     /// Accelerations and multipliers at the start are not determined.
     #[error(
-        "accelerations at the start are not determined by masses and constraints ({0}): is a constraint given twice, or has something neither mass nor constraint?"
+        "accelerations at the start are not determined by masses and constraints ({0}): a constraint may be given twice, or something may have neither mass nor constraint"
     )]
     Start(LinalgError),
     /// A system with the mass alone could not be solved.
-    #[error("the mass matrix is singular: is there a body without volume or density?")]
+    #[error("the mass matrix is singular: a body may have no volume or no density")]
     Mass,
 }
 

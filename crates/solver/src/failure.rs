@@ -1,6 +1,6 @@
-//! What an attempted step that failed leaves behind: facts for whoever looks for the cause.
+//! Records of attempted steps that failed, from which the cause can be found.
 //!
-//! It is no diagnosis: what the facts mean for a scene is not known here.
+//! Not a diagnosis: what the facts mean for a scene is not known here.
 
 use crate::error::StepError;
 use crate::{Model, NewtonRow, Place};
@@ -10,7 +10,7 @@ use stoss_fe_solid::SolidError;
 /// Most slots of a failed attempt whose changes are kept.
 const MOST_SLOTS: usize = 8;
 
-/// In which way an attempt failed; see [`StepError`].
+/// Kind of failure; see [`StepError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -21,13 +21,13 @@ pub enum FailureKind {
     InsideOut,
     /// Newton did not converge.
     NotConverged,
-    /// A matrix without inverse.
+    /// The matrix is singular.
     Singular,
-    /// Sets of constraints came back.
+    /// The active set cycles.
     Cycling,
     /// The active set did not settle.
     Unsettled,
-    /// Whatever else: what the cause says in words.
+    /// Any other; the reason is in [`FailedAttempt::reason`].
     Other,
 }
 
@@ -36,13 +36,13 @@ pub enum FailureKind {
 pub struct SlotChanges {
     /// Number of the pair in [`Model::contacts`].
     pub pair: usize,
-    /// Its slot.
+    /// Slot of the pair.
     pub slot: usize,
     /// How often it closed or opened.
     pub changes: u32,
 }
 
-/// An attempt that failed.
+/// A failed attempt at a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailedAttempt {
     /// Step that was tried.
@@ -53,7 +53,7 @@ pub struct FailedAttempt {
     pub dt: f64,
     /// How.
     pub kind: FailureKind,
-    /// The cause in words.
+    /// The cause as a message.
     pub reason: String,
     /// Where.
     pub place: Place,
@@ -63,9 +63,9 @@ pub struct FailedAttempt {
     pub slots: Vec<SlotChanges>,
 }
 
-/// What is noted while an attempt is made.
+/// Record of an attempt while it is made.
 #[derive(Debug, Default)]
-pub(crate) struct Trace {
+pub(crate) struct AttemptLog {
     /// Linear solutions.
     pub solves: u32,
     pub newton: Vec<NewtonRow>,
@@ -74,7 +74,7 @@ pub(crate) struct Trace {
     before: Vec<bool>,
 }
 
-impl Trace {
+impl AttemptLog {
     /// The active set of a pair is about to change.
     pub fn begin(&mut self, active: &[bool]) {
         self.before.clear();
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn slots_that_change_most_come_first() {
-        let mut trace = Trace::default();
+        let mut trace = AttemptLog::default();
         let sets = [[false, true, true], [true, true, true], [false, true, false], [true, true, false]];
         for pair in sets.windows(2) {
             trace.begin(&pair[0]);

@@ -1,4 +1,4 @@
-//! Time and load stepping, active set, step control, energy ledger, checkpoints.
+//! Time and load stepping, active set, step control, balance of energy and momenta, checkpoints.
 //!
 //! A [`Model`] (bodies, loads, prescribed motion, contact methods) and [`Settings`] make a [`Simulation`]; every call of
 //! [`Simulation::advance`] does one step, or fails with the state of the last completed step intact. Whoever calls writes the
@@ -17,6 +17,7 @@
 #![doc = include_str!("../README.md")]
 
 mod assembly;
+mod balance;
 mod centrifugal;
 mod checkpoint;
 mod control;
@@ -25,9 +26,7 @@ mod diagnosis;
 mod embedding;
 mod error;
 mod failure;
-mod guide;
 mod held;
-mod ledger;
 mod loads;
 mod mass_solve;
 mod masses;
@@ -39,6 +38,7 @@ mod problem;
 mod record;
 mod rotation;
 mod simulation;
+mod sliding_support;
 mod stabilise;
 mod step;
 mod switches;
@@ -47,19 +47,19 @@ mod table;
 mod timing;
 mod words;
 
+pub use balance::Balance;
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use control::{Automatic, Clock, StepChange, StepControl};
 pub use embedding::Embedding;
 pub use error::{SimulationError, StepError, Unknown};
 pub use failure::{FailedAttempt, FailureKind, SlotChanges};
-pub use guide::Guide;
-pub use ledger::Balance;
 pub use loads::{Load, LoadKind};
-pub use model::{Body, ContactPair, Coupling, Damping, Model, Prescription, Silent};
+pub use model::{Body, ContactPair, Coupling, Damping, Model, Prescription, SwitchedOff};
 pub use place::Place;
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, PairSummary, StepRecord};
 pub use rotation::AxisRotation;
 pub use simulation::{Departure, FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage};
+pub use sliding_support::SlidingSupport;
 pub use stabilise::Stabilise;
 pub use stoss_contact::{BodyPair, SurfaceForce, SurfaceNode};
 pub use switches::{Release, Switches};

@@ -4,12 +4,12 @@ use crate::Table;
 use stoss_fe_solid::MassMatrix;
 use stoss_reference_element::FaceNodes;
 
-/// A load: nodal patterns of unit magnitude times a function of time, or what depends on the configuration: a pressure that follows the surface, a moment.
+/// A load: nodal patterns of unit magnitude times a function of time, or a load that depends on the configuration: a follower pressure, a moment, a centrifugal force.
 #[derive(Clone, Debug)]
 pub struct Load {
     /// Name for reports.
     pub name: String,
-    /// What it acts on.
+    /// Kind of the load, and where it acts.
     pub kind: LoadKind,
     /// Magnitude; one column for each pattern of a dead load, one column (a pressure) for a follower pressure, three for a moment.
     pub magnitude: Table,
@@ -35,8 +35,8 @@ pub enum LoadKind {
         /// Global numbers of the directors.
         directors: Vec<[u32; 3]>,
     },
-    /// Force `w^2 M P (q - c)` of a body that is seen from a frame which turns with the angular velocity `w` (the magnitude) about an axis through `c`, with `P = I - n n^T`. Its
-    /// potential is `-w^2/2 (q - c) . M P (q - c)`; neither the force of Coriolis nor that of a changing `w` is meant.
+    /// Centrifugal force `w^2 M P (q - c)` on a body in a frame that rotates with the angular velocity `w` (the magnitude) about an axis through `c`, with `P = I - n n^T`. Its
+    /// potential is `-w^2/2 (q - c) . M P (q - c)`; Coriolis and Euler forces are not included.
     Centrifugal {
         /// Number of the body.
         body: usize,
@@ -50,7 +50,7 @@ pub enum LoadKind {
 }
 
 impl Load {
-    /// The directions (x, y, z) in which the load has a resultant.
+    /// Whether the load may have a resultant along x, y and z.
     pub fn directions(&self) -> [bool; 3] {
         let patterns = match &self.kind {
             LoadKind::Dead { patterns } => patterns,

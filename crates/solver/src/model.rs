@@ -1,4 +1,4 @@
-//! What is to be simulated.
+//! The model: bodies, parts, prescribed motion, loads and contact.
 
 use crate::switches::Acting;
 use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, Table};
@@ -25,7 +25,7 @@ pub struct Damping {
 }
 
 impl Damping {
-    /// Whether there is any.
+    /// Whether a coefficient is not zero.
     pub fn acts(&self) -> bool {
         self.mass > 0.0 || self.stiffness > 0.0
     }
@@ -42,7 +42,7 @@ pub struct Body {
     pub density: Option<f64>,
     /// Consistent or lumped.
     pub mass_kind: MassKind,
-    /// Where there is inertia.
+    /// Damping; it acts in dynamic stages.
     pub damping: Damping,
 }
 
@@ -53,7 +53,7 @@ pub struct Prescription {
     pub name: String,
     /// Global node numbers.
     pub nodes: Vec<u32>,
-    /// Those of the nodes that are directions: they turn, and are not moved otherwise. With any all three components are prescribed.
+    /// Those of the nodes that are directors: they rotate and are not translated. If there are any, all three components are prescribed.
     pub directions: Vec<u32>,
     /// Components (0, 1, 2), one a column of the table; with a rotation all three in this order.
     pub components: Vec<u8>,
@@ -67,7 +67,7 @@ pub struct Prescription {
 }
 
 impl Prescription {
-    /// Whether two prescriptions move a component that both have in the same way: then both may name the same node.
+    /// Whether two prescriptions of the same component have the same motion: then both may contain the same node.
     pub fn agrees(&self, other: &Self, component: u8) -> bool {
         let column = |p: &Self| p.components.iter().position(|&c| c == component);
         let (Some(own), Some(others)) = (column(self), column(other)) else { return false };
@@ -91,7 +91,7 @@ impl Prescription {
         reference[component] + (turn + moved)
     }
 
-    /// The rotation as it acts on a node: a direction is turned about the origin.
+    /// The rotation of a node; a director is rotated about the origin.
     fn seen<'a>(&self, rotation: &'a AxisRotation, node: u32) -> std::borrow::Cow<'a, AxisRotation> {
         if self.directions.contains(&node) {
             std::borrow::Cow::Owned(rotation.about_origin())
@@ -110,17 +110,17 @@ impl Prescription {
     }
 }
 
-/// What acts between surfaces.
+/// An interaction between nodes: contact, bilateral constraints (ties, joints), or forces with a potential.
 #[derive(Debug)]
 pub enum Coupling {
-    /// Constraints that open and close.
+    /// Unilateral constraints, which open and close.
     Contact(Box<dyn ContactMethod>),
-    /// Constraints that always hold: mesh ties, joints.
+    /// Bilateral constraints: mesh ties, joints.
     Bilateral(Box<dyn Bilateral>),
-    /// Forces with an energy.
+    /// Forces with a potential: penalties, barriers.
     Potential(WithoutSlots),
     /// One of the others, switched off.
-    Off(Silent),
+    Off(SwitchedOff),
 }
 
 impl Coupling {
@@ -129,17 +129,17 @@ impl Coupling {
         Self::Contact(Box::new(method))
     }
 
-    /// Constraints that always hold.
+    /// Bilateral constraints.
     pub fn bilateral(constraint: impl Bilateral + 'static) -> Self {
         Self::Bilateral(Box::new(constraint))
     }
 
-    /// Forces with an energy.
+    /// Forces with a potential.
     pub fn potential(potential: impl Potential + 'static) -> Self {
         Self::Potential(WithoutSlots(Box::new(potential)))
     }
 
-    /// The method, if its constraints open and close.
+    /// The contact method, if the coupling is unilateral contact.
     pub fn as_contact(&self) -> Option<&dyn ContactMethod> {
         if let Self::Contact(method) = self { Some(&**method) } else { None }
     }
@@ -149,17 +149,17 @@ impl Coupling {
         if let Self::Contact(method) = self { Some(&mut **method) } else { None }
     }
 
-    /// What bodies do to each other by a potential at the end of a step.
+    /// Contact results by pairs of bodies, of a potential at the end of a step.
     pub(crate) fn body_pairs(&self) -> Vec<BodyPair> {
         if let Self::Potential(of) = self { of.0.body_pairs() } else { Vec::new() }
     }
 
-    /// What acts at surface nodes by a potential in the step to `q_np1`.
+    /// Contact results at surface nodes, of a potential in the step to `q_np1`.
     pub(crate) fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {
         if let Self::Potential(of) = self { of.0.surface_nodes(q_np1) } else { Vec::new() }
     }
 
-    /// Forces at surface nodes, of a potential that others carry.
+    /// Forces at surface nodes, of a potential whose forces are applied to other nodes.
     pub(crate) fn surface_forces(&self) -> Vec<SurfaceForce> {
         if let Self::Potential(of) = self { of.0.surface_forces() } else { Vec::new() }
     }
@@ -174,7 +174,7 @@ impl Coupling {
         }
     }
 
-    /// What it carries from step to step, for checkpoints; empty if it carries nothing.
+    /// Its history variables, for checkpoints; empty if it has none.
     pub(crate) fn save_history(&self) -> Vec<u8> {
         match self {
             Self::Contact(method) => method.save_history(),
@@ -194,7 +194,7 @@ impl Coupling {
         }
     }
 
-    /// True for constraints that always hold: as long as they are not switched off all their slots are active.
+    /// True for bilateral constraints: while they are not switched off all their slots are active.
     pub fn is_bilateral(&self) -> bool {
         match self {
             Self::Bilateral(_) => true,
@@ -203,7 +203,7 @@ impl Coupling {
         }
     }
 
-    /// True for forces with an energy, also while they are switched off.
+    /// True for forces with a potential, also while they are switched off.
     pub fn is_potential(&self) -> bool {
         match self {
             Self::Potential(_) => true,
@@ -320,11 +320,11 @@ impl std::ops::DerefMut for Coupling {
     }
 }
 
-/// A coupling that is switched off: it keeps its slots and what it carries from step to step, and does nothing.
+/// A coupling that is switched off: it keeps its slots and its history, and exerts no forces.
 #[derive(Debug)]
-pub struct Silent(pub(crate) Box<Coupling>);
+pub struct SwitchedOff(pub(crate) Box<Coupling>);
 
-impl Report for Silent {
+impl Report for SwitchedOff {
     fn name(&self) -> &str {
         self.0.name()
     }
@@ -336,7 +336,7 @@ impl Report for Silent {
     }
 }
 
-impl Constraint for Silent {
+impl Constraint for SwitchedOff {
     fn slot_count(&self) -> usize {
         self.0.slot_count()
     }
@@ -372,12 +372,12 @@ impl Coupling {
         let old = std::mem::replace(self, Self::potential(Nothing));
         *self = match old {
             Self::Off(silent) => *silent.0,
-            other => Self::Off(Silent(Box::new(other))),
+            other => Self::Off(SwitchedOff(Box::new(other))),
         };
     }
 }
 
-/// No forces.
+/// A potential without forces.
 #[derive(Debug)]
 struct Nothing;
 
@@ -405,7 +405,7 @@ impl Potential for Nothing {
     }
 }
 
-/// A contact, a tie or a potential, with the factor of its complementarity function.
+/// A coupling with its name, and the factor of its complementarity function.
 #[derive(Debug)]
 pub struct ContactPair {
     /// Name for reports, unique.
@@ -414,7 +414,7 @@ pub struct ContactPair {
     pub method: Coupling,
     /// `c` of theory/constraints#eq-active-set: active if `p - c gap > 0`; about Young's modulus over the edge length.
     pub complementarity: f64,
-    /// Whether the energy that closing gaps cost in a step goes back into the velocities at its end (theory/mortar#restore). For methods that tell it and under
+    /// Whether the energy that closing gaps lose in a step is returned to the velocities at its end (theory/mortar#restore). For methods that report this energy, with
     /// schemes whose contact forces do the work of the gaps.
     pub restores: bool,
 }
@@ -428,9 +428,9 @@ pub struct Model {
     pub velocity: Vec<f64>,
     /// The bodies.
     pub bodies: Vec<Body>,
-    /// What is no solid: rigid bodies, beams, strings, springs. Its vectors are nodes of the model like those of the bodies.
+    /// Parts other than solids: rigid bodies, beams, strings, springs. Their vectors are nodes of the model like those of the bodies.
     pub parts: Vec<Box<dyn Part>>,
-    /// Nodes that are carried by others.
+    /// Nodes without equations, whose positions follow from other nodes.
     pub embedding: Embedding,
     /// Embedded nodes that are vertices of the surface that contact sees of a quadratic face (theory/elements#contact), each with the node in whose place it is, if
     /// there is one. Frames show that node and not the vertex.
@@ -439,7 +439,7 @@ pub struct Model {
     pub prescriptions: Vec<Prescription>,
     /// Loads.
     pub loads: Vec<Load>,
-    /// Contact.
+    /// Contacts, ties, joints and potentials.
     pub contacts: Vec<ContactPair>,
 }
 
@@ -471,7 +471,7 @@ impl Model {
         self.reference.len() / 3
     }
 
-    /// What acts if `off` does not and `released` no longer; the words for what does not exist.
+    /// What acts if `off` is switched off and `released` is released; an error message for indices that do not exist.
     pub(crate) fn acting(&self, off: &Switches, released: &[Release]) -> Result<Acting, String> {
         let counts = [self.loads.len(), self.prescriptions.len(), self.contacts.len(), self.parts.len()];
         let acting = Acting::new(counts, off, released)?;

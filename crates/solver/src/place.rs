@@ -1,8 +1,8 @@
-//! Where something is in a model, in its numbers.
+//! A place in a model, by numbers.
 
 use serde::{Deserialize, Serialize};
 
-/// Where something is in a model; what does not apply is `None`.
+/// A place in a model; what does not apply is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Global number of a vector: a node, or the centre or a director of a rigid body.

@@ -584,15 +584,15 @@ impl NewtonProblem for StepProblem<'_> {
         if !self.has_potential() {
             return Ok(None);
         }
-        let is_lasting = self.is_symmetric();
+        let is_fixed = self.is_symmetric();
         let Self { model, system, iterate, step, part, .. } = self;
         let mut timings = std::mem::take(self.timings);
         let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step.dt));
         *self.timings = timings;
         let friction: f64 = model.contacts.iter().map(|pair| pair.method.friction_along(*part)).sum();
-        let friction = if is_lasting { 0.0 } else { friction };
+        let friction = if is_fixed { 0.0 } else { friction };
         let round_off = ENERGY_ROUND_OFF * system.strain_energy_scale;
-        Ok(Some(Potential { value: value? + friction, round_off, is_lasting }))
+        Ok(Some(Potential { value: value? + friction, round_off, is_fixed }))
     }
 
     fn slope(&self) -> f64 {

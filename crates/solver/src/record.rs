@@ -1,4 +1,4 @@
-//! What a completed step leaves behind for whoever writes it down.
+//! Records of a completed step.
 
 use crate::Balance;
 use serde::{Deserialize, Serialize};
@@ -20,18 +20,18 @@ pub struct NewtonRow {
     pub changes: usize,
 }
 
-/// What the step control or the active set decided, for the record.
+/// A decision of the step control or the active set, for the record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Decision {
-    /// Step that was being done.
+    /// Number of the step.
     pub step: u64,
     /// Time at its start.
     pub time: f64,
     /// Step size at that moment.
     pub dt: f64,
-    /// What was decided.
+    /// Kind of the decision.
     pub kind: DecisionKind,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
@@ -46,11 +46,11 @@ pub enum DecisionKind {
     Shrink,
     /// The predictor was dropped and the step was started in another way.
     Restart,
-    /// The step was accepted, but something about its result is not right.
+    /// The step was accepted, but its result is doubtful.
     Warning,
     /// A stage began.
     Stage,
-    /// A constraint or a prescription stopped acting.
+    /// A constraint, a prescription or a part was released.
     Release,
 }
 
@@ -69,22 +69,22 @@ pub struct ContactSummary {
     pub min_gap: f64,
     /// Largest pressure, per current area.
     pub max_pressure: f64,
-    /// Largest defect of all pairs, and the sum of the areas that they left out.
+    /// Coverage of the mortar segmentation: largest defect of all pairs, and the sum of the areas that are left out.
     pub coverage: Coverage,
     /// Sum over the contact pairs of the force that each exerts on its slave nodes.
     pub force_on_slave: [f64; 3],
     /// Each pair by itself, in the order of [`crate::Model::contacts`]: its own constraints only, also where nodes belong to several pairs. Zero for what
     /// is no contact (ties, joints), and while a pair is off.
     pub pairs: Vec<PairSummary>,
-    /// What bodies do to each other by general contact, those that do.
+    /// Results of general contact by pairs of bodies in contact.
     pub bodies: Vec<BodyPair>,
-    /// What general contact does at surface nodes, ascending; those where nothing acts and nothing is near may be missing.
+    /// Results of general contact at surface nodes, in ascending order; nodes without forces and without a surface nearby may be missing.
     pub surface: Vec<SurfaceNode>,
-    /// Where forces act on surfaces that lie inside their bodies, against the nodes that carry them.
+    /// Differences between the contact forces on inset surfaces and those on the nodes that carry them, by node.
     pub moved: BTreeMap<u32, SurfaceForce>,
 }
 
-/// One contact pair at the end of a step.
+/// Results of one contact pair at the end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairSummary {
     /// Active slots.

@@ -1,10 +1,10 @@
-//! The run: state, steps, ledger.
+//! The run: state, steps, balance of energy and momenta.
 
 mod advance;
 mod departure;
-mod guides;
 mod pairs;
 mod restart;
+mod sliding_supports;
 mod stage;
 mod start;
 mod sudden;
@@ -33,7 +33,7 @@ use stoss_newton::NewtonOptions;
 /// until it touches.
 const TOUCHING: f64 = 1.0e-3;
 
-/// How to run; of a run in stages the first one.
+/// Settings of a run; of a run in stages those of the first one.
 #[derive(Debug)]
 pub struct Settings {
     /// Step size, end, cuts.
@@ -42,25 +42,25 @@ pub struct Settings {
     pub scheme: Option<Box<dyn Scheme>>,
     /// Newton's settings.
     pub newton: NewtonOptions,
-    /// What an element that is turned inside out at a vertex does.
+    /// Treatment of elements that are inverted at a vertex.
     pub inside_out: InsideOutRule,
     /// Direct solver.
     pub solver: Box<dyn LinearSolver>,
 }
 
-/// What else a run in stages needs to know from the beginning.
+/// Further settings of a run in stages.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FirstStage {
     /// Stabilisation of the first stage, if it is static.
     pub stabilise: Option<Stabilise>,
-    /// What does not act in the first stage.
+    /// What is switched off in the first stage.
     pub off: Switches,
     /// Whether a later stage is dynamic: then there is a mass matrix from the beginning.
     pub later_dynamics: bool,
 }
 
-/// What happens if at the end of a step elements of a body are turned inside out at a vertex that were not before: the
-/// integrals do not notice as long as `det F > 0` at the Gauss points, see [`stoss_fe_solid::SolidBody::inside_out`].
+/// Treatment of elements that are inverted at a vertex at the end of a step and were not before: the
+/// integrals are not affected as long as `det F > 0` at the Gauss points, see [`stoss_fe_solid::SolidBody::inside_out`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InsideOutRule {
     /// The step fails with [`StepError::InsideOut`], thus is tried again with a smaller one.
@@ -70,7 +70,7 @@ pub enum InsideOutRule {
     Warn,
 }
 
-/// What a run will use, without running it.
+/// Sizes and arrays of a run, without running it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Nodes of all bodies.
@@ -99,9 +99,9 @@ pub struct Plan {
     pub reactions: bool,
     /// True if there is a vector of dead loads.
     pub dead_loads: bool,
-    /// True if there is a vector of loads that follow: pressures, moments.
+    /// True if there is a vector of loads that depend on the configuration: follower pressures, moments, centrifugal forces.
     pub follower_pressure: bool,
-    /// True if equations with the mass matrix alone are, or were, solved.
+    /// True if systems with the mass matrix alone have been solved.
     pub mass_solver: bool,
     /// True if the state has accelerations.
     pub accelerations: bool,
@@ -249,7 +249,7 @@ impl Simulation {
         }
         simulation.set_prescribed_positions_at_start();
         simulation.set_bilateral();
-        simulation.start_guided();
+        simulation.start_at_sliding_supports();
         simulation.complete_initial_state()?;
         if !dynamic {
             simulation.close_touching()?;
@@ -396,8 +396,8 @@ impl Simulation {
     pub fn contact_force(&self) -> &[f64] {
         &self.contact_force
     }
-    /// What has to be added to the forces of [`Self::contact_force`] to have those on the surfaces, by node, of surfaces that lie inside their bodies: there nodes of elements below the surface carry them.
-    /// The moment is that about the origin, beyond that of `contact_force` at the nodes. Of the last step that this program has made; nothing after a restart.
+    /// Corrections by node that give the forces on inset surfaces (general contact) when added to [`Self::contact_force`]: there the nodes of elements below the surface carry the forces.
+    /// The moment is about the origin, in addition to that of `contact_force` at the nodes. Of the last step of this process; empty after a restart.
     pub fn moved_contact_force(&self) -> &BTreeMap<u32, SurfaceForce> {
         &self.moved
     }
@@ -405,7 +405,7 @@ impl Simulation {
     pub fn timings(&self) -> &Timings {
         &self.timings
     }
-    /// For whoever writes output, to add its seconds.
+    /// Seconds by phase, to add the time of writing output.
     pub fn timings_mut(&mut self) -> &mut Timings {
         &mut self.timings
     }
@@ -413,7 +413,7 @@ impl Simulation {
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
     }
-    /// Attempts of the step that was tried last that failed, in their order; of a step that was completed, those before it succeeded.
+    /// Failed attempts at the last step, in order; of a completed step those before it succeeded.
     pub fn failures(&self) -> &[FailedAttempt] {
         &self.failures
     }
@@ -421,11 +421,11 @@ impl Simulation {
     pub fn solves(&self) -> u64 {
         self.solves
     }
-    /// What the linear solver did.
+    /// Statistics of the linear solver.
     pub fn solver_statistics(&self) -> SolverStatistics {
         self.system.solver.statistics()
     }
-    /// Puts something around the linear solver, for whoever wants to see its systems; of use before the first step.
+    /// Wraps the linear solver, for instance to record its systems; to be called before the first step.
     pub fn wrap_solver(&mut self, wrap: impl FnOnce(Box<dyn LinearSolver>) -> Box<dyn LinearSolver>) {
         let solver = std::mem::replace(&mut self.system.solver, Box::new(AutoSolver::new()));
         self.system.solver = wrap(solver);
@@ -442,11 +442,11 @@ impl Simulation {
     pub fn stage(&self) -> u32 {
         self.stage
     }
-    /// What was released so far.
+    /// Releases so far.
     pub fn released(&self) -> &[Release] {
         &self.released
     }
-    /// Whether the stage is one of statics, without velocities.
+    /// Whether the stage is static, without velocities.
     pub fn is_static(&self) -> bool {
         self.scheme.is_none()
     }
@@ -455,7 +455,7 @@ impl Simulation {
         self.clock.finished()
     }
 
-    /// What the run uses.
+    /// Sizes and arrays of the run.
     pub fn plan(&self) -> Plan {
         Plan {
             nodes: self.model.node_count(),
@@ -469,7 +469,7 @@ impl Simulation {
             contact_search: self.model.has_unilateral_contact(),
             contact_matrix: !self.system.solid_to_global.is_empty(),
             contact_force: !self.contact_force.is_empty(),
-            reactions: !self.reactions.is_empty() || self.has_guides(),
+            reactions: !self.reactions.is_empty() || self.has_sliding_supports(),
             dead_loads: !self.system.dead.is_empty(),
             follower_pressure: !self.system.follower.is_empty(),
             mass_solver: self.system.mass_solver.is_some(),

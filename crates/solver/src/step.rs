@@ -2,7 +2,7 @@
 
 use crate::assembly::{Iterate, System};
 use crate::diagnosis::{largest_residual, slot_name, slot_place};
-use crate::failure::Trace;
+use crate::failure::AttemptLog;
 use crate::problem::{StepProblem, start_auxiliaries};
 use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
@@ -10,18 +10,18 @@ use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
 use stoss_integrators::Step;
 use stoss_newton::{NewtonOptions, NewtonReport, ResidualNorms, StopReason, solve};
 
-/// Solutions with one set and one pairing each that are tried in a step before it is given up: room for 20 changes of the
+/// Largest number of solutions in a step, each with a fixed active set and fixed pairings: room for 20 changes of the
 /// set with as many changes of pairings alone in between (theory/constraints#eq-active-set).
 const MAX_ROUNDS: usize = 40;
 
-/// Residual at which the active set is looked at for the first time. The set is settled long before the last digits are;
+/// Relative residual at which the active set is updated for the first time. The set is settled long before the last digits are;
 /// iterating to the end for each trial set would cost two to three solves each. (Two tori with friction: 71 solves for ten steps with 1e-4, 60 with
 /// 1e-2, 67 with 1e-1.)
 const LOOSE_TOLERANCE: f64 = 1.0e-2;
 
-/// Iterates of a quasi-static step after which the active set is looked at without waiting for a solution (theory/constraints#looks).
+/// Iterates of a quasi-static step after which the active set is updated without waiting for a solution (theory/constraints#looks).
 /// A set that has not settled by then is changed at solutions only, with a memory against cycling.
-const EARLY_LOOKS: u32 = 8;
+const EARLY_CHECKS: u32 = 8;
 
 /// Outcome of a successful attempt.
 pub(crate) struct Attempt {
@@ -67,9 +67,9 @@ struct ActiveSets {
     repairs: usize,
 }
 
-/// What a look at the active sets and pairings led to.
+/// Result of an update of the active sets and pairings.
 #[derive(Clone, Copy, Default)]
-struct Look {
+struct SetUpdate {
     /// Slots and pairings changed.
     changes: usize,
     /// A set came back: the next solution must be accurate.
@@ -92,8 +92,13 @@ impl ActiveSets {
     }
 
     /// Applies the rule of the active set and renews pairings at a converged iterate.
-    fn look(&mut self, model: &mut Model, iterate: &mut Iterate, trace: &mut Trace) -> Result<Look, StepError> {
-        let mut look = Look::default();
+    fn update(
+        &mut self,
+        model: &mut Model,
+        iterate: &mut Iterate,
+        trace: &mut AttemptLog,
+    ) -> Result<SetUpdate, StepError> {
+        let mut update = SetUpdate::default();
         for c in 0..model.contacts.len() {
             let Some(method) = model.contacts[c].method.as_contact_mut() else { continue };
             let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
@@ -107,7 +112,7 @@ impl ActiveSets {
                     (activated, released)
                 }
             };
-            look.doubtful |= matches!(outcome, ActiveSetOutcome::Union { .. });
+            update.doubtful |= matches!(outcome, ActiveSetOutcome::Union { .. });
             for (p, active) in pressures.iter_mut().zip(active.iter()) {
                 if !active {
                     *p = 0.0;
@@ -116,7 +121,7 @@ impl ActiveSets {
             let repairs = method.repair(&iterate.q, active)?;
             self.changes += usize::from(activated + released > 0);
             self.repairs += repairs;
-            look.changes += activated + released + repairs;
+            update.changes += activated + released + repairs;
             if repairs > activated {
                 // A slot that closes gets its pairing. All beyond that are changes of the constraints under which the sets were judged.
                 self.controls[c].reset();
@@ -124,11 +129,11 @@ impl ActiveSets {
                 return Err(self.cycling(model, c, &iterate.q));
             }
         }
-        Ok(look)
+        Ok(update)
     }
 
     /// Applies the bare rule at an iterate, without memory; returns how many slots changed.
-    fn follow(&mut self, model: &Model, iterate: &mut Iterate, trace: &mut Trace) -> Result<usize, StepError> {
+    fn follow(&mut self, model: &Model, iterate: &mut Iterate, trace: &mut AttemptLog) -> Result<usize, StepError> {
         let mut changes = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
             let Some(method) = pair.method.as_contact() else { continue };
@@ -176,11 +181,11 @@ pub(crate) fn attempt(
     system: &mut System,
     input: StepInput<'_>,
     timings: &mut Timings,
-    trace: &mut Trace,
+    trace: &mut AttemptLog,
 ) -> Result<Attempt, StepError> {
     let mut iterate = input.start;
     let mut sets = ActiveSets::new(model, &iterate);
-    let mut look = Look::default();
+    let mut update = SetUpdate::default();
     let has_contact = model.has_unilateral_contact();
     // What earlier steps factorised would show in the last bits, and a run that is resumed knows nothing of it.
     system.solver.forget();
@@ -219,8 +224,8 @@ pub(crate) fn attempt(
     // After a set came back, only accurate solutions are judged.
     let (mut loose, mut accurate) = (has_contact, false);
     let mut assembled = None;
-    let mut early = if has_contact && !input.step.rule.has_inertia() { EARLY_LOOKS } else { 0 };
-    for _ in 0..MAX_ROUNDS + EARLY_LOOKS as usize {
+    let mut early = if has_contact && !input.step.rule.has_inertia() { EARLY_CHECKS } else { 0 };
+    for _ in 0..MAX_ROUNDS + EARLY_CHECKS as usize {
         let options = if loose {
             NewtonOptions {
                 relative_tolerance: LOOSE_TOLERANCE.max(input.newton.relative_tolerance),
@@ -228,7 +233,7 @@ pub(crate) fn attempt(
                 // In statics only a solution tells what a set leads to: at the start of a step, as after a change of the set, a load that is light
                 // against the stiffness leaves a residual within the loose tolerance and pressures that say nothing yet.
                 min_iterations: u32::from(
-                    (look.changes > 0 || trace.newton.is_empty()) && !input.step.rule.has_inertia(),
+                    (update.changes > 0 || trace.newton.is_empty()) && !input.step.rule.has_inertia(),
                 ),
                 max_iterations: if early > 0 { 1 } else { input.newton.max_iterations },
                 ..input.newton
@@ -258,7 +263,7 @@ pub(crate) fn attempt(
         for (k, record) in report.iterations.iter().enumerate() {
             // A further Newton call starts where the last one stopped: its first residual is a new row only if the
             // constraints changed.
-            if k == 0 && look.changes == 0 && !trace.newton.is_empty() {
+            if k == 0 && update.changes == 0 && !trace.newton.is_empty() {
                 continue;
             }
             trace.newton.push(NewtonRow {
@@ -266,7 +271,7 @@ pub(crate) fn attempt(
                 residual: record.relative_residual(),
                 increment: record.increment,
                 active,
-                changes: if k == 0 { look.changes } else { 0 },
+                changes: if k == 0 { update.changes } else { 0 },
             });
         }
         let last = report.accepted().map(|r| ResidualNorms { residual: r.residual, scale: r.scale });
@@ -277,7 +282,7 @@ pub(crate) fn attempt(
             {
                 early -= 1;
                 let changes = timings.measure(Phase::Search, || sets.follow(model, &mut iterate, trace))?;
-                look = Look { changes, doubtful: false };
+                update = SetUpdate { changes, doubtful: false };
                 assembled = last;
                 if changes > 0 {
                     timings.measure(Phase::Assembly, || system.renew_pattern(model, &iterate.active))?;
@@ -295,10 +300,10 @@ pub(crate) fn attempt(
         if !has_contact {
             return Ok(Attempt { iterate, newton: std::mem::take(&mut trace.newton), repaired: 0, unstable });
         }
-        look = timings.measure(Phase::Search, || sets.look(model, &mut iterate, trace))?;
-        accurate |= look.doubtful;
+        update = timings.measure(Phase::Search, || sets.update(model, &mut iterate, trace))?;
+        accurate |= update.doubtful;
         assembled = None;
-        if look.changes > 0 {
+        if update.changes > 0 {
             timings.measure(Phase::Assembly, || system.renew_pattern(model, &iterate.active))?;
             timings.measure(Phase::Contact, || start_auxiliaries(model, &input.step, &mut iterate))?;
             loose = !accurate;
@@ -306,7 +311,7 @@ pub(crate) fn attempt(
             // The next iteration starts from what was assembled last.
             loose = false;
             assembled = last;
-        } else if !look.doubtful && timings.measure(Phase::Search, || augment(model, &iterate))? == 0 {
+        } else if !update.doubtful && timings.measure(Phase::Search, || augment(model, &iterate))? == 0 {
             let newton = std::mem::take(&mut trace.newton);
             return Ok(Attempt { iterate, newton, repaired: sets.repairs, unstable });
         }

@@ -1,8 +1,8 @@
-//! What of a model acts: switches of stages, releases.
+//! What is switched off in a stage, and what is released.
 
 use serde::{Deserialize, Serialize};
 
-/// What does not act in a stage, by its index in the model.
+/// What is switched off in a stage, by index in the model.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Switches {
     /// Loads (gravity is one).
@@ -15,7 +15,7 @@ pub struct Switches {
     pub parts: Vec<usize>,
 }
 
-/// What stops acting for the rest of the run, by its index in the model.
+/// What is released for the rest of the run, by index in the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Release {
     /// A bilateral constraint of `Model::contacts`: a joint, a tie.

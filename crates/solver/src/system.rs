@@ -7,7 +7,7 @@ use crate::{Load, LoadKind, Model, StepError};
 use std::ops::Range;
 use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
 use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
-use stoss_integrators::{ForceRule, GradientRule, RateTangent, SecondOrderSystem, StepConfiguration};
+use stoss_integrators::{DampingTangent, ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
 use stoss_part::{PartError, PartStep};
 use stoss_reference_element::MAX_FACE_NODES;
@@ -139,7 +139,7 @@ fn moment(
     let time = step.time + theta * step.dt;
     let moment = [0, 1, 2].map(|column| load.magnitude.value(time, column));
     moment_forces(&directors.map(|vector| between(step, theta, vector)), moment).ok_or_else(|| {
-        let reason = "what it acts on turns by nearly half a turn in one step; take smaller steps".to_owned();
+        let reason = "the loaded directors turn by nearly half a turn in one step; use smaller steps".to_owned();
         StepError::Part(PartError { part: load.name.clone(), reason })
     })
 }
@@ -221,7 +221,7 @@ impl SecondOrderSystem for FeSystem<'_> {
         &mut self,
         q: &[f64],
         v: &[f64],
-        tangent: Option<RateTangent>,
+        tangent: Option<DampingTangent>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
         self.add_body_damping(q, v, tangent, out)

@@ -1,6 +1,6 @@
-//! Numbers in sentences.
+//! Numbers in messages.
 
-/// A number for people: rounded to a millionth of `scale` (the step size for times, the model's size for places; the number itself if that is
+/// A number in a message: rounded to a millionth of `scale` (the step size for times, the model's size for places; the number itself if that is
 /// not positive), without zeros at its end, and with an exponent if it is very small or very large.
 pub fn short(value: f64, scale: f64) -> String {
     if !value.is_finite() {

@@ -1,6 +1,6 @@
 //! The tests of the crate in one binary: linking one for each file takes longer than running them.
 
 #[cfg(all(feature = "scene", feature = "mortar", feature = "mesh-files"))]
-mod guides;
+mod sliding_supports;
 #[cfg(all(feature = "scene", feature = "nts"))]
 mod warnings;

@@ -1,4 +1,4 @@
-//! Second- and fourth-order 3-D tensors, invariants, spectral forms and their derivatives.
+//! Second- and fourth-order 3-D tensors, invariants, spectral decomposition.
 //!
 //! Symmetric tensors are stored as six *plain* components in the order 11, 22, 33, 12, 23, 13 (theory/kinematics#voigt); full
 //! tensors and vectors are nalgebra's. This crate knows no kinematics and no material.
@@ -16,7 +16,7 @@ mod symmetric;
 
 pub use fourth_order::Tensor4;
 pub use nalgebra;
-pub use spectral::{Spectral, spectral};
+pub use spectral::{SpectralDecomposition, spectral_decomposition};
 pub use symmetric::SymmetricTensor2;
 
 /// A vector of three components.

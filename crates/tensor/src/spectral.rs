@@ -2,19 +2,19 @@
 
 use crate::{SymmetricTensor2, Vector3};
 
-/// Spectral form `a = sum values[A] vectors[A] (x) vectors[A]`.
+/// Spectral decomposition `a = sum values[A] vectors[A] (x) vectors[A]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spectral {
+pub struct SpectralDecomposition {
     /// Eigenvalues, ascending.
     pub values: [f64; 3],
     /// Orthonormal eigenvectors in the same order; any orthonormal set within an eigenspace.
     pub vectors: [Vector3; 3],
 }
 
-/// Spectral form by cyclic Jacobi rotations: eigenvalues and the rebuilt tensor to round-off of the largest eigenvalue (4 and 7 units
+/// Spectral decomposition by cyclic Jacobi rotations: eigenvalues and the rebuilt tensor to round-off of the largest eigenvalue (4 and 7 units
 /// at the worst of 10^6 random tensors), equal and nearly equal eigenvalues included (closed-form cubic roots lose half of the
 /// digits there). NaN in gives NaN out.
-pub fn spectral(a: &SymmetricTensor2) -> Spectral {
+pub fn spectral_decomposition(a: &SymmetricTensor2) -> SpectralDecomposition {
     let [xx, yy, zz, xy, yz, xz] = a.0;
     let mut m = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
     let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -59,7 +59,10 @@ pub fn spectral(a: &SymmetricTensor2) -> Spectral {
     }
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| m[i][i].total_cmp(&m[j][j]));
-    Spectral { values: order.map(|i| m[i][i]), vectors: order.map(|i| Vector3::new(v[0][i], v[1][i], v[2][i])) }
+    SpectralDecomposition {
+        values: order.map(|i| m[i][i]),
+        vectors: order.map(|i| Vector3::new(v[0][i], v[1][i], v[2][i])),
+    }
 }
 
 #[cfg(test)]
@@ -75,7 +78,7 @@ mod tests {
     fn check(values: [f64; 3], angles: [f64; 3]) -> Result<(), TestCaseError> {
         let q = rotation(angles);
         let a = SymmetricTensor2::from_matrix(&(q * Tensor2::from_diagonal(&values.into()) * q.transpose()));
-        let s = spectral(&a);
+        let s = spectral_decomposition(&a);
         let scale = values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let mut sorted = values;
         sorted.sort_by(f64::total_cmp);
@@ -116,15 +119,15 @@ mod tests {
 
     #[test]
     fn diagonal_and_zero_tensors() {
-        let s = spectral(&SymmetricTensor2([3.0, 1.0, 2.0, 0.0, 0.0, 0.0]));
+        let s = spectral_decomposition(&SymmetricTensor2([3.0, 1.0, 2.0, 0.0, 0.0, 0.0]));
         assert_eq!(s.values, [1.0, 2.0, 3.0]);
         assert_eq!(s.vectors, [Vector3::y(), Vector3::z(), Vector3::x()]);
-        assert_eq!(spectral(&SymmetricTensor2::ZERO).values, [0.0; 3]);
-        assert_eq!(spectral(&SymmetricTensor2([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])).values, [-1.0, 0.0, 1.0]);
+        assert_eq!(spectral_decomposition(&SymmetricTensor2::ZERO).values, [0.0; 3]);
+        assert_eq!(spectral_decomposition(&SymmetricTensor2([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])).values, [-1.0, 0.0, 1.0]);
     }
 
     #[test]
     fn nan_does_not_hang() {
-        assert!(spectral(&SymmetricTensor2([f64::NAN; 6])).values[0].is_nan());
+        assert!(spectral_decomposition(&SymmetricTensor2([f64::NAN; 6])).values[0].is_nan());
     }
 }

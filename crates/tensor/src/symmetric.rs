@@ -13,12 +13,6 @@ impl SymmetricTensor2 {
     /// The zero tensor.
     pub const ZERO: Self = Self([0.0; 6]);
 
-    /// The unit tensor.
-    #[inline]
-    pub const fn identity() -> Self {
-        Self::IDENTITY
-    }
-
     /// From plain components in the order 11, 22, 33, 12, 23, 13.
     #[inline]
     pub const fn from_voigt(components: [f64; 6]) -> Self {
@@ -58,13 +52,13 @@ impl SymmetricTensor2 {
         Self(VOIGT.map(|(i, j)| f[(0, i)] * f[(0, j)] + f[(1, i)] * f[(1, j)] + f[(2, i)] * f[(2, j)]))
     }
 
-    /// `a_ii`.
+    /// First invariant, the trace `a_ii`.
     #[inline]
     pub fn trace(&self) -> f64 {
         self.0[0] + self.0[1] + self.0[2]
     }
 
-    /// Determinant.
+    /// Third invariant, the determinant.
     #[inline]
     pub fn det(&self) -> f64 {
         let [xx, yy, zz, xy, yz, xz] = self.0;
@@ -112,23 +106,11 @@ impl SymmetricTensor2 {
         Self::from_matrix(&(m * m))
     }
 
-    /// First invariant, the trace.
-    #[inline]
-    pub fn i1(&self) -> f64 {
-        self.trace()
-    }
-
     /// Second invariant `(tr(a)^2 - tr(a^2))/2`.
     #[inline]
     pub fn i2(&self) -> f64 {
         let [xx, yy, zz, xy, yz, xz] = self.0;
         xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz
-    }
-
-    /// Third invariant, the determinant.
-    #[inline]
-    pub fn i3(&self) -> f64 {
-        self.det()
     }
 
     /// True if no component is infinite or NaN.

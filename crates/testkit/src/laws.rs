@@ -9,7 +9,7 @@ use stoss_continuum::{
     HyperelasticLaw, SymmetricTensor2, Tensor2, Tensor4, cauchy_stress, energy_momentum_stress,
     energy_momentum_stress_and_tangent,
 };
-use stoss_tensor::spectral;
+use stoss_tensor::spectral_decomposition;
 
 /// The energy of a law once more, over any dual number: the oracle of its derivatives. The six arguments are the plain
 /// components of `C`.
@@ -228,7 +228,7 @@ fn derivatives(law: &dyn HyperelasticLaw, c: &SymmetricTensor2) {
     let (stress, elasticity) = law.stress_and_elasticity(c).expect("admissible");
     let flat = elasticity.0.as_flattened();
     // The step follows the smallest eigenvalue: relative, not absolute, changes matter near collapse.
-    let step = 1e-3 * spectral(c).values[0];
+    let step = 1e-3 * spectral_decomposition(c).values[0];
     let half = |a: usize| if a < 3 { 1.0 } else { 0.5 };
     let energy = |x: &[f64], out: &mut [f64]| out[0] = law.energy(&state(x)).expect("admissible");
     let from_energy: Vec<f64> = oracle::central_difference_jacobian(energy, &c.0, step, 1)
@@ -310,7 +310,7 @@ fn discrete_gradient(law: &dyn HyperelasticLaw, c_n: &SymmetricTensor2, c_np1: &
         assert!(error < 1e-12, "{name}: A is not CC/2 at the mean for |dC| = {size:e}");
     }
     // Differences of a quotient, which is smooth over lengths of `size` only: truncation (step / size)^4, round-off energies / (size step).
-    let step = f64::min(1e-3 * spectral(c_np1).values[0], 0.02 * size);
+    let step = f64::min(1e-3 * spectral_decomposition(c_np1).values[0], 0.02 * size);
     let round_off = f64::EPSILON * energies / (size * step);
     if round_off > 0.1 * DIFFERENCES * tangent.max_abs() {
         return;

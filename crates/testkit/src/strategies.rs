@@ -45,7 +45,7 @@ pub fn step() -> impl Strategy<Value = (SymmetricTensor2, SymmetricTensor2)> {
     let near =
         (any_state(), proptest::array::uniform6(-1.0..1.0_f64), 1.0..9.0_f64).prop_map(|(c, direction, power)| {
             // Relative to the smallest eigenvalue: stays positive definite.
-            let size = stoss_tensor::spectral(&c).values[0] * 10.0_f64.powf(-power);
+            let size = stoss_tensor::spectral_decomposition(&c).values[0] * 10.0_f64.powf(-power);
             let direction = SymmetricTensor2(direction);
             (c, c + direction * (size / direction.norm().max(0.1)))
         });
@@ -55,7 +55,7 @@ pub fn step() -> impl Strategy<Value = (SymmetricTensor2, SymmetricTensor2)> {
 /// Deformation gradients `R U` with `det F` between 0.2 and about 5, equal stretches included.
 pub fn deformation_gradient() -> impl Strategy<Value = Matrix3<f64>> {
     (any_state(), rotation()).prop_map(|(c, r)| {
-        let form = stoss_tensor::spectral(&c);
+        let form = stoss_tensor::spectral_decomposition(&c);
         let stretch = (0..3)
             .fold(Matrix3::zeros(), |u, a| u + form.vectors[a] * form.vectors[a].transpose() * form.values[a].sqrt());
         r * stretch

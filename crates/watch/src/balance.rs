@@ -1,17 +1,17 @@
-//! Momenta and energy against what scheme, loads, supports and contact together promise.
+//! Momenta and energy against what scheme, loads, supports and contact together must conserve.
 
-use crate::words::told;
+use crate::words::short_time;
 use crate::{Finding, FindingKind, Level};
 use serde::{Deserialize, Serialize};
 
-/// A gain of energy that no promise excludes is doubtful from this part of the energy on.
-const GAIN: f64 = 0.01;
+/// Relative gain of energy from which on it is doubtful, where nothing excludes a gain.
+const DOUBTFUL_GAIN: f64 = 0.01;
 
-/// And wrong from this part on: energy that comes from nowhere is then more than all that the bodies would have without it, whatever the scheme claims. A free system has doubled
-/// its energy. Errors of schemes that have no such defect are smaller by orders, also where steps are large.
-const INVENTED: f64 = 0.5;
+/// Relative gain of energy from which on it is wrong, whatever the scheme claims: the gain is then as large as all that the bodies would have without it, and a free system has doubled
+/// its energy. Errors of schemes without such a defect are smaller by orders of magnitude, also with large steps.
+const WRONG_GAIN: f64 = 0.5;
 
-/// What must not change in a run, and what may.
+/// Which momenta and energies a run, or a stage of it, must conserve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Promises {
     /// The components of linear momentum that are constant.
@@ -20,31 +20,31 @@ pub struct Promises {
     pub angular: bool,
     /// Energy, with the work of loads and supports and the losses of contact and friction, is constant.
     pub energy: bool,
-    /// No load and no support does work that the ledger knows only to the accuracy of the scheme.
+    /// No load and no support does work that the balance of energy has only to the accuracy of the scheme.
     pub autonomous: bool,
-    /// Contact never gives energy to the bodies.
+    /// Contact never adds energy to the bodies.
     pub contact_gives_nothing: bool,
-    /// Parts of the scales that are round-off and what the iteration leaves.
+    /// Relative tolerance: round-off and what the Newton iteration leaves, as a part of the scale of each quantity.
     pub tolerance: f64,
 }
 
 /// Momenta and energies at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BalanceState {
-    /// Linear momentum.
+    /// Linear momentum (mass times velocity).
     pub linear: [f64; 3],
     /// Angular momentum about the origin.
     pub angular: [f64; 3],
-    /// Kinetic and strain energy.
+    /// Kinetic plus strain energy.
     pub energy: f64,
-    /// Energy with potentials, stored and dissipated by contact, minus the work done from outside.
+    /// Kinetic, strain, potential, stored contact and dissipated energy, minus the external work.
     pub total: f64,
-    /// Work that the normal forces of contact took from the bodies since the start and did not give back.
+    /// Work that the normal contact forces have taken from the bodies since the start and not returned.
     pub closing_loss: f64,
 }
 
-/// What the iterations of steps leave of the balance of forces, in the norm over all nodes, and how fast nodes are: together errors of the energy that are no fault
-/// of a scheme. They show where strains are so small that forces are not resolved relative to themselves.
+/// Residual forces that the Newton iterations leave, in the norm over all nodes, and the mean mass of a node: together they bound the error of the energy that is not the fault
+/// of a scheme. It matters where strains are so small that forces are not resolved relative to themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
     /// Part of the force that does not depend on the step, a force.
@@ -66,7 +66,7 @@ impl Resolution {
     }
 }
 
-/// Compares the steps of a run with the promises.
+/// Compares the momenta and energies of the steps of a run with [`Promises`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BalanceWatch {
     promises: Promises,
@@ -128,11 +128,11 @@ impl BalanceWatch {
         drifts.map(|(drift, _)| drift).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// What a step breaks. The first one is the start, with which all others are compared.
+    /// Findings of a step: what of [`Promises`] it violates. The first call is the start, with which all others are compared.
     pub fn observe(&mut self, step: u64, time: f64, state: &BalanceState) -> Vec<Finding> {
         let Promises { linear, angular, energy, autonomous, contact_gives_nothing, tolerance } = self.promises;
         let size = |x: &[f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // The momentum that the bodies would have if they all moved the same way.
+        // The momentum that the bodies would have if all moved in the same direction.
         let momentum = (2.0 * self.mass * state.energy.max(0.0)).sqrt();
         let now = [size(&state.linear).max(momentum), size(&state.angular).max(momentum * self.radius), state.energy];
         for (scale, now) in self.scales.iter_mut().zip(now) {
@@ -146,19 +146,8 @@ impl BalanceWatch {
         let first = *self.first.get_or_insert(*state);
         let mut found = Vec::new();
         let mut broken = |level, what: String, figure: f64| {
-            let kind = FindingKind::Balance;
-            let sentence = format!("at t = {} {what}", told(time));
-            found.push(Finding {
-                level,
-                kind,
-                bodies: None,
-                step,
-                time,
-                worst_time: None,
-                sentence,
-                position: None,
-                figure,
-            });
+            let sentence = format!("at t = {} {what}", short_time(time));
+            found.push(Finding::new(level, FindingKind::Balance, (step, time), sentence, figure));
         };
         let part = |change: f64, scale: f64| if scale > 0.0 { change / scale } else { 0.0 };
         let exceeds = |part: f64, limit: f64| part > limit || part.is_nan();
@@ -194,18 +183,18 @@ impl BalanceWatch {
         let given_back = self.largest_loss - state.closing_loss;
         let gain = part(given_back, self.scales[2]);
         self.largest_loss = self.largest_loss.max(state.closing_loss);
-        let given = format!("contact has given the bodies {:.1} % of their energy", 100.0 * gain);
+        let given = format!("contact has added {:.1} % to the energy of the bodies", 100.0 * gain);
         if contact_gives_nothing && exceeds(gain, tolerance) && is_resolved(given_back) {
             broken(Level::Wrong, given + ", though the constraint excludes that", gain);
-        } else if exceeds(gain, GAIN) {
+        } else if exceeds(gain, DOUBTFUL_GAIN) {
             broken(Level::Doubtful, given, gain);
         }
         let gain = part(state.total - self.lowest, self.scales[2]);
         self.lowest = self.lowest.min(state.total);
-        if autonomous && !energy && exceeds(gain, INVENTED) {
-            let what = format!("{:.0} % of the energy come from no load and no support", 100.0 * gain);
+        if autonomous && !energy && exceeds(gain, WRONG_GAIN) {
+            let what = format!("{:.0} % of the energy was not supplied by loads or supports", 100.0 * gain);
             broken(Level::Wrong, what + "; the steps are too large for the scheme", gain);
-        } else if autonomous && !energy && exceeds(gain, GAIN) {
+        } else if autonomous && !energy && exceeds(gain, DOUBTFUL_GAIN) {
             let what = format!("the energy has grown by {:.1} %", 100.0 * gain);
             broken(Level::Doubtful, what + "; the scheme does not exclude that", gain);
         }

@@ -1,6 +1,6 @@
-//! What contact methods report, against what contact is: pressures push, closed gaps are closed, friction stays within its bound and does no work.
+//! What contact methods report against the conditions of contact: no tension, closed gaps are zero, friction stays within its bound and opposes the slip.
 
-use crate::words::told;
+use crate::words::short_time;
 use crate::{Finding, FindingKind, Level};
 
 /// Part of the largest pressure, and of the stiffness of the bodies, that is round-off and what the iteration leaves.
@@ -15,13 +15,13 @@ pub struct ContactPoint {
     pub node: u32,
     /// Whether the contact is closed.
     pub active: bool,
-    /// Pressure, positive in compression.
+    /// Pressure (a stress), positive in compression.
     pub pressure: f64,
     /// Gap (a length); `None` if no master is within reach.
     pub gap: Option<f64>,
-    /// Gap that a closed contact keeps.
+    /// Gap that a closed contact keeps (a length; zero, but for the modified constraint).
     pub reference_gap: f64,
-    /// Traction of friction along the slip, slip in the step, largest traction that the law admits, whether it sticks.
+    /// Friction of the point; `None` without friction.
     pub friction: Option<PointFriction>,
 }
 
@@ -32,20 +32,20 @@ pub struct PointFriction {
     pub traction: [f64; 2],
     /// Slip in the step, a length.
     pub slip: [f64; 2],
-    /// Largest traction that the law admits.
+    /// Largest traction that the law admits, a stress.
     pub bound: f64,
-    /// True if nothing slides.
+    /// True if the point sticks.
     pub sticks: bool,
 }
 
-/// A contact as it is reported.
+/// What a contact reports at the end of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactState<'a> {
     /// Name.
     pub name: &'a str,
-    /// The two bodies; `None` if the slave is a line, which is not looked at itself.
+    /// Numbers of the two bodies; `None` if the slave is a line (beam or string), whose geometry is not checked.
     pub bodies: Option<[usize; 2]>,
-    /// Young's modulus or what else tells which stresses are small.
+    /// Young's modulus or another stress against which pressures are small.
     pub stiffness: f64,
     /// Edge length of the slave surface.
     pub edge: f64,
@@ -55,8 +55,8 @@ pub struct ContactState<'a> {
     pub points: &'a [ContactPoint],
 }
 
-/// What a contact reports and cannot be. `limit`: part of an edge from which a closed gap that is not closed is doubtful. `name_of` gives a node in
-/// words.
+/// Inadmissible states that a contact reports. `limit`: gap of a closed contact, as a part of an edge length, from which on it is doubtful. `name_of` names a node in
+/// messages.
 pub(crate) fn observe(
     step: u64,
     time: f64,
@@ -69,41 +69,35 @@ pub(crate) fn observe(
     let small = TOLERANCE[0] * largest + TOLERANCE[1] * stiffness;
     let mut found: Vec<Finding> = Vec::new();
     let mut add = |level, what: String, figure: f64| {
-        let sentence = format!("at t = {} {what}", told(time));
-        found.push(Finding {
-            level,
-            kind: FindingKind::Contact,
-            bodies,
-            step,
-            time,
-            worst_time: None,
-            sentence,
-            position: None,
-            figure,
-        });
+        let sentence = format!("at t = {} {what}", short_time(time));
+        found.push(Finding { bodies, ..Finding::new(level, FindingKind::Contact, (step, time), sentence, figure) });
     };
     for point in points {
         let node = || format!("{} in contact {name}", name_of(point.node));
         let pressure = point.pressure;
         if !point.active {
             if pressure.abs() > small || pressure.is_nan() {
-                add(Level::Wrong, format!("{} is open and has the pressure {pressure:.2e}", node()), pressure.abs());
+                add(Level::Wrong, format!("{} is open but has the pressure {pressure:.2e}", node()), pressure.abs());
             }
             // Of surfaces that are looked at themselves the gap of an open node may be that to an extended facet.
             let behind = -point.gap.unwrap_or(0.0) / edge;
             if bodies.is_none() && behind > limit && behind < 1.0 {
-                add(Level::Doubtful, format!("{} is open and {behind:.3} edges behind the surface", node()), behind);
+                add(
+                    Level::Doubtful,
+                    format!("{} is open but {behind:.3} edge lengths behind the surface", node()),
+                    behind,
+                );
             }
             continue;
         }
         if pressure < -small || pressure.is_nan() {
-            add(Level::Wrong, format!("{} pulls: its pressure is {pressure:.2e}", node()), -pressure);
+            add(Level::Wrong, format!("{} is in tension: its pressure is {pressure:.2e}", node()), -pressure);
         }
         if let Some(gap) = point.gap.filter(|_| exact) {
             let part = (gap - point.reference_gap).abs() / edge;
             // At rims a weighted gap, or that to an extended facet, need not be one of the surfaces, which are looked at themselves.
             if part > limit {
-                add(Level::Doubtful, format!("{} is closed and has a gap of {part:.3} edges", node()), part);
+                add(Level::Doubtful, format!("{} is closed but has a gap of {part:.3} edge lengths", node()), part);
             }
         }
         let Some(PointFriction { traction: [t0, t1], slip: [s0, s1], bound, sticks }) = point.friction else {
@@ -111,12 +105,12 @@ pub(crate) fn observe(
         };
         let traction = t0.hypot(t1);
         if traction > bound + small || traction.is_nan() {
-            let what = format!("the friction of {} is {traction:.3e}, its bound {bound:.3e}", node());
+            let what = format!("the friction of {} is {traction:.3e}, above its bound {bound:.3e}", node());
             add(Level::Wrong, what, traction - bound);
         }
         let slides = !sticks && s0.hypot(s1) > NO_SLIP * edge;
         if slides && t0 * s0 + t1 * s1 < -small * s0.hypot(s1) {
-            add(Level::Wrong, format!("the friction of {} drives its slip", node()), traction);
+            add(Level::Wrong, format!("the friction of {} acts along the slip and not against it", node()), traction);
         }
     }
     found

@@ -1,16 +1,16 @@
-//! One thing that the watch found.
+//! One finding of the watch.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// How bad it is.
+/// How severe a finding is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Level {
     /// Nothing was found.
     #[default]
     Sound,
-    /// It deserves a look.
+    /// The result should be examined.
     Doubtful,
     /// The result must not be used.
     Wrong,
@@ -38,38 +38,51 @@ pub enum FindingKind {
     InvertedElement,
     /// An element is nearly inverted, or inverted at a corner.
     PoorElement,
-    /// A position is no finite number.
+    /// A position is NaN or infinite.
     NotFinite,
-    /// A position is far away from the model.
+    /// A position is more than a thousand model sizes away.
     FarAway,
-    /// A momentum or the energy changes although the scheme promises that it does not.
+    /// A momentum or the energy changes although it must be conserved.
     Balance,
-    /// A contact reports what cannot be.
+    /// A contact reports an inadmissible state: tension, pressure at an open gap, friction beyond its bound.
     Contact,
     /// A static equilibrium is unstable.
     Unstable,
 }
 
-/// One thing that was found, at its worst.
+/// One finding, at its worst.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// How bad.
+    /// How severe.
     pub level: Level,
     /// What kind.
     pub kind: FindingKind,
-    /// The bodies that it is about; equal if there is one.
+    /// Numbers of the bodies concerned; equal if it is one body.
     pub bodies: Option<[usize; 2]>,
-    /// The first step in which it was as bad as `level` says, and its time.
+    /// Number of the first step in which it had this `level`.
     pub step: u64,
-    /// See `step`.
+    /// Time at the end of that step.
     pub time: f64,
     /// Time when it was worst, if that was later.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worst_time: Option<f64>,
-    /// In words, when it was worst.
+    /// The finding in a sentence, at its worst.
     pub sentence: String,
-    /// Where, when it was worst.
+    /// Position (three lengths), at its worst.
     pub position: Option<[f64; 3]>,
-    /// Depth in edge lengths, or what else is measured; larger is worse.
+    /// Depth in edge lengths, or the relative error of a balance, or another measure of the kind; larger is worse.
     pub figure: f64,
+}
+
+impl Finding {
+    /// A finding at the end of a step, without bodies and position.
+    pub(crate) fn new(
+        level: Level,
+        kind: FindingKind,
+        (step, time): (u64, f64),
+        sentence: String,
+        figure: f64,
+    ) -> Self {
+        Self { level, kind, bodies: None, step, time, worst_time: None, sentence, position: None, figure }
+    }
 }

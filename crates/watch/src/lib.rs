@@ -1,18 +1,18 @@
 //! An independent watch on runs: are bodies inside each other, has anything passed through a body, are the elements sound?
 //!
 //! It knows positions and elements, and nothing of contact: no pairs, no search, no projection of a contact method. All pairs of
-//! bodies are looked at, and every body against itself. What is inside is decided by counting crossings of a ray with exact
+//! bodies are checked, and every body against itself. What is inside is decided by counting crossings of a ray with exact
 //! predicates.
 //!
 //! The surface of a hexahedron's face is four triangles about its centre, the mean of its four nodes; so is that of a quadrilateral facet of a
 //! rigid body. A rigid surface that is closed is a body like the others. An open one has no inside: what is wrong there is an edge that runs through it,
-//! or a node that has passed it since the last look.
+//! or a node that has passed it since the last check.
 //!
-//! [`Watch`] looks at one state, or at two states in a row; [`BalanceWatch`] compares momenta and energy with what is promised; what contacts
-//! report of their points is in [`ContactState`]; [`Judge`] keeps what was worst in a run and gives the [`Verdict`].
+//! [`Watch`] checks the geometry of one state, or of two consecutive states; [`BalanceWatch`] compares momenta and energy with what must be conserved; what contacts
+//! report of their points is in [`ContactState`]; [`Judge`] collects the findings of a run and gives the [`Verdict`].
 //!
 //! # What it does not see
-//! Edges that pass through each other between two states that are looked at while no node does; what enters a body and leaves it
+//! Edges that pass through each other between two checked states while no node does; what enters a body and leaves it
 //! on the same side between two states; a fold of a body that is not deep enough to reach an element that shares no node with it; a rigid body in itself; a
 //! body that creeps through an open surface between its facets' edges without an edge of its own in it.
 //!
@@ -42,7 +42,7 @@ use stoss_mesh::Elements;
 /// A body.
 #[derive(Clone, Debug)]
 pub struct WatchBody {
-    /// Name for sentences.
+    /// Name in messages.
     pub name: String,
     /// Global numbers of its nodes.
     pub nodes: Range<u32>,
@@ -93,7 +93,7 @@ impl WatchBody {
     }
 }
 
-/// Nodes that a tie holds together: they are no concern between these two bodies.
+/// Nodes of two tied surfaces: penetrations between these two bodies at these nodes are ignored.
 #[derive(Clone, Debug)]
 pub struct TiedPair {
     /// Global numbers of the nodes of both tied surfaces.
@@ -102,7 +102,7 @@ pub struct TiedPair {
     pub bodies: [usize; 2],
 }
 
-/// What is watched.
+/// The model that is watched.
 #[derive(Clone, Debug)]
 pub struct WatchModel {
     /// The bodies.
@@ -113,7 +113,7 @@ pub struct WatchModel {
     pub ties: Vec<TiedPair>,
 }
 
-/// Why there can be no watch.
+/// Why a watch cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WatchError {

@@ -1,4 +1,4 @@
-//! The watch: one look at a state, or at two states in a row.
+//! The watch: a check of one state, or of two consecutive states.
 
 use crate::pairs::{Inside, TOUCHING, overlap};
 use crate::solids::{Shapes, SolidObservation};
@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 use stoss_mesh::Elements;
 
-/// Facets for which every step can be looked at; with more of them the watch looks less often.
+/// Number of facets up to which every step is checked; with more the checks are less frequent.
 const FACETS_EVERY_STEP: usize = 4000;
 
 /// A point of a body inside another body, or inside its own.
@@ -44,7 +44,7 @@ pub struct Tunnelling {
     pub position: [f64; 3],
 }
 
-/// What was seen of the geometry of one state.
+/// Findings about the geometry of one state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observation {
     /// The deepest point, in edge lengths, of each pair of bodies that overlap.
@@ -73,7 +73,7 @@ struct Skin {
     tree: BoundingVolumeTree,
 }
 
-/// Looks at states of a model. Built once; a look allocates little.
+/// Checks states of a model. Built once; a check allocates little.
 #[derive(Debug)]
 pub struct Watch {
     model: WatchModel,
@@ -121,8 +121,8 @@ impl Watch {
         Ok(Self { model, surfaces, skins, tied, shapes, placed: false, inside: Vec::new() })
     }
 
-    /// How many steps there should be from one look to the next. It follows from the number of facets alone, so that verdicts repeat:
-    /// a look costs about in proportion to the facets, a step more than that.
+    /// Steps from one check to the next. It follows from the number of facets alone, so that verdicts are reproducible:
+    /// the cost of a check is about proportional to the facets, that of a step grows faster.
     pub fn default_every(&self) -> u64 {
         let facets: usize = self.surfaces.iter().map(|surface| surface.facets.len()).sum();
         1 + (facets / FACETS_EVERY_STEP) as u64
@@ -133,8 +133,8 @@ impl Watch {
         self.shapes.observe(&self.model, q)
     }
 
-    /// The geometry of a state `q` (three a node), and what passed through a body since the state `previous`. Positions that are no finite
-    /// numbers are for [`Self::solids`]: nothing is seen then.
+    /// The geometry of a state `q` (three a node), and what passed through a body since the state `previous`. Positions that are not finite
+    /// are reported by [`Self::solids`]; this check then finds nothing.
     pub fn geometry(&mut self, q: &[f64], previous: Option<&[f64]>) -> Observation {
         let mut seen = Observation::default();
         if q.iter().chain(previous.unwrap_or_default()).any(|x| !x.is_finite()) {

@@ -116,13 +116,13 @@ pub(crate) fn overlap(
         found.edges += usize::from(through);
     }
     if !other.is_closed && found.edges > 0 {
-        found.deepest = astride(body, other, exempt);
+        found.deepest = penetration_of_open_surface(body, other, exempt);
     }
     found
 }
 
 /// Of a body with edges through an open surface, the point that is farthest from it on the side where the body reaches less far.
-fn astride(body: &Surface, other: &Surface, exempt: impl Fn(u32) -> bool) -> Option<Inside> {
+fn penetration_of_open_surface(body: &Surface, other: &Surface, exempt: impl Fn(u32) -> bool) -> Option<Inside> {
     /// Points that are seen from the surface at a lower angle (its sine) are beside it.
     const BESIDE: f64 = 0.5;
     let mut farthest: [Option<Inside>; 2] = [None, None];

@@ -1,4 +1,4 @@
-//! Elements that are inverted or nearly so, positions that are no numbers or far away.
+//! Elements that are inverted or nearly so, positions that are not finite or far away.
 
 use crate::{WatchBody, WatchModel};
 use nalgebra::Vector3;
@@ -12,7 +12,7 @@ const POOR: f64 = 0.02;
 /// Sizes of the model beyond which a position is far away.
 const FAR: f64 = 1.0e3;
 
-/// What was seen of the elements and positions of one state.
+/// Findings about the elements and positions of one state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolidObservation {
     /// Body, element and smallest Jacobian of the worst element that is inverted at a Gauss point, times the volume in natural coordinates, over the mean of its edges
@@ -20,7 +20,7 @@ pub struct SolidObservation {
     pub inverted: Option<(usize, usize, f64)>,
     /// Body, element and smallest scaled Jacobian of the worst element that is inverted or nearly so at a node.
     pub poor: Option<(usize, usize, f64)>,
-    /// The first node whose position is no finite number.
+    /// The first node whose position is NaN or infinite.
     pub not_finite: Option<u32>,
     /// The node that is farthest from the reference, if that is more than a thousand sizes of the model, and how many sizes.
     pub far: Option<(u32, f64)>,
@@ -53,7 +53,7 @@ impl Frames {
     }
 }
 
-/// What is asked of the shape of elements of one kind.
+/// Data to check the shape of elements of one kind.
 #[derive(Debug)]
 struct Kind {
     nodes: Frames,
@@ -89,7 +89,7 @@ impl Shapes {
         shapes
     }
 
-    /// Looks at all elements and positions.
+    /// Checks all elements and positions.
     pub fn observe(&self, model: &WatchModel, q: &[f64]) -> SolidObservation {
         let mut seen = SolidObservation::default();
         if let Some(k) = q.iter().position(|x| !x.is_finite()) {

@@ -44,7 +44,7 @@ fn is_on(x: &Vector3<f64>, [a, b, c]: [&Vector3<f64>; 3]) -> bool {
     turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0)
 }
 
-/// How a segment meets a triangle.
+/// How a segment intersects a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meeting {
     /// Not at all.
@@ -484,7 +484,7 @@ mod tests {
     }
 
     #[test]
-    fn points_on_a_triangle_are_told_exactly() {
+    fn points_on_a_triangle_are_found_exactly() {
         let [a, b, c] = [Vector3::new(0.0, 0.0, 1.0), Vector3::new(2.0, 0.0, 1.5), Vector3::new(0.0, 2.0, 1.0)];
         let at = |u: f64, v: f64| a + (b - a) * u + (c - a) * v;
         for [u, v] in [[0.25, 0.25], [0.0, 0.0], [0.5, 0.5], [0.0, 0.75], [1.0, 0.0]] {

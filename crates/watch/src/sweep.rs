@@ -4,14 +4,14 @@ use crate::surface::{Surface, nearest_point};
 use nalgebra::Vector3;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 
-/// A way in and a way out count as a passage through a plate, however thin, where the two faces look so much away from each other (cosine).
+/// Entry and exit count as a passage through a plate, however thin, where the cosine between the normals of the two faces is below this.
 const OPPOSITE: f64 = -0.3;
 
-/// A passage at least so deep, in edge lengths, counts whatever its faces.
+/// A passage at least this deep, in edge lengths, counts whatever the normals of its faces.
 const DEEP: f64 = 0.3;
 
 /// A passage nearer to the surface than this part of its length, or of an edge, only grazes the body. So does one, not so deep, through two facets that meet, however sharp the
-/// edge between them, if it is nearer to where they meet than this part of an edge: the node went around, and the straight line from look to look cuts the edge off.
+/// edge between them, if it is nearer to where they meet than this part of an edge: the node went around, and the straight line from check to check cuts the edge off.
 const GRAZING: f64 = 0.05;
 
 /// Subdivisions of a step in which the sign of the distance to a moving plane is looked at; roots are bisected.

@@ -1,13 +1,13 @@
-//! What a run's observations come to.
+//! The verdict on a run.
 
 use crate::contact;
-use crate::words::told;
+use crate::words::short_time;
 use crate::{ContactState, Finding, FindingKind, Level, Observation, SolidObservation};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
 
-/// What a run comes to.
+/// The verdict on a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// That of the worst finding.
@@ -46,13 +46,13 @@ impl Default for Limits {
     }
 }
 
-/// Keeps the worst of a run. It can be stored in a checkpoint.
+/// Collects findings and keeps the worst of each kind and pair of bodies. It can be stored in a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judge {
     names: Vec<String>,
     /// Nodes of each body: sentences count nodes within their body.
     nodes: Vec<Range<u32>>,
-    /// Pairs of bodies between which a contact is named.
+    /// Pairs of bodies between which a contact is defined.
     contacts: Vec<[usize; 2]>,
     limits: Limits,
     findings: Vec<Finding>,
@@ -69,7 +69,7 @@ impl Judge {
         Self { names, nodes, contacts, limits, findings: Vec::new() }
     }
 
-    /// What to add to a sentence about two bodies.
+    /// Remark that no contact is defined between two bodies, to end a sentence.
     fn remark(&self, a: usize, b: usize) -> String {
         match self.contacts.contains(&[a, b]) || self.contacts.contains(&[b, a]) {
             true => String::new(),
@@ -78,7 +78,7 @@ impl Judge {
         }
     }
 
-    /// A node in words; those of no body are counted with all others.
+    /// Name of a node in messages: its number in its body, or in the model if it belongs to no body.
     fn node(&self, node: u32) -> String {
         match self.nodes.iter().position(|nodes| nodes.contains(&node)) {
             Some(body) => format!("node {} of `{}`", node - self.nodes[body].start, self.names[body]),
@@ -86,19 +86,13 @@ impl Judge {
         }
     }
 
-    /// Takes note of what was seen in a step.
+    /// Adds the findings of a check after a step.
     pub fn observe(&mut self, step: u64, time: f64, seen: &Observation, solids: &SolidObservation) {
         let Limits { doubtful, wrong } = self.limits;
         let finding = |level, kind, bodies, sentence, position, figure| Finding {
-            level,
-            kind,
             bodies,
-            step,
-            time,
-            worst_time: None,
-            sentence,
             position,
-            figure,
+            ..Finding::new(level, kind, (step, time), sentence, figure)
         };
         let mut found = Vec::new();
         for deepest in seen.penetrations.iter().filter(|deepest| deepest.relative > doubtful) {
@@ -108,8 +102,8 @@ impl Judge {
                 false => format!("`{}`", self.names[deepest.into]),
             };
             let sentence = format!(
-                "at t = {} {} is {} ({} edges) inside {into}{}",
-                told(time),
+                "at t = {} {} is {} ({} edge lengths) inside {into}{}",
+                short_time(time),
                 self.node(deepest.node),
                 short(deepest.depth),
                 short(deepest.relative),
@@ -121,8 +115,8 @@ impl Judge {
         }
         for passage in &seen.tunnelled {
             let sentence = format!(
-                "at t = {} {} has passed through `{}` since the last look{}",
-                told(time),
+                "at t = {} {} has passed through `{}` since the last check{}",
+                short_time(time),
                 self.node(passage.node),
                 self.names[passage.through],
                 self.remark(passage.body, passage.through)
@@ -133,7 +127,7 @@ impl Judge {
         if let Some((body, element, jacobian)) = solids.inverted {
             let sentence = format!(
                 "at t = {} element {element} of `{}` is inverted (Jacobian {})",
-                told(time),
+                short_time(time),
                 self.names[body],
                 short(jacobian)
             );
@@ -143,7 +137,7 @@ impl Judge {
         if let Some((body, element, jacobian)) = solids.poor {
             let sentence = format!(
                 "at t = {} element {element} of `{}` is {} at a corner (scaled Jacobian {})",
-                told(time),
+                short_time(time),
                 self.names[body],
                 if jacobian <= 0.0 { "inverted" } else { "nearly inverted" },
                 short(jacobian)
@@ -152,12 +146,17 @@ impl Judge {
             found.push(finding(Level::Doubtful, FindingKind::PoorElement, bodies, sentence, None, -jacobian));
         }
         if let Some(node) = solids.not_finite {
-            let sentence = format!("at t = {} the position of {} is no number", told(time), self.node(node));
+            let sentence =
+                format!("at t = {} the position of {} is not a finite number", short_time(time), self.node(node));
             found.push(finding(Level::Wrong, FindingKind::NotFinite, None, sentence, None, 0.0));
         }
         if let Some((node, sizes)) = solids.far {
-            let sentence =
-                format!("at t = {} {} is {} sizes of the model away", told(time), self.node(node), short(sizes));
+            let sentence = format!(
+                "at t = {} {} is {} model sizes away from the model",
+                short_time(time),
+                self.node(node),
+                short(sizes)
+            );
             found.push(finding(Level::Wrong, FindingKind::FarAway, None, sentence, None, sizes));
         }
         for finding in found {
@@ -165,36 +164,26 @@ impl Judge {
         }
     }
 
-    /// Takes note of a static equilibrium whose energy falls in so many independent directions.
+    /// Adds the finding that a static equilibrium is unstable: its energy falls in `directions` independent directions.
     pub fn observe_unstable(&mut self, step: u64, time: f64, directions: usize) {
         let sentence = format!(
             "the equilibrium at t = {} is unstable: the energy falls in {directions} direction{}, so a buckled or bifurcated state exists. A small disturbance, such as a side load or a deviation \
              of the mesh, leads there; so does dynamics",
-            told(time),
+            short_time(time),
             if directions == 1 { "" } else { "s" }
         );
-        self.add(Finding {
-            level: Level::Doubtful,
-            kind: FindingKind::Unstable,
-            bodies: None,
-            step,
-            time,
-            worst_time: None,
-            sentence,
-            position: None,
-            // None is worse than another: what is told is where it began.
-            figure: 0.0,
-        });
+        // All are equally severe, so that the first one is reported.
+        self.add(Finding::new(Level::Doubtful, FindingKind::Unstable, (step, time), sentence, 0.0));
     }
 
-    /// Takes note of what a contact reports.
+    /// Adds the findings about what a contact reports.
     pub fn observe_contact(&mut self, step: u64, time: f64, contact: &ContactState<'_>) {
         for finding in contact::observe(step, time, contact, self.limits.doubtful, |node| self.node(node)) {
             self.add(finding);
         }
     }
 
-    /// Takes note of a finding. Of each kind and pair of bodies the worst is kept, with the step in which it first was as bad.
+    /// Adds a finding. Of each kind and pair of bodies the worst is kept, with the first step of its level.
     pub fn add(&mut self, finding: Finding) {
         let same = |known: &&mut Finding| known.kind == finding.kind && known.bodies == finding.bodies;
         match self.findings.iter_mut().find(same) {
@@ -228,7 +217,7 @@ mod tests {
 
     #[test]
     fn times_have_their_digits() {
-        let times = [0.950_000_000_000_000_1, 3.0e-7, 0.0, 12.5].map(told);
+        let times = [0.950_000_000_000_000_1, 3.0e-7, 0.0, 12.5].map(short_time);
         assert_eq!(times, ["0.95", "3e-7", "0", "12.5"]);
     }
 

@@ -1,7 +1,7 @@
 //! Numbers in sentences.
 
 /// A time with six significant digits at most.
-pub(crate) fn told(time: f64) -> String {
+pub(crate) fn short_time(time: f64) -> String {
     // cannot fail: what was written as a number is read as one.
     let rounded: f64 = format!("{time:.5e}").parse().unwrap_or(time);
     let is_plain = rounded == 0.0 || (1.0e-4..1.0e7).contains(&rounded.abs());

@@ -308,5 +308,5 @@ fn a_point_of_no_body_that_is_no_number_is_found() {
     reference[1] = f64::NAN;
     let seen = watch.geometry(&reference, None);
     judge.observe(1, 0.5, &seen, &watch.solids(&reference));
-    assert!(judge.verdict().to_string().contains("the position of node 0 of the model is no number"));
+    assert!(judge.verdict().to_string().contains("the position of node 0 of the model is not a finite number"));
 }

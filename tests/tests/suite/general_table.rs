@@ -245,9 +245,13 @@ fn failures_say_what_is_in_the_way() {
             + &whole("b", "[1, 0, 0, -0.6]")),
     );
     let message = failure(&pushed);
-    assert!(message.contains("surfaces are in the way of prescribed motion, nearest at node"), "{message}");
+    assert!(
+        message
+            .contains("prescribed motion is blocked by surfaces that would pass through each other, nearest at node"),
+        "{message}"
+    );
     assert!(message.contains("of body a at") && message.contains("of body b at"), "{message}");
-    assert!(message.contains("the motion of all of it is prescribed"), "{message}");
+    assert!(message.contains("the motion of everything there is prescribed"), "{message}");
     // Contact alone holds it down, and it only touches.
     let loose = scene(
         STATICS,

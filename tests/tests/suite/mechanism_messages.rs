@@ -144,8 +144,8 @@ fn statics_without_stiffness() {
             "rope (strings, springs and beams that hold it)",
             string.to_owned() + &ball("a", "rope.start", "[0, 0, 0]") + &ball("b", "rope.end", "[1, 0, 0]"),
         ),
-        ("nothing elastic holds bar", body("bar", [1.0, 0.0, 0.0]) + &ball("pin", "bar", "[1, 0, 2]")),
-        ("nothing elastic holds bar", body("bar", [1.0, 0.0, 0.0]) + &ball("pin", "bar", "[1, 2, 0]")),
+        ("no elastic part supports bar", body("bar", [1.0, 0.0, 0.0]) + &ball("pin", "bar", "[1, 0, 2]")),
+        ("no elastic part supports bar", body("bar", [1.0, 0.0, 0.0]) + &ball("pin", "bar", "[1, 2, 0]")),
     ] {
         let message = failure(&format!("{}[gravity]\nacceleration = [0, -9.81, 0]\n{part}", statics()));
         for words in [what, "`backward-euler`", "`natural_length`"] {

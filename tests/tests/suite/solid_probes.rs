@@ -234,9 +234,9 @@ fn mistakes_of_probes_are_told() {
         ("quantity = \"displacement\"\ncomponent = \"x\"\nset = \"block.top\"", "is for extrema"),
         (
             "quantity = \"displacement\"\nreduce = \"max\"\ncomponent = \"xx\"\nset = \"block.top\"",
-            "did you mean `x`? Known are `x`, `y`, `z`",
+            "did you mean `x`? The choices are `x`, `y`, `z`",
         ),
-        ("quantity = \"displacement\"\nreduce = \"most\"\nset = \"block.top\"", "known are `max`, `min`"),
+        ("quantity = \"displacement\"\nreduce = \"most\"\nset = \"block.top\"", "the choices are `max`, `min`"),
         (
             "quantity = \"displacement\"\nreduce = \"max\"\nbody = \"block\"\npoint = [0, 0, 0]",
             "an extremum belongs to a set or a body",

@@ -399,13 +399,13 @@ fn what_is_not_determined_is_named() {
     let load = "[[load]]\nset = \"block.top\"\npressure = 1.0\n";
     let alone = fails(&block("quasi-static", "end = 1.0\nstep = 1.0", [1; 3], "", load));
     assert!(alone.contains("node ") && alone.contains("of body block"), "{alone}");
-    assert!(alone.contains("nothing holds body block"), "{alone}");
+    assert!(alone.contains("body block has no supports"), "{alone}");
     let hinged = "[[prescribe]]\nset = \"block.bottom\"\ncomponents = [\"z\"]\nfixed = true\n";
     let rolls = fails(&block("quasi-static", "end = 1.0\nstep = 1.0", [1; 3], "", &format!("{hinged}{load}")));
     assert!(rolls.contains("too few supports"), "{rolls}");
     let far = format!("{LOWER_AND_UPPER}{}{GUIDE}", lower("lower", -1.0, 1.0)).replace("1.4999", "1.6");
     let far = fails(&far);
-    assert!(far.contains("of body upper") && far.contains("only if it touches"), "{far}");
+    assert!(far.contains("of body upper") && far.contains("only if it is closed"), "{far}");
     // The same facets in two pairs.
     let pair =
         "[[contact]]\nname = \"second\"\nmethod = \"nts\"\nslave = \"upper.bottom\"\nmaster = \"lower.boundary\"\n";

@@ -4,7 +4,7 @@
 use super::ordering::Graph;
 use crate::{NONE, SparsityPattern};
 
-/// A multiplier joins the group of a neighbour at most so often, if nobody said where it belongs: a node has no more than three
+/// Largest number of multipliers without a label that join the group of a neighbour: a node has no more than three
 /// components to be constrained.
 const MULTIPLIERS_A_GROUP: u8 = 3;
 
@@ -85,7 +85,7 @@ impl Groups {
     }
 }
 
-/// Groups as far as the pattern tells them, and the equations that the values attach to them.
+/// Groups given by the pattern, and the equations that are attached to them by the values.
 #[derive(Debug, Default)]
 pub(super) struct KnownGroups {
     labels: Vec<u32>,
@@ -95,7 +95,7 @@ pub(super) struct KnownGroups {
     /// of the last [`KnownGroups::attach`] alone: what was seen before must not show in the bits.
     attached: Vec<(u32, u32)>,
     present: Vec<(u32, u32)>,
-    /// How many loose equations joined each label.
+    /// Number of loose equations that joined each label.
     guests: Vec<u8>,
     is_loose: Vec<bool>,
 }

@@ -6,7 +6,7 @@ use stoss_integrators::State;
 
 /// Linear bar of linear elements that flies towards the wall at `x = 0`; the first node is in front.
 ///
-/// In closed form (one-dimensional waves): while it touches, the wall exerts [`Self::exact_force`]; a compression wave runs to the rear end
+/// In closed form (one-dimensional waves): while it touches, the wall exerts `E A v/c`; a compression wave runs to the rear end
 /// and back in [`Self::exact_duration`]; then the bar leaves, free of stress, with the opposite velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BouncingBar {
@@ -37,10 +37,6 @@ impl BouncingBar {
     /// `2 L/c`.
     pub fn exact_duration(&self) -> f64 {
         2.0 * self.length / self.wave_speed()
-    }
-    /// `E A v/c`.
-    pub fn exact_force(&self) -> f64 {
-        self.stiffness * self.speed / self.wave_speed()
     }
     /// Displacement of the front node at a time: towards the wall, at rest there, and back.
     pub fn exact_front(&self, time: f64) -> f64 {

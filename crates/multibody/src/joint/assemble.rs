@@ -1,10 +1,10 @@
-//! Force, tangent and rows of a joint.
+//! Force, tangent and constraint rows of a joint.
 //!
 //! `R = -sum lambda_k grad phi_k + T g`, where `g` is a gradient of the coordinate under the rule and `T` all torques that resist it. Rows in the order of the slots:
 //! `-phi_k`; friction `xi` in stick (`|t + c xi| <= B`, or `t` against `xi`) and else `(+-B - t) / f`, with a closed limit always; motor `-(gamma - target)`; pretension `(P - p) / f` with the given force `P`, and `gamma - gamma_lock` once it is locked; limits `(max(0, p + c (xi - hi)) + min(0, p + c (xi - lo)) - p) / c`,
 //! with lengths `xi` for the coordinate.
 
-use super::acting::{Coordinate, CoordinateStep, Torque};
+use super::coordinate_forces::{Coordinate, CoordinateStep, Torque};
 use super::{CoordinateKind, Joint};
 use crate::constraint::{Rows, gradient_fraction};
 use crate::quadratic::Evaluation;
@@ -211,7 +211,7 @@ impl Report for Joint {
             return Ok(());
         }
         let reason = format!(
-            "the motion that is prescribed contradicts it: it is {missed:.2e} from where it should be; remove one of them, or prescribe what the joint allows"
+            "the prescribed motion contradicts the joint, which is {missed:.2e} from its admissible position; remove one of them, or prescribe a motion that the joint allows"
         );
         Err(ContactError::Joint { joint: self.name.clone(), reason })
     }

@@ -1,13 +1,13 @@
-//! What a joint carries from step to step: full turns, what tells whether it was held, and what a pretension keeps. And what its step stored and lost.
+//! History of a joint: full turns, whether it acted in the last step, and the value that a pretension keeps. Also the energy that a step stores and dissipates.
 
 use super::Joint;
-use super::acting::{CoordinateHistory, SMALLEST_SLIP};
+use super::coordinate_forces::{CoordinateHistory, SMALLEST_SLIP};
 use stoss_contact::{ContactError, ContactWork, History};
 
 /// Bytes of the history of a coordinate.
 const SIZE: usize = 8 * 7 + 1;
 
-/// Part of a step by which times may differ that are the same.
+/// Part of a step below which two times count as equal.
 const SAME_TIME: f64 = 1e-9;
 
 impl Joint {
@@ -64,7 +64,7 @@ impl History for Joint {
             let of = |slot: Option<usize>| {
                 slot.filter(|&slot| active[slot]).map_or(0.0, |slot| c.scale() * multipliers[slot] * change)
             };
-            // What a stick or a limit moves within the tolerance must not give energy. More than that is seen in the ledger.
+            // What a stick or a limit moves within the tolerance must not give energy. More than that is seen in the balance of energy.
             let is_round_off = c.scale() * change.abs() <= SMALLEST_SLIP * self.length;
             let lost = |work: f64| if is_round_off { work.max(0.0) } else { work };
             work.dissipated +=

@@ -1,10 +1,10 @@
-//! Joints between frames: bilateral constraints, and what acts on the coordinates that are left.
+//! Joints between frames: bilateral constraints, and springs, friction, motors and limits on the free coordinates.
 //!
 //! Force and tangent are in [`assemble`], the equations of each kind in [`kinds`].
 
-mod acting;
 mod assemble;
 mod coordinate;
+mod coordinate_forces;
 mod history;
 mod kinds;
 mod options;
@@ -19,31 +19,31 @@ use crate::Frame;
 use crate::compliance::{Compliance, Weights};
 use crate::constraint::gradient_fraction;
 use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
-use acting::{Coordinate, CoordinateHistory, CoordinateState, Slots};
+use coordinate_forces::{Coordinate, CoordinateHistory, CoordinateState, Slots};
 use kinds::Function;
 use stoss_contact::{ContactRule, JointTorques};
 
 /// The largest error of the frames in the reference configuration, relative to the length of the joint.
 const TOLERANCE: f64 = 1e-8;
 
-/// Why there is no such joint.
+/// Why a joint cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JointError {
-    /// Both sides are the same.
+    /// Both sides are the same frame.
     #[error("joint {joint}: both sides are the same frame")]
     SameSides {
         /// The joint.
         joint: String,
     },
-    /// Nothing of it moves.
+    /// Both sides are fixed to the ground.
     #[error("joint {joint}: both sides are the ground")]
     Ground {
         /// The joint.
         joint: String,
     },
-    /// The frames do not fit.
-    #[error("joint {joint} ({kind}): {what} {distance:e} from where it should be")]
+    /// The frames do not satisfy the equations of the joint in the reference configuration.
+    #[error("joint {joint} ({kind}): {what} {distance:e} away from its required position or direction")]
     Misplaced {
         /// The joint.
         joint: String,
@@ -64,7 +64,7 @@ pub enum JointError {
         /// The number.
         value: f64,
     },
-    /// The kind leaves no coordinate, or none that can be measured.
+    /// The kind has no such free coordinate.
     #[error("joint {joint}: a {kind} joint has no coordinate {coordinate} for springs, motors or friction")]
     NoCoordinate {
         /// The joint.

@@ -1,4 +1,4 @@
-//! What acts on the coordinate of a joint.
+//! Springs, friction, motors, pretension and limits on the coordinate of a joint.
 
 use std::sync::Arc;
 
@@ -51,15 +51,15 @@ pub struct CoordinateSpring {
 /// the joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CoordinateFriction {
-    /// A moment, or a force, that does not depend on anything.
+    /// Constant bound, a moment or a force.
     pub bound: f64,
     /// Coefficient of friction.
     pub coefficient: f64,
-    /// Radius of a journal, a length; of no meaning for a displacement.
+    /// Radius of the journal, a length; not used for a displacement.
     pub radius: f64,
 }
 
-/// A force (or torque) on the coordinate that is given until a time, after which the coordinate keeps the value that it has: the pretension of a bolt, whose halves the joint connects.
+/// Pretension of a bolt whose halves the joint connects: a given force (or torque) on the coordinate until the lock time, after which the coordinate keeps its value.
 #[derive(Clone, Debug)]
 pub struct Pretension {
     /// The force against the coordinate, positive in tension; until the lock it does work, and after it none.
@@ -68,7 +68,7 @@ pub struct Pretension {
     pub lock: f64,
 }
 
-/// What acts on the coordinate of a joint; nothing by default.
+/// Springs, friction, motor, pretension and limits on the coordinate of a joint; none by default.
 #[derive(Clone, Debug, Default)]
 pub struct CoordinateOptions {
     /// A spring.
@@ -77,11 +77,11 @@ pub struct CoordinateOptions {
     pub viscous: f64,
     /// Coulomb friction; sticks exactly. In statics it is against the increments of load steps.
     pub friction: Option<CoordinateFriction>,
-    /// A motor: the coordinate is what it says.
+    /// A motor: it prescribes the coordinate as a function of time.
     pub motor: Option<Arc<dyn Drive>>,
     /// A pretension; not with a motor.
     pub pretension: Option<Pretension>,
-    /// Lower and upper limit. What closing costs in energy is lost, as in contact with the standard constraint.
+    /// Lower and upper limit. Kinetic energy lost at closing is dissipated, as in contact with the standard constraint.
     pub limits: Option<[f64; 2]>,
 }
 

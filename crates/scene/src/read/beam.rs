@@ -124,7 +124,7 @@ fn arc(node: &Node<'_>) -> Option<Arc> {
     let degrees = table.required("degrees", "degrees = 90", |n| {
         let degrees = n.not_zero()?;
         if degrees.abs() > 360.0 {
-            return n.fail("is more than a turn", "write at most 360");
+            return n.fail("exceeds 360 degrees", "write at most 360");
         }
         Some(degrees)
     });

@@ -65,10 +65,8 @@ fn damping(node: &Node<'_>) -> Option<Damping> {
     table.finish();
     let damping = Damping { mass: mass?, stiffness: stiffness? };
     if damping == Damping::default() {
-        return node.fail(
-            "has no factor that is not zero",
-            "write { mass = 0.1, stiffness = 1e-4 } or one of them, or remove it",
-        );
+        return node
+            .fail("has only factors of zero", "write { mass = 0.1, stiffness = 1e-4 } or one of them, or remove it");
     }
     Some(damping)
 }

@@ -89,8 +89,9 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     // Where `between` is there, right or wrong, the other two are not to be.
     let named = |key: &'static str, example: &'static str, side: &dyn Fn(&Node<'_>) -> Option<String>| match between {
         Some(None) => table.required(key, example, side).map(Some),
-        _ => table
-            .optional(key, |n| n.fail("is chosen by itself where `between` is given", "remove one of the two keys")),
+        _ => table.optional(key, |n| {
+            n.fail("is not needed: `between` determines slave and master", "remove one of the two keys")
+        }),
     };
     let slave = named("slave", "slave = \"ball.outer\"", &side);
     let master = named("master", "master = \"plate.top\"", &master_side);
@@ -191,12 +192,15 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     });
     let normals: Option<Option<()>> = table.optional("normals", |n| {
         n.fail(
-            "is no option any more: normals are the means of the facets around a node, on each side of a sharp edge",
+            "is no longer an option: normals are the means of the facets around a node, on each side of a sharp edge",
             "remove it",
         )
     });
     let smoothing: Option<Option<()>> = table.optional("smoothing", |n| {
-        n.fail("is no option any more: the weighted gap follows the facets, and slivers carry no pressure", "remove it")
+        n.fail(
+            "is no longer an option: the weighted gap follows the facets, and slivers carry no pressure",
+            "remove it",
+        )
     });
     table.finish();
     let (slave, master, between) = (slave?, master?, between?);

@@ -142,7 +142,9 @@ pub(super) fn stabilise(node: &Node<'_>) -> Option<Stabilise> {
     });
     let coefficient = table.optional("coefficient", Node::positive);
     let one = match ["fraction", "coefficient"].map(|key| table.has(key)) {
-        [true, true] => table.fail("coefficient", "is one too many", "give either `fraction` or `coefficient`"),
+        [true, true] => {
+            table.fail("coefficient", "cannot be combined with `fraction`", "give either `fraction` or `coefficient`")
+        }
         [false, false] => table.missing("fraction", "fraction = 2e-4"),
         _ => Some(()),
     };

@@ -229,7 +229,7 @@ fn motor(node: &Node<'_>, coordinate: Option<CoordinateKind>, kind: Option<Joint
     let table = node.table_like("{ angle = { table = [[0.0, 0.0], [1.0, 90.0]] } }")?;
     let angle = table.optional("angle", |n| {
         if coordinate == Some(Displacement) {
-            return n.fail("the coordinate is a displacement and no angle", "write `displacement`");
+            return n.fail("the coordinate is a displacement, not an angle", "write `displacement`");
         }
         series(n, 1)
     });
@@ -239,7 +239,7 @@ fn motor(node: &Node<'_>, coordinate: Option<CoordinateKind>, kind: Option<Joint
                 Some(JointKind::Cylindrical) => "write second = { motor = { displacement = ... } }",
                 _ => "write `angle`",
             };
-            return n.fail("the coordinate is an angle and no displacement", remedy);
+            return n.fail("the coordinate is an angle, not a displacement", remedy);
         }
         series(n, 1)
     });
@@ -274,7 +274,8 @@ fn pretension(node: &Node<'_>, joint: &Table<'_>, world: &World<'_>) -> Option<P
     // Once the joint is locked, each of them would determine the same coordinate.
     if let Some(key) = ["motor", "limits", "friction"].into_iter().find(|&key| joint.has(key)) {
         let remedy = format!("remove it, or the {key}");
-        return node.fail(format!("excludes `{key}`: after the lock both would give the motion"), remedy);
+        return node
+            .fail(format!("cannot be combined with `{key}`: after the lock both would prescribe the motion"), remedy);
     }
     Some(Pretension { force: force?, lock: lock? })
 }
@@ -285,10 +286,10 @@ fn limits(node: &Node<'_>, has_motor: bool) -> Option<[f64; 2]> {
         return node.fail("must be a smaller and a larger value", "write for instance [-30, 30]");
     }
     if limits[0] > 0.0 || limits[1] < 0.0 {
-        return node.fail("leaves out 0, where the joint is at the start", "count from the initial position");
+        return node.fail("must contain 0, the value at the start", "measure from the initial position");
     }
     if has_motor {
-        return node.fail("has no effect: the motor gives the motion", "remove it, or the motor");
+        return node.fail("has no effect: the motor prescribes the motion", "remove it, or the motor");
     }
     Some(limits)
 }

@@ -78,7 +78,7 @@ fn moduli(table: &Table<'_>) -> Option<ElasticModuli> {
             let key = if has_lambda { "lambda" } else { "mu" };
             return table.fail(
                 key,
-                "is one modulus too many",
+                "cannot be combined with the other moduli",
                 "give either `young` and `poisson`, or `lambda` and `mu`",
             );
         }
@@ -96,8 +96,8 @@ fn moduli(table: &Table<'_>) -> Option<ElasticModuli> {
         let bulk = lambda + 2.0 / 3.0 * mu;
         return table.fail(
             "lambda",
-            format!("gives the bulk modulus lambda + 2/3 mu = {bulk}, which must be positive"),
-            "enlarge lambda",
+            format!("implies the bulk modulus lambda + 2/3 mu = {bulk}, which must be positive"),
+            "increase lambda",
         );
     }
     Some(moduli)
@@ -112,16 +112,16 @@ fn mooney_rivlin(table: &Table<'_>) -> Option<Material> {
     if shear <= 0.0 {
         return table.fail(
             "c1",
-            format!("gives the shear modulus 2 (c1 + c2) = {shear}, which must be positive"),
-            "enlarge c1 or c2",
+            format!("implies the shear modulus 2 (c1 + c2) = {shear}, which must be positive"),
+            "increase c1 or c2",
         );
     }
     let bulk = 2.0 * c + 4.0 * c2 + 2.0 / 3.0 * shear;
     if bulk <= 0.0 {
         return table.fail(
             "c",
-            format!("gives the bulk modulus 2 c + 4 c2 + 4/3 (c1 + c2) = {bulk}, which must be positive"),
-            "enlarge c",
+            format!("implies the bulk modulus 2 c + 4 c2 + 4/3 (c1 + c2) = {bulk}, which must be positive"),
+            "increase c",
         );
     }
     Some(Material::MooneyRivlin(MooneyRivlin { c1, c2, c }))
@@ -150,7 +150,7 @@ fn ogden(table: &Table<'_>) -> Option<Material> {
     if shear <= 0.0 {
         return table.fail(
             "mu",
-            format!("gives the shear modulus 1/2 sum mu alpha = {shear}, which must be positive"),
+            format!("implies the shear modulus 1/2 sum mu alpha = {shear}, which must be positive"),
             "correct the signs of mu and alpha",
         );
     }

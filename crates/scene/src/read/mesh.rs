@@ -47,7 +47,7 @@ fn file_name(node: &Node<'_>) -> Option<String> {
     let file = node.text()?;
     let lower = file.to_lowercase();
     if ![".msh", ".inp", ".vtu"].iter().any(|extension| lower.ends_with(extension)) {
-        return node.fail("is no known mesh format", "use a Gmsh (.msh), Abaqus (.inp) or VTK (.vtu) file");
+        return node.fail("is not a known mesh format", "use a Gmsh (.msh), Abaqus (.inp) or VTK (.vtu) file");
     }
     Some(file)
 }
@@ -131,7 +131,7 @@ fn less(table: &Table<'_>, smaller: (&'static str, f64), larger: (&str, f64)) ->
         return table.fail(
             smaller.0,
             format!("must be smaller than `{}` = {}", larger.0, larger.1),
-            format!("reduce it or enlarge `{}`", larger.0),
+            format!("reduce it or increase `{}`", larger.0),
         );
     }
     Some(())
@@ -183,7 +183,7 @@ fn indenter(table: &Table<'_>) -> Option<Generator> {
         return table.fail(
             "radius",
             format!("must exceed the distance {corner} of the corners from the axis"),
-            "enlarge the radius or reduce `size`",
+            "increase the radius or reduce `size`",
         );
     }
     let rim = radius - (radius * radius - corner * corner).sqrt();
@@ -191,7 +191,7 @@ fn indenter(table: &Table<'_>) -> Option<Generator> {
         return table.fail(
             "height",
             format!("must exceed the height {rim} of the bottom's corners"),
-            "enlarge the height or the radius",
+            "increase the height or the radius",
         );
     }
     Some(Generator::Indenter(Indenter { size, height, radius, divisions: divisions?, grading: grading? }))
@@ -265,7 +265,7 @@ fn l_shape(table: &Table<'_>) -> Option<Generator> {
         return table.fail(
             "length",
             format!("both lengths must exceed the width {width}"),
-            "enlarge the lengths or reduce `width`",
+            "increase the lengths or reduce `width`",
         );
     }
     Some(Generator::LShape(LShape { length, width, thickness: thickness?, divisions: divisions? }))

@@ -16,25 +16,25 @@ const OLD: [Old; 4] = [
     Old {
         key: "contact.normals",
         word: None,
-        message: "is no key any more: normals are the means of the facets around a node, on each side of a sharp edge",
+        message: "is no longer a key: normals are the means of the facets around a node, on each side of a sharp edge",
         remedy: "remove it",
     },
     Old {
         key: "contact.smoothing",
         word: None,
-        message: "is no key any more: the weighted gap follows the facets, and slivers carry no pressure",
+        message: "is no longer a key: the weighted gap follows the facets, and slivers carry no pressure",
         remedy: "remove it",
     },
     Old {
         key: "contact.constraint",
         word: Some("one-sided"),
-        message: "is no constraint any more: mortar contact keeps the true gap, which needs none",
+        message: "is no longer a constraint: mortar contact keeps the true gap, which needs none",
         remedy: "remove it",
     },
     Old {
         key: "stage.kind",
         word: Some("static"),
-        message: "is no kind any more: stages have the words of `[scene] kind`",
+        message: "is no longer a kind: stages have the words of `[scene] kind`",
         remedy: "write \"quasi-static\"",
     },
 ];

@@ -112,9 +112,11 @@ pub(super) fn prescribe(table: &Table<'_>, world: &World<'_>) -> Option<Prescrib
     };
     let displacement = table.optional("displacement", |n| series(n, count?));
     let one_kind = match (fixed, table.has("displacement")) {
-        (Some(true), true) => {
-            table.fail("fixed", "excludes `displacement`", "remove `fixed`, or `displacement` if nothing is to move")
-        }
+        (Some(true), true) => table.fail(
+            "fixed",
+            "cannot be combined with `displacement`",
+            "remove `fixed`, or `displacement` if nothing is to move",
+        ),
         (Some(false), false) => table.fail(
             "displacement",
             "is missing",
@@ -170,7 +172,7 @@ fn across(table: &Table<'_>) -> Option<Vec<Component>> {
         ("rigid", "name a `set`, or let the rigid body slide on a [[joint]] to the ground"),
     ] {
         if table.has(key) {
-            alone = table.fail(key, "excludes `normal`", remedy);
+            alone = table.fail(key, "cannot be combined with `normal`", remedy);
         }
     }
     alone
@@ -223,7 +225,7 @@ fn rigid_motion(table: &Table<'_>) -> Option<(PrescribedRotation, Option<Series>
         ("ramp_until", "remove it: a rotation begins where its angle and its translation are at that time"),
     ] {
         if table.has(key) {
-            alone = table.fail(key, "excludes `rotation`", remedy);
+            alone = table.fail(key, "cannot be combined with `rotation`", remedy);
         }
     }
     table.finish();

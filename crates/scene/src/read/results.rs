@@ -4,8 +4,8 @@ use super::node::{Node, known};
 use super::table::Table;
 use super::world::{KnownProbe, World, part_name, set_reference};
 use crate::{
-    CoordinateKind, Expect, ExpectedValue, Field, FrameFormat, Interval, JointKind, Kind, OnFault, Outcome, Output,
-    PartKind, Probe, ProbeComponent, Quantity, Reduce, Verdict, Watch,
+    CoordinateKind, Expect, ExpectedValue, Extremum, Field, FrameFormat, Interval, JointKind, Kind, OnFault, Outcome,
+    Output, PartKind, Probe, ProbeComponent, Quantity, Verdict, Watch,
 };
 
 /// The probe, and its name with the components of its values, which `[expect]` needs even if the rest is bad.
@@ -36,7 +36,7 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
     let point = table.optional("point", Node::vector);
     let joint = table.optional("joint", |n| joint(n, quantity, world));
     let reduce = table.optional("reduce", |n| {
-        let reduce = n.choice(Reduce::NAMES, Reduce::from_name)?;
+        let reduce = n.choice(Extremum::NAMES, Extremum::from_name)?;
         match quantity {
             Some(quantity) if !quantity.has_extrema() => {
                 let names = Quantity::NAMES.iter().copied();
@@ -123,7 +123,7 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
         None if !world.actions_complete => Some(name),
         None if world.joints.is_empty() => node.fail("the scene has no joint", "add a [[joint]] of this name"),
         None => {
-            node.fail("is no joint of this scene", known(&name, world.joints.iter().map(|(name, _)| name.as_str())))
+            node.fail("is not a joint of this scene", known(&name, world.joints.iter().map(|(name, _)| name.as_str())))
         }
     }
 }
@@ -253,7 +253,7 @@ pub(super) fn output(node: &Node<'_>, world: &World<'_>) -> Option<Output> {
     let one = match (ways.next(), ways.next()) {
         (Some(first), Some(second)) => table.fail(
             second,
-            format!("is another choice of frames, beside `{first}`"),
+            format!("cannot be combined with `{first}`"),
             "keep one of `every`, `interval`, `times` and `last_only`",
         ),
         _ => Some(()),
@@ -422,7 +422,7 @@ pub(super) fn probe_of(node: &Node<'_>, world: &World<'_>) -> Option<String> {
             return node.fail("the scene has no probe", "add a [[probe]] of this name");
         }
         return node
-            .fail("is no probe of this scene", known(&name, world.probes.iter().map(|(probe, _)| probe.as_str())));
+            .fail("is not a probe of this scene", known(&name, world.probes.iter().map(|(probe, _)| probe.as_str())));
     }
     Some(name)
 }

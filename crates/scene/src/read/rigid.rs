@@ -79,7 +79,7 @@ const VELOCITIES: [&str; 2] = ["velocity", "angular_velocity"];
 pub(super) fn joined_name(node: &Node<'_>) -> Option<String> {
     let name = node.name()?;
     if name == GROUND {
-        return node.fail("is the word for what does not move in joints", "choose another name");
+        return node.fail("is reserved for the ground in joints", "choose another name");
     }
     Some(name)
 }
@@ -172,7 +172,7 @@ fn principal_axes(node: &Node<'_>) -> Option<[[f64; 3]; 3]> {
             let product = dot(axes[i], axes[j]);
             if (product - expected).abs() > 1e-6 {
                 let message = if i == j {
-                    format!("entry {} is no unit vector: its square is {product}", i + 1)
+                    format!("entry {} is not a unit vector: its square is {product}", i + 1)
                 } else {
                     format!("entries {} and {} are not perpendicular: their product is {product}", j + 1, i + 1)
                 };
@@ -181,7 +181,7 @@ fn principal_axes(node: &Node<'_>) -> Option<[[f64; 3]; 3]> {
         }
     }
     if dot(cross(axes[0], axes[1]), axes[2]) < 0.0 {
-        return node.fail("is left-handed", "turn one of the axes round");
+        return node.fail("is left-handed", "reverse one of the axes");
     }
     Some(axes)
 }
@@ -191,7 +191,7 @@ fn surface_file(node: &Node<'_>) -> Option<SurfaceFile> {
     let file = table.required("file", "file = \"tool.stl\"", |n| {
         let file = n.text()?;
         if !file.to_lowercase().ends_with(".stl") {
-            return n.fail("is no known format of surfaces", "use an STL file (.stl)");
+            return n.fail("is not a known surface format", "use an STL file (.stl)");
         }
         Some(file)
     });

@@ -40,13 +40,13 @@ pub(super) fn parse(text: &str, known: &Known<'_>) -> Result<(String, SetRegion)
     let region = parser.union()?;
     parser.skip_space();
     if parser.at < text.len() {
-        let message = "an operator is missing here, or a bracket is too much";
+        let message = "an operator is missing here, or a bracket is superfluous";
         return Err(parser.wrong(message, REMEDY));
     }
     match parser.part {
         Some(part) => Ok((part, region)),
         None => {
-            let message = "names no part, so it is not clear of which one the nodes are";
+            let message = "names no part: it does not say to which part the nodes belong";
             let example = known.parts.first().copied().unwrap_or("block");
             Err(SetError::Wrong(message.into(), format!("write for instance \"{example}.all & {text}\""), 0))
         }
@@ -54,7 +54,7 @@ pub(super) fn parse(text: &str, known: &Known<'_>) -> Result<(String, SetRegion)
 }
 
 /// What to write instead.
-const REMEDY: &str = "write for instance \"block.top & x > 0.2\"; a set whose own name is no word stands in single quotes, as in \"block.'top (1)'\"";
+const REMEDY: &str = "write for instance \"block.top & x > 0.2\"; put a set name with other characters in single quotes, as in \"block.'top (1)'\"";
 
 const RELATIONS: [(&str, Relation); 7] = [
     ("<=", Relation::LessOrEqual),
@@ -364,7 +364,7 @@ impl<'a> Parser<'a> {
             (left_at, left_end) = (right_at, right_end);
         }
         match (terms.len(), terms.pop()) {
-            (_, None) => Err(self.wrong("a comparison is missing here, or this is no set", REMEDY)),
+            (_, None) => Err(self.wrong("a comparison is missing here, or this is not a set", REMEDY)),
             (1, Some(only)) => Ok(only),
             (_, last) => {
                 terms.extend(last);
@@ -398,7 +398,7 @@ impl<'a> Parser<'a> {
             ExpressionError::UnknownName(name) => {
                 let at = self.text.get(start..).and_then(|rest| rest.find(&name)).map_or(start, |i| start + i);
                 let words = ["x", "y", "z"].into_iter().chain(self.known.names.iter().copied());
-                let message = format!("`{name}` is no coordinate, no parameter and no name of [sets]");
+                let message = format!("`{name}` is not a coordinate, a parameter or a name of [sets]");
                 SetError::Wrong(
                     message,
                     format!("{}; a set of a part is written part.set", known(&name, words.collect::<Vec<_>>())),

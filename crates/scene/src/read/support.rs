@@ -14,7 +14,7 @@ pub(super) fn support(table: &Table<'_>, world: &World<'_>) -> Option<Support> {
     table.finish();
     let support = Support { set: set?, per: per?, frame: frame?, stiffness: stiffness?, damping: damping? };
     if support.axes().is_none() {
-        let message = "its two directions lie on one line";
+        let message = "its two directions are parallel";
         return table.fail(
             "frame",
             message,
@@ -27,7 +27,7 @@ pub(super) fn support(table: &Table<'_>, world: &World<'_>) -> Option<Support> {
     if support.stiffness == [0.0; 3] && world.kind == Some(Kind::QuasiStatic) {
         return table.fail(
             "damping",
-            "a quasi-static scene has no velocities: dashpots alone hold nothing",
+            "a quasi-static scene has no velocities: dashpots alone exert no force",
             "add `stiffness`, remove the support, or set [scene] kind = \"dynamic\"",
         );
     }
@@ -38,7 +38,7 @@ fn supported_set(node: &Node<'_>, world: &World<'_>) -> Option<String> {
     let text = set_reference(node, world)?;
     match split_set(&text).and_then(|(part, _)| world.part(part)) {
         Some(part) if part.kind != PartKind::Body => node.fail(
-            format!("`{}` is {}: a support holds deformable bodies", part.name, part.kind.noun()),
+            format!("`{}` is {}: a support acts on deformable bodies", part.name, part.kind.noun()),
             "use a [[spring]] or a [[joint]] to the ground",
         ),
         _ => Some(text),

@@ -45,7 +45,7 @@ fn entries<'a, T>(node: &Node<'a>, read: impl Fn(&Node<'a>) -> Option<T>) -> Opt
             } else {
                 known(name, parameters.keys().map(String::as_str))
             };
-            good &= value.fail::<()>("is the value of no parameter of the scene", remedy).is_some();
+            good &= value.fail::<()>("is not a parameter of the scene", remedy).is_some();
             continue;
         }
         match read(&value) {
@@ -85,7 +85,7 @@ fn extreme(node: &Node<'_>) -> Option<String> {
         _ => {
             let table = text.split('.').next().unwrap_or_default();
             let remedy = known(table, Sweep::TABLES);
-            node.fail("is no column of a table of results", format!("write TABLE.COLUMN; {remedy}"))
+            node.fail("is not a column of a result table", format!("write TABLE.COLUMN; {remedy}"))
         }
     }
 }

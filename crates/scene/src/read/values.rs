@@ -28,7 +28,7 @@ pub(super) fn complaint(error: &ExpressionError, parameters: &Parameters) -> Com
     match error {
         ExpressionError::Reported => None,
         ExpressionError::UnknownName(name) => {
-            let message = format!("must be a number or an expression, and `{name}` is no parameter");
+            let message = format!("must be a number or an expression, and `{name}` is not a parameter");
             let remedy = if parameters.is_empty() {
                 format!("write a number, or add `[{TABLE}]` with `{name} = 1.0`")
             } else {
@@ -37,7 +37,7 @@ pub(super) fn complaint(error: &ExpressionError, parameters: &Parameters) -> Com
             Some((message, remedy))
         }
         ExpressionError::Wrong { message, at } => Some((
-            format!("is no expression that can be evaluated: character {at}: {message}"),
+            format!("is not a valid expression: character {at}: {message}"),
             "write a number, or an expression such as \"2*radius + 1e-3\"".to_owned(),
         )),
     }

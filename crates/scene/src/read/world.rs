@@ -226,7 +226,7 @@ pub(super) fn is_line(reference: &str, world: &World<'_>) -> bool {
 pub(super) fn action_name(node: &Node<'_>) -> Option<String> {
     let name = node.name()?;
     if name == GRAVITY {
-        return node.fail("is the word for gravity in [[stage]] `off`", "choose another name");
+        return node.fail("is reserved for gravity in `off` of [[stage]]", "choose another name");
     }
     Some(name)
 }

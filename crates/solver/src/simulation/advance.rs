@@ -2,7 +2,7 @@
 
 use super::{InsideOutRule, Simulation};
 use crate::assembly::{Iterate, System, no_auxiliaries};
-use crate::failure::Trace;
+use crate::failure::AttemptLog;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
@@ -163,7 +163,7 @@ impl Simulation {
     }
 
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
-        let mut trace = Trace::default();
+        let mut trace = AttemptLog::default();
         let result = self.traced(from, dt, rule, &mut trace);
         self.solves += u64::from(trace.solves);
         if let Err(cause) = &result {
@@ -173,7 +173,7 @@ impl Simulation {
         result
     }
 
-    fn traced(&mut self, from: Start, dt: f64, rule: StepRule, trace: &mut Trace) -> Result<Completed, StepError> {
+    fn traced(&mut self, from: Start, dt: f64, rule: StepRule, trace: &mut AttemptLog) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
         self.begin_contact(dt, rule)?;
         let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
@@ -389,15 +389,15 @@ impl Simulation {
         }
         self.state = next;
         // Velocities from momenta lack the next impulse of the constraints, and get it in the next step.
-        let are_guided = rule.impulse.is_none() && self.has_guides();
-        if self.scheme.is_some() && (!self.prescribed.is_empty() || are_guided) {
+        let has_supports = rule.impulse.is_none() && self.has_sliding_supports();
+        if self.scheme.is_some() && (!self.prescribed.is_empty() || has_supports) {
             // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
             let before = self.kinetic(&self.state.v);
             let mut v = std::mem::take(&mut self.state.v);
             let mut followed = self.model.embedding.followed(&v);
             self.set_prescribed_velocities(time, &mut v);
-            if are_guided {
-                self.guide(time, |held| held.rate, &mut v);
+            if has_supports {
+                self.meet_held_directions(time, |held| held.rate, &mut v);
             }
             self.model.embedding.follow_changes(&mut v, &mut followed);
             self.state.v = v;
@@ -422,7 +422,7 @@ impl Simulation {
         self.stored = stored;
         self.pressures = iterate.pressures;
         self.active = iterate.active;
-        self.take_guides_from_contact_force();
+        self.take_sliding_supports_from_contact_force();
         let balance = self.measure_balance(strain, self.balance.external_work + work + contact_work.driven);
         let before = self.balance;
         let stored_by_normal = |stored: f64, by_friction: f64| stored - by_friction;

@@ -1,4 +1,4 @@
-//! Stages of a run, and releases: what acts changes between two steps.
+//! Stages of a run, and releases: changes of the model between two steps.
 
 use super::{Departure, Simulation};
 use crate::assembly::System;
@@ -24,21 +24,21 @@ pub struct Stage {
     pub scheme: Option<Box<dyn Scheme>>,
     /// Nominal step size, a time. Cuts are those of the settings.
     pub step: f64,
-    /// Step sizes that the stage chooses; `step` is the largest one then.
+    /// Automatic choice of the step size; `step` is then the largest one.
     pub automatic: Option<Automatic>,
     /// End of the stage, a time counted from the beginning of the run.
     pub end: f64,
-    /// What does not act.
+    /// What is switched off.
     pub off: Switches,
     /// Stabilisation, if it is static.
     pub stabilise: Option<Stabilise>,
 }
 
-/// Whether a scheme can go with a model, or why not.
+/// Checks that a scheme can integrate a model; the reason if not.
 pub(super) fn check_scheme(scheme: &dyn Scheme, model: &Model) -> Result<(), String> {
     let name = scheme.name();
     if !model.contacts.is_empty() && !scheme.claims().constraints {
-        return Err(format!("scheme {name} cannot carry contact constraints"));
+        return Err(format!("scheme {name} cannot integrate constraints, which contact, ties and joints need"));
     }
     // Momenta say nothing about the velocity of what has no mass.
     if scheme.rule(1.0).impulse.is_some()
@@ -46,7 +46,7 @@ pub(super) fn check_scheme(scheme: &dyn Scheme, model: &Model) -> Result<(), Str
     {
         let part = part.name();
         return Err(format!(
-            "scheme {name} cannot carry {part}, which has vectors without mass: it makes velocities of momenta"
+            "scheme {name} cannot integrate {part}, which has coordinates without mass: it computes velocities from momenta"
         ));
     }
     Ok(())
@@ -63,7 +63,7 @@ fn has_massless_vector(part: &dyn Part) -> bool {
     massless.contains(&true)
 }
 
-/// What a change that fails has to give back.
+/// State that is restored if a change fails.
 struct Saved {
     acting: Acting,
     prescribed: Vec<(u32, u32, u32)>,
@@ -140,7 +140,7 @@ impl Simulation {
             Release::Constraint(c) => match self.model.contacts.get(c) {
                 Some(pair) if pair.method.is_bilateral() => format!("constraint {}", pair.name),
                 Some(pair) => {
-                    let reason = format!("{} is no constraint that always holds, and cannot be released", pair.name);
+                    let reason = format!("{} is not a bilateral constraint, and cannot be released", pair.name);
                     return Err(SimulationError::Release(reason));
                 }
                 None => return Err(SimulationError::Release(format!("there is no constraint {c} to release"))),
@@ -403,7 +403,7 @@ impl Simulation {
                 self.model.embedding.follow(&mut v);
             }
             self.set_prescribed_velocities(self.state.time, &mut v);
-            self.guide(self.state.time, |held| held.rate, &mut v);
+            self.meet_held_directions(self.state.time, |held| held.rate, &mut v);
             self.model.embedding.follow(&mut v);
         }
         self.state.v = v;

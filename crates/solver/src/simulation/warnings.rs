@@ -1,4 +1,4 @@
-//! What is said of a completed step whose result is not right.
+//! Warnings about a completed step.
 
 use super::Simulation;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
@@ -6,12 +6,12 @@ use crate::step::decision;
 use crate::{Balance, Decision, DecisionKind, StepError};
 use stoss_fe_solid::InsideOut;
 
-/// A gain of energy by contact in one step of dynamics that is told, relative to what the bodies have.
-const TOLD_GAIN: f64 = 0.05;
-/// Work of stabilisation that is told, relative to the strain energy at the end of its stage.
-const TOLD_STABILISATION: f64 = 0.01;
-/// Beginning of what is told then.
-const CONTACT_GAVE: &str = "contact gave the bodies";
+/// Gain of energy by contact in one dynamic step that is reported, relative to the energy of the bodies.
+const REPORTED_GAIN: f64 = 0.05;
+/// Work of stabilisation that is reported, relative to the strain energy at the end of its stage.
+const REPORTED_STABILISATION: f64 = 0.01;
+/// Start of that warning, by which a second one is avoided.
+const CONTACT_ADDED: &str = "contact added";
 
 impl Simulation {
     /// Bodies that now have elements turned inside out and had none at the last step.
@@ -38,39 +38,39 @@ impl Simulation {
         self.decisions.extend(warnings);
     }
 
-    /// Says at the end of a stage how much energy its stabilisation has taken, if that is much.
+    /// Warns at the end of a stage if its stabilisation has taken much energy.
     pub(super) fn warn_stabilisation(&mut self) {
         let Balance { strain, stabilisation, .. } = self.balance;
         if self.system.stabilisation.is_none()
             || !self.clock.finished()
-            || stabilisation.abs() <= TOLD_STABILISATION * strain
+            || stabilisation.abs() <= REPORTED_STABILISATION * strain
         {
             return;
         }
         let reason = format!(
-            "stabilisation has taken {:.1} % of the strain energy. Nothing of it acts any more at the end of the stage; but where surfaces slid, or where there are several equilibria, \
-             the way there matters. Where bodies only closed gaps that is as it must be; else make the stage's steps or the fraction smaller, or support what moves",
+            "stabilisation has taken {:.1} % of the strain energy. It is zero at the end of the stage; but where surfaces slid, or where there are several equilibria, \
+             the result depends on the path. Where bodies only closed gaps this is harmless; otherwise reduce the steps or the fraction of the stage, or support what moves",
             100.0 * stabilisation / strain
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
 
-    /// Says once in a run that contact gave energy: its forces did this `work` in the step, which what springs stored does not account for. It can, at edges
-    /// or where closed nodes are inside, under every scheme that does not conserve.
+    /// Warns once in a run that contact added energy: its forces did this `work` in the step, more than its springs released. That can happen at edges,
+    /// or where closed nodes penetrate, under every scheme that does not conserve energy.
     pub(super) fn warn_contact_gain(&mut self, work: f64, before: &Balance) {
         let now = &self.balance;
         let gain = work + now.contact - before.contact;
         let energy = (now.kinetic + now.strain).max(before.kinetic + before.strain);
         let length = self.model.contacts.iter().map(|pair| pair.method.length_scale()).fold(0.0, f64::max);
-        // Of motions that are not resolved.
+        // Energy of motions that are not resolved.
         let nothing = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION * self.system.stiffness_force * length;
-        let told = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(CONTACT_GAVE);
-        if gain <= TOLD_GAIN * energy || gain <= nothing || self.decisions.iter().any(told) {
+        let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(CONTACT_ADDED);
+        if gain <= REPORTED_GAIN * energy || gain <= nothing || self.decisions.iter().any(reported) {
             return;
         }
         let reason = format!(
-            "{CONTACT_GAVE} {:.0} % of their energy in this step; the motion is doubtful from here on. `energy-momentum` with mortar contact or with the \
-             modified constraint does not do that; smaller steps, or exchanging slave and master, may help. This is said once",
+            "{CONTACT_ADDED} {:.0} % to the energy of the bodies in this step; the motion is doubtful from here on. `energy-momentum` with mortar contact or with the \
+             modified constraint cannot add energy; smaller steps, or exchanging slave and master, may help. This warning is given once in a run",
             100.0 * gain / energy
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));

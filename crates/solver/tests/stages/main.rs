@@ -217,7 +217,7 @@ fn released_support_is_a_free_fall() {
 
 /// Loads that are switched, and velocities that are dropped, leave the total as it is.
 #[test]
-fn the_ledger_has_no_jump() {
+fn the_energy_balance_has_no_jump() {
     let off = Switches { loads: vec![0], ..Switches::default() };
     let mut model = hanging();
     model.velocity.iter_mut().skip(2).step_by(3).for_each(|v| *v = 0.5);
@@ -524,7 +524,7 @@ fn variational_midpoint_under_constraints() {
     let plate = RigidMass::new(2.0, [0.8, 0.0, 0.0], [0.10, 0.0, 0.02], AXES).unwrap();
     let (model, _) = pendulum(plate, [0.0; 3]);
     let refused = Simulation::new(model, settings(Some(Box::new(VariationalMidpoint::default())), 0.01, 1.0));
-    assert!(matches!(refused, Err(SimulationError::Model(reason)) if reason.contains("vectors without mass")));
+    assert!(matches!(refused, Err(SimulationError::Model(reason)) if reason.contains("coordinates without mass")));
 }
 
 /// A spring from a node to a point of the ground, as a potential.

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use stoss_mesh::{MeshError, SetKind};
 use stoss_reference_element::FaceNodes;
 
-/// A prescription with a normal that becomes a guide.
-pub(super) struct Guided {
+/// A prescription with a normal that becomes a sliding support.
+pub(super) struct InclinedPrescription {
     /// Number in the scene.
     pub item: usize,
     pub nodes: Vec<u32>,
@@ -142,8 +142,8 @@ pub(super) fn prescriptions(
     rigid: &dyn Fn(&crate::scene::Prescribe) -> Option<RigidMotion>,
     model: &mut Model,
     problems: &mut Problems<'_>,
-) -> (Vec<Option<usize>>, Vec<Guided>) {
-    let (mut places, mut guided) = (vec![None; scene.prescriptions.len()], Vec::new());
+) -> (Vec<Option<usize>>, Vec<InclinedPrescription>) {
+    let (mut places, mut inclined) = (vec![None; scene.prescriptions.len()], Vec::new());
     // Of every component the prescriptions: their places in the model and in the scene.
     let mut owners: BTreeMap<(u32, u8), Vec<(usize, usize)>> = BTreeMap::new();
     for (p, item) in scene.prescriptions.iter().enumerate() {
@@ -189,7 +189,7 @@ pub(super) fn prescriptions(
         };
         let (Some((nodes, directions)), Some(displacement)) = (found, displacement) else { continue };
         if let Some(normal) = item.normal.filter(|_| components.is_empty()) {
-            guided.push(Guided { item: p, nodes, normal, displacement });
+            inclined.push(InclinedPrescription { item: p, nodes, normal, displacement });
             continue;
         }
         let name = item.name.clone().unwrap_or(key);
@@ -222,7 +222,7 @@ pub(super) fn prescriptions(
         places[p] = Some(model.prescriptions.len());
         model.prescriptions.push(prescription);
     }
-    (places, guided)
+    (places, inclined)
 }
 
 pub(super) fn loads(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {

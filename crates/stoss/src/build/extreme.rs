@@ -1,7 +1,7 @@
 //! The largest or smallest value of a quantity over nodes.
 
 use crate::points::Points;
-use crate::scene::{Quantity, Reduce};
+use crate::scene::{Extremum, Quantity};
 use crate::solver::{Model, Simulation};
 
 /// Where an extremum is sought, and of what.
@@ -16,7 +16,7 @@ pub struct Extreme {
     quantity: Quantity,
     /// Component; without one the length of a vector, and the largest or smallest principal value of a tensor.
     component: Option<usize>,
-    reduce: Reduce,
+    reduce: Extremum,
 }
 
 impl Extreme {
@@ -27,7 +27,7 @@ impl Extreme {
         body: Option<usize>,
         quantity: Quantity,
         component: Option<usize>,
-        reduce: Reduce,
+        reduce: Extremum,
     ) -> Self {
         let points = Points::of(model);
         let numbers = nodes.iter().map(|&node| points.place(node)).collect();
@@ -39,8 +39,8 @@ impl Extreme {
         let values = self.values(simulation);
         let best = self.numbers.iter().zip(values).filter(|(_, value)| !value.is_nan()).reduce(|best, next| {
             let better = match self.reduce {
-                Reduce::Max => next.1 > best.1,
-                Reduce::Min => next.1 < best.1,
+                Extremum::Max => next.1 > best.1,
+                Extremum::Min => next.1 < best.1,
             };
             if better { next } else { best }
         });
@@ -99,7 +99,7 @@ impl Extreme {
             (_, Some(c)) => tensor[c],
             (_, None) => {
                 let [largest, _, smallest] = stoss_fe_solid::principal_stresses(tensor);
-                if self.reduce == Reduce::Max { largest } else { smallest }
+                if self.reduce == Extremum::Max { largest } else { smallest }
             }
         };
         self.nodes.iter().map(|&node| value(&nodal[(node - body.nodes.start) as usize])).collect()

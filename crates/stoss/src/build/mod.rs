@@ -14,7 +14,6 @@ mod general;
 pub(crate) mod general_schemes;
 #[cfg(feature = "general")]
 mod general_table;
-mod guide;
 #[cfg(feature = "general")]
 mod interacting;
 #[cfg(any(feature = "general", feature = "multibody"))]
@@ -45,6 +44,7 @@ mod schedule;
 #[cfg(feature = "general")]
 mod separate;
 mod sets;
+mod sliding_support;
 mod supports;
 mod tie;
 mod trace;
@@ -169,7 +169,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     if problems.list.is_empty() {
         multibody::fix(scene, &parts, &mut model);
         let rigid = |item: &crate::scene::Prescribe| multibody::prescribe_rigid(item, &parts);
-        let (places, guided) = condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
+        let (places, inclined) = condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
         let mut ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
         #[cfg(feature = "general")]
         let apart = separate::separate(scene, &mut placed, &ties, &mut model, &mut problems, &mut bodies);
@@ -177,7 +177,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
-        let guides = guide::add(scene, guided, &places, &ties.tied, &mut model, &mut problems);
+        let supports = sliding_support::add(scene, inclined, &places, &ties.tied, &mut model, &mut problems);
         #[cfg(any(feature = "general", feature = "multibody"))]
         parts.drawing.joined.extend(joined::surroundings(scene, &placed, &model.reference));
         #[cfg(feature = "general")]
@@ -195,7 +195,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         // Places in the model are known only if nothing was left out.
         if problems.list.is_empty() {
             let places = places.iter().enumerate().filter_map(|(p, place)| Some((p, Named::Prescription((*place)?))));
-            names = named(scene, &places.chain(guides).collect(), &parts);
+            names = named(scene, &places.chain(supports).collect(), &parts);
         }
     }
     let schedule = Schedule::new(scene, &names, &probes, &mut problems);
@@ -281,7 +281,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                 && scene.ties.is_empty()
                 && scene.joints.is_empty()
                 && scene.rigids.is_empty()
-                && !scene.has_guides()
+                && !scene.has_sliding_supports()
                 && scene.beams.is_empty();
             if !(scheme.claims().constraints || free) {
                 let constrained: Vec<&str> = SCHEMES

@@ -5,7 +5,7 @@ use super::condition::resolve;
 use super::extreme::Extreme;
 use super::multibody::Parts;
 use super::placed::{Placed, index};
-use crate::scene::{Quantity, Reduce, Scene};
+use crate::scene::{Extremum, Quantity, Scene};
 use crate::solver::{Model, Simulation, SurfaceForce};
 use stoss_contact::JointReport;
 use stoss_fe_solid::MaterialPoint;
@@ -252,7 +252,7 @@ fn extreme(
     model: &Model,
     p: usize,
     item: &crate::scene::Probe,
-    reduce: Reduce,
+    reduce: Extremum,
     problems: &mut Problems<'_>,
 ) -> Option<Extreme> {
     let (part, nodes) = match (&item.set, &item.body) {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use stoss_continuum::{
     HyperelasticLaw, SymmetricTensor2, Tensor2, Tensor4, cauchy_stress, energy_momentum_stress, green_lagrange,
 };
-use stoss_tensor::spectral;
+use stoss_tensor::spectral_decomposition;
 
 use super::check::{Bound, Check};
 use super::derivatives::{self, Worst};
@@ -194,7 +194,7 @@ fn invariance(findings: &mut Findings, law: &dyn HyperelasticLaw) -> Outcome<()>
 
 /// `U` with `U^2 = C`.
 fn right_stretch(c: &SymmetricTensor2) -> Tensor2 {
-    let form = spectral(c);
+    let form = spectral_decomposition(c);
     (0..3).fold(Tensor2::zeros(), |u, a| u + form.vectors[a] * form.vectors[a].transpose() * form.values[a].sqrt())
 }
 

@@ -1,7 +1,7 @@
 //! Random states of strain from a fixed seed, so that every run measures the same.
 
 use stoss_continuum::{SymmetricTensor2, Tensor2};
-use stoss_tensor::{Vector3, nalgebra, spectral};
+use stoss_tensor::{Vector3, nalgebra, spectral_decomposition};
 
 /// A small generator of random numbers (splitmix64).
 pub struct Random(pub u64);
@@ -77,7 +77,7 @@ impl Random {
 
 /// Smallest squared principal stretch.
 pub fn smallest_eigenvalue(c: &SymmetricTensor2) -> f64 {
-    spectral(c).values[0]
+    spectral_decomposition(c).values[0]
 }
 
 #[cfg(test)]
@@ -90,7 +90,7 @@ mod tests {
         for _ in 0..200 {
             let q = random.rotation();
             assert!((q * q.transpose() - Tensor2::identity()).norm() < 1e-14 && q.determinant() > 0.0);
-            let stretches = |c: &SymmetricTensor2| spectral(c).values.map(f64::sqrt);
+            let stretches = |c: &SymmetricTensor2| spectral_decomposition(c).values.map(f64::sqrt);
             assert!(stretches(&random.moderate()).iter().all(|s| (0.599..1.701).contains(s)));
             assert!((0.199..0.301).contains(&random.crushed().det().sqrt()));
             let [a, b, c] = stretches(&random.repeated(2));

@@ -97,7 +97,7 @@ fn course(problem: &SpringPendulum, scheme: &dyn Scheme, dt: f64, steps: u64) ->
 /// Verdict of a run.
 fn verdict(course: &Course) -> Verdict {
     match course.error {
-        Some(ModelError::Escaped { .. }) => Verdict::BlowsUp(f64::INFINITY),
+        Some(ModelError::Unbounded { .. }) => Verdict::BlowsUp(f64::INFINITY),
         // It went up before there was no solution any more.
         Some(_) if course.largest > BLOW_UP => Verdict::BlowsUp(course.largest),
         Some(_) => Verdict::NewtonFails,

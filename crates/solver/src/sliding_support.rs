@@ -1,4 +1,4 @@
-//! Nodes that the ground holds along a direction and that slide freely across it: symmetry planes and sliding supports in any direction.
+//! Sliding supports: nodes whose displacement is prescribed along a direction, while they slide freely in the plane normal to it. Also symmetry planes in any direction.
 
 use crate::Table;
 use stoss_contact::{
@@ -6,16 +6,16 @@ use stoss_contact::{
     StepConfiguration,
 };
 
-/// Part of the length scale by which a motion may miss what a slot without a multiplier of its own asks for.
+/// Tolerance, as a part of the length scale, of the constraint of a slot without a multiplier.
 const MISSED: f64 = 1.0e-6;
 
-/// Holds nodes along one direction `d` of unit length: `phi = d . (x - X) - u(t) = 0` for each of them, with a multiplier that is the force of the ground
+/// A sliding support of nodes along the unit vector `d`: `phi = d . (x - X) - u(t) = 0` for each node, with a multiplier that is the force of the ground
 /// along `d`.
 ///
 /// The equation is linear, its gradient `d` constant: it is the same under every rule of a scheme, and the work of the force in a step is
-/// `lambda d . (x_np1 - x_n) = lambda (u_np1 - u_n)`, thus nothing for a direction that does not move. Sliding along the plane is free of force.
+/// `lambda d . (x_np1 - x_n) = lambda (u_np1 - u_n)`, thus zero without prescribed motion. Sliding in the plane is free of forces.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Guide {
+pub struct SlidingSupport {
     name: String,
     length: f64,
     direction: [f64; 3],
@@ -28,9 +28,9 @@ pub struct Guide {
     forces: Vec<f64>,
 }
 
-impl Guide {
-    /// For nodes with these places in the reference (`3 * nodes` of the model), along a direction of any length, by the one column of `displacement` (a length);
-    /// violations are judged against `length`. `None` if the direction is zero or not finite.
+impl SlidingSupport {
+    /// For nodes with these numbers and `reference` positions (`3 * nodes` of the model), along a `direction` of any length, with the one column of `displacement` (a length) as a function of time;
+    /// violations are measured relative to `length`. `None` if the direction is zero or not finite.
     pub fn new(
         name: &str,
         nodes: &[u32],
@@ -60,13 +60,13 @@ impl Guide {
         })
     }
 
-    /// Whether what it asks for changes with time.
+    /// Whether the prescribed displacement changes with time.
     pub fn moves(&self) -> bool {
         !self.displacement.is_constant()
     }
 }
 
-impl Report for Guide {
+impl Report for SlidingSupport {
     fn name(&self) -> &str {
         &self.name
     }
@@ -119,7 +119,7 @@ pub(crate) fn along(held: &Held, x: &[f64]) -> f64 {
     (0..3).map(|i| held.direction[i] * x[3 * held.node as usize + i]).sum()
 }
 
-impl Constraint for Guide {
+impl Constraint for SlidingSupport {
     fn slot_count(&self) -> usize {
         self.nodes.len()
     }
@@ -177,7 +177,7 @@ impl Constraint for Guide {
     }
 }
 
-impl History for Guide {
+impl History for SlidingSupport {
     fn work(&self, _q_np1: &[f64], multipliers: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
         let [from, to] = self.times.map(|time| self.displacement.value(time, 0));
         // Forces of statics are those of the end of a step: their work is that of the trapezium rule.
@@ -217,25 +217,25 @@ mod tests {
 
     const REFERENCE: [f64; 6] = [0.1, 0.2, 0.3, 1.0, -2.0, 0.5];
 
-    fn guide() -> Guide {
+    fn support() -> SlidingSupport {
         let table = Table::from_rows(&[vec![0.0, 0.0], vec![2.0, 0.4]], 1).unwrap();
-        Guide::new("cut", &[1, 0], [3.0, 0.0, -4.0], table, &REFERENCE, 1.0).unwrap()
+        SlidingSupport::new("cut", &[1, 0], [3.0, 0.0, -4.0], table, &REFERENCE, 1.0).unwrap()
     }
 
-    fn contributions(guide: &Guide, q: &[f64], multipliers: &[f64]) -> Vec<LocalContribution> {
+    fn contributions(support: &SlidingSupport, q: &[f64], multipliers: &[f64]) -> Vec<LocalContribution> {
         let mut list = Vec::new();
         let step = StepConfiguration { q_n: &REFERENCE, q_np1: q, rule: ContactRule::EnergyMomentum };
-        guide.assemble(step, multipliers, &[true; 2], true, &mut |local| list.push(local.clone())).unwrap();
+        support.assemble(step, multipliers, &[true; 2], true, &mut |local| list.push(local.clone())).unwrap();
         list
     }
 
     /// The tangent is the difference of residuals, which are linear.
     #[test]
     fn the_tangent_is_the_derivative() {
-        let mut guide = guide();
-        guide.set_times(0.5, 1.0);
+        let mut support = support();
+        support.set_times(0.5, 1.0);
         let (q, p) = ([0.3, 0.1, -0.2, 1.4, 0.3, 0.9], [0.7, -1.2]);
-        let here = contributions(&guide, &q, &p);
+        let here = contributions(&support, &q, &p);
         for (k, local) in here.iter().enumerate() {
             for column in 0..4 {
                 let (mut q, mut p) = (q, p);
@@ -243,7 +243,7 @@ mod tests {
                     3 => p[k] += 0.5,
                     i => q[3 * local.nodes[0] as usize + i] += 0.5,
                 }
-                let moved = &contributions(&guide, &q, &p)[k];
+                let moved = &contributions(&support, &q, &p)[k];
                 for row in 0..4 {
                     let derivative = (moved.residual[row] - local.residual[row]) / 0.5;
                     assert!((derivative - local.tangent[4 * row + column]).abs() < 1e-14);
@@ -255,28 +255,28 @@ mod tests {
     /// A node at its place has no row, forces are along the direction, and their work is that of the motion.
     #[test]
     fn work_is_that_of_the_motion() {
-        let mut guide = guide();
-        guide.set_times(0.0, 1.0);
-        guide.set_has_rates(true);
+        let mut support = support();
+        support.set_times(0.0, 1.0);
+        support.set_has_rates(true);
         let d = [0.6, 0.0, -0.8];
         let u = 0.2;
         let q: Vec<f64> =
             REFERENCE.iter().enumerate().map(|(c, x)| x + u * d[c % 3] + [0.8, 5.0, 0.6][c % 3]).collect();
         let p = [3.0, -1.0];
         let mut work = 0.0;
-        for local in contributions(&guide, &q, &p) {
+        for local in contributions(&support, &q, &p) {
             assert!(local.residual[3].abs() < 1e-15, "{:?}", local.residual);
             let first = 3 * local.nodes[0] as usize;
             work -= (0..3).map(|i| local.residual[i] * (q[first + i] - REFERENCE[first + i])).sum::<f64>();
         }
-        let told = guide.work(&q, &p, &[true; 2]).unwrap().driven;
+        let told = support.work(&q, &p, &[true; 2]).unwrap().driven;
         assert!((told - 2.0 * u).abs() < 1e-15 && (work - told).abs() < 1e-14, "{told} {work}");
-        assert!(guide.moves());
+        assert!(support.moves());
         // In statics by the mean of the forces.
-        guide.set_has_rates(false);
-        guide.commit(&q, &[1.0, 1.0], &[true, false]);
-        let saved = guide.save_history();
-        let mut other = self::guide();
+        support.set_has_rates(false);
+        support.commit(&q, &[1.0, 1.0], &[true, false]);
+        let saved = support.save_history();
+        let mut other = self::support();
         other.load_history(&saved).unwrap();
         other.set_times(0.0, 1.0);
         assert!((other.work(&q, &p, &[true; 2]).unwrap().driven - 0.5 * (4.0 - 1.0) * u).abs() < 1e-15);
@@ -285,7 +285,7 @@ mod tests {
 
     #[test]
     fn directions_of_any_length_but_zero() {
-        let make = |d| Guide::new("a", &[0], d, Table::constant(&[0.0]), &REFERENCE, 1.0);
+        let make = |d| SlidingSupport::new("a", &[0], d, Table::constant(&[0.0]), &REFERENCE, 1.0);
         assert_eq!(make([0.0; 3]), None);
         assert_eq!(make([f64::NAN, 1.0, 0.0]), None);
         assert_eq!(make([1.0, f64::INFINITY, 0.0]), None);

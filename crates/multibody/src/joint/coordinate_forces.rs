@@ -1,11 +1,11 @@
-//! A coordinate of a joint with what acts on it: torques, and the rows of its slots.
+//! Torques on a coordinate of a joint, and the rows of its slots.
 
 use super::StepState;
 use super::coordinate::{CoordinateKind, LARGEST_TURN};
 use super::options::CoordinateOptions;
 use stoss_contact::{ContactError, ContactRule, JointTorques};
 
-/// A slip below this share of the length of the joint that a limit leaves is none.
+/// A slip below this part of the length of the joint, where a limit stops the motion, counts as zero.
 pub(super) const SMALLEST_SLIP: f64 = 1e-9;
 
 /// The slots of a coordinate.
@@ -87,7 +87,7 @@ pub(super) struct CoordinateStep {
     pub second: [[f64; 2]; 2],
     pub moving: usize,
     pub column: usize,
-    /// Derivatives of the value with respect to the invariants at the end.
+    /// Derivatives of the coordinate with respect to the invariants at the end.
     pub slope: [f64; 2],
 }
 
@@ -164,7 +164,7 @@ impl Coordinate {
         if kind == CoordinateKind::Angle && change.abs() > LARGEST_TURN {
             return Err(ContactError::Joint {
                 joint: joint.to_owned(),
-                reason: format!("it turns by {change:.2} rad, nearly half a turn, in one step; take smaller steps"),
+                reason: format!("it turns by {change:.2} rad, nearly half a turn, in one step; use smaller steps"),
             });
         }
         let mut weights = [[0.0; 2]; 3];
@@ -228,12 +228,12 @@ impl Coordinate {
         let trial = own + self.state.complementarity * slip;
         let unit = self.state.friction_unit;
         let side = match self.closed_limit(c, multipliers) {
-            // The limit stops the motion. Friction is against what is left of it, and rests if that is nothing.
+            // The limit stops the motion. Friction acts against the rest of it, and is zero if there is none.
             Some((_, rest)) if rest.abs() <= SMALLEST_SLIP * self.length => 0.0,
             Some((_, rest)) => rest.signum(),
             None => trial.signum(),
         };
-        // Against its own direction nothing slides: after a slip the other way comes a stick first, else the iteration would go to and fro.
+        // A point that slides the other way sticks first; otherwise the iteration would alternate.
         let sticks = trial.abs() <= bound || (own * slip < 0.0 && own.abs() <= 1.5 * bound);
         if sticks && self.closed_limit(c, multipliers).is_none() {
             return Row { value: slip, by_coordinate: scale, by_own: 0.0, by_reaction: 0.0, holds: true };

@@ -1,7 +1,7 @@
-//! Directions of nodes that the ground holds: which of them say something, positions and velocities that agree with them, forces.
+//! Sliding supports in a run: which of their directions are independent, positions and velocities that satisfy them, reaction forces.
 
 use super::Simulation;
-use crate::guide::along;
+use crate::sliding_support::along;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use stoss_contact::Held;
@@ -16,12 +16,12 @@ fn dot(a: &Vector, b: &Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Orthonormal directions of a node, made one after the other.
+/// Orthonormal directions of a node, by Gram-Schmidt orthogonalisation.
 #[derive(Debug, Default)]
 struct Directions(Vec<Vector>);
 
 impl Directions {
-    /// The part of a direction across all of them, and its size.
+    /// The part of a direction normal to all of them, and its norm.
     fn across(&self, direction: Vector) -> (Vector, f64) {
         let mut rest = direction;
         // Twice, against round-off.
@@ -33,7 +33,7 @@ impl Directions {
         (rest, size)
     }
 
-    /// Adds a direction; the part that is new, or `None` if there is none.
+    /// Adds a direction; returns its part that is linearly independent, or `None` if there is none.
     fn add(&mut self, direction: Vector) -> Option<Vector> {
         let (rest, size) = self.across(direction);
         if size <= DEPENDENT {
@@ -51,7 +51,7 @@ impl Simulation {
         Directions((0..3).filter(held).map(|i| std::array::from_fn(|k| f64::from(u8::from(k == i)))).collect())
     }
 
-    /// Slots that hold a node along a direction at a time, as pair, slot and what they hold; those of what is switched off are none.
+    /// Active sliding supports at a time: contact pair, slot, and the constrained direction.
     fn held(&self, time: f64) -> impl Iterator<Item = (usize, usize, Held)> {
         self.model.contacts.iter().enumerate().flat_map(move |(c, pair)| {
             let count = if pair.method.held(0, time).is_some() { pair.method.slot_count() } else { 0 };
@@ -59,13 +59,13 @@ impl Simulation {
         })
     }
 
-    /// Whether the ground holds a node along a direction.
-    pub(super) fn has_guides(&self) -> bool {
+    /// Whether there are sliding supports.
+    pub(super) fn has_sliding_supports(&self) -> bool {
         self.held(0.0).next().is_some()
     }
 
     /// Deactivates slots whose direction follows from prescribed components and from directions of other slots at the same node, as at the common edge of symmetry
-    /// planes that are given twice. Whether their motions agree is looked at after each step.
+    /// planes that are given twice. Whether their motions agree is checked after each step.
     pub(super) fn drop_dependent_directions(&mut self) {
         let mut known: BTreeMap<u32, Directions> = BTreeMap::new();
         let mut dropped = Vec::new();
@@ -81,12 +81,12 @@ impl Simulation {
         }
     }
 
-    /// Changes positions, or velocities, of the held nodes by the least so that the directions of the slots with multipliers are as demanded; prescribed components stay.
-    pub(super) fn guide(&self, time: f64, demanded: impl Fn(&Held) -> f64, x: &mut [f64]) {
+    /// Makes the smallest change of positions, or velocities, of the supported nodes that satisfies the constraints of the active slots; prescribed components are kept.
+    pub(super) fn meet_held_directions(&self, time: f64, demanded: impl Fn(&Held) -> f64, x: &mut [f64]) {
         let mut known: BTreeMap<u32, Directions> = BTreeMap::new();
         for (.., held) in self.held(time).filter(|&(c, slot, _)| self.active[c][slot]) {
             let of_node = known.entry(held.node).or_insert_with(|| self.prescribed_directions(held.node));
-            // Across what was set before, so that it stays.
+            // Normal to the directions already satisfied, which are kept.
             let Some(rest) = of_node.add(held.direction) else { continue };
             let missing = demanded(&held) - along(&held, x);
             let by = missing / dot(&rest, &held.direction);
@@ -94,24 +94,24 @@ impl Simulation {
         }
     }
 
-    /// Positions at the start, and in dynamics velocities, that agree with what is held; embedded nodes follow.
-    pub(super) fn start_guided(&mut self) {
-        if !self.has_guides() {
+    /// Makes the positions at the start, and in dynamics the velocities, satisfy the sliding supports; embedded nodes follow.
+    pub(super) fn start_at_sliding_supports(&mut self) {
+        if !self.has_sliding_supports() {
             return;
         }
         let time = self.state.time;
         let (mut q, mut v) = (std::mem::take(&mut self.state.q), std::mem::take(&mut self.state.v));
-        self.guide(time, |held| held.place, &mut q);
+        self.meet_held_directions(time, |held| held.place, &mut q);
         self.model.embedding.follow(&mut q);
         if self.scheme.is_some() {
-            self.guide(time, |held| held.rate, &mut v);
+            self.meet_held_directions(time, |held| held.rate, &mut v);
             self.model.embedding.follow(&mut v);
         }
         (self.state.q, self.state.v) = (q, v);
     }
 
-    /// Forces along held directions are reactions, not forces of contact.
-    pub(super) fn take_guides_from_contact_force(&mut self) {
+    /// Removes the forces of sliding supports from the contact forces: they are reactions.
+    pub(super) fn take_sliding_supports_from_contact_force(&mut self) {
         let mut force = std::mem::take(&mut self.contact_force);
         for (c, slot, held) in self.held(0.0) {
             let first = 3 * held.node as usize;
@@ -122,8 +122,8 @@ impl Simulation {
         self.contact_force = force;
     }
 
-    /// Forces that the ground exerted in the last step on prescribed components and along held directions (`3 * nodes`; empty without either).
-    /// Under a scheme they are those at the point where its forces are taken.
+    /// Reaction forces of the last step at prescribed components and sliding supports (`3 * nodes`; empty without either).
+    /// In dynamics they are taken where the scheme evaluates its forces, for instance at the midpoint.
     pub fn reactions(&self) -> Cow<'_, [f64]> {
         let mut all = Cow::Borrowed(self.reactions.as_slice());
         for (c, slot, held) in self.held(0.0) {

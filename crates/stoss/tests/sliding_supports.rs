@@ -299,7 +299,7 @@ fn bad_normals_are_named() {
     );
     refuse(
         "[[prescribe]]\nset = \"a.left\"\nnormal = [1, 1, 0]\ncomponents = [\"x\"]\nfixed = true\n",
-        &["components", "excludes `normal`"],
+        &["components", "cannot be combined with `normal`"],
     );
     refuse("[[prescribe]]\nset = \"a.left\"\nnormal = [1, 1, 0]\ndisplacement = [0.1, 0.2]\n", &["needs 1"]);
     refuse(
@@ -307,7 +307,7 @@ fn bad_normals_are_named() {
         &["normal", "rotation"],
     );
     let flat = "[[support]]\nset = \"a.top\"\nframe = [[1, 1, 0], [2, 2, 0]]\nstiffness = [1, 0, 0]\n";
-    refuse(flat, &["support[0].frame", "on one line"]);
+    refuse(flat, &["support[0].frame", "parallel"]);
 }
 
 /// Springs along the axes of a frame: a turned block on turned springs is the straight one.

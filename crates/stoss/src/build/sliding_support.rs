@@ -1,10 +1,10 @@
-//! Prescribed displacement along a normal: components where it is an axis of space, guides elsewhere.
+//! Prescribed displacement along a normal: components where it is an axis of space, supports elsewhere.
 
 use super::Problems;
-use super::condition::Guided;
+use super::condition::InclinedPrescription;
 use super::schedule::Named;
 use crate::scene::Scene;
-use crate::solver::{ContactPair, Coupling, Guide, Model, Prescription, Table};
+use crate::solver::{ContactPair, Coupling, Model, Prescription, SlidingSupport, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Sine of the angle below which a direction follows from others.
@@ -14,19 +14,19 @@ const SAME: f64 = 1e-6;
 /// Parts of the time between two rows of tables at which displacements are compared: rotations are not linear in between.
 const SAMPLES: usize = 8;
 
-/// Adds guides behind the contacts and ties of a model. For each the number in the scene and what it is in the model.
+/// Adds supports behind the contacts and ties of a model. For each the number in the scene and what it is in the model.
 pub(super) fn add(
     scene: &Scene,
-    guided: Vec<Guided>,
+    inclined: Vec<InclinedPrescription>,
     of_prescriptions: &[Option<usize>],
     tied: &BTreeSet<u32>,
     model: &mut Model,
     problems: &mut Problems<'_>,
 ) -> Vec<(usize, Named)> {
     let before = problems.list.len();
-    compare(scene, &guided, of_prescriptions, model, problems);
+    compare(scene, &inclined, of_prescriptions, model, problems);
     let mut names = Vec::new();
-    for Guided { item, nodes, normal, displacement } in guided {
+    for InclinedPrescription { item, nodes, normal, displacement } in inclined {
         let key = format!("prescribe[{item}].normal");
         let given = &scene.prescriptions[item];
         let set = given.set.as_deref().unwrap_or_default();
@@ -39,7 +39,8 @@ pub(super) fn add(
             continue;
         }
         let name = given.name.clone().unwrap_or_else(|| format!("prescribe[{item}] of {set}"));
-        let Some(guide) = Guide::new(&name, &nodes, normal, displacement, &model.reference, length(model, &nodes))
+        let Some(support) =
+            SlidingSupport::new(&name, &nodes, normal, displacement, &model.reference, length(model, &nodes))
         else {
             problems.add(key, format!("{normal:?}"), "is no direction", "give finite numbers that are not all zero");
             continue;
@@ -47,7 +48,7 @@ pub(super) fn add(
         names.push((item, Named::Contact(model.contacts.len())));
         model.contacts.push(ContactPair {
             name,
-            method: Coupling::bilateral(guide),
+            method: Coupling::bilateral(support),
             complementarity: 1.0,
             restores: false,
         });
@@ -78,13 +79,13 @@ struct Condition<'a> {
 #[derive(Clone, Copy)]
 enum Source<'a> {
     Component(&'a Prescription, usize),
-    Guide(&'a Table),
+    SlidingSupport(&'a Table),
 }
 
 impl Condition<'_> {
     fn value(&self, node: u32, reference: [f64; 3], time: f64) -> f64 {
         match self.of {
-            Source::Guide(table) => table.value(time, 0),
+            Source::SlidingSupport(table) => table.value(time, 0),
             Source::Component(prescription, column) => {
                 prescription.position(node, reference, time, column)
                     - reference[usize::from(prescription.components[column])]
@@ -97,11 +98,11 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
-/// Reports guides whose displacement contradicts other conditions of the same node. What stages or events switch may contradict what acts at another time; a run that meets
+/// Reports supports whose displacement contradicts other conditions of the same node. What stages or events switch may contradict what acts at another time; a run that meets
 /// a contradiction then stops there.
 fn compare(
     scene: &Scene,
-    guided: &[Guided],
+    inclined: &[InclinedPrescription],
     of_prescriptions: &[Option<usize>],
     model: &Model,
     problems: &mut Problems<'_>,
@@ -123,8 +124,8 @@ fn compare(
     let times: Vec<f64> = between.chain(sorted.last().copied()).collect();
 
     let mut at: BTreeMap<u32, Vec<Condition<'_>>> = BTreeMap::new();
-    for guide in guided.iter().filter(|guide| !is_switched(guide.item)) {
-        guide.nodes.iter().for_each(|&node| {
+    for support in inclined.iter().filter(|support| !is_switched(support.item)) {
+        support.nodes.iter().for_each(|&node| {
             at.entry(node).or_default();
         });
     }
@@ -143,22 +144,27 @@ fn compare(
             }
         }
     }
-    for guide in guided.iter().filter(|guide| !is_switched(guide.item)) {
-        let size = dot(guide.normal, guide.normal).sqrt();
-        let direction = guide.normal.map(|d| d / size);
-        let own = Condition { item: Some(guide.item), direction, of: Source::Guide(&guide.displacement) };
-        for node in &guide.nodes {
+    for support in inclined.iter().filter(|support| !is_switched(support.item)) {
+        let size = dot(support.normal, support.normal).sqrt();
+        let direction = support.normal.map(|d| d / size);
+        let own = Condition { item: Some(support.item), direction, of: Source::SlidingSupport(&support.displacement) };
+        for node in &support.nodes {
             let list = at.entry(*node).or_default();
             list.push(own);
             let Some((time, given, follows, others)) = contradiction(*node, list, &times, model) else { continue };
-            let set = scene.prescriptions[guide.item].set.as_deref().unwrap_or_default();
+            let set = scene.prescriptions[support.item].set.as_deref().unwrap_or_default();
             let names: Vec<String> = others.iter().map(|item| format!("prescribe[{item}]")).collect();
             let message = format!(
                 "node {node} of `{set}` is to move by {given:.6e} along this normal at t = {time}, but by {follows:.6e} according to {}",
                 if names.is_empty() { "what else holds it".to_owned() } else { names.join(", ") }
             );
             let remedy = "let the sets not overlap, or give the same displacement where they do";
-            problems.add(format!("prescribe[{}].normal", guide.item), format!("{:?}", guide.normal), message, remedy);
+            problems.add(
+                format!("prescribe[{}].normal", support.item),
+                format!("{:?}", support.normal),
+                message,
+                remedy,
+            );
             return;
         }
     }

@@ -1,0 +1,52 @@
+//! The balance of momenta and energies.
+
+use serde::{Deserialize, Serialize};
+
+/// Balance at the end of a step. Angular momentum is about the origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Balance {
+    /// Linear momentum (mass times velocity).
+    pub linear_momentum: [f64; 3],
+    /// Angular momentum about the origin.
+    pub angular_momentum: [f64; 3],
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Strain energy.
+    pub strain: f64,
+    /// Potential of the active dead loads that are constant in time; zero in the reference configuration.
+    pub potential: f64,
+    /// Energy stored in contact (regularisations; zero for multipliers).
+    pub contact: f64,
+    /// Energy dissipated since the start, non-decreasing: by friction, dampers and the damping of bodies, and the kinetic energy that is dropped when a static stage
+    /// follows a dynamic one.
+    pub dissipation: f64,
+    /// The part of `dissipation` by the damping of bodies ([`crate::Damping`]).
+    pub damping: f64,
+    /// External work since the start: of loads that vary in time and of prescribed motion, and the jumps of `potential`, `contact` and `kinetic` where loads and
+    /// couplings are switched on or off and where a dynamic stage sets velocities.
+    pub external_work: f64,
+    /// Work dissipated by the stabilisation of static stages since the start ([`crate::Stabilise`]), by the trapezium rule.
+    pub stabilisation: f64,
+    /// Work that friction and dampers between points have taken from the bodies since the start, computed from their forces: equal to `friction_stored + dissipation - damping`, except for round-off and
+    /// the residual of the iterations; a change of stage may drop energy of either kind.
+    pub friction_work: f64,
+    /// The part of `contact` that is stored in the tangential springs of friction.
+    pub friction_stored: f64,
+    /// Work that the normal contact forces have taken from the bodies since the start and do not store, computed from forces and displacements: the
+    /// loss at closing gaps, negative where contact added energy. Zero in statics.
+    pub closing_loss: f64,
+    /// The part of `closing_loss` that is not explained by closing gaps, since the start. Zero for methods that do not report the loss of closing gaps
+    /// ([`stoss_contact::ContactWork::closing`]).
+    pub contact_remainder: f64,
+    /// The part of `closing_loss` that was returned to the velocities, since the start.
+    pub restored: f64,
+}
+
+impl Balance {
+    /// The total energy: kinetic + strain + potential + contact + dissipation + stabilisation - external work. A scheme that conserves
+    /// energy keeps it constant, except for `closing_loss - restored`.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.strain + self.potential + self.contact + self.dissipation + self.stabilisation
+            - self.external_work
+    }
+}
