@@ -139,7 +139,7 @@ pub(super) type RigidMotion = (Vec<u32>, Vec<u32>, Vec<Vec<f64>>);
 pub(super) fn prescriptions(
     scene: &Scene,
     placed: &[Placed],
-    rigid: &dyn Fn(&crate::scene::Prescribe) -> Option<RigidMotion>,
+    rigid: &dyn Fn(&Prescribe) -> Option<RigidMotion>,
     model: &mut Model,
     problems: &mut Problems<'_>,
 ) -> (Vec<Option<usize>>, Vec<InclinedPrescription>) {

@@ -91,7 +91,7 @@ pub fn measure(findings: &mut Findings) -> Outcome<()> {
     table(
         findings,
         "Hertz: ball on a rigid plane",
-        "A quarter of a ball of quadratic elements is pressed onto a rigid plane; the closed forms are Hertz' (1882). 1 is exact; the error should stay within one linear piece of a face.",
+        "An eighth of a ball of quadratic elements, between planes of symmetry, is pressed onto a rigid plane; the closed forms are Hertz' (1882). 1 is exact; the error should stay within one linear piece of a face.",
         &head,
         rows,
     );
