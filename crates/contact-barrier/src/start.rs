@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_geometry::{Aabb, BoundingVolumeTree, closest};
 
-/// Six volumes below this part of the product of the edges involved are none: surfaces that touch do not cross.
-const FLAT: f64 = 1e-12;
+/// Points are known up to this part of their coordinates: placement of bodies and combinations of nodes leave round-off, so points of two bodies at the same place differ by it.
+const ROUND_OFF: f64 = 1e-12;
 
 /// The smallest distance of two bodies, or of two parts of a body that are no neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,10 +81,14 @@ fn crossings(skin: &Skin, rules: &Interactions, x: &[Vector3<f64>]) -> Vec<([u32
 
 /// Where an edge goes through the inside of a triangle; `None` if it does not, or only touches it.
 fn crossing([p, q]: [Vector3<f64>; 2], [a, b, c]: [Vector3<f64>; 3]) -> Option<Vector3<f64>> {
+    // Differences of points are known up to this.
+    let length = 2.0 * ROUND_OFF * [p, q, a, b, c].iter().map(Vector3::amax).fold(0.0, f64::max);
+    // Six volumes; none where the round-off of the points may have made its sign.
     let volume = |o: Vector3<f64>, r: Vector3<f64>, s: Vector3<f64>, t: Vector3<f64>| {
         let [r, s, t] = [r - o, s - o, t - o];
         let volume = r.cross(&s).dot(&t);
-        if volume.abs() <= FLAT * r.norm() * s.norm() * t.norm() { 0.0 } else { volume }
+        let [l, m, n] = [r.norm(), s.norm(), t.norm()];
+        if volume.abs() <= length * (l * m + m * n + n * l) { 0.0 } else { volume }
     };
     let (before, after) = (volume(a, b, c, p), volume(a, b, c, q));
     if before * after >= 0.0 {
@@ -114,5 +118,28 @@ mod tests {
         ] {
             assert_eq!(crossing(edge, triangle), None, "{edge:?}");
         }
+    }
+
+    /// Surfaces that touch with a vertex at the place of another one, but for the round-off of their coordinates: near such a vertex the direction to the other one is anything.
+    #[test]
+    fn vertices_at_one_place_touch() {
+        let far = Vector3::new(40.0, -30.0, 20.0);
+        let corners = [Vector3::zeros(), Vector3::x(), Vector3::y()].map(|x| x + far);
+        let noise = |k: i32| Vector3::new(1.0, -2.0, 3.0) * (f64::from(k) * f64::EPSILON * 8.0);
+        for k in -3..=3 {
+            let [a, b, c] = corners;
+            for down in [Vector3::new(0.0, 0.0, -1.0), Vector3::new(0.2, 0.1, -1.0), Vector3::new(0.3, 0.3, 1e-3)] {
+                let edge = [a + noise(k), a + down];
+                assert_eq!(crossing(edge, [a, b, c]), None, "{k} {down}");
+                assert_eq!(crossing(edge, [c, a, b]), None, "{k} {down}");
+                // The middle of an edge.
+                let middle = (b + c) / 2.0;
+                assert_eq!(crossing([middle + noise(k), middle + down], [a, b, c]), None, "{k} {down}");
+            }
+        }
+        // What goes in by more is seen.
+        let deep = 1e-9;
+        let edge = [corners[0] + Vector3::new(0.2, 0.3, deep), corners[0] + Vector3::new(0.2, 0.3, -1.0)];
+        assert!(crossing(edge, corners).is_some());
     }
 }

@@ -140,10 +140,21 @@ impl MortarContact {
 
     /// Whether prescribed components leave a slave node (local number) no motion along its reference normal.
     pub fn is_held_along_normal(&self, local: usize, prescribed: [bool; 3]) -> bool {
-        let around = self.surfaces.slave.facets_around(local).iter();
-        let sum: Vector3<f64> = around.map(|&f| self.surfaces.normals[f as usize]).sum();
+        let sum = self.reference_normal(local);
         let free: f64 = (0..3).filter(|&i| !prescribed[i]).map(|i| sum[i] * sum[i]).sum();
         free.sqrt() <= FREE_ALONG_NORMAL * sum.norm()
+    }
+
+    /// The sum of the reference normals of the facets around a slave node.
+    fn reference_normal(&self, local: usize) -> Vector3<f64> {
+        let around = self.surfaces.slave.facets_around(local).iter();
+        around.map(|&f| self.surfaces.normals[f as usize]).sum()
+    }
+
+    /// Whether a prescribed component takes a motion across the reference normal from a slave node (local number).
+    pub fn is_held_across_normal(&self, local: usize, prescribed: [bool; 3]) -> bool {
+        let n = self.reference_normal(local);
+        (0..3).any(|i| prescribed[i] && n.norm_squared() - n[i] * n[i] > FREE_ALONG_NORMAL.powi(2) * n.norm_squared())
     }
 
     /// The slave surface.

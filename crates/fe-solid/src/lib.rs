@@ -47,8 +47,8 @@ pub use body::{InsideOut, SolidBody};
 pub use element::{SolidStep, StressRule};
 pub use error::{Level, SolidError};
 pub use load::{
-    FollowerPressure, add_follower_pressure, dead_pressure, dead_traction, external_work, follower_pressure,
-    surface_area,
+    FollowerPressure, add_follower_pressure, area_matrix, dead_pressure, dead_traction, external_work,
+    follower_pressure, surface_area,
 };
 pub use mass::{MassKind, MassMatrix};
 pub use options::{SolidOptions, Volumetric};

@@ -121,6 +121,28 @@ pub fn surface_area(facets: &[FaceNodes], positions: &[f64]) -> Result<f64, Soli
     Ok(total)
 }
 
+/// The matrix `int N_I N_J dA` of a facet, row-major, an area each: what a foundation of a stiffness per area or a coating needs. Symmetric and positive definite; its entries add up to
+/// the area.
+///
+/// # Errors
+/// [`SolidError::Length`], [`SolidError::DegenerateFacet`] with the facet number 0.
+pub fn area_matrix(facet: &FaceNodes, positions: &[f64]) -> Result<Vec<f64>, SolidError> {
+    let (kind, count) = (facet.kind(), facet.len());
+    let places = places(facet, positions)?;
+    let mut matrix = vec![0.0; count * count];
+    for &(xi, weight) in kind.rule() {
+        let shape = kind.shape(xi);
+        let [a1, a2] = tangents(&places[..count], &kind.shape_gradient(xi));
+        let n = cross(a1, a2);
+        let area = weight * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+        for (i, row) in matrix.chunks_exact_mut(count).enumerate() {
+            row.iter_mut().zip(shape).for_each(|(entry, n)| *entry += area * shape[i] * n);
+        }
+    }
+    let area = matrix.iter().sum::<f64>();
+    if area > 0.0 && area.is_finite() { Ok(matrix) } else { Err(SolidError::DegenerateFacet { facet: 0, area }) }
+}
+
 /// Adds the nodal forces `int N_I T dA` of a dead traction `T` (force per *reference* area), theory/elements#loads.
 ///
 /// `reference`: reference positions of the model; `out`: forces of the model.

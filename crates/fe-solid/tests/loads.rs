@@ -131,6 +131,37 @@ fn uniform_pressure_on_quadratic_facets_is_not_shared_equally() {
     }
 }
 
+/// Consistent matrices of a parallelogram and a triangle in parts of 1/180 of the area: the closed forms of the textbooks. Their rows add up to the nodal forces of a uniform traction.
+#[test]
+fn area_matrices_of_quadratic_facets_have_their_closed_form() {
+    let of = |kind: FaceKind| {
+        let x: Vec<f64> = kind.nodes().iter().flat_map(|x| [2.0 * x[0] + 0.3 * x[1], x[1], 0.0]).collect();
+        let facet = FaceNodes::from_fn(kind, |k| k as u32);
+        let area = surface_area(&[facet], &x).unwrap();
+        let (matrix, mut traction) = (area_matrix(&facet, &x).unwrap(), vec![0.0; x.len()]);
+        dead_traction(&[facet], &x, [0.0, 0.0, 1.0], &mut traction).unwrap();
+        for (node, row) in matrix.chunks_exact(kind.node_count()).enumerate() {
+            assert!((row.iter().sum::<f64>() - traction[3 * node + 2]).abs() < 1e-14 * area, "{kind}");
+        }
+        matrix.into_iter().map(|entry| 180.0 * entry / area).collect::<Vec<_>>()
+    };
+    let near = |found: &[f64], exact: &[f64]| found.iter().zip(exact).all(|(f, e)| (f - e).abs() < 1e-12);
+    // First rows of corners and of middles of edges.
+    let quad = of(FaceKind::Quad8);
+    assert!(near(&quad[..8], &[6.0, 2.0, 3.0, 2.0, -6.0, -8.0, -8.0, -6.0]), "{quad:?}");
+    assert!(near(&quad[32..40], &[-6.0, -6.0, -8.0, -8.0, 32.0, 20.0, 16.0, 20.0]), "{quad:?}");
+    let tri = of(FaceKind::Tri6);
+    assert!(near(&tri[..6], &[6.0, -1.0, -1.0, 0.0, -4.0, 0.0]), "{tri:?}");
+    assert!(near(&tri[18..24], &[0.0, 0.0, -4.0, 32.0, 16.0, 16.0]), "{tri:?}");
+    assert!(near(&of(FaceKind::Quad4)[..4], &[20.0, 10.0, 5.0, 10.0]));
+    assert!(near(&of(FaceKind::Tri3)[..3], &[30.0, 15.0, 15.0]));
+    of(FaceKind::Quad9);
+    // A node without a place, a facet without area.
+    let facet = FaceNodes::from([0, 1, 2]);
+    assert!(matches!(area_matrix(&facet, &[0.0; 6]), Err(SolidError::Length { .. })));
+    assert!(matches!(area_matrix(&facet, &[0.0; 9]), Err(SolidError::DegenerateFacet { .. })));
+}
+
 #[test]
 fn loads_on_the_top_of_a_box() {
     let mesh = Block::new([0.0; 3], [2.0, 3.0, 1.0], [2, 3, 1]).generate().unwrap();

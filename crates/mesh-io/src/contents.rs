@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use stoss_mesh::{Elements, Facet, FacetIndex, Mesh, MeshError};
+use stoss_mesh::{Elements, Facet, FacetIndex, Mesh, MeshError, NON_CONFORMING_REMEDY};
 use stoss_reference_element::{FacetNodes, Family};
 
 use crate::MeshIoError;
@@ -430,6 +430,14 @@ impl Contents {
                     place,
                 )
             }
+            MeshError::NonConformingFacet { elements, kinds, centre, count } => {
+                let [a, b] = elements.map(element);
+                let place = a.place.max(b.place);
+                let (path, line) = (self.file(place).to_owned(), place.at as usize);
+                let elements = [a.number, b.number];
+                let error = MeshIoError::NonConformingFacet { path, line, elements, kinds, centre, count };
+                self.with_byte(error, place)
+            }
             MeshError::OverlappingElements { elements, .. } => {
                 let [a, b] = elements.map(element);
                 let place = a.place.max(b.place);
@@ -461,6 +469,13 @@ impl Contents {
             MeshIoError::NonMatchingFacet { elements: [a, b], kinds, .. } => (
                 format!("elements {a} and {b} ({kinds}) share the corners of a facet but not its other nodes"),
                 "use linear or quadratic elements on both sides",
+            ),
+            MeshIoError::NonConformingFacet { elements: [a, b], kinds, centre, count, .. } => (
+                format!(
+                    "elements {a} and {b} ({kinds}) meet at {centre:?} with a quadrilateral facet on a triangle ({count} such quadrilaterals): \
+                     displacements are not continuous there"
+                ),
+                NON_CONFORMING_REMEDY,
             ),
             _ => (text, "mend the mesh"),
         };

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use stoss_mesh::{ElementPoint, MeshError};
+use stoss_mesh::{ElementPoint, MeshError, NON_CONFORMING_REMEDY};
 use stoss_reference_element::CellKind;
 
 /// Why a file could not be read or written. Lines count from 1; element and node numbers are those of the file.
@@ -135,6 +135,26 @@ pub enum MeshIoError {
         elements: [u64; 2],
         /// Their kinds.
         kinds: String,
+    },
+    /// A quadrilateral facet of one element on the corners of triangles of others.
+    #[error(
+        "{}:{line}: elements {} and {} ({kinds}) meet at the facet around {centre:?} with a quadrilateral on one side and a triangle on three of its \
+         corners on the other ({count} such quadrilaterals): displacements are not continuous there, and with quadratic cells the node on the \
+         diagonal is attached to one side only; {NON_CONFORMING_REMEDY}", path.display(), elements[0], elements[1]
+    )]
+    NonConformingFacet {
+        /// The file.
+        path: PathBuf,
+        /// The line of the second element.
+        line: usize,
+        /// Numbers of the element of the quadrilateral and of that of a triangle.
+        elements: [u64; 2],
+        /// Their kinds.
+        kinds: String,
+        /// Mean of the corners of the quadrilateral.
+        centre: [f64; 3],
+        /// How many quadrilaterals there are on triangles.
+        count: usize,
     },
     /// The file has no such group of elements.
     #[error("{}: {problem}; {known}", path.display())]

@@ -533,6 +533,26 @@ fn errors_of_cells() {
     }
 }
 
+/// A quadrilateral on triangles is told with the numbers of the file; the parts alone can be read.
+#[test]
+fn hexahedra_beside_tetrahedra_are_refused() {
+    let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n9\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n\
+                9 0.5 0.3 2\n$EndNodes\n$Elements\n3\n11 5 2 1 1 1 2 3 4 5 6 7 8\n12 4 2 2 1 5 6 7 9\n13 4 2 2 1 5 7 8 9\n$EndElements\n";
+    let error = read("part.msh", text).unwrap_err();
+    assert!(
+        matches!(&error, MeshIoError::NonConformingFacet { elements: [11, 12], kinds, count: 1, line: 19, .. } if kinds == "hex8, tet4"),
+        "{error}"
+    );
+    let told = error.to_string();
+    assert!(
+        told.starts_with("part.msh:19: elements 11 and 12 (hex8, tet4) meet at the facet around [0.5, 0.5, 1.0]"),
+        "{told}"
+    );
+    assert!(told.contains("join these by [[tie]]"), "{told}");
+    let contents = contents("part.msh", text.as_bytes()).unwrap();
+    assert!(contents.mesh(Some("volume-1")).is_ok() && contents.mesh(Some("volume-2")).is_ok());
+}
+
 /// A face of a part that is not taken must not be mistaken for a triangle of its other corners.
 #[test]
 fn faces_of_other_parts_are_left_out() {

@@ -1,5 +1,9 @@
 //! The errors of this crate.
 
+/// What to do about [`MeshError::NonConformingFacet`].
+pub const NON_CONFORMING_REMEDY: &str = "mesh both parts with cells that have the same facets (all hexahedra and wedges, or all tetrahedra), or make them two bodies \
+     and join these by [[tie]]";
+
 /// What a named set holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SetKind {
@@ -253,6 +257,21 @@ pub enum MeshError {
         kinds: String,
         /// The facet's nodes in the first.
         nodes: Vec<u32>,
+    },
+    /// A quadrilateral facet of one element on the corners of triangles of others, as where hexahedra lie beside tetrahedra. Along the diagonal the displacements of both sides differ.
+    #[error(
+        "elements {elements:?} ({kinds}) meet at the facet around {centre:?} with a quadrilateral on one side and a triangle on three of its corners on the other \
+         ({count} such quadrilaterals): displacements are not continuous there, and with quadratic cells the node on the diagonal is attached to one side only; {NON_CONFORMING_REMEDY}"
+    )]
+    NonConformingFacet {
+        /// The element of the quadrilateral and that of a triangle.
+        elements: [u32; 2],
+        /// Their kinds.
+        kinds: String,
+        /// Mean of the corners of the quadrilateral.
+        centre: [f64; 3],
+        /// How many quadrilaterals there are on triangles.
+        count: usize,
     },
     /// Elements that overlap: a facet shared by more than two, or by two on the same side of it.
     #[error("elements {elements:?} lie on the same side of the facet with nodes {nodes:?}: they overlap, remove one")]

@@ -31,7 +31,7 @@ mod validity;
 pub use check::Coincident;
 pub use element::ElementCoordinates;
 pub use elements::{CellBlock, Elements};
-pub use error::{ElementPoint, MeshError, SetKind};
+pub use error::{ElementPoint, MeshError, NON_CONFORMING_REMEDY, SetKind};
 pub use facet::{Facet, FacetIndex};
 pub use mesh::{ALL, BOUNDARY, Mesh};
 pub use quality::QualityReport;

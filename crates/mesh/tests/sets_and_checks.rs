@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use stoss_mesh::generate::{Block, HollowBall, HollowTorus};
-use stoss_mesh::{Facet, Mesh, MeshError, Region, Rotation, SetKind};
+use stoss_mesh::{Elements, Facet, Mesh, MeshError, Region, Rotation, SetKind};
+use stoss_reference_element::CellKind;
 
 fn block(n: [usize; 3]) -> Mesh {
     Block::new([0.0; 3], n.map(|n| n as f64), n).generate().unwrap()
@@ -220,6 +221,48 @@ fn the_check_names_what_is_wrong() {
         broken(&|m| m.facet_sets.get_mut("top").unwrap()[0].element = 9),
         MeshError::SetOutOfRange { kind: SetKind::Elements, index: 9, .. }
     ));
+}
+
+/// A cube beside other cells on its face `x = 1`; beyond it are the nodes 8 and 9.
+fn beside_a_cube(others: &[(CellKind, &[u32])]) -> Mesh {
+    let mut nodes: Vec<[f64; 3]> = Vec::new();
+    for z in [0.0, 1.0] {
+        nodes.extend([[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]]);
+    }
+    nodes.extend([[2.0, 0.0, 0.0], [2.0, 0.0, 1.0]]);
+    let mut elements = Elements::of_kind(CellKind::Hex8, (0..8).collect());
+    others.iter().for_each(|(kind, nodes)| elements.push(*kind, nodes));
+    let used = elements.iter().flatten().max().unwrap() + 1;
+    nodes.truncate(used as usize);
+    Mesh::new(nodes, elements).unwrap()
+}
+
+/// Corners of a face that a quadrilateral and two triangles have in common do not make a continuous body.
+#[test]
+fn quadrilaterals_meet_quadrilaterals() {
+    // the facet x = 1 of the cube has the nodes 1, 2, 6, 5
+    let lower: (CellKind, &[u32]) = (CellKind::Tet4, &[1, 2, 5, 8]);
+    let upper: (CellKind, &[u32]) = (CellKind::Tet4, &[2, 6, 5, 8]);
+    for (others, first) in [(vec![lower, upper], 1), (vec![upper], 1), (vec![lower], 1)] {
+        let mesh = beside_a_cube(&others);
+        for error in [mesh.check(), mesh.check_but_coincident()].map(Result::unwrap_err) {
+            let MeshError::NonConformingFacet { elements, kinds, centre, count } = &error else { panic!("{error}") };
+            assert_eq!((*elements, &kinds[..], *centre, *count), ([0, first], "hex8, tet4", [1.0, 0.5, 0.5], 1));
+            assert!(error.to_string().contains("[1.0, 0.5, 0.5]") && error.to_string().contains("[[tie]]"), "{error}");
+        }
+    }
+    // a wedge by its quadrilateral, and tetrahedra on the triangles of wedges
+    let wedge: (CellKind, &[u32]) = (CellKind::Wedge6, &[1, 8, 2, 5, 9, 6]);
+    assert_eq!(beside_a_cube(&[wedge]).check(), Ok(()));
+    let mut mesh = beside_a_cube(&[wedge]);
+    mesh.nodes.push([1.5, 0.3, 2.0]);
+    mesh.elements.push(CellKind::Tet4, &[5, 9, 6, 10]);
+    assert_eq!(mesh.check(), Ok(()));
+    // a wedge that the cube meets with its other side: its quadrilateral on two triangles
+    let mut mesh = beside_a_cube(&[wedge]);
+    mesh.nodes.push([2.0, 1.0, 0.5]);
+    mesh.elements.push(CellKind::Tet4, &[8, 2, 9, 10]);
+    assert!(matches!(mesh.check(), Err(MeshError::NonConformingFacet { elements: [1, 2], .. })));
 }
 
 /// Coincident nodes are found wherever they lie, also across the cells of the search.

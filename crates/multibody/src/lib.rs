@@ -63,4 +63,4 @@ pub use rigid::{RigidBody, RigidError, RigidMass};
 pub use section::{Area, Section, SectionMaterial};
 pub use spring::{Spring, SpringData};
 pub use string::{ElasticString, StringMaterial};
-pub use support::{AXES_OF_SPACE, ElasticSupport, SupportedNode};
+pub use support::{AXES_OF_SPACE, ElasticSupport, Foundation, Supported};

@@ -7,69 +7,99 @@ use stoss_part::{ForceRule, LocalForce, Part, PartError, PartStep};
 /// The axes of space.
 pub const AXES_OF_SPACE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Springs and dashpots of one node, along three axes that are fixed in space.
+/// What of a body is supported together: a node, or the nodes of a facet, whose displacement is interpolated between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Supported {
+    /// Vectors of the nodes, each once.
+    pub vectors: Vec<u32>,
+    /// `X_I`, where the springs have no force.
+    pub at: Vec<[f64; 3]>,
+    /// `A_IJ`, row-major, symmetric and positive: `int N_I N_J dA` of a facet, and stiffnesses are then for a unit of area; 1 of a node.
+    pub shares: Vec<f64>,
+}
+
+/// Springs and dashpots along three axes that are fixed in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SupportedNode {
-    /// Its vector.
-    pub vector: u32,
-    /// `X`, where the springs have no force.
-    pub at: [f64; 3],
+pub struct Foundation {
     /// `a_i`, orthonormal.
     pub axes: [[f64; 3]; 3],
-    /// `k_i`, a force per length along each axis.
+    /// `k_i`, a force per length along each axis, for a share of one.
     pub stiffness: [f64; 3],
-    /// `d_i`, a force per velocity along each axis.
+    /// `d_i`, a force per velocity along each axis, for a share of one.
     pub damping: [f64; 3],
 }
 
-/// An elastic support: springs and dashpots from nodes to fixed points of the ground.
+/// An elastic support: springs and dashpots from nodes or facets to fixed points of the ground.
 ///
-/// With `u_i = a_i . (x - X)` of each node the energy is `V = 1/2 sum_i k_i u_i^2`, whose discrete gradient is `k_i (u_i,n + u_i,n+1) / 2`. The dashpots have the force
-/// `d_i (u_i,n+1 - u_i,n) / dt` whatever the rule, and take `d_i (u_i,n+1 - u_i,n)^2 / dt` out of a step. Axes do not act on each other.
+/// With `u_iI = a_i . (x_I - X_I)` of the nodes the energy (theory/multibody#eq-foundation) is `V = 1/2 sum_i k_i sum_IJ A_IJ u_iI u_iJ`, whose discrete gradient is that at the mean of both ends. The dashpots
+/// have the force `d_i sum_J A_IJ (u_iJ,n+1 - u_iJ,n) / dt` whatever the rule, and take `d_i sum_IJ A_IJ du_iI du_iJ / dt` out of a step. Axes do not act on each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticSupport {
     name: String,
-    nodes: Vec<SupportedNode>,
+    items: Vec<Supported>,
+    foundation: Foundation,
     length: f64,
 }
 
-impl SupportedNode {
-    /// Components along the axes of `x - from`, where these have the node's vector.
-    fn along(&self, x: &[f64], from: &[f64]) -> [f64; 3] {
-        let first = 3 * self.vector as usize;
-        self.axes.map(|axis| (0..3).map(|k| axis[k] * (x[first + k] - from[k])).sum())
+impl Supported {
+    /// A node with one spring along each axis.
+    pub fn node(vector: u32, at: [f64; 3]) -> Self {
+        Self { vectors: vec![vector], at: vec![at], shares: vec![1.0] }
+    }
+
+    /// Component along `axis` of what each node has.
+    fn along<'a>(&'a self, axis: [f64; 3], x: impl Fn(usize, usize) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
+        (0..self.vectors.len()).map(move |n| (0..3).map(|k| axis[k] * x(n, k)).sum())
+    }
+
+    /// Place of a component of a node in arrays of the model.
+    fn place(&self, node: usize, k: usize) -> usize {
+        3 * self.vectors[node] as usize + k
     }
 
     /// `u_i`, how far the springs are stretched.
-    fn stretch(&self, q: &[f64]) -> [f64; 3] {
-        self.along(q, &self.at)
+    fn stretch(&self, axis: [f64; 3], q: &[f64]) -> Vec<f64> {
+        self.along(axis, |n, k| q[self.place(n, k)] - self.at[n][k]).collect()
     }
 
-    /// Components along the axes of the motion in a step.
-    fn motion(&self, step: &PartStep<'_>) -> [f64; 3] {
-        let first = 3 * self.vector as usize;
-        self.along(step.q_np1, &step.q_n[first..first + 3])
+    /// The motion in a step.
+    fn motion(&self, axis: [f64; 3], step: &PartStep<'_>) -> Vec<f64> {
+        self.along(axis, |n, k| step.q_np1[self.place(n, k)] - step.q_n[self.place(n, k)]).collect()
+    }
+
+    /// `sum_J A_IJ u_J`.
+    fn shared(&self, node: usize, u: &[f64]) -> f64 {
+        let count = self.vectors.len();
+        self.shares[count * node..count * (node + 1)].iter().zip(u).map(|(share, u)| share * u).sum()
+    }
+
+    /// `sum_IJ A_IJ u_I u_J`.
+    fn square(&self, u: &[f64]) -> f64 {
+        u.iter().enumerate().map(|(node, value)| value * self.shared(node, u)).sum()
     }
 }
 
 impl ElasticSupport {
-    /// Of nodes of a body with the size `length`.
+    /// Of nodes or facets of a body with the size `length`.
     ///
     /// # Errors
     /// [`PartDataError::Number`].
-    pub fn new(name: &str, nodes: Vec<SupportedNode>, length: f64) -> Result<Self, PartDataError> {
-        for node in &nodes {
-            for (k, d) in node.stiffness.into_iter().zip(node.damping) {
-                not_negative("stiffness of a support", k)?;
-                not_negative("damping of a support", d)?;
-            }
+    ///
+    /// # Panics
+    /// If an item has not as many places as vectors, and shares for all pairs of them; this is a programming error.
+    pub fn new(name: &str, items: Vec<Supported>, foundation: Foundation, length: f64) -> Result<Self, PartDataError> {
+        for (k, d) in foundation.stiffness.into_iter().zip(foundation.damping) {
+            not_negative("stiffness of a support", k)?;
+            not_negative("damping of a support", d)?;
         }
-        Ok(Self { name: name.to_owned(), nodes, length })
+        let fits = |item: &Supported| item.at.len() == item.vectors.len() && item.shares.len() == item.at.len().pow(2);
+        assert!(items.iter().all(fits), "places and shares of supported nodes");
+        Ok(Self { name: name.to_owned(), items, foundation, length })
     }
 
-    /// The nodes with their springs and dashpots.
-    pub fn nodes(&self) -> &[SupportedNode] {
-        &self.nodes
+    /// What is supported.
+    pub fn items(&self) -> &[Supported] {
+        &self.items
     }
 }
 
@@ -83,7 +113,7 @@ impl Part for ElasticSupport {
     }
 
     fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.nodes.iter().for_each(|node| visit(&[node.vector]));
+        self.items.iter().for_each(|item| visit(&item.vectors));
     }
 
     fn assemble(
@@ -97,21 +127,27 @@ impl Part for ElasticSupport {
             ForceRule::Configuration { theta } => theta,
             _ => 0.5,
         };
+        let Foundation { axes, stiffness, damping } = self.foundation;
         let mut local = LocalForce::default();
-        for node in &self.nodes {
-            local.vectors.clear();
-            local.vectors.push(node.vector);
+        for item in &self.items {
+            let count = item.vectors.len();
+            local.vectors.clone_from(&item.vectors);
             local.reset(want_tangent);
-            let (old, new, motion) = (node.stretch(step.q_n), node.stretch(step.q_np1), node.motion(&step));
-            for (i, axis) in node.axes.iter().enumerate() {
-                let damper = if step.has_rates { node.damping[i] / step.dt } else { 0.0 };
-                let between = (1.0 - theta) * old[i] + theta * new[i];
-                let force = node.stiffness[i] * between + damper * motion[i];
-                let slope = theta * node.stiffness[i] + damper;
-                for k in 0..3 {
-                    local.residual[k] += force * axis[k];
-                    for l in (0..3).filter(|_| want_tangent) {
-                        local.tangent[3 * k + l] += slope * axis[k] * axis[l];
+            for (i, axis) in axes.into_iter().enumerate() {
+                let damper = if step.has_rates { damping[i] / step.dt } else { 0.0 };
+                let (old, new) = (item.stretch(axis, step.q_n), item.stretch(axis, step.q_np1));
+                let motion = item.motion(axis, &step);
+                let between = |n: usize| (1.0 - theta) * old[n] + theta * new[n];
+                let force: Vec<f64> = (0..count).map(|n| stiffness[i] * between(n) + damper * motion[n]).collect();
+                let slope = theta * stiffness[i] + damper;
+                for a in 0..count {
+                    let force = item.shared(a, &force);
+                    for k in 0..3 {
+                        local.residual[3 * a + k] += force * axis[k];
+                        for b in (0..count).filter(|_| want_tangent) {
+                            let slope = slope * item.shares[count * a + b] * axis[k];
+                            (0..3).for_each(|l| local.tangent[3 * count * (3 * a + k) + 3 * b + l] += slope * axis[l]);
+                        }
                     }
                 }
             }
@@ -121,20 +157,22 @@ impl Part for ElasticSupport {
     }
 
     fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
-        let energy = |node: &SupportedNode| -> f64 {
-            node.stretch(q).iter().zip(node.stiffness).map(|(u, k)| 0.5 * k * u * u).sum()
+        let Foundation { axes, stiffness, .. } = self.foundation;
+        let of_item = |item: &Supported| -> f64 {
+            axes.iter().zip(stiffness).map(|(axis, k)| 0.5 * k * item.square(&item.stretch(*axis, q))).sum()
         };
-        Ok(self.nodes.iter().map(energy).sum())
+        Ok(self.items.iter().map(of_item).sum())
     }
 
     fn dissipated(&self, step: PartStep<'_>) -> f64 {
         if !step.has_rates {
             return 0.0;
         }
-        let loss = |node: &SupportedNode| -> f64 {
-            node.motion(&step).iter().zip(node.damping).map(|(u, d)| d * u * u / step.dt).sum()
+        let Foundation { axes, damping, .. } = self.foundation;
+        let loss = |item: &Supported| -> f64 {
+            axes.iter().zip(damping).map(|(axis, d)| d * item.square(&item.motion(*axis, &step)) / step.dt).sum()
         };
-        self.nodes.iter().map(loss).sum()
+        self.items.iter().map(loss).sum()
     }
 
     fn conserves_linear_momentum(&self) -> bool {
@@ -150,8 +188,8 @@ impl Part for ElasticSupport {
     }
 
     fn force_scale(&self) -> f64 {
-        let largest = |node: &SupportedNode| node.stiffness.into_iter().fold(0.0, f64::max);
-        self.length * self.nodes.iter().map(largest).sum::<f64>()
+        let largest = self.foundation.stiffness.into_iter().fold(0.0, f64::max);
+        self.length * largest * self.items.iter().flat_map(|item| &item.shares).sum::<f64>()
     }
 }
 
@@ -159,48 +197,52 @@ impl Part for ElasticSupport {
 mod tests {
     use super::*;
 
+    /// Two nodes, and two that share an area.
     fn support() -> ElasticSupport {
-        let (stiffness, damping) = ([2.0, 0.0, 5.0], [0.3, 0.7, 0.0]);
-        let node = |vector, at, axes| SupportedNode { vector, at, axes, stiffness, damping };
         let inclined = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]];
-        let nodes = vec![node(0, [0.1, 0.2, 0.3], AXES_OF_SPACE), node(2, [0.0; 3], inclined)];
-        ElasticSupport::new("support", nodes, 1.0).unwrap()
+        let foundation = Foundation { axes: inclined, stiffness: [2.0, 0.0, 5.0], damping: [0.3, 0.7, 0.0] };
+        let pair = Supported {
+            vectors: vec![3, 1],
+            at: vec![[0.0, 0.1, 0.0], [0.4, 0.0, 0.2]],
+            shares: vec![2.0, -0.5, -0.5, 1.0],
+        };
+        let items = vec![Supported::node(0, [0.1, 0.2, 0.3]), Supported::node(2, [0.0; 3]), pair];
+        ElasticSupport::new("support", items, foundation, 1.0).unwrap()
     }
 
-    fn force(support: &ElasticSupport, step: PartStep<'_>) -> (Vec<f64>, Vec<[f64; 9]>) {
-        let (mut force, mut tangents) = (vec![0.0; step.q_n.len()], Vec::new());
-        let add = |local: &LocalForce| {
-            let first = 3 * local.vectors[0] as usize;
-            (0..3).for_each(|i| force[first + i] += local.residual[i]);
-            tangents.push(std::array::from_fn(|i| local.tangent[i]));
+    fn force(support: &ElasticSupport, step: PartStep<'_>) -> (Vec<f64>, Vec<f64>) {
+        let n = step.q_n.len();
+        let (mut force, mut tangent) = (vec![0.0; n], vec![0.0; n * n]);
+        let mut add = |local: &LocalForce| {
+            let place = |i: usize| 3 * local.vectors[i / 3] as usize + i % 3;
+            for i in 0..local.dim() {
+                force[place(i)] += local.residual[i];
+                (0..local.dim()).for_each(|j| tangent[n * place(i) + place(j)] += local.tangent[local.dim() * i + j]);
+            }
         };
-        let mut add = add;
         support.assemble(step, true, &mut add).unwrap();
-        (force, tangents)
+        (force, tangent)
     }
 
     /// The work of the forces is the change of energy and the loss, and the tangent is the derivative.
     #[test]
     fn work_is_energy_and_loss() {
         let support = support();
-        let q_n = [0.3, -0.1, 0.5, 9.0, 9.0, 9.0, 0.2, 0.4, -0.6];
-        let q_np1 = [0.5, 0.3, 0.1, 9.0, 9.0, 9.0, -0.2, 0.1, 0.7];
+        let q_n = [0.3, -0.1, 0.5, 0.7, 0.1, -0.3, 0.2, 0.4, -0.6, 0.2, 0.0, 0.1];
+        let q_np1 = [0.5, 0.3, 0.1, 0.2, -0.4, 0.6, -0.2, 0.1, 0.7, 0.5, -0.3, 0.2];
         let step = PartStep { q_n: &q_n, q_np1: &q_np1, rule: ForceRule::DiscreteGradient, dt: 0.05, has_rates: true };
-        let (f, tangents) = force(&support, step);
+        let (f, tangent) = force(&support, step);
         let work: f64 = f.iter().zip(q_np1.iter().zip(&q_n)).map(|(f, (new, old))| f * (new - old)).sum();
         let change = support.energy(&q_np1).unwrap() - support.energy(&q_n).unwrap();
-        assert!((work - change - support.dissipated(step)).abs() < 1e-14, "{work}");
-        assert_eq!(&f[3..6], &[0.0; 3]);
-        for (place, vector) in [(0, 0), (1, 2)] {
-            for i in 0..3 {
-                let mut moved = q_np1;
-                moved[3 * vector + i] += 0.25;
-                let (g, _) = force(&support, PartStep { q_np1: &moved, ..step });
-                for j in 0..3 {
-                    // The force is linear.
-                    let derivative = (g[3 * vector + j] - f[3 * vector + j]) / 0.25;
-                    assert!((derivative - tangents[place][3 * j + i]).abs() < 1e-12);
-                }
+        assert!((work - change - support.dissipated(step)).abs() < 1e-13, "{work}");
+        for i in 0..12 {
+            let mut moved = q_np1;
+            moved[i] += 0.25;
+            let (g, _) = force(&support, PartStep { q_np1: &moved, ..step });
+            for j in 0..12 {
+                // The force is linear.
+                let derivative = (g[j] - f[j]) / 0.25;
+                assert!((derivative - tangent[12 * j + i]).abs() < 1e-12);
             }
         }
         let at_rest = PartStep { has_rates: false, ..step };
@@ -209,8 +251,7 @@ mod tests {
 
     #[test]
     fn negative_data_are_refused() {
-        let stiffness = [0.0, -1.0, 0.0];
-        let node = SupportedNode { vector: 0, at: [0.0; 3], axes: AXES_OF_SPACE, stiffness, damping: [0.0; 3] };
-        assert!(ElasticSupport::new("x", vec![node], 1.0).is_err());
+        let foundation = Foundation { axes: AXES_OF_SPACE, stiffness: [0.0, -1.0, 0.0], damping: [0.0; 3] };
+        assert!(ElasticSupport::new("x", vec![Supported::node(0, [0.0; 3])], foundation, 1.0).is_err());
     }
 }

@@ -264,6 +264,38 @@ impl FaceKind {
         self.functions(xi).map(|(_, dn)| dn)
     }
 
+    /// Functions of the nodes that are linear on the facets of the trace: for what belongs to surfaces and has values at nodes, as pressures of contact. None is negative, they add up to one
+    /// and keep linear functions. The middle of a face without a node there has the mean of the nodes on the edges. Of linear faces they are the shape functions.
+    pub fn piecewise_shape(self, xi: [f64; 2]) -> FaceShape {
+        let nodes = self.nodes();
+        // In natural coordinates facets are triangles and parallelograms.
+        let place = |v: u8| nodes.get(usize::from(v)).copied().unwrap_or_default();
+        // Coordinates along the edges from the first vertex, and how far inside: negative outside.
+        let within = |facet: &[u8]| -> ([f64; 2], f64) {
+            let [origin, u, v] = [facet[0], facet[1], facet[facet.len() - 1]].map(place);
+            let [u, v, x] = [u, v, xi].map(|end| [end[0] - origin[0], end[1] - origin[1]]);
+            let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+            let [s, t] = [cross(x, v) / cross(u, v), cross(u, x) / cross(u, v)];
+            let inside = if facet.len() == 3 { s.min(t).min(1.0 - s - t) } else { s.min(t).min(1.0 - s).min(1.0 - t) };
+            ([s, t], inside)
+        };
+        let mut out = [0.0; MAX_FACE_NODES];
+        let facets = self.trace().facets.iter().map(|facet| (facet, within(facet)));
+        let Some((facet, (along, _))) = facets.max_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b)) else { return out };
+        let shape = match facet.len() {
+            3 => FacetKind::Tri3.shape(along),
+            _ => FacetKind::Quad4.shape(along.map(|part| 2.0 * part - 1.0)),
+        };
+        let (corners, count) = (self.corner_count(), self.node_count());
+        for (&v, n) in facet.iter().zip(shape) {
+            match usize::from(v) {
+                v if v < count => out[v] += n,
+                _ => out[corners..count].iter_mut().for_each(|w| *w += n / (count - corners) as f64),
+            }
+        }
+        out
+    }
+
     fn functions(self, xi: [f64; 2]) -> [(f64, [f64; 2]); MAX_FACE_NODES] {
         let mut out = [(0.0, [0.0; 2]); MAX_FACE_NODES];
         match self {

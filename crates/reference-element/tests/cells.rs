@@ -329,3 +329,32 @@ fn the_trace_has_the_forces_of_the_face() {
         }
     }
 }
+
+/// Functions on the facets of the trace: one at a node, linear along half an edge, never negative, and exact for linear functions.
+#[test]
+fn piecewise_functions_are_linear_and_not_negative() {
+    for kind in FaceKind::ALL {
+        let (nodes, corners) = (kind.nodes(), kind.corner_count());
+        for (n, &x) in nodes.iter().enumerate() {
+            let shape = kind.piecewise_shape(x);
+            assert!(shape.iter().enumerate().all(|(k, w)| (w - f64::from(u8::from(k == n))).abs() < 1e-15), "{kind}");
+        }
+        // an edge is shared with other faces: functions of its own nodes alone
+        for a in 0..corners {
+            let b = (a + 1) % corners;
+            let ends = if kind.is_quadratic() { vec![(a, corners + a), (corners + a, b)] } else { vec![(a, b)] };
+            for (p, q) in ends {
+                let at = std::array::from_fn(|d| 0.3 * nodes[p][d] + 0.7 * nodes[q][d]);
+                let shape = kind.piecewise_shape(at);
+                assert!((shape[p] - 0.3).abs() < 1e-15 && (shape[q] - 0.7).abs() < 1e-15, "{kind}: {shape:?}");
+            }
+        }
+        for (i, j) in (0..=20).flat_map(|i| (0..=20).map(move |j| (f64::from(i) / 20.0, f64::from(j) / 20.0))) {
+            let xi = if corners == 3 { [i, (1.0 - i) * j] } else { [2.0 * i - 1.0, 2.0 * j - 1.0] };
+            let shape = kind.piecewise_shape(xi);
+            assert!(shape.iter().all(|w| *w > -1e-15) && (shape.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            let at: [f64; 2] = std::array::from_fn(|d| nodes.iter().zip(shape).map(|(x, w)| w * x[d]).sum());
+            assert!((0..2).all(|d| (at[d] - xi[d]).abs() < 1e-14), "{kind} at {xi:?}: {at:?}");
+        }
+    }
+}

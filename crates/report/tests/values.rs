@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use stoss_mesh_io::{Field, VtuFrame, write_vtu};
+use stoss_reference_element::CellKind;
 use stoss_report::picture::{Unfit, Which};
 use stoss_report::values::{Configuration, Options, Place, values};
 use tempfile::TempDir;
@@ -222,6 +223,62 @@ fn what_does_not_fit_is_refused_by_name() {
             // A grid always has its own point, which is inside here.
             Ok(text) => assert!(part == "smaller" && text.lines().count() == 2, "{text}"),
             Err(error) => assert!(error.is::<Unfit>() && error.to_string().contains(part), "{error}"),
+        }
+    }
+}
+
+/// On faces of quadratic cells contact fields are piecewise linear between the nodes: no value is beyond those of the nodes around, as functions of the cell would make them.
+#[test]
+fn contact_fields_do_not_overshoot_on_quadratic_faces() {
+    for kind in CellKind::ALL {
+        let table = kind.table();
+        let face = &kind.faces()[0];
+        let corners = face.kind.corner_count();
+        let at = |k: usize| table.nodes[usize::from(face.nodes[k])];
+        // Something at the first corner alone, something in the middle of the first edge alone, and a linear field.
+        let peak = |k: usize| -> Vec<f64> {
+            let place = face.nodes.get(k).map(|&n| usize::from(n));
+            (0..table.nodes.len()).map(|n| if Some(n) == place { 6.0 } else { 0.0 }).collect()
+        };
+        let (corner, middle) = (peak(0), peak(corners));
+        let linear: Vec<f64> = table.nodes.iter().map(|&x| temperature(x)).collect();
+        let field = |name, values| Field { name, components: 1, values };
+        let point_data =
+            vec![field("contact_pressure", &corner[..]), field("slip", &middle[..]), field("gap", &linear[..])];
+        let cell_data = vec![Field { name: "body", components: 1, values: &[0.0] }];
+        let elements = stoss_mesh::Elements::of_kind(kind, (0..table.nodes.len() as u32).collect());
+        let frame =
+            VtuFrame { points: table.nodes, elements: elements.blocks(), point_data, cell_data, ..VtuFrame::default() };
+        let folder = tempfile::tempdir().unwrap();
+        write_vtu(folder.path().join("a.vtu"), &frame).unwrap();
+        let collection = "<VTKFile><Collection><DataSet timestep=\"0.5\" file=\"a.vtu\"/></Collection></VTKFile>";
+        std::fs::write(folder.path().join("frames.pvd"), collection).unwrap();
+        let table_of = |from: [f64; 3], to: [f64; 3]| -> Vec<([f64; 3], [f64; 3])> {
+            let options = line(from, to, 9, Configuration::Reference, &["contact_pressure", "slip", "gap"]);
+            let row = |row: &Vec<String>| {
+                let (place, values) = (numbers(&row[1..4]), numbers(&row[6..]));
+                (std::array::from_fn(|i| place[i]), std::array::from_fn(|i| values[i]))
+            };
+            rows(folder.path(), &options).1.iter().map(row).collect()
+        };
+        // From each corner to a point between two others.
+        for a in 0..corners {
+            let [p, q] = [1, 2].map(|k| at((a + k) % corners));
+            for (x, [corner, middle, linear]) in table_of(at(a), std::array::from_fn(|i| 0.4 * p[i] + 0.6 * q[i])) {
+                assert!((linear - temperature(x)).abs() < 1e-13, "{kind}");
+                assert!(
+                    [corner, middle].iter().all(|v| (-1e-13..=6.0 + 1e-13).contains(v)),
+                    "{kind}: {corner} {middle}"
+                );
+            }
+        }
+        // Linear along each half of the first edge.
+        if face.kind.is_quadratic() {
+            for (k, (_, [corner, middle, _])) in table_of(at(0), at(1)).into_iter().enumerate() {
+                let k = k as f64;
+                assert!((corner - (6.0 - 1.5 * k).max(0.0)).abs() < 1e-13, "{kind}: {k} {corner}");
+                assert!((middle - (6.0 - 1.5 * (k - 4.0).abs())).abs() < 1e-13, "{kind}: {k} {middle}");
+            }
         }
     }
 }

@@ -308,3 +308,53 @@ fn contact_forces_on_quadratic_faces_are_those_of_their_bodies() {
         }
     }
 }
+
+/// A plate of these cells on springs of 2000 an area below it, 0.25 high, without lateral strain; `end` and `motion` make a run of it.
+fn on_foundation(cell: &str, end: &str, body: &str, rest: &str) -> String {
+    format!(
+        "[scene]\ntitle = \"foundation\"\n{end}\n\
+         [[body]]\nname = \"plate\"\ncell = \"{cell}\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.0 }}\n{body}\n\
+         mesh = {{ generator = \"block\", size = [2.0, 1.0, 0.25], divisions = [3, 2, 1], grading = [2.0, 0.5, 1.0] }}\n\
+         [[support]]\nset = \"plate.bottom\"\nstiffness = [300.0, 500.0, 2000.0]\ndamping = [0.0, 0.0, 0.0]\n{rest}"
+    )
+}
+
+/// Springs per area are the integral of their energy over the facets: under a uniform load a plate of any cells sinks uniformly, the springs carry the load, and their energy is that of
+/// the area.
+#[test]
+fn a_plate_on_a_foundation_sinks_uniformly() {
+    // Dead loads along x and z: 150 and -100 an area of 2.
+    let load = "[[load]]\nset = \"plate.bottom\"\ntraction = [150.0, 0.0, -100.0]\n";
+    for cell in CELLS {
+        let scene = on_foundation(cell, "kind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0", "", load);
+        let mut simulation = simulation(&scene);
+        simulation.advance().unwrap_or_else(|e| panic!("{cell}: {e}"));
+        let (model, q) = (simulation.model(), &simulation.state().q);
+        for (node, (x, y)) in q.chunks_exact(3).zip(model.reference.chunks_exact(3)).enumerate() {
+            let moved: [f64; 3] = std::array::from_fn(|i| x[i] - y[i]);
+            let exact = [150.0 / 300.0, 0.0, -100.0 / 2000.0];
+            assert!((0..3).all(|i| (moved[i] - exact[i]).abs() < 1e-12), "{cell}: node {node} {moved:?}");
+        }
+        // 1/2 k u^2 A of both directions; the plate has none.
+        let energy = 0.5 * 2.0 * (300.0 * 0.5 * 0.5 + 2000.0 * 0.05 * 0.05);
+        assert!((simulation.balance().strain - energy).abs() < 1e-11 * energy, "{cell}");
+    }
+}
+
+/// Under the energy-momentum scheme a plate of quadratic cells that swings on its springs keeps its energy.
+#[test]
+fn a_plate_that_swings_on_a_foundation_keeps_its_energy() {
+    let end = "kind = \"dynamic\"\n[time]\nend = 0.6\nstep = 0.02\nintegrator = { scheme = \"energy-momentum\" }";
+    for cell in ["hex20", "tet10", "wedge15"] {
+        let body = "density = 10.0\nvelocity = [0.5, 0.0, -1.0]\nangular_velocity = [0.0, 2.0, 1.0]";
+        let mut simulation = simulation(&on_foundation(cell, end, body, ""));
+        let start = simulation.balance().total();
+        let mut sprung = 0.0_f64;
+        while !simulation.finished() {
+            let record = simulation.advance().unwrap_or_else(|e| panic!("{cell}: {e}"));
+            sprung = sprung.max(record.balance.strain);
+            assert!((record.balance.total() - start).abs() < 1e-11 * start, "{cell}");
+        }
+        assert!(sprung > 0.3 * start, "{cell}: {sprung} of {start}");
+    }
+}

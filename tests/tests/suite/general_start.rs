@@ -89,3 +89,37 @@ fn bodies_that_cannot_be_separated_are_refused() {
     let squeezed = try_build(&(two(0.95) + &between + &fixed("a") + &fixed("c") + contact)).unwrap_err();
     assert!(squeezed.contains("there is no room") && !squeezed.contains("deep"), "{squeezed}");
 }
+
+/// Two blocks of these cells and divisions, turned as one; the lower one ends at z = 0.5, the upper one begins at `z`.
+fn stack(cell: &str, divisions: [[u32; 3]; 2], rotation: &str, z: f64) -> String {
+    let block = |name: &str, z: [f64; 2], n: [u32; 3]| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = [-0.5, -0.5, {:?}], max = [0.5, 0.5, {:?}], divisions = {n:?} }}\ncell = \"{cell}\"\n{rotation}\n{MATERIAL}\n",
+            z[0], z[1]
+        )
+    };
+    head("energy-momentum", 0.1, 0.2)
+        + &block("a", [-0.5, 0.5], divisions[0])
+        + &block("b", [z, 1.2], divisions[1])
+        + "[general_contact]\n"
+}
+
+#[test]
+fn blocks_of_all_cells_may_touch() {
+    let turned = "rotation = { axis = [1, 2, 3], degrees = 37.3 }";
+    for cell in ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15"] {
+        for divisions in
+            [[[2, 2, 2], [2, 2, 2]], [[2, 2, 2], [3, 3, 2]], [[3, 3, 1], [2, 2, 1]], [[1, 1, 1], [4, 3, 2]]]
+        {
+            for rotation in ["", turned] {
+                let text = stack(cell, divisions, rotation, 0.5);
+                let mut built = try_build(&text).unwrap_or_else(|e| panic!("{cell} {divisions:?} {rotation}: {e}"));
+                let record = built.simulation.advance().unwrap();
+                assert!(record.balance.strain < 1e-25, "{cell} {divisions:?} {rotation}: {}", record.balance.strain);
+            }
+        }
+    }
+    // What lies in another one is still refused, however little.
+    let error = try_build(&stack("hex20", [[2, 2, 2], [3, 3, 2]], turned, 0.49999)).unwrap_err();
+    assert!(error.contains("lie in each other"), "{error}");
+}

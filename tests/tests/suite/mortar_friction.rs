@@ -341,3 +341,61 @@ fn friction_of_mirror_images_is_a_mirror_image() {
         assert!(slid > 0.01, "{slave}: {slid}");
     }
 }
+
+/// A slave whose contact nodes are dragged has as many tractions to stick with as the master has motions, or more: the plan says so before Newton's iteration does.
+#[test]
+fn a_dragged_finer_slave_is_told() {
+    let scene = |cell: &str, [upper, lower]: [u32; 2], dragged: &str, friction: &str| {
+        format!(
+            r#"
+[scene]
+title = "dragged"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.1
+[[body]]
+name = "upper"
+mesh = {{ generator = "block", min = [0, 0, 1], max = [1, 1, 1.6], divisions = [{upper}, {upper}, 2] }}
+cell = "{cell}"
+material = {{ law = "neo-hooke", young = 1e4, poisson = 0.3 }}
+[[body]]
+name = "lower"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [{lower}, {lower}, 2] }}
+cell = "{cell}"
+material = {{ law = "neo-hooke", young = 1e4, poisson = 0.3 }}
+[[contact]]
+method = "mortar"
+slave = "upper.bottom"
+master = "lower.top"
+friction = {{ law = "coulomb", mu = 0.3{friction} }}
+[[prescribe]]
+set = "lower.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "upper.{dragged}"
+components = ["x"]
+displacement = {{ table = [[0.0, 0.0], [1.0, 0.1]] }}
+[[load]]
+set = "upper.top"
+traction = [0, 0, -100]
+"#
+        )
+    };
+    let told = |text: String| {
+        let scene = stoss::scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        let warnings =
+            stoss::build::build(&scene, std::path::Path::new(".")).unwrap_or_else(|e| panic!("{e}")).warnings;
+        warnings.iter().any(|warning| warning.contains("more tractions than motions of the master"))
+    };
+    for cell in ["hex8", "tet10"] {
+        assert!(told(scene(cell, [3, 2], "bottom", "")), "{cell}");
+        assert!(!told(scene(cell, [2, 3], "bottom", "")), "{cell}: the master is finer");
+        assert!(!told(scene(cell, [3, 2], "top", "")), "{cell}: the surface is free");
+        assert!(!told(scene(cell, [3, 2], "bottom", ", penalty = 1e6")), "{cell}: springs");
+    }
+    // In plane strain the motion across is prescribed on both sides, and nothing is over-determined.
+    let fixed = |set: &str| format!("[[prescribe]]\nset = \"{set}\"\ncomponents = [\"y\"]\nfixed = true\n");
+    assert!(!told(scene("hex8", [3, 2], "top", "") + &fixed("upper.all") + &fixed("lower.all")));
+}

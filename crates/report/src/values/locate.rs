@@ -21,6 +21,8 @@ const REACH: f64 = 2.0;
 pub struct Held {
     /// Number of the element.
     pub cell: usize,
+    /// Natural coordinates of the point.
+    pub xi: [f64; 3],
     /// Shape functions of its nodes at the point, zero beyond them.
     pub weights: Shape,
 }
@@ -60,7 +62,7 @@ impl<'a> Locator<'a> {
             corners.clear();
             corners.extend(self.elements[cell].iter().map(|&node| Vector3::from(self.places[node as usize])));
             let kind = self.elements.kind(cell);
-            found.extend(coordinates(kind, &corners, x).map(|xi| Held { cell, weights: (kind.table().shape)(xi) }));
+            found.extend(coordinates(kind, &corners, x).map(|xi| Held { cell, xi, weights: (kind.table().shape)(xi) }));
         });
         found.sort_unstable_by_key(|held| held.cell);
     }

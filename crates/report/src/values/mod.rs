@@ -1,7 +1,7 @@
 //! Values of a frame's fields along a line and on a plane section, as tables with comma-separated values.
 //!
-//! Between nodes values are those of the shape functions of the element that holds the point. Surfaces, lines and single
-//! points of a frame have no inside, and no values here.
+//! Between nodes values are those of the shape functions of the element that holds the point; of fields of contact, which lives on the linear facets of a face's
+//! trace (theory/elements#contact), those of functions that are linear on these. Surfaces, lines and single points of a frame have no inside, and no values here.
 
 mod locate;
 mod section;
@@ -11,6 +11,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use stoss_mesh::{Elements, FacetIndex};
+use stoss_reference_element::{Face, FaceShape};
 
 use crate::Outcome;
 use crate::folder::Folder;
@@ -235,15 +236,16 @@ impl Rows<'_> {
                             nodes.iter().zip(&held.weights).map(|(&n, w)| w * array.row(n as usize)[k]).sum()
                         }
                         None => f64::NAN,
-                        Some(facet) if *name == STATUS => {
-                            let weight = |n: u8| held.weights[usize::from(n)];
-                            let nearest = facet.iter().max_by(|&&a, &&b| weight(a).total_cmp(&weight(b)));
-                            nearest.map_or(f64::NAN, |&n| array.row(nodes[usize::from(n)] as usize)[k])
-                        }
-                        // A node without a weight may be without a value, too.
-                        Some(facet) => {
-                            let heavy = facet.iter().map(|&n| usize::from(n)).filter(|&n| held.weights[n].abs() > ON);
-                            heavy.map(|n| held.weights[n] * array.row(nodes[n] as usize)[k]).sum()
+                        Some((facet, weights)) => {
+                            let at = |n: u8| array.row(nodes[usize::from(n)] as usize)[k];
+                            let weighted = || facet.nodes.iter().zip(weights);
+                            if *name == STATUS {
+                                let nearest = weighted().max_by(|(_, a), (_, b)| a.total_cmp(b));
+                                nearest.map_or(f64::NAN, |(&n, _)| at(n))
+                            } else {
+                                // A node without a weight may be without a value, too.
+                                weighted().filter(|(_, w)| *w > ON).map(|(&n, w)| w * at(n)).sum()
+                            }
                         }
                     };
                     self.out.push(',');
@@ -264,15 +266,23 @@ impl Rows<'_> {
         self.found = found;
     }
 
-    /// The facet on the surface of its body on which a point of an element is, as places of its nodes.
-    fn facet(&self, held: &Held) -> Option<&'static [u8]> {
-        let faces = self.grid.elements.kind(held.cell).faces();
+    /// The face on the surface of its body on which a point of an element is, with the weights of the face's nodes there.
+    fn facet(&self, held: &Held) -> Option<(&'static Face, FaceShape)> {
+        let kind = self.grid.elements.kind(held.cell);
+        let faces = kind.faces();
         let is_on = |local: usize| {
             let of_others = (0..held.weights.len()).filter(|&k| !faces[local].nodes.contains(&(k as u8)));
             let beyond: f64 = of_others.map(|k| held.weights[k].abs()).sum();
             beyond <= ON && self.boundary.contains(&(held.cell as u32, local as u8))
         };
-        (0..faces.len()).find(|&local| is_on(local)).map(|local| faces[local].nodes)
+        let face = &faces[(0..faces.len()).find(|&local| is_on(local))?];
+        // In natural coordinates faces are plane, and the linear functions of the cell are those of the face on it.
+        let corners = (kind.table().linear.table().shape)(held.xi);
+        let mut xi = [0.0; 2];
+        for (&n, vertex) in face.nodes.iter().zip(face.kind.linear().vertices()) {
+            (0..2).for_each(|d| xi[d] += corners[usize::from(n)] * vertex[d]);
+        }
+        Some((face, face.kind.piecewise_shape(xi)))
     }
 
     fn position(&mut self, first: &[f64], x: [f64; 3]) {

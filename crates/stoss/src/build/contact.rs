@@ -3,7 +3,7 @@
 use super::condition::{prescribed, resolve};
 use super::friction::gains_energy_in_impacts;
 use super::missing::not_built_in;
-use super::pair::{PairInput, area_vector};
+use super::pair::{PairInput, finer};
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
@@ -133,9 +133,6 @@ fn impacts(scene: &Scene) -> Option<String> {
     })
 }
 
-/// Sizes of facets that differ by less than this part are the same.
-const SAME_SIZE: f64 = 0.05;
-
 /// Which of two sides becomes the slave, and why: a beam or string, one whose motion is not prescribed, the finer one by the mean area of its facets, the softer
 /// one by Young's modulus.
 fn choose_slave(model: &Model, sides: &[Side; 2]) -> (usize, &'static str) {
@@ -143,16 +140,12 @@ fn choose_slave(model: &Model, sides: &[Side; 2]) -> (usize, &'static str) {
         return (line, "it has no facets");
     }
     let prescribed = [0, 1].map(|k| is_prescribed(model, &sides[k]));
-    let size = sides.each_ref().map(|Side { facets, .. }| {
-        let areas = facets.iter().map(|facet| area_vector(facet, &model.reference));
-        areas.map(|a| 0.5 * a.iter().map(|a| a * a).sum::<f64>().sqrt()).sum::<f64>() / facets.len() as f64
-    });
     let moduli = sides.each_ref().map(|side| young(model, side.part));
     if prescribed[0] != prescribed[1] {
         return (usize::from(prescribed[0]), "the other one is prescribed");
     }
-    if (size[0] - size[1]).abs() > SAME_SIZE * size[0].max(size[1]) {
-        return (usize::from(size[1] < size[0]), "finer");
+    if let Some(finer) = finer(sides.each_ref().map(|side| &side.facets[..]), &model.reference) {
+        return (finer, "finer");
     }
     match moduli[0].total_cmp(&moduli[1]) {
         std::cmp::Ordering::Less => (0, "softer"),

@@ -7,6 +7,7 @@ use crate::scene::{
     Closing, Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip,
 };
 use crate::solver::{ContactPair, Coupling, Model, contact_rule};
+use stoss_contact::friction::Stick;
 use stoss_contact::{Constraint as _, Report as _};
 use stoss_contact_mortar::{
     Force, Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule,
@@ -109,6 +110,13 @@ pub(super) fn contact(
                     item.label()
                 ));
             }
+            // A component that is prescribed on all of the slave but not on the master.
+            let is_dragged = (0..3).any(|i| {
+                let alone = |n: u32| std::array::from_fn(|k| k == i && prescribed(n)[k]);
+                let mut slave_nodes = method.slave().nodes().iter().enumerate();
+                slave_nodes.all(|(a, &n)| method.is_held_across_normal(a, alone(n)))
+                    && method.master().nodes().iter().any(|&n| !alone(n)[i])
+            });
             let mut method =
                 method.with_crosspoints(|n| if model.follows_its_face(n) { [true; 3] } else { prescribed(n) });
             method.set_rule(contact_rule(gradient), pair.scene.time.step);
@@ -126,6 +134,14 @@ pub(super) fn contact(
                 }
                 let (friction, described) =
                     super::friction::friction(pair, friction, complementarity, problems, warnings)?;
+                if is_dragged && friction.stick() == Stick::Multiplier && pair.is_slave_finer(model) {
+                    warnings.push(format!(
+                        "{}: a motion of all slave nodes along the surface is prescribed, and the slave is finer than the master: where it sticks there are more tractions than \
+                         motions of the master, they are not determined, and Newton's iteration may stagnate. Exchange slave and master, prescribe the motion away from the contact, or \
+                         give the friction a tangential stiffness, `penalty`",
+                        item.label()
+                    ));
+                }
                 let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
                 plan = Some(described);
                 method = match method.with_friction(friction, slip) {

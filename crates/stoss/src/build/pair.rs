@@ -153,6 +153,26 @@ impl PairInput<'_> {
     }
 }
 
+impl PairInput<'_> {
+    /// Whether the slave has smaller facets than the master.
+    pub fn is_slave_finer(&self, model: &Model) -> bool {
+        finer(self.facets, &model.reference) == Some(0)
+    }
+}
+
+/// Sizes of facets that differ by less than this part are the same.
+const SAME_SIZE: f64 = 0.05;
+
+/// Which of two surfaces has the smaller facets, by their mean area; neither if they are alike.
+pub(super) fn finer(sides: [&[FacetNodes]; 2], reference: &[f64]) -> Option<usize> {
+    let size = sides.map(|facets| {
+        let areas = facets.iter().map(|facet| area_vector(facet, reference));
+        areas.map(|a| 0.5 * a.iter().map(|a| a * a).sum::<f64>().sqrt()).sum::<f64>() / facets.len() as f64
+    });
+    let differ = (size[0] - size[1]).abs() > SAME_SIZE * size[0].max(size[1]);
+    differ.then_some(usize::from(size[1] < size[0]))
+}
+
 /// Twice the area vector of a facet.
 pub(super) fn area_vector(facet: &FacetNodes, reference: &[f64]) -> [f64; 3] {
     let x = facet.map(|node| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) });

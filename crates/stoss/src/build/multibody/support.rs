@@ -5,59 +5,44 @@ use super::super::condition::{resolve, solid_facets};
 use super::super::placed::Placed;
 use crate::scene::{Scene, SupportPer};
 use crate::solver::Model;
-use std::collections::BTreeMap;
-use stoss_multibody::{ElasticSupport, SupportedNode};
+use stoss_multibody::{ElasticSupport, Foundation, Supported};
 use stoss_reference_element::FaceNodes;
-
-/// A node with a smaller part of the area than this of the largest part has none.
-const SMALLEST_PART: f64 = 1e-9;
 
 /// Adds the supports as parts.
 pub(super) fn supports(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {
     for (s, item) in scene.supports.iter().enumerate() {
         let key = format!("support[{s}].set");
-        let weights: Option<(usize, BTreeMap<u32, f64>)> = match item.per {
+        let at = |node: u32| -> [f64; 3] { std::array::from_fn(|i| model.reference[3 * node as usize + i]) };
+        let found = match item.per {
             SupportPer::Node => resolve(placed, &key, &item.set, problems, Placed::nodes_of)
-                .map(|(body, nodes)| (body, nodes.into_iter().map(|node| (node, 1.0)).collect())),
-            SupportPer::Area => resolve(placed, &key, &item.set, problems, solid_facets)
-                .and_then(|(body, facets)| Some((body, areas(&facets, model, &key, problems)?))),
+                .map(|(body, nodes)| (body, nodes.into_iter().map(|node| Supported::node(node, at(node))).collect())),
+            SupportPer::Area => resolve(placed, &key, &item.set, problems, solid_facets).and_then(|(body, facets)| {
+                let made = facets.iter().map(|facet| supported(facet, &model.reference, at)).collect();
+                let refused = |error: stoss_fe_solid::SolidError| {
+                    problems.add(key.clone(), &item.set, error.to_string(), "mend the mesh or choose another set");
+                };
+                Some((body, Result::<Vec<_>, _>::map_err(made, refused).ok()?))
+            }),
         };
-        let Some((body, weights)) = weights else { continue };
+        let Some((body, items)) = found else { continue };
         // cannot fail: the reader refused other frames.
         let Some(axes) = item.axes() else { continue };
-        let node = |(vector, weight): (u32, f64)| SupportedNode {
-            vector,
-            at: std::array::from_fn(|i| model.reference[3 * vector as usize + i]),
-            axes,
-            stiffness: item.stiffness.map(|k| k * weight),
-            damping: item.damping.map(|d| d * weight),
-        };
-        let nodes = weights.into_iter().map(node).collect();
+        let foundation = Foundation { axes, stiffness: item.stiffness, damping: item.damping };
         // Bodies of the scene come first, and a set of another part was refused.
         let length = model.bodies.get(body).map_or(1.0, |body| body.solid.characteristic_length());
-        match ElasticSupport::new(&item.part_name(s), nodes, length) {
+        match ElasticSupport::new(&item.part_name(s), items, foundation, length) {
             Ok(support) => model.parts.push(Box::new(support)),
             Err(error) => problems.add(key, &item.set, error.to_string(), "mend the support's data"),
         }
     }
 }
 
-/// The part of each node in the reference area of facets: the nodal forces of a unit traction.
-fn areas(facets: &[FaceNodes], model: &Model, key: &str, problems: &mut Problems<'_>) -> Option<BTreeMap<u32, f64>> {
-    let mut force = vec![0.0; model.reference.len()];
-    if let Err(error) = stoss_fe_solid::dead_traction(facets, &model.reference, [1.0, 0.0, 0.0], &mut force) {
-        problems.add(key.to_owned(), "", error.to_string(), "mend the mesh or choose another set");
-        return None;
-    }
-    let areas: BTreeMap<u32, f64> =
-        facets.iter().flat_map(|face| face.iter()).map(|&node| (node, force[3 * node as usize])).collect();
-    let largest = areas.values().copied().fold(0.0, f64::max);
-    if areas.values().any(|area| *area <= SMALLEST_PART * largest) {
-        let message =
-            "a support per area has faces with six or eight nodes, whose corners have no positive part of the area";
-        let remedy = "use `per = \"node\"`, or elements of 4, 6, 8 or 27 nodes";
-        problems.add(key.to_owned(), "", message, remedy);
-        return None;
-    }
-    Some(areas)
+/// The nodes of a facet with the matrix of its shape functions.
+fn supported(
+    facet: &FaceNodes,
+    reference: &[f64],
+    at: impl Fn(u32) -> [f64; 3],
+) -> Result<Supported, stoss_fe_solid::SolidError> {
+    let shares = stoss_fe_solid::area_matrix(facet, reference)?;
+    Ok(Supported { vectors: facet.to_vec(), at: facet.iter().map(|&node| at(node)).collect(), shares })
 }
