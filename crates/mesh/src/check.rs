@@ -238,7 +238,7 @@ impl Mesh {
             };
             triangles.iter().filter_map(element).min()
         };
-        let mut pairs = free().filter_map(|facet| Some((facet, on_triangle(&facet)?)));
+        let mut pairs = free().filter_map(|facet| Some((facet, on_triangle(facet)?)));
         let Some((facet, other)) = pairs.next() else { return Ok(()) };
         let elements = [facet.element, other];
         let kinds = elements.map(|e| self.elements.kind(e as usize).name()).join(", ");

@@ -174,7 +174,7 @@ pub enum SimulationError {
         /// Smallest step size tried.
         dt: f64,
         /// The last failure.
-        cause: StepError,
+        cause: Box<StepError>,
         /// What smaller steps do not help against, as the end of the sentence; else empty.
         hint: String,
     },

@@ -492,10 +492,8 @@ displacement = { table = [[0, 0, 0, 0], [1, -0.4, -0.4, -0.4]] }
             Err(error) => break error,
         }
     };
-    assert!(
-        matches!(&error, SimulationError::StepFailed { cause: StepError::InsideOut { body, .. }, .. } if body == "block"),
-        "{error}"
-    );
+    let SimulationError::StepFailed { cause, .. } = &error else { panic!("{error}") };
+    assert!(matches!(&**cause, StepError::InsideOut { body, .. } if body == "block"), "{error}");
     let mut simulation = simulation(&(text + "[solver]\ninside_out = \"warn\"\n"));
     let corner = node_at(&simulation, [1.0; 3]);
     let mut counts = Vec::new();

@@ -76,7 +76,13 @@ impl Simulation {
                     let (time, dt) = (self.state.time, self.clock.dt());
                     if !self.clock.cut() {
                         let hint = self.undivided(&cause);
-                        return Err(SimulationError::StepFailed { step: self.step + 1, time, dt, cause, hint });
+                        return Err(SimulationError::StepFailed {
+                            step: self.step + 1,
+                            time,
+                            dt,
+                            cause: Box::new(cause),
+                            hint,
+                        });
                     }
                     self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Cut, cause.to_string()));
                 }

@@ -160,7 +160,7 @@ impl Bench {
     /// Figures of a run, once for all suites.
     pub fn show(&self, run: &Run, findings: &mut Findings) -> Outcome<()> {
         if self.shown.borrow_mut().insert(run.name.clone()) {
-            let shipped = self.workspace.read(&format!("scenes/{}.toml", run.name)).ok();
+            let shipped = self.workspace.read(format!("scenes/{}.toml", run.name)).ok();
             let reading = shipped.map(|text| header(&text)).unwrap_or_default();
             findings.sections.push(figures::section(run, reading)?);
         }
