@@ -118,7 +118,7 @@ fn what_is_left_out_is_said_and_files_stay() {
     let (code, text) = folder.stoss(&["import", "left-out.inp"]);
     assert_eq!(code, Some(0), "{text}");
     for part in
-        ["left out or changed:", "left-out.inp:33: *PLASTIC: there is no plasticity", "next: stoss check left-out.toml"]
+        ["left out or changed:", "left-out.inp:36: *PLASTIC: there is no plasticity", "next: stoss check left-out.toml"]
     {
         assert!(text.contains(part), "{part} in\n{text}");
     }

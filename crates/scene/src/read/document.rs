@@ -10,7 +10,7 @@ use super::{
 };
 use crate::general_contact::is_default;
 use crate::source::Source;
-use crate::{Beam, Body, Edges, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene};
+use crate::{Beam, Body, Edges, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene, Stage};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeValue;
 
@@ -116,17 +116,12 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let joints: Vec<_> = joint_tables.iter().map(|table| joint::joint(table.as_ref()?, &world)).collect();
     let springs: Vec<_> = spring_tables.iter().map(|table| joint::spring(table.as_ref()?, &world)).collect();
 
-    let mut unique = Unique::new("prescribed component");
     let mut unique_rigid = Unique::new("prescribed rigid body");
     let mut prescriptions = Vec::new();
-    for table in prescribe_tables {
+    for table in &prescribe_tables {
         let prescribe = table.as_ref().and_then(|table| prescribe::prescribe(table, &world));
         if let Some(prescribe) = &prescribe {
             unique_rigid.check(table.as_ref(), "rigid", prescribe.rigid.as_deref());
-            for component in prescribe.components.iter().filter(|_| prescribe.rigid.is_none()) {
-                let set = prescribe.set.as_deref().unwrap_or_default();
-                unique.check(table.as_ref(), "components", Some(&format!("{component} of {set}")));
-            }
         }
         prescriptions.push(prescribe);
     }
@@ -140,6 +135,24 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let stages = event::stages(&stage_tables, &world, time.as_ref(), has_gravity);
     for (table, stage) in stage_tables.iter().zip(&stages) {
         unique.check(table.as_ref(), "name", stage.as_ref().map(|stage| stage.name.as_str()));
+    }
+
+    // A component of a set may have several prescriptions if no stage has two of them.
+    let in_time: Vec<Option<&Stage>> =
+        if stages.is_empty() { vec![None] } else { stages.iter().flatten().map(Some).collect() };
+    for stage in in_time {
+        let mut unique = Unique::new("prescribed component");
+        let mut differ = true;
+        for (table, prescribe) in prescribe_tables.iter().zip(&prescriptions) {
+            let Some((prescribe, set)) = prescribe.as_ref().and_then(|p| Some((p, p.set.as_ref()?))) else { continue };
+            let off = stage.zip(prescribe.name.as_ref()).is_some_and(|(stage, name)| stage.off.contains(name));
+            for component in prescribe.components.iter().filter(|_| !off) {
+                differ &= unique.check(table.as_ref(), "components", Some(&format!("{component} of {set}")));
+            }
+        }
+        if !differ {
+            break;
+        }
     }
 
     let general_contact = root.optional("general_contact", |n| general_contact::general_contact(n, &world));
