@@ -64,7 +64,7 @@ pub fn command(workspace: &Workspace) -> Outcome<bool> {
     Ok(true)
 }
 
-/// The program in the release profile without symbols; only the program itself is built anew for that.
+/// The program in the release profile without symbols; only the program itself is built again for that.
 fn build(workspace: &Workspace, target: &str) -> Outcome<PathBuf> {
     let mut command = workspace.cargo();
     command.args(["build", "--release", "--quiet", "--locked", "-p", "stoss-cli"]);

@@ -38,7 +38,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 pub fn follow(asked: &Follow) -> ExitCode {
     let stop = Arc::new(AtomicBool::new(false));
     if let Err(error) = interrupt::watch(&stop, || {}) {
-        say!("warning: after Ctrl-C the page will go on to load itself anew: {error}");
+        say!("warning: after Ctrl-C the page will continue to reload: {error}");
     }
     match write(&asked.out, Duration::from_secs_f64(asked.interval), &stop) {
         Ok(()) => ExitCode::SUCCESS,
@@ -62,7 +62,7 @@ fn write(out: &Path, interval: Duration, stop: &AtomicBool) -> stoss_report::Out
         let goes_on = stoss::output::is_in_use(out) && !stop.load(Ordering::Relaxed);
         let start = Instant::now();
         let notes = match page.write(out, goes_on.then_some(interval.as_secs_f64())) {
-            // A run that begins anew removes what was there.
+            // A run that starts again removes what was there.
             Err(_) if goes_on && was_told => Vec::new(),
             result => result?,
         };

@@ -91,7 +91,7 @@ fn write(asked: &Import) -> Result<ExitCode, (String, u8)> {
         }
         Err(RunError::Scene(problems)) => {
             diagnostics::print(&scene, &problems);
-            Err((format!("the scene is written, but it cannot run as it is: mend {}", scene.display()), 2))
+            Err((format!("the scene is written, but it cannot run as it is: correct {}", scene.display()), 2))
         }
         Err(error) => Err((error.to_string(), 1)),
     }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How often the flag is looked at in order to say that it was raised.
+/// How often the flag is checked in order to say that it was raised.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// From now on the first SIGINT or SIGTERM raises `stop`, and calls `raised` once from another thread; a second one ends the process

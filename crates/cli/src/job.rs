@@ -36,7 +36,7 @@ pub struct Job {
     /// Continue from the checkpoint in the folder.
     #[arg(long)]
     resume: bool,
-    /// Start anew even if files in the folder that were not written by Stoss are replaced by this.
+    /// Start again even if files in the folder that were not written by Stoss are replaced by this.
     #[arg(long, conflicts_with = "resume")]
     force: bool,
     /// Write the first N linear systems that are factorised into the folder `systems` of the results, as Matrix Market files.

@@ -45,7 +45,7 @@ enum Command {
         #[arg(required = true)]
         out: Vec<PathBuf>,
     },
-    /// Writes the page of a run again and again while the run goes on; a browser that shows it loads it anew. Ends with the run, or by Ctrl-C.
+    /// Writes the page of a run again and again while the run goes on; a browser that shows it loads it again. Ends with the run, or by Ctrl-C.
     Follow(follow::Follow),
     /// Draws a frame of a run as an SVG or PNG file, or all frames as a GIF file; needs no display.
     Picture(picture::Picture),

@@ -40,7 +40,7 @@ pub struct Picture {
     /// Of an animation: every Nth frame only, and the last.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
-    /// Of an animation: it ends with its last frame, instead of beginning anew.
+    /// Of an animation: it ends with its last frame, instead of beginning again.
     #[arg(long)]
     once: bool,
 }

@@ -27,7 +27,7 @@ fn words(kind: DecisionKind) -> &'static str {
         DecisionKind::Cut => "cutback",
         DecisionKind::Grow => "step size grows",
         DecisionKind::Shrink => "next step size halved",
-        DecisionKind::Restart => "step started anew",
+        DecisionKind::Restart => "step started again",
         DecisionKind::Warning => "warning",
         DecisionKind::Stage => "stage",
         DecisionKind::Release => "release",

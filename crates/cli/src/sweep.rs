@@ -14,7 +14,7 @@ use stoss::output::OutputError;
 use stoss::run::RunError;
 use stoss::sweep::{Case, CaseResult, CaseState, SweepPlan, TABLE};
 
-/// How often a running case is looked at.
+/// How often a running case is checked.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Options of `stoss sweep`.
@@ -190,7 +190,7 @@ impl Running<'_> {
         }
     }
 
-    /// Writes the table anew and says how a case ended.
+    /// Writes the table again and says how a case ended.
     fn report(&self, case: &Case, status: ExitStatus) -> Result<(), OutputError> {
         let results = self.plan.collect(&self.out)?;
         let Some(result) = results.get(case.number - 1).filter(|_| !self.quiet) else { return Ok(()) };

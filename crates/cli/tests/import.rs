@@ -144,7 +144,7 @@ fn decks_that_cannot_be_read() {
     std::fs::write(folder.path("bad.inp"), deck.replace("3000.0, 0.0", "wood, 0.0")).unwrap();
     let (code, text) = folder.stoss(&["import", "bad.inp"]);
     assert!(code == Some(2) && text.contains("bad.inp:92") && !folder.path("bad.toml").exists(), "{text}");
-    // A dynamic step needs a density: the scene is there to be mended, and the problem is told.
+    // A dynamic step needs a density: the scene is there to be mended, and the problem is reported.
     let dynamic = deck.replace("*STATIC\n1.0, 2.0", "*DYNAMIC\n0.1, 2.0");
     std::fs::write(folder.path("light.inp"), dynamic).unwrap();
     let (code, text) = folder.stoss(&["import", "light.inp"]);

@@ -265,7 +265,7 @@ fn table(folder: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
     let text = std::fs::read_to_string(folder.join("sweep.csv")).unwrap();
     let mut lines = text.lines();
     let names: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
-    // No reason in these tests has a comma outside of the last cells that are looked at.
+    // No reason in these tests has a comma outside of the last cells that are checked.
     lines.map(|line| names.iter().cloned().zip(line.split(',').map(str::to_owned)).collect()).collect()
 }
 

@@ -321,7 +321,7 @@ fn bodies_in_the_same_place_are_noticed() {
     let plan = stoss(folder.path(), &["check", "scene.toml"]);
     let text = String::from_utf8_lossy(&plan.stdout).into_owned();
     assert_eq!(plan.status.code(), Some(0), "{}", stderr(&plan));
-    assert!(text.contains("warning: upper.bottom/lower.top: the bodies lie in each other: 18 elements"), "{text}");
+    assert!(text.contains("warning: upper.bottom/lower.top: the bodies overlap: 18 elements"), "{text}");
     assert!(text.contains("move one of the bodies"), "{text}");
 }
 

@@ -4,7 +4,7 @@
 //!
 //! | behind the fence | role |
 //! |---|---|
-//! | `LANGUAGE file=NAME` | the block is the file NAME, which is written anew |
+//! | `LANGUAGE file=NAME` | the block is the file NAME, which is written again |
 //! | `LANGUAGE append=NAME` | the block is added at the end of the file NAME |
 //! | `LANGUAGE part-of=NAME` | the lines of the block stand together in the file NAME |
 //! | `sh`, `sh exit=N` | every line is a command; all end with 0, the last one with N |

@@ -10,7 +10,7 @@
 //! * [`Skin`]: vertices, edges, triangles and points of integration of all bodies, with their weights;
 //! * [`Interactions`]: who acts on whom, how stiff, with which friction;
 //! * [`first_look`]: surfaces that cross before the first step, and the smallest distances;
-//! * [`Overlaps`]: bodies that lie in each other, and how far they have to be moved;
+//! * [`Overlaps`]: bodies that overlap, and how far they have to be moved;
 //! * [`GeneralContact`]: the sum, as a potential of the solver, with the collision detection that keeps iterates from passing through each other.
 //!
 //! Signs: a `gradient` is that of an energy, to be added to a residual; the force on the nodes is minus it.

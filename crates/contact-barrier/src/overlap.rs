@@ -1,4 +1,4 @@
-//! Bodies that lie in each other: how far one has to be moved to be free of the other.
+//! Bodies that overlap: how far one has to be moved to be free of the other.
 
 use crate::{Interactions, Skin, SkinFacet, first_look, is_closed};
 use nalgebra::Vector3;
@@ -172,7 +172,7 @@ impl<'a> Overlaps<'a> {
         Aabb { min: bounds.min + shift, max: bounds.max + shift }
     }
 
-    /// How `a`, moved by `shift`, lies to `b`; distances below `reach` are told.
+    /// How `a`, moved by `shift`, lies to `b`; distances below `reach` are reported.
     pub fn relation(&self, bodies: [u32; 2], shift: &Vector3<f64>, reach: f64) -> Relation {
         let [a, b] = bodies;
         if !self.moved_bounds(a, shift).inflated(reach).overlaps(&self.bodies[&b].bounds()) {
@@ -204,7 +204,7 @@ impl<'a> Overlaps<'a> {
         Relation::Apart(look.nearest.values().next().map(|nearest| nearest.distance))
     }
 
-    /// Whether one of two bodies is wholly inside the other: all points just below its surface that are looked at.
+    /// Whether one of two bodies is wholly inside the other: all points just below its surface that are checked.
     pub fn is_enclosed(&self, bodies: [u32; 2]) -> bool {
         let [a, b] = bodies.map(|body| &self.bodies[&body]);
         let is_within = |inner: &Surface, outer: &Surface| {

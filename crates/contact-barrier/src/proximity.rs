@@ -2,7 +2,7 @@
 //!
 //! All points follow a *course*: straight lines from common starts, passed during the same time, and some room around them. Pairs that the courses, with the room, may bring together are the candidates: as long
 //! as the points are somewhere on their courses, all at the same time, no other pair can be in the layer, nor can others pass through each other. Only relative motion counts, so a body that flies, turns or
-//! bends far in a step has no more candidates than one at rest. Where an iterate leaves the courses, they begin anew from it.
+//! bends far in a step has no more candidates than one at rest. Where an iterate leaves the courses, they start again from it.
 
 use crate::{Interactions, PairTerm, Skin};
 use nalgebra::Vector3;
@@ -139,7 +139,7 @@ impl Proximity {
         part
     }
 
-    /// Begins the courses anew; false if that makes too many candidates, and these are `limited`.
+    /// Begins the courses again; false if that makes too many candidates, and these are `limited`.
     fn try_follow(
         &mut self,
         skin: &Skin,
@@ -373,7 +373,7 @@ mod tests {
         pairs
     }
 
-    /// What comes into the layer on the courses, with the room around them, is a candidate, and so is what was kept; the courses begin anew where they are left.
+    /// What comes into the layer on the courses, with the room around them, is a candidate, and so is what was kept; the courses start again where they are left.
     #[test]
     fn nothing_near_is_missed() {
         let mut rng = Rng::with_seed(7);

@@ -54,14 +54,14 @@ impl MultiplierBasis {
         if space == MultiplierSpace::Standard {
             return standard(false);
         }
-        // Scaled to unit row sums of the constant: the eigenvalues tell how well the functions are told apart.
+        // Scaled to unit row sums of the constant: the eigenvalues tell how well the functions are distinguished.
         let nodes = integrals.kind.node_count();
         if integrals.shape[..nodes].iter().any(|s| s.is_nan() || *s <= 0.0) {
             return standard(true);
         }
         let scale = NodeVector::from_fn(|i, _| if i < nodes { 1.0 / integrals.shape[i].sqrt() } else { 0.0 });
         let mass = matrix(&integrals.mass);
-        // Where there is no node a row of the identity, which tells nothing and drops out again.
+        // Where there is no node a row of the identity, which gives no information and drops out again.
         let absent = |i: usize, j: usize| if i == j && i >= nodes { 1.0 } else { 0.0 };
         let scaled = NodeMatrix::from_fn(|i, j| scale[i] * mass[(i, j)] * scale[j] + absent(i, j));
         let eigen = SymmetricEigen::new(scaled).eigenvalues;

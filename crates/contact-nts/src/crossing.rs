@@ -12,7 +12,7 @@
 //! surface between the two points, and vanishes where the two facets are coplanar. Our extension: the thesis keeps the facet.
 //!
 //! The midpoint rule takes the same element. Without `theta` a node that runs from a floor on a wall would be lifted by a pressure along the floor's
-//! normal, with work that nobody does.
+//! normal, with work that no force does.
 
 use crate::kinematics::{Gap, LOCAL, Local, NODES};
 use stoss_reference_element::Nodal;

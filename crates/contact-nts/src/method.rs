@@ -531,7 +531,7 @@ impl ContactMethod for NodeToSurface {
         changes += self.relax(q_np1, active)? + self.rechoose_midpoint_facets(q_np1, active)?;
         for (slot, &active) in self.slots.iter_mut().zip(active) {
             if !active {
-                // A released node that closes again is paired anew.
+                // A released node that closes again is paired again.
                 slot.pairing = None;
             }
         }

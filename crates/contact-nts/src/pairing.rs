@@ -238,7 +238,7 @@ impl NodeToSurface {
         let slot = &mut self.slots[slot];
         slot.gap_n = gap_n;
         slot.reference = match self.constraint {
-            // One that was left behind is not pushed out, which would take work that nobody does.
+            // One that was left behind is not pushed out, which would take work that no force does.
             ConstraintForm::Standard if slot.kept < 0.0 => gap_n.min(0.0),
             ConstraintForm::Standard => 0.0,
             ConstraintForm::Modified => gap_n,

@@ -6,7 +6,7 @@ use stoss_contact::{ContactSurface, FacetNodes};
 use stoss_reference_element::Nodal;
 
 /// Returns of one node to a facet that it had in this step already, after which it stays on the extension of the last one. A node in a
-/// valley or on a ridge can be sent to and fro between two facets for ever. Staying is harmless: every pairing conserves, the extension
+/// valley or on a ridge can be sent back and forth between two facets without end. Staying is harmless: every pairing conserves, the extension
 /// differs from the other facet by the kink times the overshoot, and the next step starts from there with its gap.
 const MAX_RETURNS: u32 = 2;
 /// Most facets of one node in one step; a search that finds the facet at once needs two or three.

@@ -1,5 +1,5 @@
 //! The element with 17 invariants against theory/node-to-surface#eq-discrete-gradient evaluated without elimination: invariants, constraints and their
-//! discrete derivative are written anew, all derivatives are central differences, and the auxiliary multipliers come from the
+//! discrete derivative are written again, all derivatives are central differences, and the auxiliary multipliers come from the
 //! rows of director and coordinates. Work, momenta and frame indifference hold for many discrete gradients; this says which one it is.
 
 use nalgebra::{DMatrix, DVector, Matrix5, SVector, Vector3, Vector5};

@@ -53,7 +53,7 @@ impl SurfaceTree {
         }
     }
 
-    /// Forgets where it was fitted: whoever tells a surface what carries it has to fit the tree anew.
+    /// Forgets where it was fitted: whoever tells a surface what carries it has to fit the tree again.
     pub fn forget(&mut self) {
         self.fitted.clear();
     }

@@ -116,7 +116,7 @@ fn a_cycle_takes_the_union_once_then_one_slot_at_a_time_and_is_then_reported() {
     let second = control.propose(&mut active, &[0.0, -1.0, 0.0], &[-1.0, 0.0, 1.0], &c);
     assert_eq!((second, active), (ActiveSetOutcome::Union { activated: 1, released: 0 }, [true, true, false]));
     assert_eq!(control.flipping(), [0, 1]);
-    // The sets before the union are judged anew: {0} once more, and {0, 1} again, which was the union.
+    // The sets before the union are judged again: {0} once more, and {0, 1} again, which was the union.
     let third = control.propose(&mut active, &[1.0, -1.0, 0.0], &[0.0, 0.0, 1.0], &c);
     assert_eq!((third, active), (ActiveSetOutcome::Changed { activated: 0, released: 1 }, [true, false, false]));
     // It came back: slots are turned one at a time, first the one that is most wrong, then the first, until that comes back, too.

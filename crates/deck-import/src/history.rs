@@ -76,7 +76,7 @@ fn origin(amplitude: &Amplitude, start: f64) -> f64 {
     if amplitude.is_total_time { 0.0 } else { start }
 }
 
-/// The stages of a support as parts each of which is one function: where it ends and begins anew the nodes are elsewhere in between, and a displacement cannot begin
+/// The stages of a support as parts each of which is one function: where it ends and starts again the nodes are elsewhere in between, and a displacement cannot begin
 /// with the end of a motion whose start is not known.
 pub(crate) fn parts(chain: &Chain, values: &[Value]) -> Vec<Chain> {
     let mut all: Vec<Chain> = Vec::new();

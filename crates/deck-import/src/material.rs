@@ -114,7 +114,7 @@ fn ogden(given: &Hyperelastic) -> Result<Law, String> {
         }
     };
     notes.push((
-        "the volumetric energy is kappa/4 (J^2 - 1 - 2 ln J) in the place of (J - 1)^2/D1: the same bulk modulus at small strains".to_owned(),
+        "the volumetric energy is kappa/4 (J^2 - 1 - 2 ln J) in place of (J - 1)^2/D1: the same bulk modulus at small strains".to_owned(),
         String::new(),
     ));
     let text = format!(

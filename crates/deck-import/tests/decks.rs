@@ -478,7 +478,7 @@ fn displacements_of_later_steps() {
     let [only] = tables(&import, "prescribe").try_into().unwrap();
     assert_eq!(only["displacement"].to_string(), "{ table = [[0.0, 0.0], [1.0, 0.5], [2.0, 0.75]] }");
     assert!(!only.contains_key("ramp_until"));
-    // Along an inclined axis there is no ramp, and that is told.
+    // Along an inclined axis there is no ramp, and that is reported.
     let import =
         cube(&format!("*TRANSFORM, NSET=Top\n0.6, 0.8, 0, -0.8, 0.6, 0\n{}", steps("*BOUNDARY\nTop, 1, 1, 0.5\n")));
     assert!(!tables(&import, "prescribe")[1].contains_key("ramp_until"));

@@ -329,7 +329,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
     }
 
     /// The pressures at the Gauss points that a linear step from the iterate `before` led to: `p + p' dtheta`, all three at `before`, with the linear change
-    /// `cof F : dF` of the volume. With these in the place of the pressures the tangent is that of Newton's method for displacements *and* pressures, from which the
+    /// `cof F : dF` of the volume. With these in place of the pressures the tangent is that of Newton's method for displacements *and* pressures, from which the
     /// latter were eliminated; the force is the same. `pressure` is a pressure and its derivative at a point for given dilatations. `None` if `before` has no state.
     fn continued(
         &self,

@@ -10,7 +10,7 @@
 //! * a normal that follows the closest features: the normal of a moving triangle, of two moving edges, or across a moving edge; a polynomial of degree two at most. `n . (x_i - x_j) - limit |n|` is bounded from below by
 //!   coefficients in the Bernstein basis. Thus two bodies that turn together need no more evaluations than two at rest, which with fixed normals alone would go on in steps of distance over length.
 //!
-//! From there the closest points are looked for anew. Every bound has room for the round-off of its evaluation. No roots are looked for, so none can be missed.
+//! From there the closest points are looked for again. Every bound has room for the round-off of its evaluation. No roots are looked for, so none can be missed.
 //!
 //! **What it is not.** The result is not the time of contact: it is smaller, also where no contact follows but the distance falls below the limit. Pairs whose distance at the start is round-off, or zero, have no safe fraction: 0.
 

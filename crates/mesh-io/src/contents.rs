@@ -477,7 +477,7 @@ impl Contents {
                 ),
                 NON_CONFORMING_REMEDY,
             ),
-            _ => (text, "mend the mesh"),
+            _ => (text, "correct the mesh"),
         };
         self.error(place, value, remedy)
     }

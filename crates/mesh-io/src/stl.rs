@@ -16,7 +16,7 @@
 //! number of facets (`u32`), and 50 bytes a facet: normal and three vertices (twelve `f32`) and two bytes without
 //! meaning.
 //!
-//! The two are told apart by the length, which the number of facets of a binary file fixes; a binary header may begin
+//! The two are distinguished by the length, which the number of facets of a binary file fixes; a binary header may begin
 //! with `solid`.
 //!
 //! Normals are not used: the order of the vertices says where outside is. A file has no units either; the caller may

@@ -27,7 +27,7 @@ pub struct MeshSurvey {
     pub nodes: usize,
     /// Smallest and largest coordinates (lengths).
     pub bounding_box: ([f64; 3], [f64; 3]),
-    /// Quality of the elements, which are told by their numbers in the file.
+    /// Quality of the elements, which are reported by their numbers in the file.
     pub quality: QualityReport,
     /// Pieces of which no two have a node in common.
     pub pieces: usize,
@@ -90,7 +90,7 @@ impl Contents {
         cells.sort_by_key(|(first, _)| *first);
         let checked = self.mesh(group);
         let mut reasons: Vec<String> = checked.as_ref().err().map(ToString::to_string).into_iter().collect();
-        // What the elements are like is told even if there are others beside them.
+        // What the elements are like is reported even if there are others beside them.
         let mesh = match (&checked, group) {
             (Ok(mesh), _) => Some(self.survey_mesh(mesh, group)),
             (Err(_), None) => self.usable().ok().map(|mesh| self.survey_mesh(&mesh, None)),
@@ -123,7 +123,7 @@ impl Contents {
 
     fn survey_mesh(&self, mesh: &Mesh, group: Option<&str>) -> MeshSurvey {
         let coincident = mesh.coincident_nodes();
-        // Elements and nodes are told by their numbers in the file.
+        // Elements and nodes are reported by their numbers in the file.
         let (nodes, elements) = self.kept_of(group);
         let number = |n: u32| nodes.get(n as usize).map(|&old| self.node_source[old as usize].number);
         let in_file =

@@ -191,7 +191,7 @@ fn contents(text: &str) -> Contents {
     read_contents_from_bytes("part.inp", text.as_bytes(), &mut |_| Err(std::io::ErrorKind::NotFound.into())).unwrap()
 }
 
-/// What is read otherwise than it is written is told.
+/// What is read otherwise than it is written is reported.
 #[test]
 fn notes() {
     let text = format!("{CUBE}*SURFACE, NAME=a, TYPE=SEGMENTS\n1,2\n").replace("c3d8", "c3d8r");

@@ -533,7 +533,7 @@ fn errors_of_cells() {
     }
 }
 
-/// A quadrilateral on triangles is told with the numbers of the file; the parts alone can be read.
+/// A quadrilateral on triangles is reported with the numbers of the file; the parts alone can be read.
 #[test]
 fn hexahedra_beside_tetrahedra_are_refused() {
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n9\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n\

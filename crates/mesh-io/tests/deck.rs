@@ -188,7 +188,7 @@ fn steps_are_kept() {
     assert_eq!(modes.procedure, Some(Procedure::Other("FREQUENCY".to_owned())));
 }
 
-/// What is not kept is told, with its line, and equal things in a row once.
+/// What is not kept is reported, with its line, and equal things in a row once.
 #[test]
 fn what_is_left_out_is_told() {
     let deck = read(&format!("{MESH}{MODEL}{STEPS}")).unwrap();

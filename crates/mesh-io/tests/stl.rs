@@ -1,4 +1,4 @@
-//! STL: both kinds there and back, how they are told apart, what errors say.
+//! STL: both kinds there and back, how they are distinguished, what errors say.
 
 use stoss_mesh::surface::{Cone, Cuboid, Cylinder, RoundDivisions, Sphere};
 use stoss_mesh::{MassProperties, MeshError, SurfaceMesh};

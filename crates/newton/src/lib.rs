@@ -19,7 +19,7 @@
 //! to arrive at round-off. See [`NewtonOptions::polish`].
 //!
 //! # What if it cycles?
-//! A residual with kinks (stick and slip, closed and open, the facets of a surface) can make Newton's method jump between its smooth pieces for ever. When the
+//! A residual with kinks (stick and slip, closed and open, the facets of a surface) can make Newton's method jump between its smooth pieces without end. When the
 //! last residuals, after full steps, are equal to those of two or three iterations before, the next step is half as long: it ends between the pieces, and the
 //! iteration continues from there.
 //!

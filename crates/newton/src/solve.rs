@@ -25,7 +25,7 @@ pub fn solve<P: NewtonProblem>(
     }
 }
 
-/// Step length when the iteration cycles: Newton's method may jump for ever between the smooth pieces of a residual with kinks (stick and slip, the
+/// Step length when the iteration cycles: Newton's method may jump without end between the smooth pieces of a residual with kinks (stick and slip, the
 /// facets of a surface). A step of this length ends between them.
 const CYCLE_STEP: f64 = 0.5;
 
@@ -104,7 +104,7 @@ fn measure(residual: f64, scale: f64, violation: f64) -> f64 {
     // A multiplier of stick far beyond what friction can carry violates its row by many lengths: it will slide. A residual of forces is not much larger
     // than their scale, however wrong the iterate is.
     let part = violation.min(1.0);
-    // Not `max`, which loses a residual that is NaN; a violation is looked at by `Norms::is_finite`.
+    // Not `max`, which loses a residual that is NaN; a violation is checked by `Norms::is_finite`.
     if part * scale > residual { part * scale } else { residual }
 }
 

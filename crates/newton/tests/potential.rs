@@ -123,7 +123,7 @@ fn steps_that_go_up_are_shortened() {
     assert!(residuals.windows(2).all(|w| w[1] < w[0]), "{residuals:?}");
 }
 
-/// Iterations that go down do not use up the limit, but not for ever.
+/// Iterations that go down do not use up the limit, but not without end.
 #[test]
 fn a_long_way_down_is_gone() {
     // A long slope, on which steps are limited by the curvature, to a minimum at 40.

@@ -16,7 +16,7 @@ pub struct Pace {
     pub fps: f64,
     /// Every how many stored frames one is shown; the last one always is.
     pub every: usize,
-    /// Whether it begins anew after its end.
+    /// Whether it starts again after its end.
     pub repeats: bool,
 }
 

@@ -278,7 +278,7 @@ fn who_follows_a_run_reads_a_frame_once() {
     assert_eq!(follower.write(path, None).unwrap(), Vec::<String>::new());
     assert!(shown() == wanted);
     assert!(!std::fs::read_to_string(path.join(NAME)).unwrap().contains("content=\"2.5\""));
-    // One that was written anew is.
+    // One that was written again is.
     std::fs::write(&frame, "?").unwrap();
     assert!(follower.write(path, None).unwrap()[0].contains("frame_000001.vtu"));
     assert_eq!(shown().0["animation"]["times"].as_array().unwrap().len(), 1);
@@ -386,7 +386,7 @@ fn a_browser_shows_it() {
     write(&[plain.path()]).unwrap();
     let (document, console) = load(browser, &plain.path().join(NAME), "#t=0&tab=Solver&view=0,90");
     assert!(document.contains("data-state=\"ready\"") && console.is_empty(), "{console:?}");
-    // An error of the page is told, so that the test can fail.
+    // An error of the page is reported, so that the test can fail.
     let file = one.path().join(NAME);
     let text = std::fs::read_to_string(&file).unwrap().replacen("class=\"run\">H4s", "class=\"run\">H5s", 1);
     std::fs::write(&file, text).unwrap();
@@ -400,7 +400,7 @@ fn a_browser_shows_a_sweep_and_keeps_what_it_shows_over_a_reload() {
         return;
     };
     let (one, sweep) = (folder(), sweep());
-    // A page that loads itself anew is as it was before.
+    // A page that loads itself again is as it was before.
     Follower::default().write(one.path(), Some(0.3)).unwrap();
     with_test(&one.path().join(NAME));
     let (document, console) = load(browser, &one.path().join(NAME), "#test-reload");

@@ -4,9 +4,9 @@
 //!
 //! | written | holds at |
 //! |---|---|
-//! | `part.set`, `part.'odd name'` | the nodes, facets, elements of the set; a name that is no word stands in single quotes |
+//! | `part.set`, `part.'odd name'` | the nodes, facets, elements of the set; a name that is no word is put in single quotes |
 //! | a name of the table `[sets]` | the same |
-//! | `x > 0.2`, `0 <= x <= 1`, `hypot(x, y) = radius` | nodes by reference coordinates `x y z` in the place of the part; `< <= > >= = !=`, chains, and arithmetic with the parameters |
+//! | `x > 0.2`, `0 <= x <= 1`, `hypot(x, y) = radius` | nodes by reference coordinates `x y z` in place of the part; `< <= > >= = !=`, chains, and arithmetic with the parameters |
 //! | `nearest(part, 0.1, 0.2, 0)` | the node nearest to a point, of a part or of a set |
 //! | `normal(part, 0, 0, 1, 30)` | facets whose outward reference normal is within 30 degrees of a direction |
 //! | `!a`, `a & b`, `a - b`, `a \| b`, `( )` | not, and, and not, or; `!` binds closest, then `&` and `-`, then `\|`. The minus of sets has blanks around it |

@@ -1,4 +1,4 @@
-//! `[parameters]`, expressions in the place of numbers, `--set`, `[sweep]`.
+//! `[parameters]`, expressions in place of numbers, `--set`, `[sweep]`.
 
 use stoss_scene::{MeshSource, OwnNames, Scene, SceneErrors, parse, parse_set};
 

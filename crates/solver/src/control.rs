@@ -232,7 +232,7 @@ mod tests {
         assert_eq!(clock.dt(), 0.05);
         assert_eq!([6, 6].map(|n| clock.accept(n)), [StepChange::None, StepChange::Doubled]);
         assert!((clock.dt() - 0.1).abs() < 1e-15);
-        // A hard step begins the count anew.
+        // A hard step begins the count again.
         assert_eq!([6, 7, 1].map(|n| clock.accept(n)), [StepChange::None; 3]);
         // And a larger step begins at a multiple of itself: 40 ticks are none of 16.
         assert_eq!([1, 1].map(|n| clock.accept(n)), [StepChange::None, StepChange::Doubled]);

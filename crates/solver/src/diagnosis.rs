@@ -111,7 +111,7 @@ pub(crate) fn linear_error(
             node: slot_name(model, pair, slot, &iterate.q),
         },
         at: Box::new(slot_place(model, pair, slot, &iterate.q)),
-        hint: pressure_hint(model, system, pair, slot, &iterate.q).into(),
+        hint: pressure_hint(model, system, iterate, pair, slot).into(),
     }
 }
 
@@ -133,11 +133,15 @@ fn multiplier_hint(model: &Model, pair: usize, slot: usize, active: &[Vec<bool>]
 }
 
 /// Why the pressure of a contact is not determined.
-fn pressure_hint(model: &Model, system: &System, pair: usize, slot: usize, q: &[f64]) -> &'static str {
-    let node = slot_place(model, pair, slot, q).node;
+fn pressure_hint(model: &Model, system: &System, iterate: &Iterate, pair: usize, slot: usize) -> &'static str {
+    let node = slot_place(model, pair, slot, &iterate.q).node;
     if node.is_some_and(|node| model.follows_its_face(node)) {
         return "it is in the middle of a face with 8 nodes and moves with it, so that its constraint follows from others: use `method = \"mortar\"`, or a penalty, or exchange slave and master";
     }
+    // Of pressures that depend on each other the factorisation may meet any one last.
+    let reports = model.contacts[pair].method.report(&iterate.q).unwrap_or_default();
+    let mut closed = reports.iter().zip(&iterate.active[pair]).filter(|(_, active)| **active);
+    let follow = closed.any(|(report, _)| model.follows_its_face(report.node));
     let is_guided = |node: u32| {
         let mut slots = model
             .contacts
@@ -150,6 +154,8 @@ fn pressure_hint(model: &Model, system: &System, pair: usize, slot: usize, q: &[
         |node: u32| own(node) && (0..3).any(|i| system.numbering.equation.get(3 * node as usize + i) == Some(&NONE));
     if node.is_some_and(|node| is_guided(node) || is_prescribed(node)) {
         "prescribed motion, or a support along a normal, holds its node as well: leave the nodes that touch out of the support, or those that are held out of the contact"
+    } else if follow {
+        "it follows from those of other nodes, because the middle of a face with 8 nodes moves with the face: use `method = \"mortar\"`, or a penalty, or exchange slave and master"
     } else {
         "its constraint follows from others: is the same contact given twice, or is the motion of all nodes there prescribed?"
     }

@@ -33,7 +33,7 @@ pub enum EventRecord {
         /// Whether it continues from a checkpoint.
         resumed: bool,
     },
-    /// No error, but it deserves a look.
+    /// No error, but it needs attention.
     Warning {
         /// In words.
         message: String,

@@ -54,7 +54,7 @@ pub enum Event<'a> {
         /// Whether it continues from a checkpoint.
         resumed: bool,
     },
-    /// No error, but it deserves a look.
+    /// No error, but it needs attention.
     Warning(&'a str),
     /// A step was completed.
     Step {

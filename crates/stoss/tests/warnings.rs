@@ -1,4 +1,4 @@
-//! What `stoss check` warns of in meshes and contacts, and what a singular system is told to be.
+//! What `stoss check` warns of in meshes and contacts, and what a singular system is reported to be.
 use std::path::Path;
 
 fn build(scene: &str) -> stoss::build::Built {

@@ -79,7 +79,7 @@ pub(crate) fn observe(
             if pressure.abs() > small || pressure.is_nan() {
                 add(Level::Wrong, format!("{} is open but has the pressure {pressure:.2e}", node()), pressure.abs());
             }
-            // Of surfaces that are looked at themselves the gap of an open node may be that to an extended facet.
+            // Of surfaces that are checked themselves the gap of an open node may be that to an extended facet.
             let behind = -point.gap.unwrap_or(0.0) / edge;
             if bodies.is_none() && behind > limit && behind < 1.0 {
                 add(
@@ -95,7 +95,7 @@ pub(crate) fn observe(
         }
         if let Some(gap) = point.gap.filter(|_| exact) {
             let part = (gap - point.reference_gap).abs() / edge;
-            // At rims a weighted gap, or that to an extended facet, need not be one of the surfaces, which are looked at themselves.
+            // At rims a weighted gap, or that to an extended facet, need not be one of the surfaces, which are checked themselves.
             if part > limit {
                 add(Level::Doubtful, format!("{} is closed but has a gap of {part:.3} edge lengths", node()), part);
             }

@@ -250,7 +250,7 @@ impl Surface {
         self.inner = inner;
     }
 
-    /// Takes over positions; the first time the tree is built anew. A rigid surface that stays where it is takes one comparison.
+    /// Takes over positions; the first time the tree is built again. A rigid surface that stays where it is takes one comparison.
     pub fn place(&mut self, q: &[f64], build: bool) {
         let at = |node: u32| &q[3 * node as usize..3 * node as usize + 3];
         let mut pairs = self.nodes.iter().zip(&self.points);

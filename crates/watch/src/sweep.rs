@@ -14,7 +14,7 @@ const DEEP: f64 = 0.3;
 /// edge between them, if it is nearer to where they meet than this part of an edge: the node went around, and the straight line from check to check cuts the edge off.
 const GRAZING: f64 = 0.05;
 
-/// Subdivisions of a step in which the sign of the distance to a moving plane is looked at; roots are bisected.
+/// Subdivisions of a step in which the sign of the distance to a moving plane is checked; roots are bisected.
 const SAMPLES: usize = 8;
 
 /// Boxes of the triangles of a surface over a step.

@@ -202,10 +202,7 @@ fn scenes_that_cannot_start_are_refused() {
             + &cube("b", [0.2, 0.1, z], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 2)
     };
     let inside = problems(&(head("energy-momentum", 0.1, 1.0) + &two(0.9) + "[general_contact]\n"));
-    assert!(
-        inside.contains("`a` and `b` lie in each other") || inside.contains("`b` and `a` lie in each other"),
-        "{inside}"
-    );
+    assert!(inside.contains("`a` and `b` overlap") || inside.contains("`b` and `a` overlap"), "{inside}");
     let scheme = problems(&(head("midpoint", 0.1, 1.0) + &two(1.5) + "[general_contact]\n"));
     assert!(scheme.contains("has no general contact") && scheme.contains("energy-momentum"), "{scheme}");
     let stage = "[[stage]]\nname = \"fall\"\nkind = \"dynamic\"\nuntil = 1.0\nintegrator = { scheme = \"midpoint\" }\n";
@@ -352,7 +349,7 @@ fn it_is_the_default_where_no_pair_is_named() {
     assert_eq!(free("energy-momentum", &meant).0, ["general"]);
 }
 
-/// Bodies that start apart, by less than the thickness that the scene gives: they are told, with gap and thickness.
+/// Bodies that start apart, by less than the thickness that the scene gives: they are reported, with gap and thickness.
 #[test]
 fn a_thickness_above_the_gap_is_told() {
     let warnings = |gap: f64, keys: &str| {

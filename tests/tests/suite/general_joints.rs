@@ -44,7 +44,7 @@ fn a_released_body_lands_on_what_held_it() {
     assert!(fallen.level == Level::Wrong && fallen.to_string().contains("inside `base`"), "{fallen}");
     // What lies in the other one at the start cannot be kept apart later.
     let warnings = try_build(&dropped(-0.1, RELEASE)).unwrap().warnings;
-    assert!(warnings.iter().any(|w| w.contains("`base` and `block`, which lie in each other")), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.contains("`base` and `block`, which overlap")), "{warnings:?}");
 }
 
 /// An arm on a hinge that falls over, into what the hinge stands on.
@@ -72,7 +72,7 @@ fn an_arm_that_falls_through_its_stand_is_seen() {
     assert_eq!(judged(&named).level, Level::Sound);
 }
 
-/// Bars that lie in each other around their joint: that is what joints are for.
+/// Bars that overlap around their joint: that is what joints are for.
 #[test]
 fn bars_may_lie_in_each_other_at_their_joint() {
     let bar = |name: &str, x: f64, size: &str, divisions: &str, velocity: &str| {

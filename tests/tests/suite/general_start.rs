@@ -1,4 +1,4 @@
-//! Bodies that lie in each other at the start: they are told, refused, or moved apart.
+//! Bodies that overlap at the start: they are reported, refused, or moved apart.
 
 use crate::general_contact::{MATERIAL, cube, head, try_build};
 use stoss::solver::Simulation;
@@ -121,5 +121,5 @@ fn blocks_of_all_cells_may_touch() {
     }
     // What lies in another one is still refused, however little.
     let error = try_build(&stack("hex20", [[2, 2, 2], [3, 3, 2]], turned, 0.49999)).unwrap_err();
-    assert!(error.contains("lie in each other"), "{error}");
+    assert!(error.contains("overlap"), "{error}");
 }

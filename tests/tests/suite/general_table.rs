@@ -82,7 +82,7 @@ fn bodies_in_each_other_are_not_called_touching() {
     let contact = "[[contact]]\nmethod = \"nts\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n[general_contact]\n";
     for text in [scene(EM, &floor), scene(EM, &(high.clone() + contact))] {
         let message = refused(&text);
-        assert!(message.contains("`a` and `b` lie in each other at the start, near"), "{message}");
+        assert!(message.contains("`a` and `b` overlap at the start, near"), "{message}");
     }
     let message = refused(&scene(EM, &(high + "[general_contact]\ninitial = \"separate\"\n")));
     assert!(message.contains("no motion of `a` by 2.500e-1 and of `b` by 2.500e-1, a quarter"), "{message}");

@@ -186,7 +186,7 @@ fn verdict(text: &str) -> (String, String) {
     (value["verdict"]["level"].as_str().unwrap_or_default().to_owned(), value["verdict"].to_string())
 }
 
-/// Two boxes of edge 1 that lie in each other by 0.4 about the point (0.8, 0, 0), with a joint there or without.
+/// Two boxes of edge 1 that overlap by 0.4 about the point (0.8, 0, 0), with a joint there or without.
 fn overlapping(joint: &str) -> String {
     let shape = "shape = { kind = \"box\", size = [1, 1, 1], divisions = [2, 2, 2] }\ndensity = 1.0\n";
     let part = |name: &str, x: f64| format!("[[rigid]]\nname = \"{name}\"\n{shape}position = [{x:?}, 0, 0]\n");

@@ -99,7 +99,7 @@ fn full_slip_has_the_coefficient() {
     }
 }
 
-/// Exact stick: dragged to and fro below the bound, everything comes back to where it was, nothing is stored or dissipated, but for what the rounds of
+/// Exact stick: dragged back and forth below the bound, everything comes back to where it was, nothing is stored or dissipated, but for what the rounds of
 /// an augmented Lagrangian leave.
 #[test]
 fn exact_stick_does_no_work() {

@@ -1,4 +1,4 @@
-//! What is told about the pairs of surfaces of a scene before it runs.
+//! What is reported about the pairs of surfaces of a scene before it runs.
 
 use crate::support::two_blocks;
 
@@ -17,7 +17,7 @@ fn two_contacts_with_exchanged_surfaces_are_told() {
     assert_eq!(warnings(&springs), Vec::<String>::new());
 }
 
-/// Surfaces that look past each other are told, whichever of them is the slave; those that touch are not.
+/// Surfaces that look past each other are reported, whichever of them is the slave; those that touch are not.
 #[test]
 fn surfaces_that_do_not_face_each_other_are_told() {
     let warnings = |slave: &str, master: &str, method: &str| {

@@ -7,7 +7,7 @@ use super::Finding;
 use super::source::Source;
 
 /// Phrases that are not used, in lower case, and what says it instead.
-const TERMS: [(&str, &str); 9] = [
+const TERMS: [(&str, &str); 24] = [
     ("is told", "is reported"),
     ("are told", "are reported"),
     ("does not tell", "does not report"),
@@ -17,6 +17,21 @@ const TERMS: [(&str, &str); 9] = [
     ("ledger", "balance of energy, balance.csv"),
     ("blow of an impact", "force of an impact"),
     ("looks of the watch", "checks of the watch"),
+    ("lie in each other", "overlap"),
+    ("lies in each other", "overlaps"),
+    ("mend the", "correct the"),
+    ("deserves a look", "needs attention"),
+    ("is looked at", "is checked"),
+    ("are looked at", "are checked"),
+    ("two looks", "two checks"),
+    ("anew", "again"),
+    ("in the place of", "in place of"),
+    ("tells nothing", "gives no information"),
+    ("work that nobody does", "work that no force does"),
+    ("for ever", "without end "),
+    ("to and fro", "back and forth"),
+    ("keeps what it keeps", "conserves its quantities"),
+    ("is no mistake", "is correct"),
 ];
 
 /// Documents of developers.

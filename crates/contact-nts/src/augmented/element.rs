@@ -259,7 +259,7 @@ impl Dense {
         Some(())
     }
 
-    /// Puts the last two rows in the place of the two before them.
+    /// Puts the last two rows in place of the two before them.
     fn move_rows(&mut self, dim: usize, tangent: bool) {
         self.residual.copy_within(dim - 2..dim, dim - 4);
         if tangent {

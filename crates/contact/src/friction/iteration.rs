@@ -115,7 +115,7 @@ impl PointIteration {
 
     /// Looks at an iterate that is linearised.
     ///
-    /// A point that slides against the direction of the iterate before would be sent back by the tangent of the sliding branch, and so on for ever:
+    /// A point that slides against the direction of the iterate before would be sent back by the tangent of the sliding branch, and so on without end:
     /// the solution is a stick between them, on a branch as short as its stiffness is large. Such a point is linearised once as if it stuck; the next
     /// iterate tells whether it does. That is the rule of the primal-dual active set, for friction.
     ///

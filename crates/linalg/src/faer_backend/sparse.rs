@@ -101,7 +101,7 @@ impl Lu {
         let params = LuSymbolicParams { supernodal_flop_ratio_threshold: SUPERNODAL, ..Default::default() };
         let symbolic = factorize_symbolic_lu(symbolic(pattern), params).map_err(|e| backend("symbolic LU", e))?;
         let factor = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default());
-        // `SymbolicLu::solve_in_place_scratch` of faer 0.24.4 calls itself for ever.
+        // `SymbolicLu::solve_in_place_scratch` of faer 0.24.4 calls itself without end.
         let n = pattern.n();
         let solve = StackReq::any_of(&[
             supernodal::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq),

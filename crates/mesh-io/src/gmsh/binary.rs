@@ -127,7 +127,7 @@ impl<'a> Bytes<'a> {
         Ok(if self.big_endian { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) })
     }
 
-    /// Checks that `count` items of `bytes` bytes can follow, so that a wrong count is told before a long loop.
+    /// Checks that `count` items of `bytes` bytes can follow, so that a wrong count is reported before a long loop.
     pub fn room(&self, place: Place, count: u64, bytes: usize, what: &str) -> Result<(), MeshIoError> {
         let left = (self.bytes.len() - self.position) as u64;
         if count.checked_mul(bytes as u64).is_some_and(|needed| needed <= left) {

@@ -31,7 +31,7 @@ impl Mesh {
         if kind == linear { finish(divided) } else { divided.upgraded(&curve::Curves::new(self), |_| kind) }
     }
 
-    /// The mesh with nodes on the edges of its linear elements: hex20, tet10 and wedge15 in the place of hex8, tet4 and wedge6.
+    /// The mesh with nodes on the edges of its linear elements: hex20, tet10 and wedge15 in place of hex8, tet4 and wedge6.
     ///
     /// # Errors
     /// [`MeshError::CurvedBoundary`] if a curved boundary turns an element inside out.

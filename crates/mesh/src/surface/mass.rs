@@ -112,7 +112,7 @@ impl MassProperties {
         closed_form(PI * r * r * l, 0.0, [r * r / 4.0, r * r / 4.0, l * l / 12.0], density)
     }
 
-    /// Of a cone in the place of [`super::Cone`], from its tip (radius `t`, 0 if it is sharp) at `z = 0` to its base
+    /// Of a cone in place of [`super::Cone`], from its tip (radius `t`, 0 if it is sharp) at `z = 0` to its base
     /// (radius `R`) at `z = h`. With the radius `t + (R - t) z / h` at `z`, and `A = R^2 + R t + t^2`:
     ///
     /// * `V = pi h A / 3`, `c_z = h (3 R^2 + 2 R t + t^2) / (4 A)`,

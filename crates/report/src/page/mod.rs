@@ -154,7 +154,7 @@ pub fn write(folders: &[&Path]) -> Outcome<Vec<String>> {
 pub struct Follower(Cache);
 
 impl Follower {
-    /// Writes the page of a folder, which loads itself anew after so many seconds, or does not; returns the notes.
+    /// Writes the page of a folder, which loads itself again after so many seconds, or does not; returns the notes.
     ///
     /// # Errors
     /// As [`write()`].

@@ -211,7 +211,7 @@ impl Cache {
         self.streams.positions.truncate(known * nodes);
         self.streams.fields.iter_mut().for_each(|values| values.truncate(known * nodes));
         for &number in &numbers[known..] {
-            // Before reading: what is written anew meanwhile is read again.
+            // Before reading: what is written again meanwhile is read again.
             let stamp = stamp(folder, number);
             let fits = |grid: Grid| if self.shape.fits(&grid) { Ok(grid) } else { Err(unlike(folder, number).into()) };
             let grid = match folder.grid(number).and_then(fits) {

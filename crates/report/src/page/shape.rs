@@ -22,7 +22,7 @@ pub struct Body {
     pub is_solid: bool,
 }
 
-/// Cells of all bodies, body after body. Nodes are numbered anew.
+/// Cells of all bodies, body after body. Nodes are numbered again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
     /// Bodies.

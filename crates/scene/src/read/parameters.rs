@@ -1,4 +1,4 @@
-//! Reads `[parameters]` and evaluates expressions in the place of numbers.
+//! Reads `[parameters]` and evaluates expressions in place of numbers.
 
 use super::node::{Node, Report, known};
 use super::values::{Parameters, TABLE, complaint};

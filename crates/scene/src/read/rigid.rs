@@ -125,7 +125,7 @@ fn inertia(table: &Table<'_>, setting: Setting, needs_mass: bool, volume: Volume
             return table.fail("mass", "follows from `density`", "remove one of them");
         }
         (true, false, Some(key)) if volume == Volume::Closed => {
-            return table.fail(key, "follows from `density`", "remove it, or give `mass` in the place of `density`");
+            return table.fail(key, "follows from `density`", "remove it, or give `mass` in place of `density`");
         }
         (false, false, _) if needs_mass => {
             let (key, example) = match volume {

@@ -1,4 +1,4 @@
-//! Reads `[sets]`, and expressions in the place of references to sets.
+//! Reads `[sets]`, and expressions in place of references to sets.
 
 use super::node::{Node, is_name};
 use super::set_parser::{self, Known, SetError, is_expression};

@@ -87,7 +87,7 @@ impl Simulation {
     ///
     /// * *Into dynamics:* from statics velocities are the initial ones of the model, from dynamics they stay; prescribed components have those of their tables.
     ///   What that changes in the kinetic energy is [`Balance::external_work`]. Accelerations and forces of the end point, if the scheme
-    ///   carries them, are made anew, so that an equilibrium stays at rest.
+    ///   carries them, are made again, so that an equilibrium stays at rest.
     /// * *From dynamics to statics:* velocities are dropped, and their energy is booked as [`Balance::dissipation`].
     /// * *Statics:* slave nodes that touch are closed, as at the start of a run.
     /// * *Loads, couplings and springs:* what their energies jump by when they are switched is [`Balance::external_work`].

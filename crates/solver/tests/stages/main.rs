@@ -334,7 +334,7 @@ fn released_pin_is_a_parabola() {
     let schemes: [Box<dyn Scheme>; 3] =
         [Box::new(EnergyMomentum), Box::new(Midpoint), Box::new(GeneralisedAlpha::chung_hulbert(0.7))];
     for scheme in schemes {
-        // The third one keeps no energy, and is exact on the parabola only if the acceleration is made anew.
+        // The third one keeps no energy, and is exact on the parabola only if the acceleration is made again.
         let conserves = scheme.name() != "generalised-alpha";
         let (model, _) = pendulum(bob(), [0.3, 2.0, -0.4]);
         let mut simulation = Simulation::new(model, settings(Some(scheme), 0.01, 2.0)).unwrap();

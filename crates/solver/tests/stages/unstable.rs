@@ -3,7 +3,7 @@
 use crate::{add_block, hold, settings};
 use stoss_solver::{Model, Simulation, Table};
 
-/// A clamped bar that is shortened: beyond the load of Euler it stays straight, because nothing pushes it aside, and is told to be unstable there.
+/// A clamped bar that is shortened: beyond the load of Euler it stays straight, because nothing pushes it aside, and is reported to be unstable there.
 #[test]
 fn a_bar_beyond_its_critical_load_is_unstable() {
     let mut model = Model::default();

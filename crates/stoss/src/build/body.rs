@@ -73,7 +73,7 @@ pub(super) fn bodies(
                 continue;
             }
             Err(error) => {
-                problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");
+                problems.add(format!("{key}.mesh"), "", error.to_string(), "correct the mesh");
                 continue;
             }
         };
@@ -275,7 +275,7 @@ fn mesh(
     }
     place(&key, &body.rotation, body.position, problems, |rotation, by| mesh.transform(rotation, by))?;
     if let Err(error) = mesh.check_but_coincident() {
-        problems.add(format!("{key}.mesh"), "", error.to_string(), "mend the mesh");
+        problems.add(format!("{key}.mesh"), "", error.to_string(), "correct the mesh");
         return None;
     }
     for (s, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.body == body.name) {
@@ -297,7 +297,7 @@ pub(super) fn source_mesh(
 ) -> Option<Mesh> {
     match source {
         MeshSource::Generator(generator) => generate(generator)
-            .map_err(|error| problems.add(key.to_owned(), "", error.to_string(), "mend the generator's parameters"))
+            .map_err(|error| problems.add(key.to_owned(), "", error.to_string(), "correct the generator's parameters"))
             .ok(),
         MeshSource::File(source) => read(source, key, mesh_files, notes, problems),
     }
@@ -341,7 +341,7 @@ pub(super) fn place(
     mut transform: impl FnMut(Option<&Rotation>, [f64; 3]) -> Result<(), MeshError>,
 ) -> Option<()> {
     let mut refused = |name: &str, error: MeshError| {
-        problems.add(format!("{key}.{name}"), "", error.to_string(), "mend the placement");
+        problems.add(format!("{key}.{name}"), "", error.to_string(), "correct the placement");
     };
     for SceneRotation { axis, degrees, about } in rotations.as_slice() {
         let rotation = Rotation { axis: *axis, degrees: *degrees, about: *about };
@@ -375,7 +375,7 @@ fn read(
             return None;
         }
         Err(error) => {
-            problems.add(format!("{key}.file"), file, error.to_string(), "mend the file or name another");
+            problems.add(format!("{key}.file"), file, error.to_string(), "correct the file or name another");
             return None;
         }
     };

@@ -295,7 +295,7 @@ fn pattern(
             force.iter().enumerate().filter(|(_, f)| **f != 0.0).map(|(component, &f)| (component as u32, f)).collect(),
         ),
         Err(error) => {
-            problems.add(key.to_owned(), "", error.to_string(), "mend the mesh or choose another set");
+            problems.add(key.to_owned(), "", error.to_string(), "correct the mesh or choose another set");
             None
         }
     }

@@ -45,7 +45,7 @@ pub struct Drawing {
     pub lines: Vec<DrawnLine>,
     /// Points.
     pub points: Vec<DrawnPoint>,
-    /// The surroundings of joints: there the parts that they connect may lie in each other.
+    /// The surroundings of joints: there the parts that they connect may overlap.
     pub joined: Vec<Joined>,
 }
 

@@ -108,7 +108,7 @@ pub(super) fn friction(
     };
     if law.is_elastic() && !at_end && (stick, midpoint) == (scene::Stick::Penalty, scene::MidpointFriction::C) {
         warnings.push(format!(
-            "{key}: springs (`stick = \"penalty\"`) with `midpoint = \"c\"` make too little friction where pressures alternate from step to \
+            "{key}: springs (`stick = \"penalty\"`) with `midpoint = \"c\"` give too little friction where pressures alternate from step to \
              step, as they do with this scheme; 8 to 14 % too little for a stiff block: leave `penalty` and `stick` out (multipliers), or use \
              `midpoint = \"b\"`"
         ));

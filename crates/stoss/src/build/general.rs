@@ -37,7 +37,7 @@ const NO_SPEED: f64 = 1e-9;
 /// Pairs of bodies that the plan tells one by one.
 const MOST_NAMED: usize = 6;
 
-/// What helps bodies that lie in each other.
+/// What helps bodies that overlap.
 const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
 
 /// Adds general contact to the model if the scene has it. Where it acts between parts whose joints end, nothing is left in `joined`.
@@ -305,10 +305,10 @@ fn skin(
     if let Some(&([f, g], place)) = look.crossings.first() {
         let [a, b] = [f, g].map(|facet| rules.body(skin.facets()[facet as usize].class));
         let (what, deep, remedy) = if a == b {
-            let what = format!("the surface of `{}` goes through itself", name(a));
-            (what, None, "mend the mesh, or set `self = false`")
+            let what = format!("the surface of `{}` intersects itself", name(a));
+            (what, None, "correct the mesh, or set `self = false`")
         } else {
-            let what = format!("`{}` and `{}` lie in each other", name(a), name(b));
+            let what = format!("`{}` and `{}` overlap", name(a), name(b));
             (what, separate::depth(&skin, rules, model, placed, [a, b]), PART)
         };
         let deep = deep.map_or(String::new(), |deep| format!(", {deep}"));
@@ -320,7 +320,7 @@ fn skin(
     if let Some(([a, b], relation)) = separate::inside(&skin, rules, model) {
         let (message, remedy) = match separate::depth(&skin, rules, model, placed, [a, b]) {
             Some(deep) if relation == Relation::Cross => {
-                (format!("`{}` and `{}` lie in each other at the start, {deep}", name(a), name(b)), PART)
+                (format!("`{}` and `{}` overlap at the start, {deep}", name(a), name(b)), PART)
             }
             _ => {
                 let message = format!("one of `{}` and `{}` lies inside the other at the start", name(a), name(b));
@@ -349,7 +349,7 @@ fn skin(
                 nearest.distance,
                 point(nearest.place, edge)
             );
-            problems.add(key(), "", message, "make `thickness` smaller, mend the mesh there, or set `self = false`");
+            problems.add(key(), "", message, "make `thickness` smaller, correct the mesh there, or set `self = false`");
             return None;
         }
     }
@@ -423,12 +423,8 @@ fn skin(
     let near = look.nearest.iter().find(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness);
     // What only touched is farther apart by now.
     if let Some(([a, b], nearest)) = near.filter(|(_, nearest)| nearest.distance < ROUND_OFF * thickness) {
-        let message = format!(
-            "`{}` and `{}` lie in each other at the start, near {}",
-            name(*a),
-            name(*b),
-            point(nearest.place, edge)
-        );
+        let message =
+            format!("`{}` and `{}` overlap at the start, near {}", name(*a), name(*b), point(nearest.place, edge));
         problems.add(key(), "", message, PART);
         return None;
     }

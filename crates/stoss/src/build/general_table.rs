@@ -19,7 +19,7 @@ pub(super) fn of_contacts(scene: &Scene, placed: &[Placed], warnings: &mut Vec<S
             Friction::Coulomb(law) => (law.mu, None),
             Friction::StaticDynamic(law) => (law.mu_dynamic, Some("there `mu_dynamic` acts, at any speed")),
             Friction::Regularised(law) => {
-                (law.mu, Some("there `slip_velocity` of [general_contact] acts in the place of `speed`"))
+                (law.mu, Some("there `slip_velocity` of [general_contact] acts in place of `speed`"))
             }
             Friction::Own(_) => {
                 let [a, b] = contact.surfaces().map(|set| split_set(set).map_or(set, |(part, _)| part));

@@ -100,7 +100,7 @@ pub(super) fn facets(
 /// A side of a named contact, or of a tie or a joint.
 enum Side {
     Contact(BTreeSet<FacetNodes>),
-    /// Facets around it meet those around the other side, for ever: they belong to it as well, told by their nodes.
+    /// Facets around it meet those around the other side, without end: they belong to it as well, told by their nodes.
     Joined(BTreeSet<u32>),
 }
 
@@ -182,7 +182,7 @@ pub(super) fn interactions(
     }
     for [a, b] in unknown {
         warnings.push(format!(
-            "general_contact: the rigid bodies `{a}` and `{b}` pass through each other, because nothing tells how stiff the layer between them is; add to [general_contact]: \
+            "general_contact: the rigid bodies `{a}` and `{b}` pass through each other, because nothing gives how stiff the layer between them is; add to [general_contact]: \
              pairs = [{{ between = [\"{a}\", \"{b}\"], modulus = 1e6 }}] with a pressure"
         ));
     }
@@ -206,7 +206,7 @@ fn joined_pairs(pairs: &BTreeSet<[&str; 2]>) -> Option<String> {
     ))
 }
 
-/// Takes pairs whose joints end later, and which lie in each other at the start, from the rules.
+/// Takes pairs whose joints end later, and which overlap at the start, from the rules.
 pub(super) fn without_joined_overlaps(
     scene: &Scene,
     placed: &[Placed],
@@ -235,7 +235,7 @@ pub(super) fn without_joined_overlaps(
     }
     let message = |[a, b]: [&str; 2]| {
         format!(
-            "general_contact: a joint that ends later connects `{a}` and `{b}`, which lie in each other at the start: they do not act on each other, then either, and pass through each other; \
+            "general_contact: a joint that ends later connects `{a}` and `{b}`, which overlap at the start: they do not act on each other, then either, and pass through each other; \
              move one of them"
         )
     };

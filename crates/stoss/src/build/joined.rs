@@ -1,4 +1,4 @@
-//! The surroundings of joints: there the surfaces of what is joined may lie in each other, which is no concern of the watch.
+//! The surroundings of joints: there the surfaces of what is joined may overlap, which is no concern of the watch.
 
 use super::overlap::Locator;
 use super::{Joined, Placed};
@@ -9,7 +9,7 @@ use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
 use stoss_tensor::Vector3;
 
-/// Pairs of facets of which all are looked at.
+/// Pairs of facets of which all are checked.
 const MOST: usize = 1_000_000;
 
 /// Corners of a section that the joint is in the middle of belong to its surroundings, relative.

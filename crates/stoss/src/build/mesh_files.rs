@@ -43,7 +43,7 @@ impl MeshFiles {
         };
         let contents = stoss_mesh_io::read_contents_from_bytes(&path, &bytes, &mut include);
         self.bytes.push(bytes);
-        Ok(entry.insert(contents.map_err(|error| (error.to_string(), "mend the file or name another"))?))
+        Ok(entry.insert(contents.map_err(|error| (error.to_string(), "correct the file or name another"))?))
     }
 
     /// The surface in a file.
@@ -52,7 +52,7 @@ impl MeshFiles {
         let bytes = read(&path)?;
         let surface = stoss_mesh_io::read_surface_from_bytes(&path, &bytes);
         self.bytes.push(bytes);
-        surface.map_err(|error| (error.to_string(), "mend the file or name another"))
+        surface.map_err(|error| (error.to_string(), "correct the file or name another"))
     }
 }
 

@@ -86,7 +86,7 @@ pub struct Built {
     pub simulation: Simulation,
     /// The scene's probes.
     pub probes: Vec<Probe>,
-    /// What is no error but deserves a look.
+    /// What is no error but needs attention.
     pub warnings: Vec<String>,
     /// Contents of the mesh files, each once, for the hash of the run.
     pub mesh_files: Vec<Vec<u8>>,
@@ -228,7 +228,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             contacts: plans,
         }),
         Err(error) => {
-            let remedy = "mend the scene; with several prescriptions, let each component of a node appear once";
+            let remedy = "correct the scene; with several prescriptions, let each component of a node appear once";
             let problem = Problem::at(scene, "scene", "", error.to_string(), remedy);
             match SceneErrors::new(vec![problem], scene.text()) {
                 Some(errors) => Err(errors),

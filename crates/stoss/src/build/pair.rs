@@ -91,7 +91,7 @@ impl PairInput<'_> {
                     ));
                 }
             }
-            Err(error) => problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces"),
+            Err(error) => problems.add(key.clone(), item.label(), error.to_string(), "correct the surfaces"),
         }
         if self.line.is_empty() && !face_each_other(self.facets, &model.reference) {
             warnings.push(format!(
@@ -107,7 +107,7 @@ impl PairInput<'_> {
         let speed = Points::of(model).largest(&model.velocity);
         let reach = 2.0 * speed * scene.time.step + 0.5 * method.length_scale();
         if let Err(error) = method.begin_step(&model.reference, reach) {
-            problems.add(key.clone(), item.label(), error.to_string(), "mend the surfaces");
+            problems.add(key.clone(), item.label(), error.to_string(), "correct the surfaces");
         }
         // The softer body decides how the two terms of the complementarity function balance; between rigid ones what moves the lighter one by a length in a step.
         // Pressures of a line are forces per length.
@@ -201,14 +201,14 @@ fn face_each_other([slave, master]: [&[FacetNodes]; 2], reference: &[f64]) -> bo
     slave.iter().any(|n| master.iter().any(|m| sees(n, m)))
 }
 
-/// A warning if two bodies lie in each other: what is deeper behind a surface than the search looks has no partner there.
+/// A warning if two bodies overlap: what is deeper behind a surface than the search looks has no partner there.
 fn overlap(label: &str, [(slave, slave_mesh), (master, master_mesh)]: [(&String, &Mesh); 2]) -> Option<String> {
     use super::overlap::Locator;
     let in_master = Locator::new(master_mesh).centres_of(slave_mesh);
     let in_slave = Locator::new(slave_mesh).centres_of(master_mesh);
     (in_master + in_slave > 0).then(|| {
         format!(
-            "{label}: the bodies lie in each other: {in_master} elements of `{slave}` have their centre inside `{master}`, {in_slave} \
+            "{label}: the bodies overlap: {in_master} elements of `{slave}` have their centre inside `{master}`, {in_slave} \
              of `{master}` inside `{slave}`; a node deeper behind a surface than the length of a facet finds no partner and is not \
              kept out: move one of the bodies"
         )

@@ -1,4 +1,4 @@
-//! Bodies that lie in each other at the start: how deep, and `initial = "separate"`, which moves them apart.
+//! Bodies that overlap at the start: how deep, and `initial = "separate"`, which moves them apart.
 
 use super::interacting::{self, Classes};
 use super::tie::Ties;
@@ -24,7 +24,7 @@ const SWEEPS: usize = 10_000;
 /// Gaps are kept up to this part.
 const TOLERANCE: f64 = 1e-9;
 
-/// In words, how deep two bodies lie in each other.
+/// In words, how deep two bodies overlap.
 pub(super) fn depth(
     skin: &Skin,
     rules: &Interactions,
@@ -91,7 +91,7 @@ struct Condition {
     least: f64,
 }
 
-/// Moves bodies that lie in each other apart, if the scene asks for it: meshes and reference positions, so no stress arises. `lines` get what was done. False if that failed,
+/// Moves bodies that overlap apart, if the scene asks for it: meshes and reference positions, so no stress arises. `lines` get what was done. False if that failed,
 /// with a problem: bodies that may not be moved, or not so far.
 pub(super) fn separate(
     scene: &Scene,
@@ -125,7 +125,7 @@ pub(super) fn separate(
         let part = &mut placed[p];
         let super::placed::Shape::Solid { mesh, .. } = &mut part.shape else { continue };
         if let Err(error) = mesh.transform(None, (*by).into()) {
-            problems.add("general_contact.initial".into(), table.initial, error.to_string(), "mend the mesh");
+            problems.add("general_contact.initial".into(), table.initial, error.to_string(), "correct the mesh");
             return false;
         }
         let (first, count) = (part.first_node as usize, mesh.nodes.len());
@@ -180,11 +180,11 @@ fn motions(
             }
             if let [Some(first), Some(second)] = [holds[a as usize], holds[b as usize]] {
                 let message = format!(
-                    "`{}` and `{}` lie in each other, and neither may be moved: the first {first}, the second {second}",
+                    "`{}` and `{}` overlap, and neither may be moved: the first {first}, the second {second}",
                     name(a),
                     name(b)
                 );
-                return Err((message, "mend the scene there".into()));
+                return Err((message, "correct the scene there".into()));
             }
             let most = [a, b].map(farthest);
             let limit = most[0] + most[1];
@@ -222,7 +222,7 @@ fn motions(
             }
         }
     }
-    let message = format!("after {ROUNDS} rounds some bodies still lie in each other");
+    let message = format!("after {ROUNDS} rounds some bodies still overlap");
     Err((message, "move bodies apart in the scene".into()))
 }
 

@@ -129,7 +129,8 @@ fn made(
         if !tie.moved().is_empty() {
             if let Err(error) = move_nodes(scene, body, &mut placed[body], tie.moved(), model) {
                 let message = format!("the interface cannot be moved: {error}");
-                let remedy = "set `interface` to \"keep\" or \"close\", exchange slave and master, or mend the meshes";
+                let remedy =
+                    "set `interface` to \"keep\" or \"close\", exchange slave and master, or correct the meshes";
                 problems.add(key, item.label(), message, remedy);
                 continue;
             }

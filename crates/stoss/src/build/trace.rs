@@ -1,4 +1,4 @@
-//! The surfaces that contact sees of quadratic faces (theory/elements#contact): embedded nodes in the place of those on edges and in the middle.
+//! The surfaces that contact sees of quadratic faces (theory/elements#contact): embedded nodes in place of those on edges and in the middle.
 
 use crate::solver::Model;
 use std::collections::BTreeMap;

@@ -10,7 +10,7 @@ use stoss_reference_element::FacetNodes;
 use stoss_solver::{FailedAttempt, FailureKind, Model, Place, Simulation};
 use stoss_watch::{Level, Verdict};
 
-/// Most failed attempts that are told.
+/// Most failed attempts that are reported.
 const MOST_ATTEMPTS: usize = 4;
 
 /// A run that stopped, came out wrong, or did neither.

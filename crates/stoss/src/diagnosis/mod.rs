@@ -63,7 +63,7 @@ pub enum Cause {
     NoSupport,
     /// A body may turn, and not slide, in statics.
     FreeRotation,
-    /// Bodies lie in each other at the start.
+    /// Bodies overlap at the start.
     OverlapAtStart,
     /// A contact names surfaces that are turned away from each other.
     SurfacesFaceAway,
@@ -224,7 +224,7 @@ impl Diagnosis {
         let mut findings: Vec<Finding> = FINDINGS.iter().flat_map(|look| look(case)).collect();
         findings.sort_by(|a, b| b.confidence.cmp(&a.confidence).then(a.cause.cmp(&b.cause)));
         let what = case.what();
-        // What a run that ended well enough was found to do is told by its verdict.
+        // What a run that ended well enough was found to do is reported by its verdict.
         if findings.is_empty() && case.is_stopped() {
             findings.push(unknown(case));
         }

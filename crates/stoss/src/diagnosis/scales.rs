@@ -13,7 +13,7 @@ struct Known {
     density: [f64; 2],
 }
 
-/// Materials that are told by the digits of modulus and density, whatever the units.
+/// Materials that are reported by the digits of modulus and density, whatever the units.
 const KNOWN: [Known; 3] = [
     Known { name: "steel", young: [1.95e11, 2.15e11], density: [7750.0, 7950.0] },
     Known { name: "aluminium", young: [6.8e10, 7.4e10], density: [2650.0, 2850.0] },
@@ -87,7 +87,7 @@ impl Data {
     }
 }
 
-/// Without units only what no system of units explains is told, and never for certain; with units the numbers are judged in SI.
+/// Without units only what no system of units explains is reported, and never for certain; with units the numbers are judged in SI.
 fn by_digits(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Finding> {
     let (young, density, transit) = moduli(case, b, body)?;
     let gravity = case.scene.gravity.as_ref().map(|g| g.acceleration.iter().map(|a| a * a).sum::<f64>().sqrt());

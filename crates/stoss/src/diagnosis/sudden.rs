@@ -39,7 +39,7 @@ pub(super) fn at_once(case: &Case<'_>) -> Vec<Finding> {
             }
             Some((key, _)) => remedies.push(Remedy::words(format!("let the table of `load[{l}].{key}` begin with zero at t = {}", toml::plain(start)))),
             None => remedies.push(Remedy::words(
-                "give gravity as the `acceleration` of a [[load]] on each body, as a table from zero, in the place of [gravity]",
+                "give gravity as the `acceleration` of a [[load]] on each body, as a table from zero, in place of [gravity]",
             )),
         }
     }

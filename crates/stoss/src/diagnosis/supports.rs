@@ -80,7 +80,7 @@ fn members(case: &Case<'_>) -> Vec<Member> {
         })
         .collect();
     let mut elastic: Vec<u32> = Vec::new();
-    // Supports are looked at by component.
+    // Supports are checked by component.
     let supports: BTreeSet<String> =
         case.scene.supports.iter().enumerate().map(|(s, item)| item.part_name(s)).collect();
     let springs = model.parts.iter().filter(|part| part.own_vectors().is_empty() && !supports.contains(part.name()));

@@ -13,7 +13,7 @@ const CLEARANCE: f64 = 0.01;
 /// Cosine beyond a right angle from which on two facets see each other better than edge-on: 15 degrees.
 const EDGE_ON: f64 = 0.25;
 
-/// Most facets of a surface that are looked at.
+/// Most facets of a surface that are checked.
 const MOST_FACETS: usize = 400;
 
 /// What the watch saw of one body in another.
@@ -47,7 +47,7 @@ fn confidence(seen: &Seen) -> Confidence {
     if seen.level == Level::Wrong { Confidence::High } else { Confidence::Medium }
 }
 
-/// Bodies that lie in each other before the first step.
+/// Bodies that overlap before the first step.
 pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
     let mut seen_of: Vec<[String; 2]> = Vec::new();
     let mut list = Vec::new();

@@ -141,7 +141,7 @@ impl ResultFolder {
         folder.memo.frames.remove_others(path)?;
         folder.settings.description.write(path)?;
         folder.memo.frames.write_collection(path)?;
-        // The tables may have been written anew, with other columns.
+        // The tables may have been written again, with other columns.
         folder.flush()?;
         folder.checkpoint(simulation)?;
         Ok(folder)

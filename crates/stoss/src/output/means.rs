@@ -46,7 +46,7 @@ impl Means {
         }
     }
 
-    /// Begins anew, after a frame.
+    /// Begins again, after a frame.
     pub fn clear(&mut self) {
         *self = Self::default();
     }

@@ -54,7 +54,7 @@ pub struct Memory {
 /// How the watch looked at the run.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
 pub struct WatchSummary {
-    /// Steps between two looks at the geometry.
+    /// Steps between two checks at the geometry.
     pub every: u64,
     /// What a verdict `wrong` does.
     pub on_fault: OnFault,

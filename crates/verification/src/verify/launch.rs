@@ -12,7 +12,7 @@ use crate::workspace::{Outcome, read, write};
 /// Far more than any of these scenes needs.
 const LIMIT: Duration = Duration::from_secs(120);
 
-/// Time between two looks at a running program.
+/// Time between two checks at a running program.
 const PAUSE: Duration = Duration::from_millis(2);
 
 /// How a run ended and what it said.

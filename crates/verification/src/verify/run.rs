@@ -30,7 +30,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Row that the program ended with this exit code. A run that was to complete, and of which the watch says that it is wrong, is told:
+    /// Row that the program ended with this exit code. A run that was to complete, and of which the watch says that it is wrong, is reported:
     /// its verdict is for the suite `scenes`, in which a scene says what it expects.
     pub fn completed(&self, expected: i32) -> Check {
         let code = self.ending.code.map_or(f64::NAN, f64::from);

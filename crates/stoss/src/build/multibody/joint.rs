@@ -153,7 +153,7 @@ fn joint(
             acting.try_fold(joint, |joint, (k, (kind, acting))| joint.with_options_of(k, of(kind, acting)))
         })
         .map(|joint| joint.with_weights(weights));
-    let remedy = "points and axes are those of the initial configuration; mend the joint or the place of its parts";
+    let remedy = "points and axes are those of the initial configuration; correct the joint or the place of its parts";
     made.map_err(|error| problems.add(key.to_owned(), &item.name, error.to_string(), remedy)).ok()
 }
 
@@ -212,7 +212,7 @@ pub(super) fn springs(
                 places[s] = Some(model.parts.len());
                 model.parts.push(Box::new(spring));
             }
-            Err(error) => problems.add(key, &item.name, error.to_string(), "mend the spring's data"),
+            Err(error) => problems.add(key, &item.name, error.to_string(), "correct the spring's data"),
         }
     }
     places

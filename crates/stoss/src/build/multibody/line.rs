@@ -38,7 +38,7 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
                 model.parts.push(Box::new(beam.clone()));
                 parts.beams.push(beam);
             }
-            Err(error) => problems.add(format!("beam[{b}]"), &item.name, error.to_string(), "mend the beam's data"),
+            Err(error) => problems.add(format!("beam[{b}]"), &item.name, error.to_string(), "correct the beam's data"),
         }
     }
     for (s, item) in scene.strings.iter().enumerate() {
@@ -62,7 +62,9 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
                 model.parts.push(Box::new(string.clone()));
                 parts.strings.push(string);
             }
-            Err(error) => problems.add(format!("string[{s}]"), &item.name, error.to_string(), "mend the string's data"),
+            Err(error) => {
+                problems.add(format!("string[{s}]"), &item.name, error.to_string(), "correct the string's data")
+            }
         }
     }
     for (m, item) in scene.masses.iter().enumerate() {
@@ -80,7 +82,7 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
                 model.parts.push(Box::new(mass.clone()));
                 parts.masses.push(mass);
             }
-            Err(error) => problems.add(format!("mass[{m}]"), &item.name, error.to_string(), "mend the mass"),
+            Err(error) => problems.add(format!("mass[{m}]"), &item.name, error.to_string(), "correct the mass"),
         }
     }
 }

@@ -44,7 +44,7 @@ pub(super) fn examine(
                 }
             }
             Err(error) => {
-                let remedy = "remove one of the joints or motors that contradict each other, or mend their places";
+                let remedy = "remove one of the joints or motors that contradict each other, or correct their places";
                 let name = match &error {
                     stoss_multibody::RedundancyError::Contradiction { name, .. } => name.as_str(),
                     _ => "",

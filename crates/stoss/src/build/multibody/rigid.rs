@@ -80,7 +80,7 @@ fn shape(
     problems: &mut Problems<'_>,
 ) -> Option<Option<Outline>> {
     let refused = |name: &str, error: &MeshError, problems: &mut Problems<'_>| {
-        problems.add(format!("{key}.{name}"), "", error.to_string(), "mend the surface of the body");
+        problems.add(format!("{key}.{name}"), "", error.to_string(), "correct the surface of the body");
     };
     let (mut surface, mut mesh, name) = if let Some(shape) = &item.shape {
         let made = generate(shape).map_err(|error| refused("shape", &error, problems)).ok()?;
@@ -171,7 +171,7 @@ fn body(
         (Some(density), _) if density > 0.0 => {
             let outline = outline?;
             let properties = properties(item, outline, density);
-            let remedy = "mend the surface, or give `mass` and `inertia` in the place of `density`";
+            let remedy = "correct the surface, or give `mass` and `inertia` in place of `density`";
             let properties = properties
                 .map_err(|error| problems.add(format!("{key}.density"), density, error.to_string(), remedy))
                 .ok()?;
@@ -185,7 +185,7 @@ fn body(
                 Some(axes) => axes,
                 None => turned(item, UNIT)
                     .map_err(|error| {
-                        problems.add(format!("{key}.rotation"), "", error.to_string(), "mend the placement");
+                        problems.add(format!("{key}.rotation"), "", error.to_string(), "correct the placement");
                     })
                     .ok()?,
             };
@@ -194,14 +194,16 @@ fn body(
         _ => {
             let made = RigidBody::massless(&item.name, first, item.centre.unwrap_or(middle), UNIT, size);
             return made
-                .map_err(|error| problems.add(key.to_owned(), &item.name, error.to_string(), "mend the body's place"))
+                .map_err(|error| {
+                    problems.add(key.to_owned(), &item.name, error.to_string(), "correct the body's place")
+                })
                 .ok();
         }
     };
     match given {
         Ok(mass) => Some(RigidBody::new(&item.name, first, mass)),
         Err(error) => {
-            problems.add(key.to_owned(), &item.name, error.to_string(), "mend mass or inertia of the body");
+            problems.add(key.to_owned(), &item.name, error.to_string(), "correct mass or inertia of the body");
             None
         }
     }

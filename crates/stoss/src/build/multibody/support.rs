@@ -19,7 +19,7 @@ pub(super) fn supports(scene: &Scene, placed: &[Placed], model: &mut Model, prob
             SupportPer::Area => resolve(placed, &key, &item.set, problems, solid_facets).and_then(|(body, facets)| {
                 let made = facets.iter().map(|facet| supported(facet, &model.reference, at)).collect();
                 let refused = |error: stoss_fe_solid::SolidError| {
-                    problems.add(key.clone(), &item.set, error.to_string(), "mend the mesh or choose another set");
+                    problems.add(key.clone(), &item.set, error.to_string(), "correct the mesh or choose another set");
                 };
                 Some((body, Result::<Vec<_>, _>::map_err(made, refused).ok()?))
             }),
@@ -32,7 +32,7 @@ pub(super) fn supports(scene: &Scene, placed: &[Placed], model: &mut Model, prob
         let length = model.bodies.get(body).map_or(1.0, |body| body.solid.characteristic_length());
         match ElasticSupport::new(&item.part_name(s), items, foundation, length) {
             Ok(support) => model.parts.push(Box::new(support)),
-            Err(error) => problems.add(key, &item.set, error.to_string(), "mend the support's data"),
+            Err(error) => problems.add(key, &item.set, error.to_string(), "correct the support's data"),
         }
     }
 }

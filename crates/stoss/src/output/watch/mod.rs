@@ -238,7 +238,7 @@ impl RunWatch {
         self.spent.as_secs_f64()
     }
 
-    /// Steps between two looks at the geometry.
+    /// Steps between two checks at the geometry.
     pub(super) fn every(&self) -> u64 {
         self.every
     }
@@ -317,7 +317,7 @@ fn judge(model: &WatchModel, contacts: Vec<[usize; 2]>, settings: &WatchTable) -
     Judge::new(model.bodies.iter().map(|body| (body.name.clone(), body.nodes.clone())), contacts, limits(settings))
 }
 
-/// Verdict on the start of a simulation: bodies that lie in each other, bad elements.
+/// Verdict on the start of a simulation: bodies that overlap, bad elements.
 pub(crate) fn judge_start(simulation: &Simulation, scene: &Scene, drawing: &Drawing) -> Result<Verdict, OutputError> {
     let points = Points::of(simulation.model());
     let model = model::model(simulation.model(), &points, &drawing.of_points(&points));

@@ -1,5 +1,5 @@
 //! Nearly incompressible solids at large strains against closed forms: a thick cylinder and a hollow sphere under pressure, a bar that is twisted;
-//! and a block under a punch, for which only how far each form goes is looked at.
+//! and a block under a punch, for which only how far each form goes is checked.
 //!
 //! For the incompressible neo-Hookean solid with the shear modulus `mu`, inner and outer radii `a`, `b` and hoop stretches `s`, `t` there:
 //! cylinder `p = mu [ln s - 1/(2 s^2) - ln t + 1/(2 t^2)]`, `b^2 (t^2 - 1) = a^2 (s^2 - 1)`;

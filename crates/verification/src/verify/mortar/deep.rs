@@ -99,7 +99,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     Ok(())
 }
 
-/// The change of the ratio of the forces from the last mesh but one to the last; those before are told.
+/// The change of the ratio of the forces from the last mesh but one to the last; those before are reported.
 fn convergence(name: &str, ratios: &[f64], bound: f64, findings: &mut Findings) {
     let changes: Vec<f64> = ratios.windows(2).map(|pair| (pair[1] / pair[0] - 1.0).abs()).collect();
     let [before @ .., last] = &changes[..] else { return };

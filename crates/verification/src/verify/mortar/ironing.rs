@@ -32,7 +32,7 @@ const SAME: f64 = 1e-8;
 const PLACE: [f64; 2] = [0.96, 7.4];
 /// Largest residual over the square of the one before. Linear convergence by the factor 0.1 would give 1e4 where residuals are 1e-5.
 const QUADRATIC: f64 = 20.0;
-/// Residuals for which that is looked at; those below this many times the smallest of the step are round-off.
+/// Residuals for which that is checked; those below this many times the smallest of the step are round-off.
 const ASYMPTOTIC: f64 = 0.1;
 const ROUND_OFF: f64 = 20.0;
 const COEFFICIENT: f64 = 0.5;

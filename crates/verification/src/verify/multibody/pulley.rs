@@ -216,7 +216,7 @@ fn free_pulley(quick: bool, findings: &mut Findings) -> Outcome<()> {
         let mut drift = [0.0; 3];
         run(&thrown(rule, if quick { 0.2 } else { 0.4 })?, "free-pulley", |_, _, record| {
             let b = record.balance;
-            // What closing gaps cost is told, and no dissipation.
+            // What closing gaps cost is reported, and no dissipation.
             let now = (b.linear_momentum, b.angular_momentum, b.total() + b.closing_loss);
             let start = first.get_or_insert(now);
             drift[0] = larger(drift[0], super::build::apart(now.0, start.0));

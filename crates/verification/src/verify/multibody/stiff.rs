@@ -105,7 +105,8 @@ pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
         );
     }
     let head = ["case", "parameter", "steps", "iterations", "momenta", "energy", "verdict"].map(str::to_owned).to_vec();
-    let caption = format!("{steps} steps of the energy-momentum scheme without cuts: exact, or a stop that is told.");
+    let caption =
+        format!("{steps} steps of the energy-momentum scheme without cuts: exact, or a stop that is reported.");
     findings.sections.push(Section {
         title: "multibody extremes".into(),
             reading: "Stiffness, mass and speed over many orders of magnitude at a fixed step. A run must keep momenta and energy to round-off, or stop with an error that names the reason; nothing else is accepted.".into(),
@@ -115,7 +116,7 @@ pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     Ok(())
 }
 
-/// A run that ends keeps what the scheme promises; one that stops is told with its reason.
+/// A run that ends keeps what the scheme promises; one that stops is reported with its reason.
 fn judge(findings: &mut Findings, rows: &mut Vec<Vec<String>>, case: &str, parameter: String, ended: Ended) {
     let exact = ended.drift[0] <= MOMENTUM && ended.drift[1] <= ENERGY;
     let verdict = match &ended.stop {
@@ -129,7 +130,7 @@ fn judge(findings: &mut Findings, rows: &mut Vec<Vec<String>>, case: &str, param
         noted(
             findings,
             case,
-            &format!("{parameter}: steps until the stop that is told"),
+            &format!("{parameter}: steps until the stop that is reported"),
             reached,
             Bound::Unbounded,
             why.clone(),

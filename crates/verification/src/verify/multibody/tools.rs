@@ -29,7 +29,7 @@ fn of_hertz(force: f64) -> (f64, f64) {
     (a, 1.5 * force / (PI * a * a))
 }
 
-/// The shipped eighth of a ball on an eighth of a rigid ball in the place of the plane; `elements` over the zone of the contact.
+/// The shipped eighth of a ball on an eighth of a rigid ball in place of the plane; `elements` over the zone of the contact.
 fn two_balls(bench: &Bench, method: &str, elements: i64) -> Outcome<Table> {
     let mut scene = bench.scene("hertz-ball")?;
     for key in ["expect", "output", "probe"] {

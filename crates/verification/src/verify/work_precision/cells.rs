@@ -30,7 +30,7 @@ const CELLS: [(CellKind, Integration); 8] = [
     (CellKind::Wedge6, Integration::Full),
     (CellKind::Wedge15, Integration::Full),
 ];
-/// Errors at which costs are told.
+/// Errors at which costs are reported.
 const TARGETS: [f64; 3] = [3e-2, 1e-2, 1e-3];
 /// Force per volume of the bending bar; it bends by a third of its height.
 const FORCE: f64 = 0.01;
@@ -182,7 +182,7 @@ fn compare(problem: &Problem, findings: &mut Findings) -> Outcome<()> {
                 format!("{error:.1e}"),
                 format!("{seconds:.1e}"),
             ]);
-            // Sizes of elements in the place of steps, unknowns in that of evaluations.
+            // Sizes of elements in place of steps, unknowns in that of evaluations.
             let size = 1.0 / n as f64;
             curve.points.push(Point { dt: size, error, of_dissipation: None, seconds, evaluations: unknowns as u64 });
         }

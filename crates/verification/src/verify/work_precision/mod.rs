@@ -16,7 +16,7 @@ use crate::workspace::Outcome;
 /// Which scheme is cheapest at which error.
 pub struct WorkPrecision;
 
-/// Schemes this near to the cheapest are told with it: the clock is not better than that.
+/// Schemes this near to the cheapest are reported with it: the clock is not better than that.
 const LEVEL: f64 = 1.25;
 
 /// Share of the target error that a reference's own error may have.
