@@ -113,16 +113,26 @@ fn keys(text: &mut String, object: &Value) {
     if rows.is_empty() {
         return;
     }
-    text.push_str("| key | type | default | |\n|---|---|---|---|\n");
+    text.push_str("| key | type | default | meaning |\n|---|---|---|---|\n");
     for (key, schema) in rows {
-        let default = match schema.get("default") {
-            Some(default) => value(default),
-            None if required.contains(&key.as_str()) => "*needed*".into(),
-            None => "*none*".into(),
+        let words = cell(&own_words(schema));
+        let default = match (schema.get("default"), left_out(&words)) {
+            (Some(default), _) => value(default),
+            _ if required.contains(&key.as_str()) => "*needed*".into(),
+            (None, Some(default)) => default.to_owned(),
+            (None, None) => "*none*".into(),
         };
-        writeln!(text, "| `{key}` | {} | {default} | {} |", cell(&kind(schema)), cell(&own_words(schema))).unwrap();
+        writeln!(text, "| `{key}` | {} | {default} | {words} |", cell(&kind(schema))).unwrap();
     }
     text.push('\n');
+}
+
+/// What a description says that a key is "if left out".
+fn left_out(words: &str) -> Option<&str> {
+    let (before, _) = words.split_once(" if left out")?;
+    let start =
+        ["; ", ". ", ", ", ": "].iter().filter_map(|mark| Some(before.rfind(mark)? + mark.len())).max().unwrap_or(0);
+    Some(&before[start..]).filter(|default| !default.is_empty() && !default.ends_with([';', '.', ',', ':']))
 }
 
 /// Type of a value in words, with links to the types of this page.
@@ -268,7 +278,7 @@ mod tests {
                     "properties": {
                         "normal": { "type": "array", "minItems": 3, "maxItems": 3, "items": { "type": ["number", "string"] } },
                         "law": { "$ref": "#/$defs/Law", "default": "dry", "description": "See [`Law`]." },
-                        "share": { "type": ["number", "null"], "minimum": 0.0, "maximum": 1.0, "description": "a | b" },
+                        "share": { "type": ["number", "null"], "minimum": 0.0, "maximum": 1.0, "description": "a | b; 0.5 if left out." },
                     },
                     "required": ["normal"],
                 },
@@ -279,6 +289,13 @@ mod tests {
                 ] },
             },
         })
+    }
+
+    #[test]
+    fn what_is_left_out_is_the_default() {
+        assert_eq!(left_out("Speed, positive; 5/6 if left out. More"), Some("5/6"));
+        assert_eq!(left_out("With `mass` only; if left out the middle"), None);
+        assert_eq!(left_out("Needed."), None);
     }
 
     #[test]
@@ -300,7 +317,7 @@ mod tests {
             "A plane that nothing passes. Needed.",
             "| `normal` | 3 of number | *needed* |  |",
             "| `law` | [Law](#law) | `\"dry\"` | See `Law`. |",
-            "| `share` | number in [0.0, 1.0] | *none* | a \\| b |",
+            "| `share` | number in [0.0, 1.0] | 0.5 | a \\| b; 0.5 if left out. |",
             "| `\"wet\"` |  |",
         ] {
             assert!(page.contains(line), "{line}\n{page}");

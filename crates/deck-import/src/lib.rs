@@ -87,7 +87,11 @@ pub enum ImportError {
 /// [`ImportError`].
 pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
     let solids = deck.contents.solids()?;
-    deck.contents.check_solids()?;
+    // Elements of different kinds beside each other may become bodies that a tie joins; within a body the check of the scene reports them.
+    match deck.contents.check_solids() {
+        Err(MeshIoError::NonConformingFacet { .. }) => {}
+        checked => checked?,
+    }
     let mut list = left_out::List::new(deck);
     let lookup = sets::Lookup::new(&deck.contents, &solids);
     let mut bodies = bodies::bodies(deck, &solids, &lookup, &mut list)?;

@@ -283,16 +283,19 @@ pub enum MeshError {
     },
 }
 
-/// Shorthand for [`MeshError::Parameter`].
+/// Angle of two facets, in degrees, from which on conversion takes their edge as sharp.
+const SHARP_DEGREES: f64 = 34.4;
+
 /// Says that edges stay sharp that may be none, as the end of a sentence.
 fn doubtful(sharp: usize) -> String {
     if sharp == 0 {
         return String::new();
     }
-    let angle = crate::convert::SHARP_DEGREES;
+    let angle = SHARP_DEGREES;
     format!(", and {sharp} edges at which facets meet by {angle:.0} to 60 degrees stay sharp")
 }
 
+/// Shorthand for [`MeshError::Parameter`].
 pub(crate) fn parameter<T: std::fmt::Debug>(parameter: &'static str, value: T, remedy: impl Into<String>) -> MeshError {
     MeshError::Parameter { parameter, value: format!("{value:?}"), remedy: remedy.into() }
 }

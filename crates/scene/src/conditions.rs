@@ -460,7 +460,7 @@ pub struct Load {
     /// Unique name, with which a `[[stage]]` switches it off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Set `body.set` of facets (`pressure`, `traction`, `follower_pressure`, `total_force`), elements (`body_force`) or nodes (`force`). A `force` may also
+    /// Set `body.set` of facets (`pressure`, `traction`, `follower_pressure`, `total_force`), nodes (`force`), or `body.all` (`body_force`). A `force` may also
     /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass; a `moment` acts on `part.all` of a rigid body, on sets of beams, and on whole sets of deformable
     /// bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]

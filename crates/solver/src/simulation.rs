@@ -10,9 +10,9 @@ mod start;
 mod sudden;
 mod warnings;
 
-pub use departure::Departure;
 pub use stage::Stage;
 
+use crate::Departure;
 use crate::assembly::System;
 use crate::control::Clock;
 use crate::held::depends_on_free;

@@ -18,8 +18,6 @@ use crate::element::distance;
 
 /// Cosine of the angle of two facets from which on their edge is sharp, 34.4 degrees: a chamfer of 45 degrees is, a round side of twelve facets is not.
 const FEATURE: f64 = 0.825;
-/// The same in degrees.
-pub(crate) const SHARP_DEGREES: f64 = 34.4;
 /// Cosine of the angle from which on a surface is certainly meant to have an edge.
 const CERTAIN: f64 = 0.5;
 

@@ -6,8 +6,6 @@
 mod curve;
 mod divide;
 
-pub(crate) use curve::SHARP_DEGREES;
-
 use std::collections::{BTreeMap, BTreeSet};
 
 use stoss_reference_element::{CellKind, FaceKind, Family};

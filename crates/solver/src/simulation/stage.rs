@@ -1,6 +1,7 @@
 //! Stages of a run, and releases: changes of the model between two steps.
 
-use super::{Departure, Simulation};
+use super::Simulation;
+use crate::Departure;
 use crate::assembly::System;
 use crate::diagnosis::node_name;
 use crate::stabilise::Stabilisation;

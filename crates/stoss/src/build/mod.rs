@@ -68,8 +68,6 @@ use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, Stag
 pub(crate) use body::single_rows;
 use mesh_files::MeshFiles;
 pub(crate) use placed::Placed;
-#[cfg(not(feature = "output"))]
-use placed::Placed;
 #[cfg(feature = "output")]
 pub(crate) use plausible::{DENSITY, MODULUS};
 use schedule::Named;
