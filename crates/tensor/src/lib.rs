@@ -5,7 +5,7 @@
 //!
 //! * [`SymmetricTensor2`]: six components, invariants, inverse, products;
 //! * [`Tensor4`]: six by six components with both minor symmetries;
-//! * [`Spectral`], [`spectral()`]: eigenvalues and eigenvectors of a symmetric tensor;
+//! * [`SpectralDecomposition`], [`spectral_decomposition()`]: eigenvalues and eigenvectors of a symmetric tensor;
 //! * [`Tensor2`], [`Vector3`]: nalgebra's.
 //!
 #![doc = include_str!("../README.md")]
