@@ -28,7 +28,7 @@ const TERMS: [(&str, &str); 24] = [
     ("in the place of", "in place of"),
     ("tells nothing", "gives no information"),
     ("work that nobody does", "work that no force does"),
-    ("for ever", "without end "),
+    ("for ever", "without end"),
     ("to and fro", "back and forth"),
     ("keeps what it keeps", "conserves its quantities"),
     ("is no mistake", "is correct"),
