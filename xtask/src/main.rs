@@ -13,6 +13,7 @@ mod reuse;
 mod schema;
 mod tidy;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -23,6 +24,9 @@ use workspace::{Outcome, Workspace};
 #[derive(Parser)]
 #[command(name = "cargo xtask")]
 struct Arguments {
+    /// The program `stoss` to run; without it, it is built in the release profile.
+    #[arg(long, global = true)]
+    program: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -78,9 +82,9 @@ enum Command {
     Dist,
 }
 
-fn dispatch(command: Command) -> Outcome<bool> {
-    let workspace = Workspace::find()?;
-    match command {
+fn dispatch(arguments: Arguments) -> Outcome<bool> {
+    let workspace = Workspace { program: arguments.program, ..Workspace::find()? };
+    match arguments.command {
         Command::Layers { bless } => layers::command(&workspace, bless),
         Command::Reuse { bless } => reuse::command(&workspace, bless),
         Command::Api { bless } => api::command(&workspace, bless),
@@ -95,7 +99,7 @@ fn dispatch(command: Command) -> Outcome<bool> {
 }
 
 fn main() -> ExitCode {
-    match dispatch(Arguments::parse().command) {
+    match dispatch(Arguments::parse()) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {

@@ -514,7 +514,8 @@ fn a_block_on_springs_and_dashpots_is_a_damped_oscillator() {
         .replacen("density = 2.0", "density = 2.0\nmass = \"lumped\"\nvelocity = [0.0, 0.0, 1.0]", 1)
         .replacen(
             "[[probe]]",
-            "[[support]]\nset = \"block.all\"\nper = \"node\"\nstiffness = [0, 0, 30]\ndamping = [0, 0, 0.7]\n\n[[probe]]",
+            "[[support]]\nset = \"block.all\"\nper = \"node\"\nstiffness = [0, 0, 30]\ndamping = [0, 0, 0.7]\n\n\
+             [[probe]]\nname = \"springs\"\nset = \"block.all\"\nquantity = \"support_force\"\n\n[[probe]]",
             1,
         );
     write(folder.path(), "scene.toml", &text);
@@ -527,7 +528,8 @@ fn a_block_on_springs_and_dashpots_is_a_damped_oscillator() {
     let decay: f64 = d / (2.0 * m);
     let omega = f64::sqrt(k / m - decay * decay);
     for (step, (row, ledger)) in probes.iter().zip(&balance).enumerate() {
-        assert!((row[4] - u).abs() < 1e-11, "step {step}: {} {u}", row[4]);
+        assert!((row[7] - u).abs() < 1e-11, "step {step}: {} {u}", row[7]);
+        assert!((row[4] + k * u + d * v).abs() < 1e-9, "step {step}: {}", row[4]);
         // dissipation, and the total, which stays.
         assert!((ledger[13] - loss).abs() < 1e-11 && (ledger[15] - 1.0).abs() < 1e-11, "step {step}: {ledger:?}");
         let t = h * step as f64;
@@ -568,6 +570,11 @@ pressure = { table = [[0.0, 0.0], [1.0, 100.0]] }
 name = "bottom"
 set = "block.bottom"
 quantity = "displacement"
+
+[[probe]]
+name = "foundation"
+set = "block.bottom"
+quantity = "support_force"
 "#;
     write(folder.path(), "scene.toml", text);
     let checked = stoss(folder.path(), &["check", "scene.toml"]);
@@ -577,6 +584,8 @@ quantity = "displacement"
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let last = read_rows(&folder.path().join("out/probes.csv")).pop().unwrap();
     assert!(last[2].abs() < 1e-9 && last[3].abs() < 1e-9 && (last[4] + 0.05).abs() < 1e-9, "{last:?}");
+    // pressure times area
+    assert!(last[5].abs() < 1e-7 && last[6].abs() < 1e-7 && (last[7] - 200.0).abs() < 1e-7, "{last:?}");
     for (from, to, key) in [
         ("stiffness = [1e3, 1e3, 2e3]\ndamping = [7.0, 7.0, 7.0]\n", "", "support[0].stiffness"),
         ("1e3, 1e3, 2e3", "1e3, -1e3, 2e3", "support[0].stiffness[1]"),
@@ -584,9 +593,17 @@ quantity = "displacement"
         ("set = \"block.bottom\"\nstiffness", "set = \"block.belly\"\nstiffness", "support[0].set"),
         ("damping", "per = \"volume\"\ndamping", "support[0].per"),
         ("damping", "dumping", "support[0].dumping"),
+        ("\"support_force\"", "\"reaction\"", "choose `support_force`"),
     ] {
         write(folder.path(), "bad.toml", &text.replacen(from, to, 1));
         let output = stoss(folder.path(), &["check", "bad.toml"]);
         assert!(output.status.code() == Some(2) && stderr(&output).contains(key), "{key}: {}", stderr(&output));
     }
+    // reactions do not have the force of the foundation
+    let held = text.replacen("\"support_force\"", "\"reaction\"", 1)
+        + "\n[[prescribe]]\nset = \"block.left\"\ncomponents = [\"x\"]\nfixed = true\n";
+    write(folder.path(), "held.toml", &held);
+    let checked = stoss(folder.path(), &["check", "held.toml"]);
+    let plan = String::from_utf8_lossy(&checked.stdout).into_owned() + &stderr(&checked);
+    assert!(checked.status.success() && plan.contains("`foundation`") && plan.contains("support_force"), "{plan}");
 }

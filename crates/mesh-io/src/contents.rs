@@ -472,7 +472,7 @@ impl Contents {
             ),
             MeshIoError::NonConformingFacet { elements: [a, b], kinds, centre, count, .. } => (
                 format!(
-                    "elements {a} and {b} ({kinds}) meet at {centre:?} with a quadrilateral facet on a triangle ({count} such quadrilaterals): \
+                    "elements {a} and {b} ({kinds}) lie on each other at {centre:?}, but do not share this facet ({count} such facets): \
                      displacements are not continuous there"
                 ),
                 NON_CONFORMING_REMEDY,

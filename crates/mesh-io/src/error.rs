@@ -136,24 +136,23 @@ pub enum MeshIoError {
         /// Their kinds.
         kinds: String,
     },
-    /// A quadrilateral facet of one element on the corners of triangles of others.
+    /// A facet of one element on facets of others that do not have the same nodes.
     #[error(
-        "{}:{line}: elements {} and {} ({kinds}) meet at the facet around {centre:?} with a quadrilateral on one side and a triangle on three of its \
-         corners on the other ({count} such quadrilaterals): displacements are not continuous there, and with quadratic cells the node on the \
-         diagonal is attached to one side only; {NON_CONFORMING_REMEDY}", path.display(), elements[0], elements[1]
+        "{}:{line}: elements {} and {} ({kinds}) lie on each other at the facet of the first around {centre:?}, but do not share this facet \
+         ({count} such facets): displacements are not continuous there; {NON_CONFORMING_REMEDY}", path.display(), elements[0], elements[1]
     )]
     NonConformingFacet {
         /// The file.
         path: PathBuf,
         /// The line of the second element.
         line: usize,
-        /// Numbers of the element of the quadrilateral and of that of a triangle.
+        /// Numbers of the element of the facet and of one of those on it.
         elements: [u64; 2],
         /// Their kinds.
         kinds: String,
-        /// Mean of the corners of the quadrilateral.
+        /// Mean of the corners of the facet.
         centre: [f64; 3],
-        /// How many quadrilaterals there are on triangles.
+        /// How many facets there are that others lie on.
         count: usize,
     },
     /// The file has no such group of elements.

@@ -28,7 +28,7 @@ pub struct Coincident {
 
 impl Mesh {
     /// Checks that the mesh can be computed with: elements exist, their nodes exist and differ, coordinates are finite,
-    /// `det J > 0` at all Gauss points, and of quadratic elements wherever [`crate::ElementCoordinates::validity`] looks, no unused and no coincident nodes, no overlapping elements, no quadrilateral facets on triangles, sets in range.
+    /// `det J > 0` at all Gauss points, and of quadratic elements wherever [`crate::ElementCoordinates::validity`] looks, no unused and no coincident nodes, no overlapping elements, no facets that lie on others without being the same, sets in range.
     ///
     /// # Errors
     /// The first problem found, in this order.
@@ -221,30 +221,6 @@ impl Mesh {
             }
         }
         self.check_conforming(&index)
-    }
-
-    /// No quadrilateral on the boundary has three corners in common with a triangle there: both would be the same surface, seen from two sides or from one.
-    fn check_conforming(&self, index: &FacetIndex) -> Result<(), MeshError> {
-        let free = || index.groups().filter(|group| group.len() == 1).map(|group| &group[0].1);
-        if !free().any(|facet| facet.nodes.corners().len() == 3) {
-            return Ok(());
-        }
-        let on_triangle = |quadrilateral: &Facet| -> Option<u32> {
-            let &[a, b, c, d] = quadrilateral.nodes.corners() else { return None };
-            let triangles = [[a, b, c], [b, c, d], [c, d, a], [d, a, b]];
-            let element = |corners: &[u32; 3]| {
-                let mut found = index.find(corners);
-                found.next().filter(|_| found.len() == 0).map(|facet| facet.element)
-            };
-            triangles.iter().filter_map(element).min()
-        };
-        let mut pairs = free().filter_map(|facet| Some((facet, on_triangle(facet)?)));
-        let Some((facet, other)) = pairs.next() else { return Ok(()) };
-        let elements = [facet.element, other];
-        let kinds = elements.map(|e| self.elements.kind(e as usize).name()).join(", ");
-        let corners = facet.nodes.corners();
-        let centre = std::array::from_fn(|i| corners.iter().map(|&n| 0.25 * self.nodes[n as usize][i]).sum());
-        Err(MeshError::NonConformingFacet { elements, kinds, centre, count: pairs.count() + 1 })
     }
 
     fn check_sets(&self) -> Result<(), MeshError> {

@@ -1,8 +1,7 @@
 //! The errors of this crate.
 
 /// What to do about [`MeshError::NonConformingFacet`].
-pub const NON_CONFORMING_REMEDY: &str = "mesh both parts with cells that have the same facets (all hexahedra and wedges, or all tetrahedra), or make them two bodies \
-     and join these by [[tie]]";
+pub const NON_CONFORMING_REMEDY: &str = "mesh both parts so that neighbours have all nodes of their common facet, or make them two bodies and join these by [[tie]]";
 
 /// What a named set holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -258,19 +257,20 @@ pub enum MeshError {
         /// The facet's nodes in the first.
         nodes: Vec<u32>,
     },
-    /// A quadrilateral facet of one element on the corners of triangles of others, as where hexahedra lie beside tetrahedra. Along the diagonal the displacements of both sides differ.
+    /// A facet of one element on facets of others that do not have the same nodes: a quadrilateral on triangles, a large one on small ones,
+    /// a quadratic one on linear ones.
     #[error(
-        "elements {elements:?} ({kinds}) meet at the facet around {centre:?} with a quadrilateral on one side and a triangle on three of its corners on the other \
-         ({count} such quadrilaterals): displacements are not continuous there, and with quadratic cells the node on the diagonal is attached to one side only; {NON_CONFORMING_REMEDY}"
+        "elements {elements:?} ({kinds}) lie on each other at the facet of the first around {centre:?}, but do not share this facet ({count} such facets): \
+         displacements are not continuous there; {NON_CONFORMING_REMEDY}"
     )]
     NonConformingFacet {
-        /// The element of the quadrilateral and that of a triangle.
+        /// The element of the facet and one of those on it.
         elements: [u32; 2],
         /// Their kinds.
         kinds: String,
-        /// Mean of the corners of the quadrilateral.
+        /// Mean of the corners of the facet.
         centre: [f64; 3],
-        /// How many quadrilaterals there are on triangles.
+        /// How many facets there are that others lie on.
         count: usize,
     },
     /// Elements that overlap: a facet shared by more than two, or by two on the same side of it.

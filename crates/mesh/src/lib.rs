@@ -15,6 +15,7 @@
 #![doc = include_str!("../README.md")]
 
 mod check;
+mod conformity;
 mod convert;
 mod element;
 mod elements;
@@ -27,6 +28,7 @@ mod region;
 pub mod surface;
 mod transform;
 mod validity;
+mod vector;
 
 pub use check::Coincident;
 pub use element::ElementCoordinates;

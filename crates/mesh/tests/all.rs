@@ -1,5 +1,6 @@
 //! The tests of the crate in one binary: linking one for each file takes longer than running them.
 
+mod conformity;
 mod convert;
 mod generators;
 mod mass;

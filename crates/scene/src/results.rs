@@ -15,10 +15,12 @@ named! {
         Position = "position",
         /// Velocity; of a set the mean over its nodes. Dynamic scenes only.
         Velocity = "velocity",
-        /// Reaction force of the supports on the body; of a set the sum over its nodes. Zero in components that are not prescribed.
+        /// Reaction force of prescribed displacements on the body; of a set the sum over its nodes. Zero in components that are not prescribed, and without the forces of `[[support]]`.
         Reaction = "reaction",
         /// Moment of the reaction forces about the origin, at the current positions.
         ReactionMoment = "reaction_moment",
+        /// Force of the elastic supports (`[[support]]`), springs and dashpots, on the body at the end of the step; of a set the sum over its nodes.
+        SupportForce = "support_force",
         /// Contact force on the body; of a set the sum over its nodes, of a rigid body the resultant.
         ContactForce = "contact_force",
         /// Moment of the contact forces about the origin, at the current positions.
@@ -71,6 +73,7 @@ impl Quantity {
                 | Self::Elevation
                 | Self::Reaction
                 | Self::ReactionMoment
+                | Self::SupportForce
                 | Self::ContactForce
                 | Self::ContactMoment
         )

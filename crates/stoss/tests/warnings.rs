@@ -62,3 +62,18 @@ fn nodes_on_quadratic_faces_are_told() {
     let redundant = build(&blocks("hex20", "nts", [2, 2]));
     assert!(redundant.warnings.iter().any(|w| w.contains("redundant")), "{:?}", redundant.warnings);
 }
+
+/// A ramp that ends after the run leaves the nodes on the way.
+#[test]
+fn a_ramp_that_ends_after_the_run_is_warned_of() {
+    let scene = |until: f64| {
+        bar([2, 2, 2], "full")
+            + &format!(
+                "[[prescribe]]\nname = \"later\"\nset = \"a.right\"\ncomponents = [\"x\"]\ndisplacement = 0.1\nramp_until = {until:?}\n\
+                 [[stage]]\nname = \"one\"\nkind = \"quasi-static\"\nstep = 0.5\nuntil = 0.5\noff = [\"later\"]\n\
+                 [[stage]]\nname = \"two\"\nkind = \"quasi-static\"\nstep = 0.5\nuntil = 1.0\n"
+            )
+    };
+    let has = |until: f64| build(&scene(until)).warnings.iter().any(|w| w.contains("the ramp ends at t ="));
+    assert!(has(1.5) && !has(1.0) && !has(f64::INFINITY));
+}

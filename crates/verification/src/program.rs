@@ -23,8 +23,15 @@ pub struct Ending {
 }
 
 impl Program {
-    /// Builds `stoss-cli` in the release profile.
+    /// [`Workspace::program`], or `stoss-cli` built in the release profile.
     pub fn build(workspace: &Workspace) -> Outcome<Self> {
+        if let Some(program) = &workspace.program {
+            let executable = std::path::absolute(program)?;
+            if !executable.is_file() {
+                return Err(format!("there is no program {}", executable.display()).into());
+            }
+            return Ok(Self { workspace: workspace.clone(), executable });
+        }
         let status = workspace.cargo().args(["build", "--release", "--quiet", "-p", "stoss-cli"]).status()?;
         if !status.success() {
             return Err("the program `stoss` does not build".into());

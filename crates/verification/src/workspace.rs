@@ -11,6 +11,8 @@ pub use stoss_report::{Outcome, read};
 pub struct Workspace {
     /// The folder that holds `layers.toml`.
     pub root: PathBuf,
+    /// The program `stoss` that is already built; if none, it is built in the release profile where it is needed.
+    pub program: Option<PathBuf>,
 }
 
 impl Workspace {
@@ -22,7 +24,7 @@ impl Workspace {
             .flatten()
             .flat_map(|start| start.ancestors())
             .find(|folder| folder.join("layers.toml").is_file())
-            .map(|root| Self { root: root.to_path_buf() })
+            .map(|root| Self { root: root.to_path_buf(), program: None })
             .ok_or_else(|| "no layers.toml in this folder or above it".into())
     }
 

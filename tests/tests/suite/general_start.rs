@@ -123,3 +123,40 @@ fn blocks_of_all_cells_may_touch() {
     let error = try_build(&stack("hex20", [[2, 2, 2], [3, 3, 2]], turned, 0.49999)).unwrap_err();
     assert!(error.contains("overlap"), "{error}");
 }
+
+/// Coordinates of seven or more digits leave bodies that touch a little apart or in each other: they touch all the same, and nothing acts.
+#[test]
+fn blocks_of_rounded_coordinates_may_touch() {
+    let turned = "rotation = { axis = [1, 2, 3], degrees = 37.3 }";
+    for off in [1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 1e-9, 1e-12, -1e-12, -1e-9, -1e-8, -3e-8, -1e-7, -3e-7, -1e-6] {
+        for cell in ["hex8", "tet10"] {
+            for divisions in [[[2, 2, 2], [2, 2, 2]], [[2, 2, 2], [3, 3, 2]]] {
+                for rotation in ["", turned] {
+                    let text = stack(cell, divisions, rotation, 0.5 + off);
+                    let mut built =
+                        try_build(&text).unwrap_or_else(|e| panic!("{off} {cell} {divisions:?} {rotation}: {e}"));
+                    let record = built.simulation.advance().unwrap();
+                    assert!(
+                        record.balance.strain < 1e-25,
+                        "{off} {cell} {divisions:?} {rotation}: {}",
+                        record.balance.strain
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The same far from the origin, where coordinates have fewer digits behind the point.
+#[test]
+fn blocks_that_touch_may_lie_anywhere() {
+    for at in [10.0, 1e3, 1e5] {
+        for off in [0.0, 1e-9, -1e-9, 1e-7, -1e-7] {
+            let text = stack("hex8", [[2, 2, 2], [3, 3, 2]], "", 0.5 + off);
+            let text = text.replace("cell = ", &format!("position = [{at:?}, {:?}, {:?}]\ncell = ", -at, 0.7 * at));
+            let mut built = try_build(&text).unwrap_or_else(|e| panic!("{at} {off}: {e}"));
+            let record = built.simulation.advance().unwrap();
+            assert!(record.balance.strain < 1e-25, "{at} {off}: {}", record.balance.strain);
+        }
+    }
+}

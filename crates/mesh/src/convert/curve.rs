@@ -15,30 +15,12 @@ use std::collections::BTreeMap;
 
 use crate::Mesh;
 use crate::element::distance;
+use crate::vector::{Vector, cross, dot, minus, unit};
 
 /// Cosine of the angle of two facets from which on their edge is sharp, 34.4 degrees: a chamfer of 45 degrees is, a round side of twelve facets is not.
 const FEATURE: f64 = 0.825;
 /// Cosine of the angle from which on a surface is certainly meant to have an edge.
 const CERTAIN: f64 = 0.5;
-
-type Vector = [f64; 3];
-
-fn minus(a: Vector, b: Vector) -> Vector {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    (0..3).map(|i| a[i] * b[i]).sum()
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn unit(a: Vector) -> Option<Vector> {
-    let length = dot(a, a).sqrt();
-    (length > 0.0 && length.is_finite()).then(|| a.map(|c| c / length))
-}
 
 /// The boundary of a linear mesh.
 pub(super) struct Curves {

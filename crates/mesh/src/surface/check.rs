@@ -3,6 +3,7 @@
 use stoss_reference_element::Nodal;
 
 use super::SurfaceMesh;
+use crate::vector::cross;
 use crate::{MeshError, SetKind};
 
 /// Areas over the square of a facet's size, and edges over its size, that are no more than this are zero: some thousand
@@ -113,8 +114,4 @@ fn degenerate(x: &Nodal<[f64; 3]>) -> bool {
         exceeds((0..3).map(|i| n[i] * normal[i]).sum::<f64>() / area)
     });
     !(edges && exceeds(area) && unfolded)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -30,6 +30,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let tie_tables = root.tables("tie");
     let joint_tables = root.tables("joint");
     let spring_tables = root.tables("spring");
+    let support_tables = root.tables("support");
     let prescribe_tables = root.tables("prescribe");
     let load_tables = root.tables("load");
     let event_tables = root.tables("event");
@@ -43,7 +44,8 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let mut world = World {
         kind,
         end: time.as_ref().map(|time| time.end),
-        has_support: !prescribe_tables.is_empty() || parts.known.iter().any(|part| part.fixed),
+        has_elastic_support: !support_tables.is_empty(),
+        has_prescribed: !prescribe_tables.is_empty() || parts.known.iter().any(|part| part.fixed),
         parts: parts.known,
         parts_complete: parts.complete,
         joints: Vec::new(),
@@ -128,8 +130,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
 
     let loads: Vec<_> = load_tables.iter().map(|table| conditions::load(table.as_ref()?, &world)).collect();
 
-    let supports: Vec<_> =
-        root.tables("support").iter().map(|table| support::support(table.as_ref()?, &world)).collect();
+    let supports: Vec<_> = support_tables.iter().map(|table| support::support(table.as_ref()?, &world)).collect();
 
     let mut unique = Unique::new("stage");
     let stages = event::stages(&stage_tables, &world, time.as_ref(), has_gravity);

@@ -23,10 +23,18 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
         {
             return n.fail("needs contact, and the scene has none", "add a [[contact]] or choose another quantity");
         }
-        if matches!(quantity, Quantity::Reaction | Quantity::ReactionMoment) && !world.has_support {
+        if matches!(quantity, Quantity::Reaction | Quantity::ReactionMoment) && !world.has_prescribed {
+            let remedy = if world.has_elastic_support {
+                "choose `support_force`, the force of [[support]], or add a [[prescribe]]"
+            } else {
+                "add a [[prescribe]] or choose another quantity"
+            };
+            return n.fail("needs prescribed motion, and the scene has none", remedy);
+        }
+        if quantity == Quantity::SupportForce && !world.has_elastic_support {
             return n.fail(
-                "needs prescribed motion, and the scene has none",
-                "add a [[prescribe]] or choose another quantity",
+                "needs an elastic support, and the scene has none",
+                "add a [[support]], or choose `reaction` for the forces of [[prescribe]]",
             );
         }
         Some(quantity)
@@ -299,7 +307,7 @@ fn fields(node: &Node<'_>, world: &World<'_>) -> Option<Vec<Field>> {
             let remedy = "remove it, or add a [[contact]] or [general_contact]";
             return n.fail("needs contact, and the scene has none", remedy);
         }
-        if field == Field::Reaction && !world.has_support {
+        if field == Field::Reaction && !world.has_prescribed {
             return n.fail("needs prescribed motion, and the scene has none", "remove it or add a [[prescribe]]");
         }
         Some(field)

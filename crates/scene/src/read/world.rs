@@ -136,7 +136,10 @@ pub(super) struct World<'a> {
     pub(super) has_contact: bool,
     pub(super) has_general_contact: bool,
     pub(super) has_tie: bool,
-    pub(super) has_support: bool,
+    /// Whether anything has a prescribed displacement.
+    pub(super) has_prescribed: bool,
+    /// Whether there is a `[[support]]`.
+    pub(super) has_elastic_support: bool,
     pub(super) sets: Sets<'a>,
     /// Names of laws of friction beside the catalogue.
     pub(super) own_friction: &'a [&'a str],

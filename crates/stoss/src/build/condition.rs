@@ -126,6 +126,19 @@ fn check_ramp(scene: &Scene, p: usize, problems: &mut Problems<'_>) {
     }
 }
 
+/// Warnings for ramps that end after the run.
+pub(super) fn warnings(scene: &Scene) -> Vec<String> {
+    let end = scene.stages.iter().map(|stage| stage.until).fold(scene.time.end, f64::max);
+    let ramps = scene.prescriptions.iter().enumerate().filter_map(|(p, item)| Some((p, item.ramp_until?)));
+    let late = ramps.filter(|(_, until)| until.is_finite() && *until > end);
+    late.map(|(p, until)| {
+        format!(
+            "prescribe[{p}].ramp_until: the ramp ends at t = {until}, and the run at t = {end}: the nodes do not get to their `displacement`; let the ramp end within the run"
+        )
+    })
+    .collect()
+}
+
 fn table(key: String, rows: &[Vec<f64>], columns: usize, problems: &mut Problems<'_>) -> Option<Table> {
     Table::from_rows(rows, columns)
         .map_err(|error| problems.add(key, "", error.to_string(), "give rows [time, value, ...] with increasing times"))

@@ -25,6 +25,15 @@ const TOUCH: f64 = 0.1;
 /// Of distances of inset surfaces, relative.
 const ROUND_OFF: f64 = 1e-6;
 
+/// Overlap up to which bodies touch, in parts of the largest coordinate: what seven digits in a file leave.
+const DIGITS: f64 = 2e-6;
+
+/// The same in thicknesses; the smaller one counts.
+const SLIGHT: f64 = 0.01;
+
+/// Rounds of measuring the overlap of bodies that touch, by the distance of their inset surfaces.
+const ROUNDS: usize = 4;
+
 /// Speed of slip below which friction of two bodies falls, in parts of their largest relative speed at the start.
 const SLIP: f64 = 0.01;
 
@@ -301,9 +310,15 @@ fn skin(
         problems.add("general_contact.thickness".into(), format!("{thickness:e}"), message, remedy);
         return None;
     }
-    let look = first_look(&skin, rules, &model.reference, table.thickness.unwrap_or(default).max(2.0 * default));
-    if let Some(&([f, g], place)) = look.crossings.first() {
-        let [a, b] = [f, g].map(|facet| rules.body(skin.facets()[facet as usize].class));
+    let mut thickness = table.thickness.unwrap_or(default);
+    let look = first_look(&skin, rules, &model.reference, thickness.max(2.0 * default));
+    let largest = model.reference.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let slight = (SLIGHT * thickness).min(DIGITS * largest);
+    let is_slight = separate::slight(&skin, rules, model, slight);
+    let bodies_of = |facets: [u32; 2]| facets.map(|facet| rules.body(skin.facets()[facet as usize].class));
+    let overlaps = |facets: [u32; 2]| !is_slight(bodies_of(facets));
+    if let Some(&(facets, place)) = look.crossings.iter().find(|(facets, _)| overlaps(*facets)) {
+        let [a, b] = bodies_of(facets);
         let (what, deep, remedy) = if a == b {
             let what = format!("the surface of `{}` intersects itself", name(a));
             (what, None, "correct the mesh, or set `self = false`")
@@ -317,7 +332,7 @@ fn skin(
         problems.add(key(), "", message, remedy);
         return None;
     }
-    if let Some(([a, b], relation)) = separate::inside(&skin, rules, model) {
+    if let Some(([a, b], relation)) = separate::inside(&skin, rules, model, &is_slight) {
         let (message, remedy) = match separate::depth(&skin, rules, model, placed, [a, b]) {
             Some(deep) if relation == Relation::Cross => {
                 (format!("`{}` and `{}` overlap at the start, {deep}", name(a), name(b)), PART)
@@ -337,7 +352,6 @@ fn skin(
     }
     let itself = look.nearest.iter().filter(|([a, b], _)| a == b);
     let itself = itself.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
-    let mut thickness = table.thickness.unwrap_or(default);
     if let Some(([body, _], nearest)) = itself {
         if table.thickness.is_none() {
             thickness = thickness.min(0.5 * nearest.distance);
@@ -371,75 +385,102 @@ fn skin(
             point(nearest.place, edge)
         ));
     }
-    let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
     let mut frames: BTreeMap<u32, Option<Frame>> = BTreeMap::new();
+    // Pairs of bodies that touch, and the part of the inset that each takes.
+    let mut insets: Vec<([u32; 2], [f64; 2])> = Vec::new();
+    let inner = inner.map(|[a, b]| [a.min(b), a.max(b)]);
     for pair in touching.map(|(pair, _)| **pair).chain(inner) {
         // Without points below the surface.
         let flat = pair.map(|body| {
             let frame = || Frame::of(&facets_of(&facets, rules, body), &model.reference);
             placed[body as usize].mesh().is_none() && frames.entry(body).or_insert_with(frame).is_none()
         });
-        if flat == [true; 2] {
-            let message = format!(
-                "the rigid bodies `{}` and `{}` touch at the start, and neither has an inside into which its surface could be put: they are flat or not closed",
-                name(pair[0]),
-                name(pair[1]),
-            );
-            problems.add(key(), "", message, format!("leave a gap of {thickness:.3e} between them"));
-            return None;
-        }
-        for (k, body) in pair.into_iter().enumerate().filter(|(k, _)| !flat[*k]) {
+        let parts = match flat {
+            [false, false] => [0.5, 0.5],
             // Opposite a flat one the other body goes all of the way.
-            let part = if flat[1 - k] { 1.0 } else { 0.5 };
-            let depth = depth.entry(body).or_insert(0.0);
-            *depth = depth.max(part * thickness);
-        }
+            [true, false] => [0.0, 1.0],
+            [false, true] => [1.0, 0.0],
+            [true, true] => {
+                let message = format!(
+                    "the rigid bodies `{}` and `{}` touch at the start, and neither has an inside for an inset surface: they are flat or not closed",
+                    name(pair[0]),
+                    name(pair[1]),
+                );
+                problems.add(key(), "", message, format!("leave a gap of {thickness:.3e} between them"));
+                return None;
+            }
+        };
+        insets.push((pair, parts));
     }
-    if depth.is_empty() {
+    if insets.is_empty() {
         return Some((skin, thickness));
     }
-    let mut places = BTreeMap::new();
-    for (&body, &depth) in &depth {
-        let part = &placed[body as usize];
-        let frame = frames.get(&body).and_then(Option::as_ref);
-        if let Err((node, reason)) = inset(&skin, rules, model, body, frame, depth, &mut places) {
-            let at = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
-            let message = format!(
-                "`{}` touches another body at the start, and its surface cannot be put {depth:.3e} inside near {}: {reason}",
-                part.name,
-                point(at, edge)
-            );
-            problems.add(
-                key(),
-                "",
-                message,
-                format!("leave a gap of {thickness:.3e}, make `thickness` smaller, or leave the body out by `exclude`"),
-            );
-            return None;
+    let mut overlap: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+    for _ in 0..ROUNDS {
+        let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
+        for (pair, parts) in &insets {
+            let distance = thickness + overlap.get(pair).copied().unwrap_or_default();
+            for (&body, &part) in pair.iter().zip(parts).filter(|(_, part)| **part > 0.0) {
+                let depth = depth.entry(body).or_insert(0.0);
+                *depth = depth.max(part * distance);
+            }
         }
-    }
-    let skin = Skin::new(facets, &model.reference, &|node| places.get(&node).cloned());
-    let look = first_look(&skin, rules, &model.reference, thickness);
-    let near = look.nearest.iter().find(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness);
-    // What only touched is farther apart by now.
-    if let Some(([a, b], nearest)) = near.filter(|(_, nearest)| nearest.distance < ROUND_OFF * thickness) {
-        let message =
-            format!("`{}` and `{}` overlap at the start, near {}", name(*a), name(*b), point(nearest.place, edge));
-        problems.add(key(), "", message, PART);
+        let mut places = BTreeMap::new();
+        for (&body, &depth) in &depth {
+            let part = &placed[body as usize];
+            let frame = frames.get(&body).and_then(Option::as_ref);
+            if let Err((node, reason)) = inset(&skin, rules, model, body, frame, depth, &mut places) {
+                let at = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
+                let message = format!(
+                    "`{}` touches another body at the start, and its surface cannot be inset by {depth:.3e} near {}: {reason}",
+                    part.name,
+                    point(at, edge)
+                );
+                problems.add(
+                    key(),
+                    "",
+                    message,
+                    format!(
+                        "leave a gap of {thickness:.3e}, make `thickness` smaller, or leave the body out by `exclude`"
+                    ),
+                );
+                return None;
+            }
+        }
+        let skin = Skin::new(facets.clone(), &model.reference, &|node| places.get(&node).cloned());
+        let look = first_look(&skin, rules, &model.reference, thickness);
+        let near = || look.nearest.iter().filter(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness);
+        if near().next().is_none() {
+            return Some((skin, thickness));
+        }
+        // What only touched is farther apart by now.
+        let too_near = near().find(|(pair, nearest)| {
+            let lack = thickness - nearest.distance;
+            lack > slight || !insets.iter().any(|(touching, _)| touching == *pair)
+        });
+        let Some(([a, b], nearest)) = too_near else {
+            near().for_each(|(pair, nearest)| *overlap.entry(*pair).or_default() += thickness - nearest.distance);
+            continue;
+        };
+        if nearest.distance < ROUND_OFF * thickness {
+            let message =
+                format!("`{}` and `{}` overlap at the start, near {}", name(*a), name(*b), point(nearest.place, edge));
+            problems.add(key(), "", message, PART);
+        } else {
+            let message = format!(
+                "inset surfaces of `{}` and `{}`, which touch at the start, are {:.3e} apart near {}, less than the thickness {thickness:.3e}",
+                name(*a),
+                name(*b),
+                nearest.distance,
+                point(nearest.place, edge)
+            );
+            problems.add(key(), "", message, "make `thickness` smaller, or leave a gap between the bodies");
+        }
         return None;
     }
-    if let Some(([a, b], nearest)) = near {
-        let message = format!(
-            "surfaces of `{}` and `{}` that were put inside because bodies touch at the start are {:.3e} apart near {}, less than the thickness {thickness:.3e}",
-            name(*a),
-            name(*b),
-            nearest.distance,
-            point(nearest.place, edge)
-        );
-        problems.add(key(), "", message, "make `thickness` smaller, or leave a gap between the bodies");
-        return None;
-    }
-    Some((skin, thickness))
+    let message = format!("inset surfaces of bodies that touch do not keep the thickness {thickness:.3e}");
+    problems.add(key(), "", message, "leave a gap between the bodies");
+    None
 }
 
 /// Nodes and weights of the vertices of a body, at a depth below its surface; a node and the reason where there are none.

@@ -189,6 +189,8 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         }
         warnings.extend(plausible::warnings(scene, &model));
         warnings.extend(supports::warnings(scene, &placed, &model));
+        warnings.extend(probe::warnings(scene, &placed));
+        warnings.extend(condition::warnings(scene));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
         // Places in the model are known only if nothing was left out.
         if problems.list.is_empty() {

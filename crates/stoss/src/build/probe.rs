@@ -5,10 +5,12 @@ use super::condition::resolve;
 use super::extreme::Extreme;
 use super::multibody::Parts;
 use super::placed::{Placed, index};
-use crate::scene::{Extremum, Quantity, Scene};
+use crate::scene::{Extremum, Quantity, Scene, split_set};
 use crate::solver::{Model, Simulation, SurfaceForce};
+use std::collections::BTreeSet;
 use stoss_contact::JointReport;
 use stoss_fe_solid::MaterialPoint;
+use stoss_part::{ForceRule, LocalForce, PartStep};
 
 /// Where a probe looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub enum ProbeTarget {
     Material(usize, MaterialPoint),
     /// The extremum over nodes.
     Extreme(Extreme),
+    /// Global nodes, and the places of the elastic supports among the parts of the model.
+    Supports(Vec<u32>, Vec<usize>),
     /// A joint, by its place among the contacts of the model.
     Joint(usize),
     /// The whole model.
@@ -103,6 +107,7 @@ impl Probe {
             Quantity::AngularMomentum => balance.angular_momentum,
             Quantity::Reaction => self.sum(&simulation.reactions()),
             Quantity::ReactionMoment => self.moment(&simulation.reactions(), &simulation.state().q),
+            Quantity::SupportForce => self.support_force(simulation),
             Quantity::ContactForce => {
                 added(self.sum(simulation.contact_force()), self.moved(simulation).map(|moved| moved.force))
             }
@@ -152,7 +157,7 @@ impl Probe {
 
     fn nodes(&self) -> &[u32] {
         match &self.target {
-            ProbeTarget::Nodes(nodes) | ProbeTarget::Part(_, nodes) => nodes,
+            ProbeTarget::Nodes(nodes) | ProbeTarget::Part(_, nodes) | ProbeTarget::Supports(nodes, _) => nodes,
             ProbeTarget::Body(_)
             | ProbeTarget::Point(..)
             | ProbeTarget::Material(..)
@@ -160,6 +165,33 @@ impl Probe {
             | ProbeTarget::Joint(_)
             | ProbeTarget::Model => &[],
         }
+    }
+
+    /// Of springs and dashpots at the positions and velocities of the end of the step.
+    fn support_force(&self, simulation: &Simulation) -> [f64; 3] {
+        let ProbeTarget::Supports(nodes, supports) = &self.target else { return [f64::NAN; 3] };
+        let state = simulation.state();
+        // A step of one unit of time that ends here with the velocity of the state.
+        let before: Vec<f64> = match &state.v[..] {
+            [] => state.q.clone(),
+            v => state.q.iter().zip(v).map(|(q, v)| q - v).collect(),
+        };
+        let (rule, has_rates) = (ForceRule::Configuration { theta: 1.0 }, !simulation.is_static());
+        let step = PartStep { q_n: &before, q_np1: &state.q, rule, dt: 1.0, has_rates };
+        let mut sum = [0.0; 3];
+        for &support in supports {
+            let mut add = |local: &LocalForce| {
+                for (node, force) in local.vectors.iter().zip(local.residual.chunks_exact(3)) {
+                    if nodes.binary_search(node).is_ok() {
+                        sum.iter_mut().zip(force).for_each(|(s, f)| *s -= f);
+                    }
+                }
+            };
+            if simulation.model().parts[support].assemble(step, false, &mut add).is_err() {
+                return [f64::NAN; 3];
+            }
+        }
+        sum
     }
 
     /// What the joint does; nothing once it is released or switched off.
@@ -237,6 +269,28 @@ fn part_target(placed: &[Placed], model: &Model, name: &str, quantity: Quantity)
         _ => vec![own.start],
     };
     Some(ProbeTarget::Part(p, nodes))
+}
+
+/// Warnings for probes of `reaction` at nodes on which elastic supports act, whose forces are not part of it.
+pub(super) fn warnings(scene: &Scene, placed: &[Placed]) -> Vec<String> {
+    let nodes_of = |set: &str| -> Vec<u32> {
+        let nodes = split_set(set).and_then(|(part, set)| {
+            placed.iter().find(|placed| placed.name == part).and_then(|placed| placed.nodes_of(set).ok())
+        });
+        nodes.unwrap_or_default()
+    };
+    let supported: BTreeSet<u32> = scene.supports.iter().flat_map(|support| nodes_of(&support.set)).collect();
+    let reactions = scene.probes.iter().filter(|probe| probe.quantity == Quantity::Reaction);
+    let on_support = reactions.filter(|probe| {
+        probe.set.as_deref().is_some_and(|set| nodes_of(set).iter().any(|node| supported.contains(node)))
+    });
+    let warning = |probe: &crate::scene::Probe| {
+        format!(
+            "probe `{}`: `reaction` has the forces of [[prescribe]] only, and a [[support]] acts on the same nodes; add a probe of `support_force`",
+            probe.name
+        )
+    };
+    on_support.map(warning).collect()
 }
 
 /// Whether a quantity tells of a motion, which any point of a rigid body has; forces act on nodes.
@@ -346,6 +400,16 @@ pub(super) fn probes(
             target
         } else {
             ProbeTarget::Model
+        };
+        let target = match target {
+            ProbeTarget::Nodes(mut nodes) if item.quantity == Quantity::SupportForce => {
+                nodes.sort_unstable();
+                nodes.dedup();
+                let names: Vec<String> = scene.supports.iter().enumerate().map(|(s, item)| item.part_name(s)).collect();
+                let is_support = |&part: &usize| names.iter().any(|name| model.parts[part].name() == name);
+                ProbeTarget::Supports(nodes, (0..model.parts.len()).filter(is_support).collect())
+            }
+            target => target,
         };
         out.push(Probe { name: item.name.clone(), target, quantity: item.quantity });
     }

@@ -40,11 +40,28 @@ pub(super) fn depth(
     Some(format!("{} deep (the way out of `{name}` is along {by})", format_length(length)))
 }
 
-/// Two bodies of which one lies in the other although no edge goes through a facet: wholly, or with common planes.
-pub(super) fn inside(skin: &Skin, rules: &Interactions, model: &Model) -> Option<([u32; 2], Relation)> {
+/// Whether two bodies are free of each other after a motion by no more than `limit`.
+pub(super) fn slight<'a>(
+    skin: &Skin,
+    rules: &Interactions,
+    model: &'a Model,
+    limit: f64,
+) -> impl Fn([u32; 2]) -> bool + use<'a> {
+    let overlaps = Overlaps::new(skin, rules, &model.reference);
+    move |[a, b]| a != b && overlaps.separation([a, b], &Vector3::zeros(), 0.0, limit).is_some()
+}
+
+/// Two bodies of which one lies in the other although no edge goes through a facet: wholly, or with common planes. Those for which `is_slight` holds are left out.
+pub(super) fn inside(
+    skin: &Skin,
+    rules: &Interactions,
+    model: &Model,
+    is_slight: &impl Fn([u32; 2]) -> bool,
+) -> Option<([u32; 2], Relation)> {
     let overlaps = Overlaps::new(skin, rules, &model.reference);
     let relation = |pair| (pair, overlaps.relation(pair, &Vector3::zeros(), 0.0));
-    rules.body_pairs().into_iter().map(relation).find(|(_, relation)| !matches!(relation, Relation::Apart(_)))
+    let mut relations = rules.body_pairs().into_iter().map(relation);
+    relations.find(|(pair, relation)| !matches!(relation, Relation::Apart(_)) && !is_slight(*pair))
 }
 
 /// Two bodies of which one is wholly inside the other: of whole bodies, also where some of their surfaces are left out. [`inside`] knows only what acts.

@@ -129,9 +129,9 @@ mod tests {
 
     #[test]
     fn a_folder_within_a_repository_has_no_commit() {
-        let inside = Workspace { root: Workspace::find().unwrap().path("xtask") };
+        let inside = Workspace { root: Workspace::find().unwrap().path("xtask"), program: None };
         assert_eq!(commit(&inside), None);
-        let nowhere = Workspace { root: "/no/such/folder".into() };
+        let nowhere = Workspace { root: "/no/such/folder".into(), program: None };
         assert_eq!(commit(&nowhere), None);
         assert_eq!(Origin::find(&nowhere).modified, None);
     }
