@@ -111,6 +111,9 @@ impl SolidBody {
 /// Natural coordinates of a point and the gradients of the shape functions there, `[I][A]`. Also of points outside, as far as the map can be inverted there.
 fn inverse_map(kind: CellKind, places: &[[f64; 3]], x: [f64; 3]) -> Option<([f64; 3], Vec<[f64; 3]>)> {
     let table = kind.table();
+    // From a node on, so that round-off does not grow with the distance from the origin.
+    let from_first = |x: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| x[i] - places[0][i]) };
+    let (x, places): (_, Vec<[f64; 3]>) = (from_first(x), places.iter().map(|x| from_first(*x)).collect());
     let mut natural = table.family.centre();
     for _ in 0..ITERATIONS {
         let (shape, gradient) = ((table.shape)(natural), (table.shape_gradient)(natural));

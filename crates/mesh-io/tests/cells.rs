@@ -545,7 +545,7 @@ fn hexahedra_beside_tetrahedra_are_refused() {
     );
     let told = error.to_string();
     assert!(
-        told.starts_with("part.msh:19: elements 11 and 12 (hex8, tet4) meet at the facet around [0.5, 0.5, 1.0]"),
+        told.starts_with("part.msh:19: elements 11 and 12 (hex8, tet4) lie on each other at the facet of the first around [0.5, 0.5, 1.0]"),
         "{told}"
     );
     assert!(told.contains("join these by [[tie]]"), "{told}");

@@ -156,7 +156,9 @@ fn blocks_that_touch_may_lie_anywhere() {
             let text = text.replace("cell = ", &format!("position = [{at:?}, {:?}, {:?}]\ncell = ", -at, 0.7 * at));
             let mut built = try_build(&text).unwrap_or_else(|e| panic!("{at} {off}: {e}"));
             let record = built.simulation.advance().unwrap();
-            assert!(record.balance.strain < 1e-25, "{at} {off}: {}", record.balance.strain);
+            // strains are known up to the round-off of the positions over an edge
+            let round_off = 1e-25 + 2e-30 * at * at;
+            assert!(record.balance.strain < round_off, "{at} {off}: {}", record.balance.strain);
         }
     }
 }
