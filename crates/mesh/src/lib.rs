@@ -22,11 +22,13 @@ mod error;
 mod facet;
 pub mod generate;
 mod mesh;
+mod pieces;
 mod quality;
 mod region;
 pub mod surface;
 mod transform;
 mod validity;
+mod vector;
 
 pub use check::Coincident;
 pub use element::ElementCoordinates;

@@ -14,29 +14,15 @@
 use std::collections::BTreeMap;
 
 use crate::Mesh;
-use crate::element::distance;
+use crate::vector::{Vector, cross, distance, dot, minus, norm};
 
 /// Cosine of the angle of two facets from which on their edge is sharp, 34.4 degrees: a chamfer of 45 degrees is, a round side of twelve facets is not.
 const FEATURE: f64 = 0.825;
 /// Cosine of the angle from which on a surface is certainly meant to have an edge.
 const CERTAIN: f64 = 0.5;
 
-type Vector = [f64; 3];
-
-fn minus(a: Vector, b: Vector) -> Vector {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    (0..3).map(|i| a[i] * b[i]).sum()
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 fn unit(a: Vector) -> Option<Vector> {
-    let length = dot(a, a).sqrt();
+    let length = norm(a);
     (length > 0.0 && length.is_finite()).then(|| a.map(|c| c / length))
 }
 
@@ -89,12 +75,12 @@ impl Curves {
     }
 
     /// Number of edges that are sharp, and may be those of a coarse mesh of a smooth surface.
-    pub fn doubtful_edges(&self) -> usize {
-        let is_doubtful = |facets: &&Vec<usize>| match facets[..] {
+    pub fn perhaps_smooth_edges(&self) -> usize {
+        let is_perhaps_smooth = |facets: &&Vec<usize>| match facets[..] {
             [f, g] => (CERTAIN..=FEATURE).contains(&dot(self.normals[f], self.normals[g])),
             _ => false,
         };
-        self.edges.values().filter(is_doubtful).count()
+        self.edges.values().filter(is_perhaps_smooth).count()
     }
 
     /// The middle of the edge between two nodes of the mesh, at the places `x`.
