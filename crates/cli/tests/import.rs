@@ -195,3 +195,40 @@ fn what_begins_in_a_later_step_begins_where_the_nodes_are() {
         }
     }
 }
+
+/// A cube that can only be stretched is a mass of a third of it on a spring `E A / L`. Forces that a dynamic step changes act from its beginning on, with the accelerations that
+/// they cause there: the trapezoidal rule for this oscillator gives the displacements at the ends of all increments.
+#[test]
+fn forces_that_a_dynamic_step_changes_act_at_once() {
+    let folder = Folder::new("jump.inp");
+    folder.run(
+        "jump.inp",
+        "[[probe]]\nname = \"top\"\nbody = \"Cube\"\npoint = [0.5, 0.5, 1]\nquantity = \"displacement\"\n",
+    );
+    let (stiffness, mass, dt) = (1000.0, 1.0 / 3.0, 0.002);
+    let [mut time, mut u, mut v] = [1.0, 4e-3 / stiffness, 0.0];
+    let mut expected = Vec::new();
+    for (force, steps) in [(8e-3, 14), (0.0, 20)] {
+        let mut a = (force - stiffness * u) / mass;
+        for _ in 0..steps {
+            let predicted = u + dt * v + 0.25 * dt * dt * a;
+            let next = (force / mass - stiffness / mass * predicted) / (1.0 + 0.25 * dt * dt * stiffness / mass);
+            u = predicted + 0.25 * dt * dt * next;
+            v += 0.5 * dt * (a + next);
+            a = next;
+            time += dt;
+            expected.push((time, u));
+        }
+    }
+    let probes = std::fs::read_to_string(folder.path("out/probes.csv")).unwrap();
+    let heads: Vec<&str> = probes.lines().next().unwrap().split(',').collect();
+    let column = |head: &str| heads.iter().position(|other| *other == head).unwrap();
+    let (times, tops) = (column("time"), column("top.z"));
+    let rows: Vec<Vec<f64>> =
+        probes.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    for (time, u) in expected {
+        let row = rows.iter().find(|row| (row[times] - time).abs() < 1e-9).unwrap_or_else(|| panic!("{time} {probes}"));
+        // Strains of 1e-5 stiffen the cube by as much.
+        assert!((row[tops] - u).abs() < 1e-4 * 8e-6, "{time}: {} for {u}", row[tops]);
+    }
+}

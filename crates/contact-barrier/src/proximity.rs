@@ -6,7 +6,7 @@
 
 use crate::{Interactions, PairTerm, Skin};
 use nalgebra::Vector3;
-use stoss_geometry::{BoundingVolumeTree, MovingBox, PairKind, Volume, closest, safe_fraction};
+use stoss_geometry::{BoundingVolume, BoundingVolumeTree, MovingBox, PairKind, closest, safe_fraction};
 
 /// Part of the distance of a pair that an iteration leaves of it at least.
 const KEEP: f64 = 0.1;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use stoss_mesh::{Elements, Facet};
+use stoss_mesh::Facet;
 use stoss_mesh_io::Solids;
 use stoss_mesh_io::deck::{Damping, Deck};
 use stoss_reference_element::{CellKind, Integration};
@@ -36,7 +36,7 @@ pub(crate) struct Bodies {
     pub all: Vec<Body>,
     /// The body of an element.
     of_element: Vec<Option<u32>>,
-    /// Facets that two elements share; of bodies they are no boundary but where these differ.
+    /// Facets between two elements of one body.
     inner: BTreeSet<(u32, u8)>,
     /// Facets between two bodies that share nodes: (slave, master) with the facets of both.
     pub interfaces: BTreeMap<(usize, usize), Vec<Facet>>,
@@ -54,7 +54,7 @@ impl Bodies {
         self.owner.get(&node).copied()
     }
 
-    /// Does a facet lie inside of its body?
+    /// Whether a facet lies inside of its body.
     pub fn is_inner(&self, facet: &Facet) -> bool {
         self.inner.contains(&(facet.element, facet.local))
     }
@@ -64,34 +64,8 @@ impl Bodies {
     }
 }
 
-/// Pieces of which no two have a node in common: the number of its piece for each of the elements.
-fn pieces(elements: &Elements, chosen: &[u32], nodes: usize) -> Vec<usize> {
-    fn root(parent: &mut [u32], mut node: u32) -> u32 {
-        while parent[node as usize] != node {
-            parent[node as usize] = parent[parent[node as usize] as usize];
-            node = parent[node as usize];
-        }
-        node
-    }
-    let mut parent: Vec<u32> = (0..nodes as u32).collect();
-    for &e in chosen {
-        let own = &elements[e as usize];
-        let first = root(&mut parent, own[0]);
-        for &node in &own[1..] {
-            let other = root(&mut parent, node);
-            parent[other as usize] = first;
-        }
-    }
-    let mut numbers = BTreeMap::new();
-    let mut number = |root| {
-        let next = numbers.len();
-        *numbers.entry(root).or_insert(next)
-    };
-    chosen.iter().map(|&e| number(root(&mut parent, elements[e as usize][0]))).collect()
-}
-
-/// A name that a scene takes: letters, digits, `-`, `_`; not taken yet.
-pub(crate) fn clean(name: &str, taken: &mut BTreeSet<String>) -> String {
+/// A name of letters, digits, `-` and `_`, as a scene demands, that no other thing has.
+pub(crate) fn unique_name(name: &str, taken: &mut BTreeSet<String>) -> String {
     const WORDS: [&str; 6] = ["x", "y", "z", "nearest", "normal", "ground"];
     let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     let mut name: String = name.chars().map(|c| if good(c) { c } else { '-' }).collect();
@@ -135,13 +109,18 @@ fn variants(solids: &Solids, elements: &[u32]) -> Variants {
     let mut notes = Vec::new();
     if !reduced.is_empty() && !is_reduced {
         notes.push((
-            format!("a body has one rule: {} are fully integrated, as {}", reduced.join(", "), reducible.join(", ")),
-            "choose `integration = \"reduced\"` for all of them if you like".to_owned(),
+            format!(
+                "a body has one rule of integration, and not all of {} have the reduced one: {} are fully integrated",
+                reducible.join(", "),
+                reduced.join(", ")
+            ),
+            "for the reduced rule in all of them set `integration = \"reduced\"`".to_owned(),
         ));
     }
     if !hybrid.is_empty() && hybrid.len() < types.len() {
         notes.push((
-            "some elements of the body have an independent pressure: here all of them are mixed".to_owned(),
+            "only some elements of the body have an independent pressure in the deck, and all of them have one here"
+                .to_owned(),
             String::new(),
         ));
     }
@@ -152,7 +131,7 @@ fn variants(solids: &Solids, elements: &[u32]) -> Variants {
         let mut add =
             |here: String, remedy: &str| notes.push((format!("{count} elements {name}: {here}"), remedy.to_owned()));
         if *name == "C3D8" {
-            let here = "C3D8 has mean dilatations in CalculiX; here it is stiffer where the material is nearly incompressible or bends";
+            let here = "CalculiX averages the change of volume in C3D8; without that it is stiffer here in bending and where the material is nearly incompressible";
             add(here.to_owned(), bends);
         }
         if letters.contains('R') && !can_reduce(name) {
@@ -180,12 +159,12 @@ fn variants(solids: &Solids, elements: &[u32]) -> Variants {
 /// What takes the place of the pressure of a hybrid element, and what to do for a better one.
 fn pressure(kind: CellKind) -> (&'static str, &'static str) {
     match kind {
-        CellKind::Hex8 => ("one value an element, as there", ""),
-        CellKind::Hex27 => ("linear in the element, as there", ""),
-        CellKind::Tet4 => ("means around each node", "add `cell = \"quadratic\"` to the body for smooth pressures"),
-        CellKind::Wedge6 => {
-            ("one value an element, and wedge6 locks nevertheless", "add `cell = \"quadratic\"` to the body")
+        CellKind::Hex8 => ("one value an element, as in the deck", ""),
+        CellKind::Hex27 => ("linear in the element, as in the deck", ""),
+        CellKind::Tet4 => {
+            ("averages over the elements at each node", "add `cell = \"quadratic\"` to the body for smooth pressures")
         }
+        CellKind::Wedge6 => ("one value an element, and wedge6 still locks", "add `cell = \"quadratic\"` to the body"),
         CellKind::Hex20 => (
             "one value an element, where Abaqus has a linear pressure: coarser pressures, and too soft in bending in a single row of elements",
             "add `cell = \"hex27\"` for linear pressures if the mesh is linear, or take two elements across",
@@ -233,7 +212,7 @@ pub(crate) fn bodies(
                         section.place,
                         "*SOLID SECTION",
                         format!("there is no material {}: its elements are not in the scene", section.material),
-                        "name one that there is",
+                        "name a material of the deck",
                     );
                     reasons.push(reason);
                 }
@@ -259,7 +238,12 @@ pub(crate) fn bodies(
             Err(reason) => {
                 reasons.push(format!("{}: {reason}", list.place(material.place)));
                 let consequence = format!("{reason}: its {} elements are not in the scene", elements.len());
-                list.add(material.place, "*MATERIAL", consequence, "give it elastic constants that map");
+                list.add(
+                    material.place,
+                    "*MATERIAL",
+                    consequence,
+                    "give it *ELASTIC or *HYPERELASTIC constants that can be imported",
+                );
                 continue;
             }
         };
@@ -269,11 +253,11 @@ pub(crate) fn bodies(
             list.add(
                 material.place,
                 format!("material {}", material.name),
-                "it is nearly incompressible, and elements lock",
+                "it is nearly incompressible, and its elements lock",
                 "choose `law = \"neo-hooke\"` and `volumetric = \"mixed\"`",
             );
         }
-        let piece_of = pieces(&mesh.elements, elements, mesh.nodes.len());
+        let piece_of = mesh.piece_of_elements(elements);
         let number = piece_of.iter().max().map_or(0, |last| last + 1);
         let mut own: Vec<Vec<u32>> = vec![Vec::new(); number];
         elements.iter().zip(&piece_of).for_each(|(&e, &piece)| own[piece].push(e));
@@ -284,7 +268,7 @@ pub(crate) fn bodies(
             let set = mesh.element_sets.iter().find(|(_, set)| **set == elements).map(|(name, _)| name.clone());
             let section = section_of[elements[0] as usize].map_or(&material.name, |s| &deck.sections[s].elements);
             let numbered = if number > 1 { format!("{section}-{}", piece + 1) } else { section.clone() };
-            let name = clean(&set.unwrap_or(numbered), &mut taken);
+            let name = unique_name(&set.unwrap_or(numbered), &mut taken);
             all.push(Body {
                 name,
                 material: material.name.clone(),
@@ -346,7 +330,7 @@ fn join(all: Vec<Body>, solids: &Solids, list: &mut List) -> Bodies {
             list.add_general(
                 format!("bodies {} and {}", all[*a].name, all[*b].name),
                 format!(
-                    "they have different materials and share {} nodes but no facet: they are not joined there, but by what ties others join them",
+                    "they have different materials and share {} nodes but no facet: they are not joined at these nodes",
                     nodes.len()
                 ),
                 "give them the same material, or let them share facets",
@@ -356,7 +340,7 @@ fn join(all: Vec<Body>, solids: &Solids, list: &mut List) -> Bodies {
     if !interfaces.is_empty() {
         list.add_general(
             "bodies of different materials that share nodes",
-            "they are joined by ties: forces pass by multipliers, and displacements agree in the mean of each facet",
+            "they are joined by ties: displacements agree in the mean of each facet, not at each node",
             "",
         );
     }

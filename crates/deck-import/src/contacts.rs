@@ -3,242 +3,217 @@
 use std::collections::BTreeSet;
 
 use stoss_mesh::Facet;
-use stoss_mesh_io::deck::{ContactPair, Deck, DeckPlace, Interaction};
+use stoss_mesh_io::deck::{ContactPair, DeckPlace, Interaction};
 
-use crate::bodies::Bodies;
-use crate::cover::Cover;
-use crate::left_out::List;
-use crate::sets::{Lookup, Meant};
+use crate::context::Context;
+use crate::sets::Selection;
 use crate::text::number;
-use crate::timeline::Timeline;
-use crate::write::Tables;
 
-/// `ROUGH` of `*FRICTION`: a coefficient that nothing overcomes.
+/// The coefficient in place of `ROUGH` of `*FRICTION`.
 const ROUGH: f64 = 10.0;
 
-/// The two surfaces of a pair or tie; nothing, with an entry, if one of them is not there.
-fn surfaces(
-    lookup: &Lookup<'_>,
-    names: [&str; 2],
-    what: &str,
-    place: DeckPlace,
-    list: &mut List,
-) -> Option<[Meant<Facet>; 2]> {
-    let mut found = names.map(|name| lookup.surface(name).map(|(surface, of_nodes)| (name, surface, of_nodes)));
-    let mut take = |index: usize| {
-        let Some((name, surface, of_nodes)) = found[index].take() else {
-            let name = names[index];
-            let why = if lookup.has_node_set(name) {
-                "its nodes are those of no facet of the boundary"
+/// Adds all ties.
+pub(crate) fn ties(context: &mut Context<'_>) {
+    context.ties_of_interfaces();
+    context.ties();
+}
+
+/// Adds all contacts.
+pub(crate) fn pairs(context: &mut Context<'_>) {
+    context.contact_pairs();
+}
+
+impl Context<'_> {
+    /// The two surfaces of a pair or tie; nothing, with an entry, if one of them is not there.
+    fn surfaces(&mut self, names: [&str; 2], keyword: &str, place: DeckPlace) -> Option<[Selection<Facet>; 2]> {
+        let surfaces = names.map(|name| self.surface(name, keyword, place));
+        let [slave, master] = surfaces;
+        Some([slave?, master?])
+    }
+
+    fn surface(&mut self, name: &str, keyword: &str, place: DeckPlace) -> Option<Selection<Facet>> {
+        let Some((surface, is_of_nodes)) = self.lookup.surface(name) else {
+            let why = if self.lookup.has_node_set(name) {
+                "no facet of the boundary has all its corners in this node set"
             } else {
                 "there is no surface of solid elements with this name"
             };
-            list.add(
-                place,
-                what,
-                format!("{name}: {why}: the two do not act on each other"),
-                "give it a surface of element faces",
-            );
+            let consequence = format!("{name}: {why}: the two surfaces do not act on each other");
+            self.list.add(place, keyword, consequence, "give it a surface of element faces");
             return None;
         };
-        if of_nodes {
-            let consequence =
-                format!("{name} is a surface of nodes: it is taken for the boundary facets whose corners they are");
-            list.add(place, what, consequence, "");
+        if is_of_nodes {
+            let consequence = format!(
+                "{name} is a surface of nodes: it is replaced by the facets of the boundary that have all their corners in it"
+            );
+            self.list.add(place, keyword, consequence, "");
         }
         Some(surface)
-    };
-    let (slave, master) = (take(0), take(1));
-    Some([slave?, master?])
-}
-
-/// The reference to the facets of a surface that belong to a body; nothing if there are none.
-fn of_body(surface: &Meant<Facet>, body: usize, bodies: &Bodies, cover: &mut Cover<'_>, hint: &str) -> Option<String> {
-    let own = surface.members.iter().copied();
-    let own = own.filter(|facet| bodies.of_element(facet.element) == Some(body) && !bodies.is_inner(facet));
-    let own: BTreeSet<Facet> = own.collect();
-    if own.is_empty() {
-        return None;
     }
-    let known: Vec<(&str, &[Facet])> =
-        surface.name.iter().map(|name| (name.as_str(), surface.members.as_slice())).collect();
-    // One set or one new set: the whole of what is wanted.
-    cover.facets(body, &own, &known, hint).pop()
-}
 
-/// All ties.
-pub(crate) fn ties(
-    deck: &Deck,
-    bodies: &Bodies,
-    lookup: &Lookup<'_>,
-    cover: &mut Cover<'_>,
-    scene: &mut Tables,
-    list: &mut List,
-) {
-    for ((slave, master), facets) in &bodies.interfaces {
-        let surface = Meant { name: None, members: facets.clone() };
-        let hint = format!("{}+{}", bodies.name(*slave), bodies.name(*master));
-        let slave = of_body(&surface, *slave, bodies, cover, &hint);
-        let master = of_body(&surface, *master, bodies, cover, &hint);
-        if let (Some(slave), Some(master)) = (slave, master) {
-            scene.tie(&slave, &master, &[]);
+    /// The reference to the facets of a surface that belong to a body; nothing if there are none.
+    fn facets_of_body(&mut self, surface: &Selection<Facet>, body: usize, hint: &str) -> Option<String> {
+        let own = surface.members.iter().copied();
+        let own =
+            own.filter(|facet| self.bodies.of_element(facet.element) == Some(body) && !self.bodies.is_inner(facet));
+        let own: BTreeSet<Facet> = own.collect();
+        if own.is_empty() {
+            return None;
+        }
+        let known: Vec<(&str, &[Facet])> =
+            surface.name.iter().map(|name| (name.as_str(), surface.members.as_slice())).collect();
+        // One set or one new set: the whole of what is wanted.
+        self.sets.facets(body, &own, &known, hint).pop()
+    }
+
+    /// Ties where bodies of different materials share facets.
+    fn ties_of_interfaces(&mut self) {
+        let bodies = self.bodies;
+        for ((slave, master), facets) in &bodies.interfaces {
+            let surface = Selection { name: None, members: facets.clone() };
+            let hint = format!("{}+{}", bodies.name(*slave), bodies.name(*master));
+            let slave = self.facets_of_body(&surface, *slave, &hint);
+            let master = self.facets_of_body(&surface, *master, &hint);
+            if let (Some(slave), Some(master)) = (slave, master) {
+                self.scene.tie(&slave, &master, &[]);
+            }
         }
     }
-    for tie in &deck.ties {
-        let Some(pair) = surfaces(lookup, [&tie.slave, &tie.master], "*TIE", tie.place, list) else { continue };
-        let mut keys = Vec::new();
-        if let Some(reach) = tie.tolerance.filter(|reach| *reach > 0.0) {
-            keys.push(format!("reach = {}", number(reach)));
-        }
-        if !tie.adjusts {
-            keys.push("interface = \"keep\"".to_owned());
-        }
-        if !between(&pair, [&tie.slave, &tie.master], bodies, cover, true, |slave, master| {
-            scene.tie(slave, master, &keys)
-        }) {
-            list.add(tie.place, "*TIE", "no two facets of bodies can be tied: the two surfaces are not joined", "");
+
+    fn ties(&mut self) {
+        let deck = self.deck;
+        for tie in &deck.ties {
+            let names = [tie.slave.as_str(), tie.master.as_str()];
+            let Some(surfaces) = self.surfaces(names, "*TIE", tie.place) else { continue };
+            let mut keys = Vec::new();
+            if let Some(reach) = tie.tolerance.filter(|reach| *reach > 0.0) {
+                keys.push(format!("reach = {}", number(reach)));
+            }
+            if !tie.adjusts {
+                keys.push("interface = \"keep\"".to_owned());
+            }
+            let pairs = self.between_bodies(&surfaces, names, true);
+            if pairs.is_empty() {
+                let consequence = "no two of their facets belong to bodies that can be tied: they are not joined";
+                self.list.add(tie.place, "*TIE", consequence, "");
+            }
+            pairs.iter().for_each(|[slave, master]| self.scene.tie(slave, master, &keys));
         }
     }
-}
 
-/// Calls `add` for all pairs of bodies that two surfaces belong to; false if there are none.
-fn between(
-    [slave, master]: &[Meant<Facet>; 2],
-    [slave_name, master_name]: [&str; 2],
-    bodies: &Bodies,
-    cover: &mut Cover<'_>,
-    same_body: bool,
-    mut add: impl FnMut(&str, &str),
-) -> bool {
-    let of = |surface: &Meant<Facet>| -> BTreeSet<usize> {
-        surface.members.iter().filter_map(|facet| bodies.of_element(facet.element)).collect()
-    };
-    let mut any = false;
-    for s in of(slave) {
-        for m in of(master) {
-            let shares_nodes = || {
-                let own: BTreeSet<u32> = slave.members.iter().flat_map(|facet| facet.nodes.iter().copied()).collect();
-                master.members.iter().any(|facet| facet.nodes.iter().any(|node| own.contains(node)))
-            };
-            if s == m && (!same_body || shares_nodes()) {
+    /// References to the two surfaces for each pair of bodies that they belong to. `same_body`: also of one body, if the surfaces share no node.
+    fn between_bodies(
+        &mut self,
+        [slave, master]: &[Selection<Facet>; 2],
+        [slave_name, master_name]: [&str; 2],
+        same_body: bool,
+    ) -> Vec<[String; 2]> {
+        let bodies = self.bodies;
+        let of = |surface: &Selection<Facet>| -> BTreeSet<usize> {
+            surface.members.iter().filter_map(|facet| bodies.of_element(facet.element)).collect()
+        };
+        let shares_nodes = || {
+            let own: BTreeSet<u32> = slave.members.iter().flat_map(|facet| facet.nodes.iter().copied()).collect();
+            master.members.iter().any(|facet| facet.nodes.iter().any(|node| own.contains(node)))
+        };
+        let mut pairs = Vec::new();
+        for s in of(slave) {
+            for m in of(master) {
+                if s == m && (!same_body || shares_nodes()) {
+                    continue;
+                }
+                let slave = self.facets_of_body(slave, s, slave_name);
+                let master = self.facets_of_body(master, m, master_name);
+                if let (Some(slave), Some(master)) = (slave, master) {
+                    pairs.push([slave, master]);
+                }
+            }
+        }
+        pairs
+    }
+
+    fn contact_pairs(&mut self) {
+        let deck = self.deck;
+        for pair in &deck.pairs {
+            if pair.slave.eq_ignore_ascii_case(&pair.master) {
+                let consequence = "contact of a surface with itself is left out";
+                self.list.add(pair.place, "*CONTACT PAIR", consequence, "see [general_contact]");
                 continue;
             }
-            let slave = of_body(slave, s, bodies, cover, slave_name);
-            let master = of_body(master, m, bodies, cover, master_name);
-            if let (Some(slave), Some(master)) = (slave, master) {
-                add(&slave, &master);
-                any = true;
+            let names = [pair.slave.as_str(), pair.master.as_str()];
+            let Some(surfaces) = self.surfaces(names, "*CONTACT PAIR", pair.place) else { continue };
+            let interaction = pair.interaction.as_ref().and_then(|name| {
+                let found = deck.interactions.iter().find(|i| i.name.eq_ignore_ascii_case(name));
+                if found.is_none() {
+                    let consequence =
+                        format!("there is no interaction {name}: the contact is hard and has no friction");
+                    self.list.add(pair.place, "*CONTACT PAIR", consequence, "");
+                }
+                found
+            });
+            if interaction.and_then(|i| i.behavior.as_ref()).is_some_and(|behavior| behavior.law == "TIED") {
+                let pairs = self.between_bodies(&surfaces, names, true);
+                pairs.iter().for_each(|[slave, master]| self.scene.tie(slave, master, &[]));
+                continue;
             }
+            let keys = self.contact_keys(pair, interaction);
+            let pairs = self.between_bodies(&surfaces, names, false);
+            if pairs.is_empty() {
+                let consequence = "both surfaces belong to one connected body: the contact is left out";
+                let remedy = "see [general_contact], which includes contact of a body with itself";
+                self.list.add(pair.place, "*CONTACT PAIR", consequence, remedy);
+            }
+            pairs.iter().for_each(|[slave, master]| self.scene.contact(slave, master, &keys));
         }
     }
-    any
-}
 
-/// All contact pairs.
-pub(crate) fn pairs(
-    deck: &Deck,
-    bodies: &Bodies,
-    lookup: &Lookup<'_>,
-    timeline: &Timeline,
-    cover: &mut Cover<'_>,
-    scene: &mut Tables,
-    list: &mut List,
-) {
-    for pair in &deck.pairs {
-        if pair.slave.eq_ignore_ascii_case(&pair.master) {
-            list.add(
-                pair.place,
-                "*CONTACT PAIR",
-                "contact of a surface with itself is left out",
-                "see [general_contact]",
-            );
-            continue;
+    /// Keys of a contact but for the surfaces.
+    fn contact_keys(&mut self, pair: &ContactPair, interaction: Option<&Interaction>) -> Vec<String> {
+        let mut keys = Vec::new();
+        if let Some(adjust) = &pair.adjust {
+            let consequence = format!("ADJUST={adjust}: nodes are not moved, gaps are those of the mesh");
+            self.list.add(pair.place, "*CONTACT PAIR", consequence, "");
         }
-        let names = [pair.slave.as_str(), pair.master.as_str()];
-        let Some(surfaces) = surfaces(lookup, names, "*CONTACT PAIR", pair.place, list) else { continue };
-        let interaction = pair.interaction.as_ref().and_then(|name| {
-            let found = deck.interactions.iter().find(|i| i.name.eq_ignore_ascii_case(name));
-            if found.is_none() {
-                let consequence = format!("there is no interaction {name}: the contact is hard and has no friction");
-                list.add(pair.place, "*CONTACT PAIR", consequence, "");
-            }
-            found
-        });
-        if interaction.and_then(|i| i.behavior.as_ref()).is_some_and(|behavior| behavior.law == "TIED") {
-            between(&surfaces, names, bodies, cover, true, |slave, master| scene.tie(slave, master, &[]));
-            continue;
+        if pair.is_small_sliding {
+            let consequence = "SMALL SLIDING is not used: surfaces may slide by any distance";
+            self.list.add(pair.place, "*CONTACT PAIR", consequence, "");
         }
-        let keys = keys(pair, interaction, timeline, list);
-        if !between(&surfaces, names, bodies, cover, false, |slave, master| scene.contact(slave, master, &keys)) {
-            list.add(
-                pair.place,
-                "*CONTACT PAIR",
-                "both surfaces belong to one connected body: the contact is left out",
-                "see [general_contact], which takes a body with itself",
-            );
-        }
-    }
-}
-
-/// Keys of a contact but for the surfaces.
-fn keys(pair: &ContactPair, interaction: Option<&Interaction>, timeline: &Timeline, list: &mut List) -> Vec<String> {
-    let mut keys = Vec::new();
-    if let Some(adjust) = &pair.adjust {
-        let consequence = format!("ADJUST={adjust}: nodes are not moved, gaps are those of the mesh");
-        list.add(pair.place, "*CONTACT PAIR", consequence, "");
-    }
-    if pair.is_small_sliding {
-        list.add(pair.place, "*CONTACT PAIR", "SMALL SLIDING: surfaces may slide as far as they do", "");
-    }
-    let Some(interaction) = interaction else { return keys };
-    if let Some(behavior) = &interaction.behavior {
-        let slope = behavior.values.first().and_then(|row| row.first()).copied().filter(|slope| *slope > 0.0);
-        match (behavior.law.as_str(), slope) {
-            ("HARD", _) => {}
-            ("LINEAR", Some(slope)) if !timeline.is_dynamic() => {
-                keys.push(format!("enforcement = {{ penalty = {} }}", number(slope)));
-            }
-            ("LINEAR", Some(slope)) => {
-                let consequence = format!(
-                    "*SURFACE BEHAVIOR, LINEAR with the slope {}: the contact is hard, so that energy is kept",
-                    number(slope)
-                );
-                list.add(
-                    interaction.place,
-                    "*SURFACE INTERACTION",
-                    consequence,
-                    "see `enforcement` of [[contact]] for springs",
-                );
-            }
-            (law, _) => {
-                let consequence = format!("*SURFACE BEHAVIOR, {law}: the contact is hard");
-                list.add(
-                    interaction.place,
-                    "*SURFACE INTERACTION",
-                    consequence,
-                    "see `enforcement` of [[contact]] for springs",
-                );
-            }
-        }
-    }
-    if let Some(friction) = interaction.friction {
+        let Some(interaction) = interaction else { return keys };
+        keys.extend(self.contact_stiffness(interaction));
+        let Some(friction) = interaction.friction else { return keys };
         let mu = if friction.coefficient.is_finite() { friction.coefficient } else { ROUGH };
         if !friction.coefficient.is_finite() {
             let consequence =
                 format!("ROUGH: the coefficient of friction is {ROUGH}, and closed surfaces may still open");
-            list.add(interaction.place, "*FRICTION", consequence, "");
+            self.list.add(interaction.place, "*FRICTION", consequence, "");
         }
         if friction.stick_slope.is_some() {
-            list.add(
-                interaction.place,
-                "*FRICTION",
-                "the stick slope is not used: what sticks does not move at all",
-                "see `stick` of friction",
-            );
+            let consequence = "the stick slope is not used: points that stick do not slide at all";
+            self.list.add(interaction.place, "*FRICTION", consequence, "for a stiffness see `stick` of `friction`");
         }
         if mu > 0.0 {
             keys.push(format!("friction = {{ law = \"coulomb\", mu = {} }}", number(mu)));
         }
+        keys
     }
-    keys
+
+    /// The key of a contact that is not hard.
+    fn contact_stiffness(&mut self, interaction: &Interaction) -> Option<String> {
+        let behavior = interaction.behavior.as_ref()?;
+        let slope = behavior.values.first().and_then(|row| row.first()).copied().filter(|slope| *slope > 0.0);
+        let consequence = match (behavior.law.as_str(), slope) {
+            ("HARD", _) => return None,
+            ("LINEAR", Some(slope)) if !self.timeline.is_dynamic() => {
+                return Some(format!("enforcement = {{ penalty = {} }}", number(slope)));
+            }
+            ("LINEAR", Some(slope)) => format!(
+                "*SURFACE BEHAVIOR, LINEAR with the slope {}: the contact is hard, so that energy is kept",
+                number(slope)
+            ),
+            (law, _) => format!("*SURFACE BEHAVIOR, {law}: the contact is hard"),
+        };
+        let remedy = "for a penalty stiffness see `enforcement` of [[contact]]";
+        self.list.add(interaction.place, "*SURFACE INTERACTION", consequence, remedy);
+        None
+    }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use stoss_mesh_io::deck::{Deck, DeckPlace};
 
-/// Something of a deck that the scene does not have, or has in another way.
+/// Something of a deck that the scene does not have, or has in another form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
     /// "part.inp:12"; the file alone where it concerns no line.
@@ -34,7 +34,7 @@ pub(crate) struct List {
     files: Vec<String>,
 }
 
-/// The last part of a path: the folder of a deck is no news.
+/// The last part of a path: readers know the folder of their deck.
 fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
@@ -85,7 +85,7 @@ impl List {
             self.add(
                 DeckPlace { file: number, line: other.line },
                 what,
-                "they are not in the scene, with their stiffness and their mass",
+                "they are not in the scene: their stiffness and mass are missing",
                 other.remedy,
             );
         }
@@ -106,8 +106,8 @@ impl List {
         if !output.is_empty() {
             self.add_general(
                 output.join(", "),
-                "requests of output; every step has a frame with displacements, stresses and contact fields",
-                "for values of nodes and points add [[probe]]",
+                "requests of output are not used: results of every step have displacements, stresses and contact fields",
+                "for values at nodes and points over time add [[probe]]",
             );
         }
         self.entries.sort_by_key(|(place, _)| *place);
@@ -127,12 +127,12 @@ fn once(entries: impl Iterator<Item = LeftOut>) -> Vec<LeftOut> {
             None => all.push((entry, 0)),
         }
     }
-    let told = |(entry, more): (LeftOut, usize)| match more {
+    let counted = |(entry, more): (LeftOut, usize)| match more {
         0 => entry,
         1 => LeftOut { what: format!("{} (and 1 more line)", entry.what), ..entry },
         n => LeftOut { what: format!("{} (and {n} more lines)", entry.what), ..entry },
     };
-    all.into_iter().map(told).collect()
+    all.into_iter().map(counted).collect()
 }
 
 /// What it changes that a keyword is left out, and what to do.
@@ -146,39 +146,46 @@ fn meaning(what: &str) -> (&'static str, &'static str) {
         .filter(|c| !c.is_whitespace())
         .collect();
     if what.starts_with("all lines of") {
-        return ("the values of the first line hold at all temperatures", "put the line of your temperature first");
+        return ("the values of its first line are used at all temperatures", "put the line of your temperature first");
     }
     if what.starts_with("parameter ") {
         return match keyword.as_str() {
             "SOLIDSECTION" => ("directions of the section are not used: materials are isotropic", ""),
-            "STEP" | "STATIC" | "DYNAMIC" => ("it has no counterpart; the step is as without it", ""),
-            _ => ("the keyword is read as without it", "check what it stood for"),
+            "STEP" | "STATIC" | "DYNAMIC" => ("it is ignored: Stoss has no such option for a step", ""),
+            _ => (
+                "it is ignored: the keyword is read as if it were not there",
+                "check that the results do not depend on it",
+            ),
         };
     }
     if what.starts_with("degree of freedom") {
         return (
-            "nodes of solids have the components x, y and z only",
-            "remove it, or see `[[joint]]` and `moment` of `[[load]]` for rotations",
+            "it is ignored: nodes of solids have the components x, y and z only",
+            "remove it; for rotations see [[joint]] and `moment` of [[load]]",
         );
     }
     if what.starts_with("load ") {
-        return ("this load does not act", "see [[load]] for the kinds that there are");
+        return ("this load does not act", "see [[load]] for the kinds of loads of Stoss");
     }
     match keyword.as_str() {
         "PLASTIC" | "CYCLICHARDENING" | "DEFORMATIONPLASTICITY" | "DRUCKERPRAGER" => (
             "there is no plasticity: the body has the elastic part only, and stresses above the yield stress are wrong",
-            "use the scene where the deck stays elastic",
+            "use the scene only where the deck stays elastic",
         ),
-        "CREEP" | "VISCO" | "VISCOELASTIC" => {
-            ("nothing creeps or relaxes: materials are elastic", "use the scene for short times")
+        "CREEP" | "VISCOELASTIC" => {
+            ("there is no creep and no relaxation: the material is elastic", "use the scene only for short times")
         }
         "EXPANSION" | "TEMPERATURE" | "CONDUCTIVITY" | "SPECIFICHEAT" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE"
-        | "GAPCONDUCTANCE" | "PHYSICALCONSTANTS" | "GAPHEATGENERATION" => {
-            ("there are no temperatures, and no strains from them", "leave it, if the mechanical part is what you want")
-        }
-        "HEATTRANSFER" | "COUPLEDTEMPERATURE-DISPLACEMENT" | "UNCOUPLEDTEMPERATURE-DISPLACEMENT" => (
-            "the step is left out: there are no temperatures",
-            "give the step *STATIC if the mechanical part is what you want",
+        | "GAPCONDUCTANCE" | "PHYSICALCONSTANTS" | "GAPHEATGENERATION" => (
+            "temperatures and thermal strains are not computed",
+            "nothing, if they do not matter for the mechanical results",
+        ),
+        "HEATTRANSFER"
+        | "COUPLEDTEMPERATURE-DISPLACEMENT"
+        | "UNCOUPLEDTEMPERATURE-DISPLACEMENT"
+        | "DYNAMICTEMPERATURE-DISPLACEMENT" => (
+            "the step is left out: temperatures are not computed",
+            "make it *STATIC or *DYNAMIC for its mechanical part",
         ),
         "FREQUENCY"
         | "COMPLEXFREQUENCY"
@@ -189,48 +196,75 @@ fn meaning(what: &str) -> (&'static str, &'static str) {
         | "RESPONSESPECTRUM"
         | "SUBSTRUCTUREGENERATE"
         | "GREEN" => (
-            "the step is left out: there are no modes and no linear perturbations",
-            "give the step *STATIC or *DYNAMIC if a run over time is what you want",
+            "the step is left out: Stoss computes no modes and no linear perturbations",
+            "make it *STATIC or *DYNAMIC for a computation over time",
         ),
-        "MODALDAMPING" | "SELECTCYCLICSYMMETRYMODES" => ("there are no modes", ""),
+        "VISCO" | "GEOSTATIC" | "CFD" | "ELECTROMAGNETICS" | "SENSITIVITY" | "NOANALYSIS" | "MASSDIFFUSION" => (
+            "the step is left out: Stoss computes *STATIC and *DYNAMIC steps only",
+            "make it *STATIC or *DYNAMIC for its mechanical part",
+        ),
+        "MODALDAMPING" | "SELECTCYCLICSYMMETRYMODES" => ("Stoss computes no modes", ""),
         "DAMPING" => (
-            "only *DAMPING, ALPHA=, BETA= of a material maps: nothing is damped by this",
+            "it damps nothing: only *DAMPING, ALPHA=, BETA= of a material is imported",
             "give the body `damping = { mass = ALPHA, stiffness = BETA }`",
         ),
         "EQUATION" | "MPC" => (
-            "the nodes move on their own: what the equations hold is free",
-            "replace it by [[tie]], [[joint]] or [[prescribe]], or mesh the parts together",
+            "its equations are left out: they do not couple the nodes",
+            "use [[tie]], [[joint]] or [[prescribe]] in its place, or mesh the parts together",
         ),
         "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "DISTRIBUTINGCOUPLING" | "RIGIDBODY" => (
-            "the nodes move on their own, and what acts on the reference node is lost",
+            "its nodes are not coupled to the reference node, and loads and supports of the reference node are left out",
             "see [[joint]], `moment` of [[load]], and `rotation` of [[prescribe]]",
         ),
         "TRANSFORM" => (
-            "only rectangular and cylindrical axes of node sets map: supports and forces in these axes are left out, but for nodes of which all three components are fixed",
-            "write them by hand, with `normal` of [[prescribe]]",
+            "only rectangular and cylindrical axes of node sets are read: supports and forces in these axes are left out, except where all three components of a node are fixed",
+            "write them into the scene, with `normal` of [[prescribe]]",
         ),
-        "ORIENTATION" => ("materials are isotropic: directions are not used", ""),
+        "ORIENTATION" => ("its directions are not used: materials are isotropic", ""),
         "PRE-TENSIONSECTION" => {
             ("the bolt has no pretension", "cut the bolt, and use a [[joint]] of kind `slider` with `pretension`")
         }
         "SPRING" | "DASHPOT" | "GAP" | "MASS" => ("it is not in the scene", "see [[spring]], [[support]] and [[mass]]"),
         "SHELLSECTION" | "BEAMSECTION" | "BEAMGENERALSECTION" | "MEMBRANESECTION" | "MEMBRANE" | "FLUIDSECTION"
-        | "NODALTHICKNESS" => ("its elements are not in the scene", "see [[beam]] for beams"),
-        "CYCLICSYMMETRYMODEL" => {
-            ("the cut surfaces are free", "mesh the whole part, or prescribe the planes of symmetry")
-        }
-        "MODELCHANGE" => ("nothing is added or removed between steps", "see `off` of [[stage]] for contacts and loads"),
+        | "NODALTHICKNESS" => ("its elements are not in the scene", "for beams see [[beam]]"),
+        "CYCLICSYMMETRYMODEL" => ("the cut surfaces are free", "mesh the whole part, or prescribe planes of symmetry"),
+        "MODELCHANGE" => ("nothing is added or removed between steps", "for contacts and loads see `off` of [[stage]]"),
         "CHANGEFRICTION" | "CHANGESURFACEBEHAVIOR" | "CHANGEMATERIAL" | "CHANGEPLASTIC" | "CHANGESOLIDSECTION" => {
-            ("it stays as it is at the start", "")
+            ("it changes nothing: properties stay as they are at the start", "")
         }
-        "INITIALCONDITIONS" => ("the bodies begin without it", ""),
-        "ELASTIC" => ("only isotropic elasticity maps", "give isotropic constants"),
-        "CONTROLS" => ("Stoss controls its steps by itself", "see [solver] and `automatic` of [time]"),
+        "INITIALCONDITIONS" => {
+            ("these initial conditions are left out", "check that the results do not depend on them")
+        }
+        "ELASTIC" => ("only isotropic elasticity is imported", "give isotropic constants"),
+        "CONTROLS" => ("Stoss has step control and tolerances of its own", "see [solver] and `automatic` of [time]"),
         "CONTACTDAMPING" => ("contact has no damping", ""),
         "CLEARANCE" => ("gaps are those of the mesh", ""),
-        "AMPLITUDE" => ("what uses it is left out, too", "write a table of times and values"),
-        "SUBMODEL" => ("displacements of another model are not read", "prescribe them with [[prescribe]]"),
-        "USERMATERIAL" | "DEPVAR" => ("the material is unknown here", "see docs/how-to-add/material-law.md"),
-        _ => ("it has no counterpart here", "check whether the scene does without it"),
+        "AMPLITUDE" => {
+            ("loads and displacements with this amplitude are left out", "define it by a table of times and values")
+        }
+        "SUBMODEL" => ("displacements of the other model are not read", "prescribe them by [[prescribe]]"),
+        "USERMATERIAL" | "DEPVAR" => {
+            ("the law of the material is not known to Stoss", "see docs/how-to-add/material-law.md")
+        }
+        _ => ("it is left out: Stoss has nothing like it", "check that the results do not depend on it"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::meaning;
+
+    #[test]
+    fn what_keywords_change() {
+        // A step that is left out is called so, whatever it computes.
+        for procedure in
+            ["*VISCO", "*BUCKLE", "*HEAT TRANSFER", "*MASS DIFFUSION, TYPE=A", "*DYNAMIC TEMPERATURE-DISPLACEMENT"]
+        {
+            assert!(meaning(procedure).0.starts_with("the step is left out"), "{procedure}");
+        }
+        assert!(meaning("all lines of *ELASTIC but the first").0.contains("first line"));
+        assert!(meaning("parameter ORIENTATION of *SOLID SECTION").0.contains("isotropic"));
+        assert!(meaning("*AMPLITUDE, DEFINITION=SMOOTH STEP").0.contains("with this amplitude"));
+        assert!(meaning("*UNHEARD OF").0.starts_with("it is left out"));
     }
 }

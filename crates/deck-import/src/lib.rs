@@ -5,12 +5,15 @@
 //!
 //! | module | is |
 //! |---|---|
+//! | `sets` | names and numbers of the deck, looked up in the mesh |
 //! | `bodies` | sections to bodies: one for each material and connected piece |
 //! | `material` | laws |
 //! | `timeline`, `history` | steps to stages; what several steps say of one degree of freedom to one function of time |
 //! | `axes` | those of `*TRANSFORM` at each node |
-//! | `records` | which steps act on which node, facet or element |
-//! | `cover` | names of sets for what is acted on, new sets where the deck has none |
+//! | `records` | which lines of the deck act on which node, facet or element |
+//! | `set_names` | names of sets for these nodes and facets, new sets where the deck has none |
+//! | `dynamics` | initial velocities and damping |
+//! | `context` | what the next three share |
 //! | `supports`, `loads`, `contacts` | the tables of the scene |
 //! | `left_out` | the list |
 //! | `write`, `text` | the scene; TOML |
@@ -23,13 +26,14 @@
 mod axes;
 mod bodies;
 mod contacts;
-mod cover;
+mod context;
+mod dynamics;
 mod history;
-mod initial;
 mod left_out;
 mod loads;
 mod material;
 mod records;
+mod set_names;
 mod sets;
 mod supports;
 mod text;
@@ -42,7 +46,7 @@ use stoss_mesh::Mesh;
 use stoss_mesh_io::MeshIoError;
 use stoss_mesh_io::deck::Deck;
 
-/// How files are called in the scene.
+/// The names of the files in the scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileNames {
     /// The deck, relative to the folder of the scene.
@@ -96,16 +100,24 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
     let lookup = sets::Lookup::new(&deck.contents, &solids);
     let mut bodies = bodies::bodies(deck, &solids, &lookup, &mut list)?;
     let timeline = timeline::Timeline::new(deck, &mut list);
-    initial::damping(deck, &mut bodies, &timeline, &mut list);
-    let mut cover = cover::Cover::new(deck, &solids, &bodies, names);
-    let axes = axes::LocalAxes::new(deck, &lookup, &solids.mesh.nodes);
-    let mut scene = write::Tables::default();
-    contacts::ties(deck, &bodies, &lookup, &mut cover, &mut scene, &mut list);
-    contacts::pairs(deck, &bodies, &lookup, &timeline, &mut cover, &mut scene, &mut list);
-    supports::supports(deck, &bodies, &lookup, &timeline, &axes, &mut cover, &mut scene, &mut list);
-    loads::loads(deck, &bodies, &lookup, &timeline, &axes, &mut cover, &mut scene, &mut list);
-    let velocities = initial::velocities(deck, &bodies, &lookup, &timeline, &mut list);
-    let (sources, mesh) = cover.finish();
+    dynamics::damping(deck, &mut bodies, &timeline, &mut list);
+    let velocities = dynamics::velocities(deck, &bodies, &lookup, &timeline, &mut list);
+    let mut context = context::Context {
+        deck,
+        bodies: &bodies,
+        lookup: &lookup,
+        timeline: &timeline,
+        axes: &axes::LocalAxes::new(deck, &lookup, &solids.mesh.nodes),
+        sets: set_names::SetNames::new(deck, &solids, &bodies, names),
+        scene: write::Tables::default(),
+        list,
+    };
+    contacts::ties(&mut context);
+    contacts::pairs(&mut context);
+    supports::supports(&mut context);
+    loads::loads(&mut context);
+    let context::Context { sets, scene, list, .. } = context;
+    let (sources, mesh) = sets.finish();
     let left_out = list.finish(deck);
     let mapped = scene.mapped(&bodies, &timeline);
     let text = write::scene(deck, names, &bodies, &sources, &velocities, &timeline, &scene, &mapped, &left_out);

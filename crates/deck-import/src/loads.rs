@@ -3,100 +3,66 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use stoss_mesh::Facet;
-use stoss_mesh_io::deck::{Deck, DeckPlace, ElementLoad, Ends, LoadKind, Target};
+use stoss_mesh_io::deck::{DeckPlace, ElementLoad, LoadKind, OpNew, Target};
 
-use crate::axes::LocalAxes;
-use crate::bodies::Bodies;
-use crate::cover::Cover;
-use crate::history::{History, Value, amplitude, history};
-use crate::left_out::List;
-use crate::records::{Acting, chains};
-use crate::sets::{Lookup, Meant};
-use crate::supports::{by_history, named, without_unknown};
-use crate::text::{number, text, vector};
-use crate::timeline::Timeline;
-use crate::write::{Tables, series};
+use crate::context::Context;
+use crate::history::{History, Value, by_history, history};
+use crate::records::{DeckLine, members_by_records};
+use crate::sets::{Selection, named};
+use crate::text::{text, vector};
 
-/// What all loads need.
-struct Loads<'a, 'b> {
-    deck: &'a Deck,
-    bodies: &'a Bodies,
-    lookup: &'a Lookup<'a>,
-    timeline: &'a Timeline,
-    axes: &'a LocalAxes,
-    cover: &'a mut Cover<'b>,
-    scene: &'a mut Tables,
-    list: &'a mut List,
-}
+/// Straight pieces in place of the square root of a straight one.
+const PIECES: usize = 16;
 
-/// Points of the square root of a ramp.
-const ROOT: usize = 16;
+const NO_LOAD: &str = "the load does not act";
 
 /// Adds all loads.
-pub(crate) fn loads(
-    deck: &Deck,
-    bodies: &Bodies,
-    lookup: &Lookup<'_>,
-    timeline: &Timeline,
-    axes: &LocalAxes,
-    cover: &mut Cover<'_>,
-    scene: &mut Tables,
-    list: &mut List,
-) {
-    let mut loads = Loads { deck, bodies, lookup, timeline, axes, cover, scene, list };
-    loads.forces();
-    loads.face_pressures();
-    loads.surface_pressures();
-    loads.of_bodies();
+pub(crate) fn loads(context: &mut Context<'_>) {
+    context.forces();
+    context.face_pressures();
+    context.surface_pressures();
+    context.body_loads();
 }
 
-impl Loads<'_, '_> {
-    /// The amplitude of a load; nothing, with an entry, if it cannot act.
-    fn amplitude(&mut self, name: Option<&String>, place: DeckPlace, what: &str) -> Option<Option<usize>> {
-        let Some(name) = name else { return Some(None) };
-        let found = amplitude(self.deck, name);
-        if found.is_none() {
-            let consequence = format!("there is no amplitude {name} that is read: the load does not act");
-            self.list.add(place, what, consequence, "give it a table of times and values");
-        }
-        found.map(Some)
-    }
+/// Pressures on facets, line by line.
+#[derive(Default)]
+struct Pressures {
+    selections: Vec<Selection<Facet>>,
+    values: Vec<Value>,
+    lines: Vec<DeckLine<Facet>>,
+}
 
+impl Context<'_> {
     fn forces(&mut self) {
-        let mut meant = Vec::new();
+        let mut selections = Vec::new();
         let mut values = Vec::new();
-        let mut acting: [Vec<Acting<u32>>; 3] = Default::default();
-        for (s, step) in self.deck.steps.iter().enumerate() {
+        let mut lines: [Vec<DeckLine<u32>>; 3] = Default::default();
+        let deck = self.deck;
+        for (s, step) in deck.steps.iter().enumerate() {
             for force in &step.forces {
-                let Some(scale) = self.amplitude(force.amplitude.as_ref(), force.place, "*CLOAD") else { continue };
+                let amplitude = self.amplitude(force.amplitude.as_ref(), "*CLOAD", force.place, NO_LOAD);
+                let Some(amplitude) = amplitude else { continue };
                 let mut nodes = self.lookup.nodes(&force.nodes);
                 if !nodes.members.iter().any(|node| self.bodies.owner(*node).is_some()) {
                     let consequence = format!("{} has no node of a body: the force does not act", text(&force.nodes));
-                    self.list.add(
-                        force.place,
-                        "*CLOAD",
-                        consequence,
-                        "if it is a reference node, see [[joint]] and `moment` of [[load]]",
-                    );
+                    let remedy = "if it is a reference node, see [[joint]] and `moment` of [[load]]";
+                    self.list.add(force.place, "*CLOAD", consequence, remedy);
                     continue;
                 }
-                without_unknown(&mut nodes, self.axes, "*CLOAD", force.place, self.list);
-                acting[force.component].push(Acting {
-                    step: Some(s),
-                    record: values.len() as u32,
-                    members: nodes.members.clone(),
-                });
-                meant.push(nodes);
-                values.push(Value { value: force.value, amplitude: scale, is_rate: false });
+                self.drop_unknown_axes(&mut nodes, "*CLOAD", force.place);
+                let members = nodes.members.clone();
+                lines[force.component].push(DeckLine { step: Some(s), record: values.len() as u32, members });
+                selections.push(nodes);
+                values.push(Value { value: force.value, amplitude, is_rate: false });
             }
         }
         let mut found: BTreeMap<String, [Option<History>; 3]> = BTreeMap::new();
         let mut order = Vec::new();
         let mut inclined = Vec::new();
-        for (component, acting) in acting.iter().enumerate() {
-            let ends = |s: usize| self.deck.steps[s].ends.forces;
-            let chains = chains(acting, self.deck.steps.len(), ends, self.timeline, true);
-            for (own, nodes, records) in by_history(chains, &values, self.timeline, self.deck, true) {
+        for (component, lines) in lines.iter().enumerate() {
+            let replaces_all = |s: usize| deck.steps[s].op_new.forces;
+            let groups = members_by_records(lines, deck.steps.len(), replaces_all, self.timeline, true);
+            for (own, nodes, records) in by_history(groups, &values, self.timeline, true) {
                 if own.is_zero() {
                     continue;
                 }
@@ -108,7 +74,7 @@ impl Loads<'_, '_> {
                     if wanted.is_empty() {
                         continue;
                     }
-                    for set in self.cover.nodes(b, &wanted, &named(&meant, &records), "loaded") {
+                    for set in self.sets.nodes(b, &wanted, &named(&selections, &records), "loaded") {
                         if let Some(direction) = direction {
                             inclined.push((set, direction.map(|entry| own.times(entry))));
                             continue;
@@ -124,85 +90,77 @@ impl Loads<'_, '_> {
         }
         let none = History::none();
         for set in order {
-            let own: Vec<&History> = found[&set].iter().map(|history| history.as_ref().unwrap_or(&none)).collect();
-            self.scene.load("set", &set, &format!("force = {}", series(&own)));
+            let own = found[&set].each_ref().map(|history| history.as_ref().unwrap_or(&none));
+            self.scene.load(self.timeline, ("set", &set), "force", &own, "");
         }
         for (set, own) in inclined {
-            self.scene.load("set", &set, &format!("force = {}", series(&own.each_ref())));
+            self.scene.load(self.timeline, ("set", &set), "force", &own.each_ref(), "");
         }
     }
 
     /// Pressures on faces of elements.
     fn face_pressures(&mut self) {
-        let mut meant = Vec::new();
-        let mut values = Vec::new();
-        let mut acting = Vec::new();
-        for (s, step) in self.deck.steps.iter().enumerate() {
+        let mut pressures = Pressures::default();
+        let deck = self.deck;
+        for (s, step) in deck.steps.iter().enumerate() {
             for load in &step.loads {
                 let LoadKind::Pressure { face, value } = load.kind else { continue };
-                let Some(scale) = self.amplitude(load.amplitude.as_ref(), load.place, "*DLOAD") else { continue };
-                let elements = self.of_bodies_only(load);
-                let mesh = self.cover.mesh();
+                let amplitude = self.amplitude(load.amplitude.as_ref(), "*DLOAD", load.place, NO_LOAD);
+                let Some(amplitude) = amplitude else { continue };
+                let elements = self.elements_of_bodies(load);
+                let mesh = self.sets.mesh();
                 let has_face = |e: &u32| face < mesh.elements.kind(*e as usize).faces().len();
-                let members: Vec<Facet> =
+                let facets: Vec<Facet> =
                     elements.iter().filter(|e| has_face(e)).map(|&e| mesh.facet(e, face)).collect();
-                if members.len() < elements.len() {
-                    let consequence = format!("{} elements have no face P{}", elements.len() - members.len(), face + 1);
+                if facets.len() < elements.len() {
+                    let consequence = format!("{} elements have no face P{}", elements.len() - facets.len(), face + 1);
                     self.list.add(load.place, "*DLOAD", consequence, "name a face that they have");
                 }
+                let value = Value { value, amplitude, is_rate: false };
                 self.pressure(
-                    Some(s),
-                    members,
-                    None,
-                    Value { value, amplitude: scale, is_rate: false },
+                    &mut pressures,
+                    s,
+                    Selection { name: None, members: facets },
+                    value,
                     load.place,
                     "*DLOAD",
-                    (&mut meant, &mut values, &mut acting),
                 );
             }
         }
-        self.write_pressures(&meant, &values, &acting, |ends| ends.loads);
+        self.write_pressures(&pressures, |op_new| op_new.loads);
     }
 
     /// Pressures on surfaces.
     fn surface_pressures(&mut self) {
-        let mut meant = Vec::new();
-        let mut values = Vec::new();
-        let mut acting = Vec::new();
-        for (s, step) in self.deck.steps.iter().enumerate() {
+        let mut pressures = Pressures::default();
+        let deck = self.deck;
+        for (s, step) in deck.steps.iter().enumerate() {
             for load in &step.pressures {
-                let Some(scale) = self.amplitude(load.amplitude.as_ref(), load.place, "*DSLOAD") else { continue };
+                let amplitude = self.amplitude(load.amplitude.as_ref(), "*DSLOAD", load.place, NO_LOAD);
+                let Some(amplitude) = amplitude else { continue };
                 let Some((surface, _)) = self.lookup.surface(&load.surface) else {
                     let consequence = format!("there is no surface {}: the pressure does not act", load.surface);
-                    self.list.add(load.place, "*DSLOAD", consequence, "name one of solid elements");
+                    self.list.add(load.place, "*DSLOAD", consequence, "name a surface of solid elements");
                     continue;
                 };
-                let value = Value { value: load.value, amplitude: scale, is_rate: false };
-                self.pressure(
-                    Some(s),
-                    surface.members,
-                    surface.name,
-                    value,
-                    load.place,
-                    "*DSLOAD",
-                    (&mut meant, &mut values, &mut acting),
-                );
+                let value = Value { value: load.value, amplitude, is_rate: false };
+                self.pressure(&mut pressures, s, surface, value, load.place, "*DSLOAD");
             }
         }
-        self.write_pressures(&meant, &values, &acting, |ends| ends.pressures);
+        self.write_pressures(&pressures, |op_new| op_new.pressures);
     }
 
     /// Keeps a pressure on those facets that have an outside.
     fn pressure(
         &mut self,
-        step: Option<usize>,
-        facets: Vec<Facet>,
-        name: Option<String>,
+        pressures: &mut Pressures,
+        step: usize,
+        facets: Selection<Facet>,
         value: Value,
         place: DeckPlace,
-        what: &str,
-        (meant, values, acting): (&mut Vec<Meant<Facet>>, &mut Vec<Value>, &mut Vec<Acting<Facet>>),
+        keyword: &str,
     ) {
+        let Selection { name, members: facets } = facets;
         let outside = |facet: &Facet| self.bodies.of_element(facet.element).is_some() && !self.bodies.is_inner(facet);
         let members: Vec<Facet> = facets.iter().copied().filter(outside).collect();
         if members.len() < facets.len() {
@@ -210,24 +168,21 @@ impl Loads<'_, '_> {
                 "{} faces lie inside of a body, or belong to none: no pressure acts on them",
                 facets.len() - members.len()
             );
-            self.list.add(place, what, consequence, "");
+            self.list.add(place, keyword, consequence, "");
         }
         let name = name.filter(|_| members.len() == facets.len());
-        acting.push(Acting { step, record: values.len() as u32, members: members.clone() });
-        meant.push(Meant { name, members });
-        values.push(value);
+        let record = pressures.values.len() as u32;
+        pressures.lines.push(DeckLine { step: Some(step), record, members: members.clone() });
+        pressures.selections.push(Selection { name, members });
+        pressures.values.push(value);
     }
 
-    fn write_pressures(
-        &mut self,
-        meant: &[Meant<Facet>],
-        values: &[Value],
-        acting: &[Acting<Facet>],
-        ends: fn(&Ends) -> bool,
-    ) {
-        let of = |s: usize| ends(&self.deck.steps[s].ends);
-        let chains = chains(acting, self.deck.steps.len(), of, self.timeline, true);
-        for (own, facets, records) in by_history(chains, values, self.timeline, self.deck, true) {
+    fn write_pressures(&mut self, pressures: &Pressures, op_new: fn(&OpNew) -> bool) {
+        let Pressures { selections, values, lines } = pressures;
+        let deck = self.deck;
+        let replaces_all = |s: usize| op_new(&deck.steps[s].op_new);
+        let groups = members_by_records(lines, deck.steps.len(), replaces_all, self.timeline, true);
+        for (own, facets, records) in by_history(groups, values, self.timeline, true) {
             if own.is_zero() {
                 continue;
             }
@@ -240,15 +195,15 @@ impl Loads<'_, '_> {
                 if wanted.is_empty() {
                     continue;
                 }
-                for set in self.cover.facets(b, &wanted, &named(meant, &records), "pressed") {
-                    self.scene.load("set", &set, &format!("{kind} = {}", series(&[&own])));
+                for set in self.sets.facets(b, &wanted, &named(selections, &records), "pressed") {
+                    self.scene.load(self.timeline, ("set", &set), kind, &[&own], "");
                 }
             }
         }
     }
 
-    /// The elements of a load that belong to bodies.
-    fn of_bodies_only(&mut self, load: &ElementLoad) -> Vec<u32> {
+    /// The elements of a load that belong to bodies; an entry if there are none.
+    fn elements_of_bodies(&mut self, load: &ElementLoad) -> Vec<u32> {
         let mut elements = self.lookup.elements(&load.elements).members;
         elements.retain(|&e| self.bodies.of_element(e).is_some());
         if elements.is_empty() {
@@ -259,23 +214,19 @@ impl Loads<'_, '_> {
     }
 
     /// Gravity, forces per volume and centrifugal forces.
-    fn of_bodies(&mut self) {
-        for (s, step) in self.deck.steps.iter().enumerate() {
-            for load in &step.loads {
-                if matches!(load.kind, LoadKind::Pressure { .. }) {
-                    continue;
-                }
-                self.partial(s, load);
-            }
+    fn body_loads(&mut self) {
+        let loads = self.deck.steps.iter().flat_map(|step| &step.loads);
+        for load in loads.filter(|load| !matches!(load.kind, LoadKind::Pressure { .. })) {
+            self.report_part_of_body(load);
         }
         for b in 0..self.bodies.all.len() {
-            self.of_body(b);
+            self.loads_of_body(b);
         }
     }
 
-    /// Tells of a load on a part of a body.
-    fn partial(&mut self, _step: usize, load: &ElementLoad) {
-        let elements: BTreeSet<u32> = self.of_bodies_only(load).into_iter().collect();
+    /// An entry for a load on a part of a body.
+    fn report_part_of_body(&mut self, load: &ElementLoad) {
+        let elements: BTreeSet<u32> = self.elements_of_bodies(load).into_iter().collect();
         for body in &self.bodies.all {
             let count = body.elements.iter().filter(|e| elements.contains(e)).count();
             if count > 0 && count < body.elements.len() {
@@ -289,7 +240,7 @@ impl Loads<'_, '_> {
         }
     }
 
-    fn of_body(&mut self, b: usize) {
+    fn loads_of_body(&mut self, b: usize) {
         let body = &self.bodies.all[b];
         let mut loads: Vec<(usize, &ElementLoad)> = Vec::new();
         for (s, step) in self.deck.steps.iter().enumerate() {
@@ -304,7 +255,6 @@ impl Loads<'_, '_> {
                 }
             }
         }
-        // By kind: the value of each component.
         let acceleration = self.vector_load(&loads, |kind| match kind {
             LoadKind::Gravity { magnitude, direction } => {
                 let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
@@ -320,116 +270,114 @@ impl Loads<'_, '_> {
             }
             _ => None,
         });
-        let name = body.name.clone();
-        if let Some(value) = acceleration {
+        if let Some(own) = acceleration {
             if body.density.is_none() {
-                let what = format!("gravity of body {name}");
+                let what = format!("gravity of body {}", body.name);
                 self.list.add_general(what, "its material has no *DENSITY: it has no weight", "give it a density");
             } else {
-                self.scene.load("body", &name, &format!("acceleration = {value}"));
+                self.scene.load(self.timeline, ("body", &body.name), "acceleration", &own.each_ref(), "");
             }
         }
-        if let Some(value) = force {
-            self.scene.load("body", &name, &format!("body_force = {value}"));
+        if let Some(own) = force {
+            self.scene.load(self.timeline, ("body", &body.name), "body_force", &own.each_ref(), "");
         }
         self.rotation(b, &loads);
     }
 
-    /// The sum of the loads of a kind on a body over time; nothing if there are none.
+    /// The sum of the loads of a kind on a body over time, by components; nothing if there are none. `value`: the components of a load of this kind that
+    /// it has.
     fn vector_load(
         &mut self,
         loads: &[(usize, &ElementLoad)],
         value: impl Fn(&LoadKind) -> Option<[Option<f64>; 3]>,
-    ) -> Option<String> {
+    ) -> Option<[History; 3]> {
         let mut values: [Vec<Value>; 3] = Default::default();
         // A component that a load says nothing of stays what it was.
-        let mut acting: [Vec<Acting<u32>>; 3] = Default::default();
+        let mut lines: [Vec<DeckLine<u32>>; 3] = Default::default();
         for (s, load) in loads {
             let Some(vector) = value(&load.kind) else { continue };
             if vector == [None; 3] {
-                self.list.add(
-                    load.place,
-                    "*DLOAD",
-                    "it has no direction: it does not act",
-                    "give its three components",
-                );
+                let remedy = "give its three components";
+                self.list.add(load.place, "*DLOAD", "it has no direction: it does not act", remedy);
                 continue;
             }
-            let Some(scale) = self.amplitude(load.amplitude.as_ref(), load.place, "*DLOAD") else { continue };
-            for ((values, acting), value) in values.iter_mut().zip(&mut acting).zip(vector) {
+            let amplitude = self.amplitude(load.amplitude.as_ref(), "*DLOAD", load.place, NO_LOAD);
+            let Some(amplitude) = amplitude else { continue };
+            for ((values, lines), value) in values.iter_mut().zip(&mut lines).zip(vector) {
                 if let Some(value) = value {
-                    acting.push(Acting { step: Some(*s), record: values.len() as u32, members: vec![0_u32] });
-                    values.push(Value { value, amplitude: scale, is_rate: false });
+                    lines.push(DeckLine { step: Some(*s), record: values.len() as u32, members: vec![0_u32] });
+                    values.push(Value { value, amplitude, is_rate: false });
                 }
             }
         }
-        let ends = |s: usize| self.deck.steps[s].ends.loads;
-        let own = [0, 1, 2].map(|axis| {
-            let chain = chains(&acting[axis], self.deck.steps.len(), ends, self.timeline, true).pop_first();
-            chain.map(|(chain, _)| history(&chain, &values[axis], self.timeline, self.deck, true))
-        });
-        let none = History::none();
-        let own = own.map(|history| history.unwrap_or_else(|| none.clone()));
-        let own: Vec<&History> = own.iter().collect();
-        if own.iter().all(|history| history.is_zero()) { None } else { Some(series(&own)) }
+        let own = [0, 1, 2].map(|axis| self.load_of_body(&lines[axis], &values[axis]).unwrap_or_else(History::none));
+        if own.iter().all(History::is_zero) { None } else { Some(own) }
+    }
+
+    /// What lines of `*DLOAD` say of a whole body, whose only member is 0.
+    fn load_of_body(&self, lines: &[DeckLine<u32>], values: &[Value]) -> Option<History> {
+        let replaces_all = |s: usize| self.deck.steps[s].op_new.loads;
+        let mut groups = members_by_records(lines, self.deck.steps.len(), replaces_all, self.timeline, true);
+        let (by_stage, _) = groups.pop_first()?;
+        Some(history(&by_stage, values, self.timeline, true))
     }
 
     /// Centrifugal forces: of one axis.
     fn rotation(&mut self, b: usize, loads: &[(usize, &ElementLoad)]) {
+        let body = &self.bodies.all[b];
         let mut values = Vec::new();
-        let mut acting = Vec::new();
-        let mut line: Option<([f64; 3], [f64; 3])> = None;
+        let mut lines = Vec::new();
+        // A point of the axis and its direction.
+        let mut about: Option<([f64; 3], [f64; 3])> = None;
         for (s, load) in loads {
             let LoadKind::Centrifugal { squared, point, axis } = load.kind else { continue };
             let length = axis.iter().map(|a| a * a).sum::<f64>();
-            if self.bodies.all[b].density.is_none() || length == 0.0 || squared < 0.0 {
-                self.list.add(
-                    load.place,
-                    "*DLOAD, CENTRIF",
-                    "it needs a density, an axis and a positive square of the speed",
-                    "",
-                );
+            let reasons = [
+                (body.density.is_none(), "its material has no *DENSITY", "give it a density"),
+                (length == 0.0, "the direction of its axis is zero", "give its three components"),
+                (squared < 0.0, "the square of its angular velocity is negative", "make it positive"),
+                (
+                    about.is_some_and(|about| about != (point, axis)),
+                    "the body has a centrifugal load about another axis",
+                    "give both the same axis",
+                ),
+            ];
+            if let Some((_, reason, remedy)) = reasons.into_iter().find(|(holds, ..)| *holds) {
+                self.list.add(load.place, "*DLOAD, CENTRIF", format!("{reason}: {NO_LOAD}"), remedy);
                 continue;
             }
-            if line.is_some_and(|line| line != (point, axis)) {
-                self.list.add(load.place, "*DLOAD, CENTRIF", "a second axis of the same body: it does not act", "");
-                continue;
-            }
-            let Some(scale) = self.amplitude(load.amplitude.as_ref(), load.place, "*DLOAD") else { continue };
-            line = Some((point, axis));
-            acting.push(Acting { step: Some(*s), record: values.len() as u32, members: vec![0_u32] });
-            values.push(Value { value: squared, amplitude: scale, is_rate: false });
+            let amplitude = self.amplitude(load.amplitude.as_ref(), "*DLOAD", load.place, NO_LOAD);
+            let Some(amplitude) = amplitude else { continue };
+            about = Some((point, axis));
+            lines.push(DeckLine { step: Some(*s), record: values.len() as u32, members: vec![0_u32] });
+            values.push(Value { value: squared, amplitude, is_rate: false });
         }
-        let ends = |s: usize| self.deck.steps[s].ends.loads;
-        let chain = chains(&acting, self.deck.steps.len(), ends, self.timeline, true).pop_first();
-        let (Some((chain, _)), Some((point, axis))) = (chain, line) else { return };
-        let squared = history(&chain, &values, self.timeline, self.deck, true);
-        let speed = History { rows: root(&squared.rows), ..squared };
-        let value =
-            format!("angular_velocity = {}\naxis = {}\nabout = {}", series(&[&speed]), vector(axis), vector(point));
-        let name = self.bodies.all[b].name.clone();
-        if speed.rows.len() > 1 {
-            let what = format!("centrifugal force of body {name}");
-            let steps = number(ROOT as f64);
+        let (Some(squared), Some((point, axis))) = (self.load_of_body(&lines, &values), about) else { return };
+        let speed = History { rows: square_root(&squared.rows), ..squared.clone() };
+        if speed.rows.len() > squared.rows.len() {
             self.list.add_general(
-                what,
-                format!("the speed is the square root of the load, in {steps} straight pieces for each of its own"),
+                format!("centrifugal force of body {}", body.name),
+                format!(
+                    "a scene has the angular velocity, the square root of this load: each straight piece of the load becomes {PIECES} of the velocity"
+                ),
                 "",
             );
         }
-        self.scene.load("body", &name, &value);
+        let more = format!("axis = {}\nabout = {}\n", vector(axis), vector(point));
+        self.scene.load(self.timeline, ("body", &body.name), "angular_velocity", &[&speed], &more);
     }
 }
 
-/// The square root of a function, in pieces; negative values are zero.
-fn root(rows: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let positive = |value: f64| value.max(0.0).sqrt();
-    let mut all: Vec<[f64; 2]> = rows.first().map(|row| [row[0], positive(row[1])]).into_iter().collect();
+/// The square root of a function, which is no straight line where the function is one: in pieces. Negative values are zero.
+fn square_root(rows: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let root = |value: f64| value.max(0.0).sqrt();
+    let mut all: Vec<[f64; 2]> = rows.first().map(|row| [row[0], root(row[1])]).into_iter().collect();
     for pair in rows.windows(2) {
         let ([t0, v0], [t1, v1]) = (pair[0], pair[1]);
-        for k in 1..=ROOT {
-            let part = k as f64 / ROOT as f64;
-            all.push([t0 + (t1 - t0) * part, positive(v0 + (v1 - v0) * part)]);
+        let pieces = if t0 < t1 && v0 != v1 { PIECES } else { 1 };
+        for k in 1..=pieces {
+            let part = k as f64 / pieces as f64;
+            all.push([t0 + (t1 - t0) * part, root(v0 + (v1 - v0) * part)]);
         }
     }
     all
@@ -437,12 +385,14 @@ fn root(rows: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use super::root;
+    use super::square_root;
 
     #[test]
-    fn the_root_of_a_ramp() {
-        let rows = root(&[[0.0, 0.0], [2.0, 4.0]]);
+    fn the_square_root_of_a_ramp_and_of_a_jump() {
+        let rows = square_root(&[[0.0, 0.0], [2.0, 4.0]]);
         assert_eq!((rows.len(), rows[4], rows[16]), (17, [0.5, 1.0], [2.0, 2.0]));
-        assert_eq!(root(&[[0.0, 9.0]]), [[0.0, 3.0]]);
+        assert_eq!(square_root(&[[0.0, 9.0]]), [[0.0, 3.0]]);
+        let jump = [[0.0, 9.0], [1.0, 9.0], [1.0, 4.0]];
+        assert_eq!(square_root(&jump), [[0.0, 3.0], [1.0, 3.0], [1.0, 2.0]]);
     }
 }

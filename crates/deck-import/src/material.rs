@@ -14,11 +14,11 @@ const RATIO: f64 = 0.475;
 pub(crate) struct Law {
     /// As `{ law = "neo-hooke", young = 1.0, poisson = 0.3 }`.
     pub text: String,
-    /// What was made of it, for the head of the scene.
-    pub said: String,
+    /// The law of the deck and that of the scene in one line, for the head of the scene.
+    pub summary: String,
     /// What is not as in the deck, with what to do.
     pub notes: Vec<(String, String)>,
-    /// Hexahedra lock, or nearly.
+    /// Nearly: elements without an independent pressure lock.
     pub is_incompressible: bool,
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
     let (young, poisson) = (elastic.modulus, elastic.ratio);
     if poisson == 0.5 {
         return Err(format!(
-            "material {} has nu = 0.5, no change of volume at all: write nu = 0.4999, with hybrid elements (as C3D8H), which are mixed here up to 0.499999",
+            "material {} has nu = 0.5, which no element of Stoss can have: write nu = 0.4999 with hybrid elements (such as C3D8H), which become `volumetric = \"mixed\"` and take nu up to 0.499999",
             material.name
         ));
     }
@@ -52,7 +52,7 @@ pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
         ("saint-venant-kirchhoff", Vec::new())
     };
     let text = format!("{{ law = \"{name}\", young = {}, poisson = {} }}", number(young), number(poisson));
-    Ok(Law { text, said: format!("*ELASTIC is {name}"), notes, is_incompressible })
+    Ok(Law { text, summary: format!("*ELASTIC is {name}"), notes, is_incompressible })
 }
 
 /// Laws whose isochoric part is a sum of powers of the isochoric stretches are the Ogden law.
@@ -84,7 +84,8 @@ fn ogden(given: &Hyperelastic) -> Result<Law, String> {
         }
         ("YEOH", _) => {
             notes.push((
-                "of *HYPERELASTIC, YEOH only the first term maps: the material is too soft at large strains".to_owned(),
+                "of *HYPERELASTIC, YEOH only the first term is used: the material is too soft at large strains"
+                    .to_owned(),
                 "fit an Ogden law to the same tests".to_owned(),
             ));
             (vec![2.0 * need(0)?], vec![2.0], at(3))
@@ -124,8 +125,8 @@ fn ogden(given: &Hyperelastic) -> Result<Law, String> {
         number(kappa),
         number(BETA)
     );
-    let said = format!("*HYPERELASTIC, {} is ogden with the same isochoric energy", given.law);
-    Ok(Law { text, said, notes, is_incompressible: kappa > 10.0 * shear })
+    let summary = format!("*HYPERELASTIC, {} is ogden with the same isochoric energy", given.law);
+    Ok(Law { text, summary, notes, is_incompressible: kappa > 10.0 * shear })
 }
 
 #[cfg(test)]

@@ -5,34 +5,35 @@ use std::collections::BTreeMap;
 use crate::timeline::Timeline;
 
 /// For each stage the records that act in it, by their numbers.
-pub(crate) type Chain = Vec<Vec<u32>>;
+pub(crate) type StageRecords = Vec<Vec<u32>>;
 
 /// A line of the deck with what it acts on.
 #[derive(Clone, Debug)]
-pub(crate) struct Acting<T> {
+pub(crate) struct DeckLine<T> {
     /// The step of the deck; none for what stands before the first one.
     pub step: Option<usize>,
+    /// Its number among the lines of its kind.
     pub record: u32,
     pub members: Vec<T>,
 }
 
-/// Nodes, facets or elements by what acts on them. What a step says of one of them replaces what former steps said; `adds`: what one step says of it
-/// several times is summed up, else the last time counts. `ends`: does a step end what former ones said of everything (`OP=NEW`)?
-pub(crate) fn chains<T: Copy + Ord>(
-    acting: &[Acting<T>],
+/// Nodes, facets or elements by the lines that act on them. Lines of a step replace those of former steps for the same member; `adds`: several lines of one step for
+/// a member are summed up, else the last one counts. `replaces_all`: whether a step ends all lines of former ones (`OP=NEW`).
+pub(crate) fn members_by_records<T: Copy + Ord>(
+    deck_lines: &[DeckLine<T>],
     steps: usize,
-    ends: impl Fn(usize) -> bool,
+    replaces_all: impl Fn(usize) -> bool,
     timeline: &Timeline,
     adds: bool,
-) -> BTreeMap<Chain, Vec<T>> {
-    let mut said: BTreeMap<T, Vec<(Option<usize>, u32)>> = BTreeMap::new();
-    for line in acting {
+) -> BTreeMap<StageRecords, Vec<T>> {
+    let mut of_members: BTreeMap<T, Vec<(Option<usize>, u32)>> = BTreeMap::new();
+    for line in deck_lines {
         for &member in &line.members {
-            said.entry(member).or_default().push((line.step, line.record));
+            of_members.entry(member).or_default().push((line.step, line.record));
         }
     }
-    let mut all: BTreeMap<Chain, Vec<T>> = BTreeMap::new();
-    for (member, lines) in said {
+    let mut all: BTreeMap<StageRecords, Vec<T>> = BTreeMap::new();
+    for (member, lines) in of_members {
         let in_step = |step: Option<usize>| -> Vec<u32> {
             let mut records: Vec<u32> = lines.iter().filter(|(of, _)| *of == step).map(|(_, record)| *record).collect();
             if !adds && records.len() > 1 {
@@ -41,10 +42,10 @@ pub(crate) fn chains<T: Copy + Ord>(
             records
         };
         let mut state = in_step(None);
-        let mut chain = Chain::new();
+        let mut by_stage = StageRecords::new();
         let mut stages = timeline.stages.iter().filter_map(|stage| stage.step).peekable();
         for step in 0..steps {
-            if ends(step) {
+            if replaces_all(step) {
                 state.clear();
             }
             let own = in_step(Some(step));
@@ -52,15 +53,15 @@ pub(crate) fn chains<T: Copy + Ord>(
                 state = own;
             }
             if stages.next_if_eq(&step).is_some() {
-                chain.push(state.clone());
+                by_stage.push(state.clone());
             }
         }
         // A deck without a step that maps: what its steps have left.
-        if chain.is_empty() {
-            chain = vec![state; timeline.stages.len()];
+        if by_stage.is_empty() {
+            by_stage = vec![state; timeline.stages.len()];
         }
-        if chain.iter().any(|records| !records.is_empty()) {
-            all.entry(chain).or_default().push(member);
+        if by_stage.iter().any(|records| !records.is_empty()) {
+            all.entry(by_stage).or_default().push(member);
         }
     }
     all

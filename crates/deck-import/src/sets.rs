@@ -6,11 +6,17 @@ use stoss_mesh::Facet;
 use stoss_mesh_io::deck::Target;
 use stoss_mesh_io::{Contents, Solids};
 
-/// What a line of the deck means, sorted; with the name that a scene can use if one set of the mesh is just that.
+/// The nodes, facets or elements that a line of the deck names, sorted; with the name that a scene can use if one set of the mesh is just that.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Meant<T> {
+pub(crate) struct Selection<T> {
     pub name: Option<String>,
     pub members: Vec<T>,
+}
+
+/// Those of some records that have a name, with it.
+pub(crate) fn named<'m, T>(selections: &'m [Selection<T>], records: &BTreeSet<u32>) -> Vec<(&'m str, &'m [T])> {
+    let own = records.iter().map(|&record| &selections[record as usize]);
+    own.filter_map(|selection| Some((selection.name.as_deref()?, selection.members.as_slice()))).collect()
 }
 
 /// Sets of the mesh by their names in upper case, nodes and elements by their numbers.
@@ -24,6 +30,7 @@ pub(crate) struct Lookup<'a> {
     elements: BTreeMap<u64, Vec<u32>>,
 }
 
+/// Names in the spelling of the mesh by those in upper case.
 fn by_upper<T>(sets: &BTreeMap<String, T>) -> BTreeMap<String, &String> {
     sets.keys().map(|name| (name.to_uppercase(), name)).collect()
 }
@@ -41,15 +48,15 @@ fn find<T: Copy + Ord>(
     names: &BTreeMap<String, &String>,
     sets: &BTreeMap<String, Vec<T>>,
     name: &str,
-) -> Option<Meant<T>> {
+) -> Option<Selection<T>> {
     let upper = name.to_uppercase();
     if let Some(&own) = names.get(&upper) {
-        return Some(Meant { name: Some(own.clone()), members: sorted(sets[own].iter().copied()) });
+        return Some(Selection { name: Some(own.clone()), members: sorted(sets[own].iter().copied()) });
     }
     let ending = format!(".{upper}");
     let of_instances = names.iter().filter(|(other, _)| other.ends_with(&ending));
     let members = sorted(of_instances.flat_map(|(_, own)| sets[*own].iter().copied()));
-    if members.is_empty() { None } else { Some(Meant { name: None, members }) }
+    if members.is_empty() { None } else { Some(Selection { name: None, members }) }
 }
 
 fn sorted<T: Ord>(members: impl Iterator<Item = T>) -> Vec<T> {
@@ -70,13 +77,13 @@ impl<'a> Lookup<'a> {
     }
 
     /// Nodes that belong to elements which are read; nothing if there is no such set, or none of its nodes belongs to one.
-    pub fn nodes(&self, target: &Target) -> Meant<u32> {
+    pub fn nodes(&self, target: &Target) -> Selection<u32> {
         match target {
-            Target::All => Meant { name: None, members: (0..self.solids.mesh.nodes.len() as u32).collect() },
+            Target::All => Selection { name: None, members: (0..self.solids.mesh.nodes.len() as u32).collect() },
             Target::Set(name) => self.node_set(name).unwrap_or_default(),
             Target::Number { number, instance } => {
                 let all = self.nodes.get(number).cloned().unwrap_or_default();
-                let members = match instance.as_ref().and_then(|name| self.element_set(name)) {
+                let members = match self.instance(instance.as_deref()) {
                     None => all,
                     Some(elements) => {
                         let own = |e: &u32| self.solids.mesh.elements[*e as usize].iter().copied();
@@ -84,31 +91,36 @@ impl<'a> Lookup<'a> {
                         all.into_iter().filter(|node| own.contains(node)).collect()
                     }
                 };
-                Meant { name: None, members }
+                Selection { name: None, members }
             }
         }
     }
 
-    pub fn node_set(&self, name: &str) -> Option<Meant<u32>> {
+    /// The elements of an instance, if one is named that there is.
+    fn instance(&self, name: Option<&str>) -> Option<Selection<u32>> {
+        name.and_then(|name| self.element_set(name))
+    }
+
+    pub fn node_set(&self, name: &str) -> Option<Selection<u32>> {
         find(&self.node_sets, &self.solids.mesh.node_sets, name)
     }
 
-    pub fn elements(&self, target: &Target) -> Meant<u32> {
+    pub fn elements(&self, target: &Target) -> Selection<u32> {
         match target {
-            Target::All => Meant { name: None, members: (0..self.solids.mesh.elements.len() as u32).collect() },
+            Target::All => Selection { name: None, members: (0..self.solids.mesh.elements.len() as u32).collect() },
             Target::Set(name) => self.element_set(name).unwrap_or_default(),
             Target::Number { number, instance } => {
                 let all = self.elements.get(number).cloned().unwrap_or_default();
-                let members = match instance.as_ref().and_then(|name| self.element_set(name)) {
+                let members = match self.instance(instance.as_deref()) {
                     None => all,
                     Some(own) => all.into_iter().filter(|e| own.members.binary_search(e).is_ok()).collect(),
                 };
-                Meant { name: None, members }
+                Selection { name: None, members }
             }
         }
     }
 
-    pub fn element_set(&self, name: &str) -> Option<Meant<u32>> {
+    pub fn element_set(&self, name: &str) -> Option<Selection<u32>> {
         find(&self.element_sets, &self.solids.mesh.element_sets, name)
     }
 
@@ -125,7 +137,7 @@ impl<'a> Lookup<'a> {
     }
 
     /// The facets of a surface. A surface of nodes is the boundary facets all of whose corners belong to it; true then.
-    pub fn surface(&self, name: &str) -> Option<(Meant<Facet>, bool)> {
+    pub fn surface(&self, name: &str) -> Option<(Selection<Facet>, bool)> {
         if let Some(facets) = find(&self.facet_sets, &self.solids.mesh.facet_sets, name) {
             return Some((facets, false));
         }
@@ -135,10 +147,10 @@ impl<'a> Lookup<'a> {
             .into_iter()
             .filter(|facet| facet.nodes.corners().iter().all(|node| nodes.contains(node)))
             .collect();
-        if members.is_empty() { None } else { Some((Meant { name: None, members }, true)) }
+        if members.is_empty() { None } else { Some((Selection { name: None, members }, true)) }
     }
 
-    /// True if there is a set of this name of any kind.
+    /// True if there is a set of nodes of this name.
     pub fn has_node_set(&self, name: &str) -> bool {
         self.node_set(name).is_some()
     }

@@ -1,6 +1,6 @@
-//! Steps to stages.
+//! Steps to stages, and amplitudes as a scene can hold them.
 
-use stoss_mesh_io::deck::{Deck, Procedure, Step, Times};
+use stoss_mesh_io::deck::{Amplitude, Deck, Procedure, Step, Times};
 
 use crate::left_out::List;
 use crate::text::number;
@@ -16,7 +16,7 @@ pub(crate) struct Stage {
     pub is_dynamic: bool,
     /// With `NLGEOM`.
     pub is_nonlinear: bool,
-    /// What has no amplitude is there at once.
+    /// What has no amplitude acts at once, else it grows over the step.
     pub is_sudden: bool,
     /// The first increment.
     pub first: f64,
@@ -29,10 +29,12 @@ pub(crate) struct Stage {
     pub integrator: Option<String>,
 }
 
-/// The stages of the run, at least one.
+/// The stages of the run, at least one, and the functions of time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Timeline {
     pub stages: Vec<Stage>,
+    /// Those of the deck, without jumps.
+    pub amplitudes: Vec<Amplitude>,
 }
 
 /// Increments of a dynamic step that does not say how many.
@@ -54,10 +56,10 @@ impl Timeline {
             match stage(deck, s, step, start, list) {
                 Some(stage) => stages.push(stage),
                 None => {
-                    let loads = step.supports.len() + step.forces.len() + step.loads.len() + step.pressures.len();
-                    if loads > 0 {
+                    let lines = step.supports.len() + step.forces.len() + step.loads.len() + step.pressures.len();
+                    if lines > 0 {
                         let consequence = format!(
-                            "its {loads} supports and loads act in later steps only, as far as they last until then"
+                            "its {lines} lines of supports and loads act in the later steps that do not end them"
                         );
                         list.add(step.place, "*STEP that is left out", consequence, "");
                     }
@@ -67,7 +69,7 @@ impl Timeline {
         if stages.is_empty() {
             list.add_general(
                 "no step with *STATIC or *DYNAMIC",
-                "the scene has one static step of length 1, with the supports and loads of all steps",
+                "the scene has one static step of length 1, with the supports and loads that are left after all steps",
                 "set [time], supports and loads as you need them",
             );
             stages.push(Stage {
@@ -85,7 +87,9 @@ impl Timeline {
                 integrator: None,
             });
         }
-        Self { stages }
+        let increment = stages.iter().map(|stage| stage.first).fold(f64::INFINITY, f64::min);
+        let amplitudes = deck.amplitudes.iter().map(|amplitude| without_jumps(amplitude, increment, list)).collect();
+        Self { stages, amplitudes }
     }
 
     pub fn is_dynamic(&self) -> bool {
@@ -97,10 +101,38 @@ impl Timeline {
     }
 }
 
+/// An amplitude of which no two points have one time: a table of a scene has no jumps. The new value is there at the time of the jump, as in CalculiX, and the change
+/// takes the increment before; the table begins with the value after a jump at its beginning.
+fn without_jumps(amplitude: &Amplitude, increment: f64, list: &mut List) -> Amplitude {
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for group in amplitude.points.chunk_by(|a, b| a[0] == b[0]) {
+        let (first, last) = (group[0], group[group.len() - 1]);
+        if let (Some(&[t0, v0]), true) = (points.last(), first[1] != last[1]) {
+            let [time, value] = first;
+            let start = (time - increment).max(0.5 * t0 + 0.5 * time);
+            points.push([start, v0 + (value - v0) * (start - t0) / (time - t0)]);
+            let what = format!("*AMPLITUDE, NAME={}", amplitude.name);
+            let consequence = format!(
+                "it jumps at the time {}, and a table of a scene has no jumps: the value changes from {} on, over an increment",
+                number(time),
+                number(start)
+            );
+            list.add(amplitude.place, what, consequence, "begin a step there if the jump matters");
+        }
+        points.push(last);
+    }
+    Amplitude { points, ..amplitude.clone() }
+}
+
 /// The stage of a step; nothing if it computes something else.
 fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) -> Option<Stage> {
     if step.is_perturbation {
-        list.add(step.place, "parameter PERTURBATION of *STEP", "there are no linear perturbations", "");
+        list.add(
+            step.place,
+            "parameter PERTURBATION of *STEP",
+            "the step is left out: Stoss has no linear perturbations",
+            "",
+        );
         return None;
     }
     let has_contact = !deck.pairs.is_empty();
@@ -109,7 +141,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
         Some(Procedure::Dynamic { times, .. }) => (*times, true),
         Some(Procedure::Other(_)) => return None,
         None => {
-            list.add(step.place, "*STEP without a procedure", "it is taken for *STATIC", "");
+            list.add(step.place, "*STEP without a procedure", "it is computed as *STATIC", "");
             (Times::default(), false)
         }
     };
@@ -139,10 +171,10 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
         let (text, note) = integrator(*alpha, *is_explicit, has_contact);
         stage.integrator = Some(text);
         if let Some(note) = note {
-            list.add(step.place, "*DYNAMIC", note, "choose another `integrator` of [time] if you like");
+            list.add(step.place, "*DYNAMIC", note, "for another scheme set `integrator` of [time]");
         }
         if !times.is_fixed {
-            // The run would grow to the largest increment, which the deck trusts; that of a step that says none is not known.
+            // The increments of the deck may grow to the largest one; that of a step that gives none is not known.
             stage.step_size = positive(times.largest).map_or(first, |largest| largest.min(period).max(first));
             let cuts = (stage.step_size / first).log2().ceil();
             stage.cuts = (cuts > DEFAULT_CUTS).then_some(cuts as u32);
@@ -155,7 +187,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
                 step.place,
                 "*DYNAMIC",
                 format!(
-                    "increments follow no estimate of the error, `automatic` is for statics: all are {}, {which}, and halved only where a step fails",
+                    "increments are not adapted to an estimate of the error: all are {}, {which}, and are halved only where a step does not converge",
                     number(stage.step_size)
                 ),
                 "compare with a run of half the `step`",
@@ -185,7 +217,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
 fn integrator(alpha: Option<f64>, is_explicit: bool, has_contact: bool) -> (String, Option<String>) {
     let em = "{ scheme = \"energy-momentum\" }".to_owned();
     if is_explicit {
-        return (em, Some("EXPLICIT: the scheme is the implicit energy-momentum".to_owned()));
+        return (em, Some("EXPLICIT: the scheme is energy-momentum, which is implicit".to_owned()));
     }
     if has_contact {
         return (
@@ -203,7 +235,8 @@ fn integrator(alpha: Option<f64>, is_explicit: bool, has_contact: bool) -> (Stri
 
 #[cfg(test)]
 mod tests {
-    use super::integrator;
+    use super::*;
+    use stoss_mesh_io::deck::DeckPlace;
 
     #[test]
     fn schemes() {
@@ -216,5 +249,38 @@ mod tests {
         );
         assert!(integrator(None, false, true).0.contains("energy-momentum"));
         assert!(integrator(None, true, false).1.unwrap().contains("EXPLICIT"));
+    }
+
+    #[test]
+    fn jumps_of_amplitudes_take_an_increment() {
+        let of = |points: &[[f64; 2]]| {
+            let (name, place) = ("a".to_owned(), DeckPlace { file: 0, line: 3 });
+            let amplitude = Amplitude { name, is_total_time: false, points: points.to_vec(), place };
+            let mut list = List::new(&deck());
+            let points = without_jumps(&amplitude, 0.25, &mut list).points;
+            (points, list.finish(&deck()))
+        };
+        // From the value of the straight line at that time.
+        let (points, entries) = of(&[[0.0, 0.0], [1.0, 4.0], [1.0, 7.0], [1.0, 10.0], [2.0, 10.0]]);
+        assert_eq!(points, [[0.0, 0.0], [0.75, 3.0], [1.0, 10.0], [2.0, 10.0]]);
+        assert_eq!(
+            (entries.len(), entries[0].place.as_str(), entries[0].what.as_str()),
+            (1, "a.inp:3", "*AMPLITUDE, NAME=a")
+        );
+        assert!(entries[0].consequence.contains("jumps at the time 1.0"), "{entries:?}");
+        // Not further back than to the middle between the points.
+        assert_eq!(of(&[[0.0, 0.0], [0.2, 0.0], [0.2, 1.0]]).0, [[0.0, 0.0], [0.1, 0.0], [0.2, 1.0]]);
+        // A jump at the beginning, and a point that is given twice.
+        let (points, entries) = of(&[[0.0, 0.0], [0.0, 1.0], [1.0, 2.0], [1.0, 2.0]]);
+        assert_eq!((points, entries.len()), (vec![[0.0, 1.0], [1.0, 2.0]], 0));
+    }
+
+    /// One tetrahedron.
+    fn deck() -> Deck {
+        let text = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n";
+        stoss_mesh_io::deck::read_deck_from_bytes("a.inp", text.as_bytes(), &mut |_| {
+            Err(std::io::ErrorKind::NotFound.into())
+        })
+        .unwrap()
     }
 }

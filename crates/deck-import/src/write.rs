@@ -6,13 +6,13 @@ use std::fmt::Write;
 use stoss_mesh_io::deck::Deck;
 
 use crate::bodies::{Bodies, Body};
-use crate::cover::Source;
-use crate::history::History;
+use crate::history::{History, between_jumps};
+use crate::set_names::Source;
 use crate::text::{comment, list, number, string, vector};
 use crate::timeline::Timeline;
 use crate::{FileNames, LeftOut};
 
-/// A function of time with one column for each history: a number or list if it is constant, else a table.
+/// A function of time without jumps, with one column for each history: a number or list if it is constant, else a table.
 pub(crate) fn series(columns: &[&History]) -> String {
     if columns.iter().all(|column| column.rows.len() <= 1) {
         let values: Vec<f64> = columns.iter().map(|column| column.at(0.0)).collect();
@@ -36,8 +36,8 @@ pub(crate) struct Tables {
     contacts: Vec<String>,
     prescriptions: Vec<String>,
     loads: Vec<String>,
-    /// Stages in which the prescription of this name does not act.
-    off: Vec<(String, Vec<bool>)>,
+    /// Names of prescriptions and loads that act in some stages only, and whether they do in each.
+    active: Vec<(String, Vec<bool>)>,
 }
 
 impl Tables {
@@ -51,12 +51,8 @@ impl Tables {
 
     /// A prescription that acts in some stages only gets a name.
     pub fn prescribe(&mut self, set: &str, along: &str, value: &str, active: &[bool], ramp_until: Option<f64>) {
-        let mut table = "[[prescribe]]\n".to_owned();
-        if active.contains(&false) {
-            let name = format!("support-{}", self.prescriptions.len() + 1);
-            let _ = writeln!(table, "name = {}", string(&name));
-            self.off.push((name, active.to_vec()));
-        }
+        let name = self.name_of("support", self.prescriptions.len(), active);
+        let mut table = format!("[[prescribe]]\n{name}");
         let _ = writeln!(table, "set = {}\n{along}\n{value}", string(set));
         if let Some(until) = ramp_until {
             let until = if until.is_finite() { number(until) } else { "inf".to_owned() };
@@ -65,9 +61,34 @@ impl Tables {
         self.prescriptions.push(table);
     }
 
-    /// `key`: `set` or `body`.
-    pub fn load(&mut self, key: &str, on: &str, value: &str) {
-        self.loads.push(format!("[[load]]\n{key} = {}\n{value}\n", string(on)));
+    /// One load, or one for each part of the time between jumps, which acts in the stages of that part. On a `set` or a `body` with its name; `more`: further lines.
+    pub fn load(
+        &mut self,
+        timeline: &Timeline,
+        (key, on): (&str, &str),
+        kind: &str,
+        functions: &[&History],
+        more: &str,
+    ) {
+        for (active, own) in between_jumps(functions, timeline) {
+            if own.iter().all(History::is_zero) {
+                continue;
+            }
+            let name = self.name_of("load", self.loads.len(), &active);
+            let value = series(&own.iter().collect::<Vec<_>>());
+            self.loads.push(format!("[[load]]\n{name}{key} = {}\n{kind} = {value}\n{more}", string(on)));
+        }
+    }
+
+    /// The line with the name of the next thing of a kind; none if it acts in all stages.
+    fn name_of(&mut self, kind: &str, count: usize, active: &[bool]) -> String {
+        if !active.contains(&false) {
+            return String::new();
+        }
+        let name = format!("{kind}-{}", count + 1);
+        let line = format!("name = {}\n", string(&name));
+        self.active.push((name, active.to_vec()));
+        line
     }
 
     /// What was mapped, for people.
@@ -75,7 +96,7 @@ impl Tables {
         let elements: usize = bodies.all.iter().map(|body| body.elements.len()).sum();
         let mut lines = vec![format!("{} with {elements} elements", count(bodies.all.len(), "body", "bodies"))];
         let laws: BTreeSet<String> =
-            bodies.all.iter().map(|body| format!("material {}: {}", body.material, body.law.said)).collect();
+            bodies.all.iter().map(|body| format!("material {}: {}", body.material, body.law.summary)).collect();
         lines.extend(laws);
         let dynamic = timeline.stages.iter().filter(|stage| stage.is_dynamic).count();
         let kinds = match (timeline.stages.len() - dynamic, dynamic) {
@@ -173,7 +194,7 @@ fn time(timeline: &Timeline, scene: &Tables) -> (String, String) {
             let _ = writeln!(text, "automatic = {automatic}");
         }
         let off: Vec<String> =
-            scene.off.iter().filter(|(_, active)| !active[s]).map(|(name, _)| string(name)).collect();
+            scene.active.iter().filter(|(_, active)| !active[s]).map(|(name, _)| string(name)).collect();
         if !off.is_empty() {
             let _ = writeln!(text, "off = [{}]", off.join(", "));
         }

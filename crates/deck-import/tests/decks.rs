@@ -9,6 +9,7 @@ use stoss_mesh_io::deck::read_deck_from_bytes;
 const PRESS: &str = include_str!("data/press.inp");
 const BAR: &str = include_str!("data/bar.inp");
 const LEFT_OUT: &str = include_str!("data/left-out.inp");
+const JUMP: &str = include_str!("data/jump.inp");
 
 fn try_to(text: &str) -> Result<Import, String> {
     let deck = read_deck_from_bytes("part.inp", text.as_bytes(), &mut |_| Err(ErrorKind::NotFound.into()));
@@ -188,6 +189,64 @@ fn forces_of_one_step_add_up_and_those_of_a_later_one_replace_them() {
     assert_eq!((load["set"].as_str(), load["force"].to_string()), (Some("Cube.Top"), force.to_owned()));
 }
 
+/// At the beginning of a dynamic step a load changes at once: it is one load for each part of the time, which acts in its steps only.
+#[test]
+fn loads_jump_at_the_beginning_of_dynamic_steps() {
+    let off = |import: &Import| -> Vec<Vec<String>> {
+        let names = |stage: &toml::Table| -> Option<Vec<String>> {
+            Some(stage.get("off")?.as_array()?.iter().map(|name| name.as_str().unwrap().to_owned()).collect())
+        };
+        tables(import, "stage").iter().map(|stage| names(stage).unwrap_or_default()).collect()
+    };
+    let import = imported(JUMP);
+    let loads = tables(&import, "load");
+    assert_eq!(strings(&loads, "name"), ["load-1", "load-2"]);
+    assert_eq!(strings(&loads, "set"), ["Cube.Top", "Cube.Top"]);
+    assert_eq!(loads[0]["force"].to_string(), "{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.001]] }");
+    assert_eq!(loads[1]["force"].to_string(), "[0.0, 0.0, 0.002]");
+    // OP=NEW without a line: no load is left in the third step.
+    assert_eq!(off(&import), [vec!["load-2"], vec!["load-1"], vec!["load-1", "load-2"]]);
+    // Components that jump at different steps; pressures, gravity and the speed of a rotation jump, too.
+    let dynamic = |lines: &str| format!("*STEP, NLGEOM\n*DYNAMIC, DIRECT\n0.125, 1.0\n{lines}*END STEP\n");
+    let import = cube(&format!(
+        "*STEP\n*STATIC\n*CLOAD\nTop, 1, 1.0\n*DSLOAD\nLid, P, 1.0\n*DLOAD\nCube, GRAV, 1.0, 0, 0, -1\nCube, CENTRIF, 4.0, 0, 0, 0, 0, 0, 1\n*END STEP\n{}{}",
+        dynamic("*CLOAD\nTop, 1, 2.0\n*DSLOAD\nLid, P, 3.0\n"),
+        dynamic("*CLOAD\nTop, 3, 5.0\n*DLOAD\nCube, GRAV, 2.0, 0, 0, -1\nCube, CENTRIF, 9.0, 0, 0, 0, 0, 0, 1\n")
+    ));
+    let loads = tables(&import, "load");
+    let of = |key: &str| loads.iter().filter_map(|load| Some(load.get(key)?.to_string())).collect::<Vec<_>>();
+    let table = "{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0]] }";
+    assert_eq!(of("force"), [table, "[2.0, 0.0, 0.0]", "[2.0, 0.0, 5.0]"]);
+    assert_eq!(of("follower_pressure"), ["{ table = [[0.0, 0.0], [1.0, 1.0]] }", "3.0"]);
+    assert_eq!(of("acceleration"), ["{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, -1.0]] }", "[0.0, 0.0, -2.0]"]);
+    assert_eq!(of("angular_velocity").last().map(String::as_str), Some("3.0"));
+    let stages = off(&import);
+    let acts = |name: &str| stages.iter().map(|off| !off.iter().any(|other| other == name)).collect::<Vec<_>>();
+    let active: Vec<Vec<bool>> = strings(&loads, "name").iter().map(|name| acts(name)).collect();
+    let [first, second, third] = [0, 1, 2].map(|only| [0, 1, 2].map(|stage| stage == only).to_vec());
+    let (later, earlier) = (vec![false, true, true], vec![true, true, false]);
+    let expected = [&first, &second, &third, &first, &later, &earlier, &third, &earlier, &third];
+    assert_eq!(active.iter().collect::<Vec<_>>(), expected, "{}", import.scene);
+    // In a static step, also with AMPLITUDE=STEP, the change takes the first increment, at whose end CalculiX has its first state, too.
+    let import = cube(
+        "*STEP\n*STATIC\n*CLOAD\nTop, 3, 1.0\n*END STEP\n*STEP, AMPLITUDE=STEP\n*STATIC\n0.25, 1.0\n*CLOAD\nTop, 3, 2.0\n*END STEP\n",
+    );
+    let [load] = tables(&import, "load").try_into().unwrap();
+    let force = "{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0], [1.25, 0.0, 0.0, 2.0]] }";
+    assert_eq!(load["force"].to_string(), force);
+}
+
+/// An amplitude that jumps within a step: a table cannot, and the list says what it does.
+#[test]
+fn amplitudes_that_jump() {
+    let import = cube(
+        "*AMPLITUDE, NAME=A\n0, 0, 1, 0, 1, 1, 2, 1\n*STEP\n*DYNAMIC, DIRECT\n0.125, 2.0\n*CLOAD, AMPLITUDE=A\nTop, 3, 4.0\n*END STEP\n",
+    );
+    let [load] = tables(&import, "load").try_into().unwrap();
+    assert_eq!(load["force"].to_string(), "{ table = [[0.875, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 4.0]] }");
+    assert!(entry(&import, "*AMPLITUDE, NAME=A").consequence.contains("jumps at the time 1.0"));
+}
+
 #[test]
 fn dynamics_with_velocity_gravity_and_rotation() {
     let rest = "*INITIAL CONDITIONS, TYPE=VELOCITY\nBase, 1, 3.0\nTop, 1, 3.0\n*STEP, NLGEOM\n*DYNAMIC, ALPHA=0.0\n0.01, 0.5\n*DLOAD\n\
@@ -306,7 +365,7 @@ fn broken_decks_never_panic() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize
     };
-    for deck in [PRESS, BAR, LEFT_OUT] {
+    for deck in [PRESS, BAR, LEFT_OUT, JUMP] {
         let broken = |text: &str| match try_to(text) {
             Ok(import) => drop(import.scene.parse::<toml::Table>().unwrap_or_else(|e| panic!("{e}\n{}", import.scene))),
             Err(error) => assert!(error.contains("part.inp"), "{error}"),
@@ -384,7 +443,7 @@ fn loads_on_elements_do_not_replace_those_along_other_axes() {
     let import = imported(&deck(["E,GRAV,2.", "E,BX,1."], ""));
     assert!(entry(&import, "*DLOAD").consequence.contains("no direction"));
     let falls = try_to(&deck(["E,BX,2.", "E,BY,3."], "*AMPLITUDE,NAME=A\n0.,0.,0.5,1.,0.3,0.\n")).unwrap_err();
-    assert!(falls.contains("part.inp:8") && falls.contains("times that do not fall"), "{falls}");
+    assert!(falls.contains("part.inp:8") && falls.contains("times that do not decrease"), "{falls}");
 }
 
 fn floats(value: &toml::Value) -> Vec<f64> {

@@ -6,7 +6,7 @@
 //! `cargo run --example collision -p stoss-geometry`
 
 use nalgebra::Vector3;
-use stoss_geometry::{BoundingVolumeTree, MovingBox, PairKind, Volume, closest, safe_fraction};
+use stoss_geometry::{BoundingVolume, BoundingVolumeTree, MovingBox, PairKind, closest, safe_fraction};
 
 /// Part of the distance that an advance keeps.
 const KEEP: f64 = 0.1;

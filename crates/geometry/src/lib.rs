@@ -15,19 +15,19 @@
 
 mod aabb;
 mod advancement;
+mod bounding_volume;
 mod closest;
 mod patch;
 mod polynomial;
 mod primitive_distance;
 mod project;
 mod tree;
-mod volume;
 
 pub use aabb::Aabb;
 pub use advancement::safe_fraction;
+pub use bounding_volume::{BoundingVolume, MovingBox};
 pub use closest::{ClosestPoint, PatchFeature};
 pub use patch::{Patch, SurfaceFrame};
 pub use primitive_distance::{ClosestPair, FreeDirections, PairFeature, PairKind, closest, combine};
 pub use project::Projection;
 pub use tree::BoundingVolumeTree;
-pub use volume::{MovingBox, Volume};

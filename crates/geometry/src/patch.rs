@@ -17,7 +17,7 @@ pub struct Patch {
     pub corners: Nodal<Vector3<f64>>,
 }
 
-/// Everything that contact needs of a patch at one place (theory/node-to-surface#eq-metric).
+/// Everything that contact needs of a patch at one point (theory/node-to-surface#eq-metric).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFrame {
     /// `x(xi)`.
@@ -34,8 +34,8 @@ pub struct SurfaceFrame {
     pub curvature_12: f64,
 }
 
-/// The patch relative to its first corner in monomials: `x - m_1 = c_0 + xi^1 c_1 + xi^2 c_2 + xi^1 xi^2 c_12`. With it patches of all kinds are the same
-/// but for the domain of the coordinates.
+/// The patch relative to its first corner in monomials: `x - m_1 = c_0 + xi^1 c_1 + xi^2 c_2 + xi^1 xi^2 c_12`. In this form patches of all kinds differ
+/// only in the domain of the coordinates.
 ///
 /// Differences of corners are formed first, so that a patch far from the origin loses no digits.
 #[derive(Clone, Copy)]
@@ -48,9 +48,12 @@ pub(crate) struct Monomials {
 }
 
 impl Monomials {
+    /// `x(xi) - m_1`.
     pub fn point(&self, xi: [f64; 2]) -> Vector3<f64> {
         self.c_0 + self.c_1 * xi[0] + (self.c_2 + self.c_12 * xi[0]) * xi[1]
     }
+
+    /// `a_1`, `a_2` at `xi`.
     pub fn tangents(&self, xi: [f64; 2]) -> [Vector3<f64>; 2] {
         [self.c_1 + self.c_12 * xi[1], self.c_2 + self.c_12 * xi[0]]
     }
@@ -152,11 +155,11 @@ impl Patch {
         let here = self.corners[corner];
         let u = self.corners[self.kind().next(corner)] - here;
         let v = self.corners[self.kind().previous(corner)] - here;
-        u.cross(&v).norm().atan2(u.dot(&v)).max(0.0) * f64::from(u8::from(u.norm() > 0.0 && v.norm() > 0.0))
+        if u.norm() > 0.0 && v.norm() > 0.0 { u.cross(&v).norm().atan2(u.dot(&v)).max(0.0) } else { 0.0 }
     }
 }
 
-fn unit_or_zero(v: Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn unit_or_zero(v: Vector3<f64>) -> Vector3<f64> {
     let length = v.norm();
     if length > 0.0 { v / length } else { Vector3::zeros() }
 }

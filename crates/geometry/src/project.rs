@@ -1,7 +1,7 @@
-//! Normal projection onto the extended patch (theory/node-to-surface#eq-projection; thesis (4.24)-(4.28)).
+//! Normal projection onto the extended patch (theory/node-to-surface#eq-projection).
 
 use crate::Patch;
-use crate::patch::Monomials;
+use crate::patch::{Monomials, unit_or_zero};
 use nalgebra::Vector3;
 
 /// Result of [`Patch::project`].
@@ -21,12 +21,13 @@ pub struct Projection {
 const TOLERANCE: f64 = 1e-12;
 /// Damped steps for one start. Four to six suffice unless the start is bad.
 const MAX_ITERATIONS: usize = 40;
-/// Longest step in the coordinates on a patch that is not nearly a parallelogram: without it a start near a fold of the parametrisation jumps
-/// to another sheet.
+/// Longest step in the coordinates on a patch that is not nearly a parallelogram: without it a start near a fold of the parametrisation converges
+/// beyond the fold.
 const MAX_STEP: f64 = 2.0;
 /// The part of the way to the fold, where `a_2 = c_2 + c_12 xi` vanishes, that a step may take beyond that.
-const OF_THE_FOLD: f64 = 0.25;
+const FOLD_FRACTION: f64 = 0.25;
 
+/// What Newton's method got from one start.
 struct Attempt {
     xi: [f64; 2],
     converged: bool,
@@ -62,13 +63,12 @@ impl Patch {
         }
         let [a_1, a_2] = monomials.tangents(best.xi);
         let area_vector = a_1.cross(&a_2);
-        let length = area_vector.norm();
-        let normal = if length > 0.0 { area_vector / length } else { Vector3::zeros() };
+        let normal = unit_or_zero(area_vector);
         Projection {
             xi: best.xi,
             gap: (target - monomials.point(best.xi)).dot(&normal),
             normal,
-            converged: best.converged && length > 0.0,
+            converged: best.converged && area_vector.norm() > 0.0,
         }
     }
 }
@@ -113,7 +113,7 @@ fn newton(patch: &Monomials, target: &Vector3<f64>, start: [f64; 2]) -> Attempt 
             continue;
         }
         let length = step[0].abs().max(step[1].abs());
-        let longest = MAX_STEP.max(OF_THE_FOLD * (m_11.min(m_22) / patch.c_12.norm_squared()).sqrt());
+        let longest = MAX_STEP.max(FOLD_FRACTION * (m_11.min(m_22) / patch.c_12.norm_squared()).sqrt());
         if length > longest {
             step = step.map(|s| s * longest / length);
         }

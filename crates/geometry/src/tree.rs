@@ -6,7 +6,7 @@
 //!
 //! It is not a spatial hash and does not rebalance: after a large rearrangement, build a new one.
 
-use crate::{Aabb, Volume};
+use crate::{Aabb, BoundingVolume};
 use nalgebra::Vector3;
 
 /// Largest number of boxes in a leaf. Leaves of two to four are equally fast here; one doubles the memory.
@@ -41,7 +41,7 @@ impl<V> Default for BoundingVolumeTree<V> {
     }
 }
 
-impl<V: Volume> BoundingVolumeTree<V> {
+impl<V: BoundingVolume> BoundingVolumeTree<V> {
     /// Builds a tree over `boxes`; item `i` is box `i`. No boxes give an empty tree.
     pub fn build(boxes: &[V]) -> Self {
         let mut tree = Self {
@@ -144,7 +144,7 @@ impl<V: Volume> BoundingVolumeTree<V> {
                 stack[waiting + 1] = index + 1;
                 waiting += 2;
             } else {
-                for &item in &self.order[node.start as usize..(node.start + node.count) as usize] {
+                for &item in self.items(node) {
                     if self.boxes[item as usize].overlaps(region) {
                         visit(item as usize);
                     }
@@ -167,6 +167,7 @@ impl<V: Volume> BoundingVolumeTree<V> {
         }
     }
 
+    /// Items of a leaf.
     fn items(&self, node: &Node<V>) -> &[u32] {
         &self.order[node.start as usize..(node.start + node.count) as usize]
     }
@@ -249,7 +250,7 @@ impl BoundingVolumeTree {
                 stack[waiting + 1] = near;
                 waiting += 2;
             } else {
-                for &item in &self.order[node.start as usize..(node.start + node.count) as usize] {
+                for &item in self.items(node) {
                     if self.boxes[item as usize].distance_squared(x) <= bound * bound {
                         bound = visit(item as usize, bound);
                     }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_geometry::{Aabb, BoundingVolumeTree, MovingBox, Volume};
+use stoss_geometry::{Aabb, BoundingVolume, BoundingVolumeTree, MovingBox};
 
 fn boxes(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Aabb>> {
     let corner = proptest::array::uniform3(-5.0..5.0f64);

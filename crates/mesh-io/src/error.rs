@@ -5,6 +5,25 @@ use std::path::{Path, PathBuf};
 use stoss_mesh::{ElementPoint, MeshError, NON_CONFORMING_REMEDY};
 use stoss_reference_element::CellKind;
 
+/// Where something stands in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FilePosition {
+    /// A line of a text, from 1.
+    Line(usize),
+    /// A byte of a binary file, from 0.
+    Byte(u64),
+}
+
+/// As it follows the name of the file: ":12", ": byte 12".
+impl std::fmt::Display for FilePosition {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            FilePosition::Line(line) => write!(f, ":{line}"),
+            FilePosition::Byte(byte) => write!(f, ": byte {byte}"),
+        }
+    }
+}
+
 /// Why a file could not be read or written. Lines count from 1; element and node numbers are those of the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -59,45 +78,45 @@ pub enum MeshIoError {
         problem: String,
     },
     /// Something that is correct, but that Stoss does not compute with: other cells, other versions, several bodies.
-    #[error("{}:{line}: {value}: {remedy}", path.display())]
+    #[error("{}{at}: {value}: {remedy}", path.display())]
     Unsupported {
         /// The file.
         path: PathBuf,
-        /// The line of the first occurrence.
-        line: usize,
+        /// The place of the first occurrence.
+        at: FilePosition,
         /// What it is.
         value: String,
         /// What to do instead.
         remedy: String,
     },
     /// A number refers to something that the file does not define.
-    #[error("{}:{line}: there is no {kind} {number}: define it or remove the reference", path.display())]
+    #[error("{}{at}: there is no {kind} {number}: define it or remove the reference", path.display())]
     Unknown {
         /// The file.
         path: PathBuf,
-        /// The line.
-        line: usize,
+        /// The place of the reference.
+        at: FilePosition,
         /// "node", "element", "node set", ...
         kind: &'static str,
         /// Its number or name.
         number: String,
     },
     /// There are no hexahedra, tetrahedra or wedges in the file.
-    #[error("{}: there are no hexahedra, tetrahedra or wedges in this file", path.display())]
+    #[error("{}: there are no hexahedra, tetrahedra or wedges in this file: mesh the volumes, and save their elements", path.display())]
     NoElements {
         /// The file.
         path: PathBuf,
     },
     /// The Jacobian determinant of an element is not positive at a Gauss point, or at another point of a quadratic element.
     #[error(
-        "{}:{line}: element {element} ({kind}) with nodes {nodes:?} has det J = {jacobian:e} at {point}: it is inverted or degenerate; \
+        "{}{at}: element {element} ({kind}) with nodes {nodes:?} has det J = {jacobian:e} at {point}: it is inverted or degenerate; \
          {remedy}", path.display()
     )]
     InvertedElement {
         /// The file.
         path: Box<Path>,
-        /// The line of the element.
-        line: usize,
+        /// The place of the element.
+        at: FilePosition,
         /// The element's number.
         element: u64,
         /// Its kind.
@@ -112,25 +131,25 @@ pub enum MeshIoError {
         remedy: &'static str,
     },
     /// Two elements on the same side of a facet.
-    #[error("{}:{line}: elements {} and {} overlap: remove one of them", path.display(), elements[0], elements[1])]
+    #[error("{}{at}: elements {} and {} overlap: remove one of them", path.display(), elements[0], elements[1])]
     OverlappingElements {
         /// The file.
         path: PathBuf,
-        /// The line of the second element.
-        line: usize,
+        /// The place of the second element.
+        at: FilePosition,
         /// Their numbers.
         elements: [u64; 2],
     },
     /// Elements that share the corners of a facet but not the nodes on its edges.
     #[error(
-        "{}:{line}: elements {} and {} ({kinds}) share the corners of a facet but not its other nodes: use linear or quadratic elements on \
-         both sides", path.display(), elements[0], elements[1]
+        "{}{at}: elements {} and {} ({kinds}) share the corners of a facet but not its other nodes: use linear elements on both sides, or \
+         quadratic ones on both", path.display(), elements[0], elements[1]
     )]
     NonMatchingFacet {
         /// The file.
         path: PathBuf,
-        /// The line of the second element.
-        line: usize,
+        /// The place of the second element.
+        at: FilePosition,
         /// Their numbers.
         elements: [u64; 2],
         /// Their kinds.
@@ -138,14 +157,14 @@ pub enum MeshIoError {
     },
     /// A facet of one element on facets of others that do not have the same nodes.
     #[error(
-        "{}:{line}: elements {} and {} ({kinds}) lie on each other at the facet of the first around {centre:?}, but do not share this facet \
+        "{}{at}: elements {} and {} ({kinds}) lie on each other at the facet of the first around {centre:?}, but do not share this facet \
          ({count} such facets): displacements are not continuous there; {NON_CONFORMING_REMEDY}", path.display(), elements[0], elements[1]
     )]
     NonConformingFacet {
         /// The file.
         path: PathBuf,
-        /// The line of the second element.
-        line: usize,
+        /// The place of the second element.
+        at: FilePosition,
         /// Numbers of the element of the facet and of one of those on it.
         elements: [u64; 2],
         /// Their kinds.

@@ -26,6 +26,7 @@ mod abaqus;
 mod atomic;
 mod base64;
 mod build;
+mod checked;
 mod contents;
 mod error;
 mod gmsh;
@@ -48,7 +49,7 @@ mod xml;
 
 pub use abaqus::deck;
 pub use contents::Contents;
-pub use error::MeshIoError;
+pub use error::{FilePosition, MeshIoError};
 pub use include::Include;
 pub use pvd::{PvdEntry, PvdWriter, read_pvd_from_str};
 pub use registry::{FORMATS, Format, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};

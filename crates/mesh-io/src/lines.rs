@@ -4,8 +4,8 @@ use std::fmt::Display;
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::MeshIoError;
 use crate::place::Place;
+use crate::{FilePosition, MeshIoError};
 
 /// The longest piece of a file that an error repeats.
 const EXCERPT: usize = 60;
@@ -84,7 +84,8 @@ pub(crate) fn syntax(path: &Path, line: usize, value: impl Display, remedy: impl
 
 /// A [`MeshIoError::Unsupported`].
 pub(crate) fn unsupported(path: &Path, line: usize, value: impl Display, remedy: impl Display) -> MeshIoError {
-    MeshIoError::Unsupported { path: path.to_owned(), line, value: value.to_string(), remedy: remedy.to_string() }
+    let at = FilePosition::Line(line);
+    MeshIoError::Unsupported { path: path.to_owned(), at, value: value.to_string(), remedy: remedy.to_string() }
 }
 
 fn excerpt(text: &str) -> String {

@@ -106,7 +106,7 @@ fn read(path: &Path) -> Result<Vec<PvdEntry>, MeshIoError> {
     read_pvd_from_str(path, &String::from_utf8_lossy(&bytes))
 }
 
-/// The frames of a collection in memory; `path` stands in messages only.
+/// The frames of a collection in memory; `path` is used in messages only.
 ///
 /// # Errors
 /// [`MeshIoError::Syntax`].

@@ -16,7 +16,7 @@ pub struct Format {
     pub extensions: &'static [&'static str],
     /// True if the beginning of a file looks like this format; asked only if the extension decides nothing.
     pub recognise: fn(&str) -> bool,
-    /// The reader; the path serves messages and the names of included files only.
+    /// The reader; the path is used in messages and for the names of included files only.
     pub read: fn(&Path, &[u8], Include<'_>) -> Result<Contents, MeshIoError>,
 }
 
@@ -32,7 +32,7 @@ pub const FORMATS: &[Format] = &[
     },
 ];
 
-/// So many bytes decide about the format if the extension does not.
+/// The number of bytes that decide about the format if the extension does not.
 const BEGINNING: usize = 1 << 16;
 
 /// Reads a mesh file: the format follows from the extension, or else from the content. The mesh is checked
@@ -44,7 +44,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, MeshIoError> {
     read_contents(path)?.mesh(None)
 }
 
-/// What a mesh file says, before a group is chosen and the mesh is checked.
+/// The contents of a mesh file, before a group is chosen and the mesh is checked.
 ///
 /// # Errors
 /// As for [`read_mesh`], but for what is wrong with the mesh itself.
@@ -54,7 +54,7 @@ pub fn read_contents(path: impl AsRef<Path>) -> Result<Contents, MeshIoError> {
     read_contents_from_bytes(path, &bytes, &mut crate::include::regular)
 }
 
-/// [`read_contents`] for bytes in memory; `path` chooses the format and stands in messages, `include` gives the files that the
+/// [`read_contents`] for bytes in memory; `path` chooses the format and is used in messages, `include` gives the files that the
 /// file includes.
 ///
 /// # Errors
@@ -80,7 +80,7 @@ pub fn read_contents_from_bytes(
     }
 }
 
-/// [`read_mesh`] for a text in memory, which includes no other files; `path` chooses the format and stands in messages.
+/// [`read_mesh`] for a text in memory, which includes no other files; `path` chooses the format and is used in messages.
 ///
 /// # Errors
 /// As for [`read_mesh`].

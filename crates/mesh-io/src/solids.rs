@@ -1,4 +1,4 @@
-//! The elements of a file that Stoss computes with, whatever else stands in it, with their numbers there.
+//! The elements of a file that Stoss computes with, whatever else is in it, with their numbers there.
 
 use std::path::PathBuf;
 

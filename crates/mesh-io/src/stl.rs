@@ -12,7 +12,7 @@
 //! endsolid NAME
 //! ```
 //!
-//! with key words in any case, one a line. A binary file is little-endian: a header of 80 bytes without meaning, the
+//! with keywords in any case, one a line. A binary file is little-endian: a header of 80 bytes without meaning, the
 //! number of facets (`u32`), and 50 bytes a facet: normal and three vertices (twelve `f32`) and two bytes without
 //! meaning.
 //!
@@ -37,7 +37,7 @@ const FACETS: usize = 84;
 const FACET: usize = 50;
 const NORMAL: usize = 12;
 
-/// A surface as read, and what was left out of it.
+/// A surface as read, and how many facets were left out of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceFile {
     /// The surface, checked.
@@ -59,7 +59,7 @@ pub fn read_surface(path: impl AsRef<Path>) -> Result<SurfaceMesh, MeshIoError> 
     read_surface_from_bytes(path, &bytes)
 }
 
-/// [`read_surface`] for the content of a file in memory; `path` stands in messages.
+/// [`read_surface`] for the content of a file in memory; `path` is used in messages.
 ///
 /// # Errors
 /// As for [`read_surface`].
@@ -252,6 +252,6 @@ fn words(lines: &mut Lines, words: &[&str]) -> Result<(), MeshIoError> {
     if words.iter().all(|w| found.next().is_some_and(|f| f.eq_ignore_ascii_case(w))) && found.next().is_none() {
         Ok(())
     } else {
-        Err(lines.error(line, format!("expected \"{what}\": facets are triangles, with one key word a line")))
+        Err(lines.error(line, format!("expected \"{what}\": facets are triangles, with one keyword a line")))
     }
 }

@@ -16,7 +16,7 @@ pub struct CellCount {
     pub count: usize,
     /// Place of the first, as "line 7".
     pub first: String,
-    /// Does Stoss compute with it?
+    /// Whether Stoss computes with it.
     pub read: bool,
 }
 
@@ -43,14 +43,14 @@ pub struct MeshSurvey {
     pub node_sets: BTreeMap<String, usize>,
 }
 
-/// A file, or a group of it, looked at as a whole; [`fmt::Display`] is what `stoss mesh info` prints.
+/// What a file, or a group of it, has, and whether Stoss can use it; [`fmt::Display`] is what `stoss mesh info` prints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// Name and version of the format.
     pub format: String,
     /// Files that the file includes.
     pub included: usize,
-    /// The group that was looked at; none is the whole file.
+    /// The group that this is about; none is the whole file.
     pub group: Option<String>,
     /// Nodes of the file, those without an element too.
     pub nodes: usize,
@@ -68,11 +68,11 @@ pub struct Survey {
     pub reasons: Vec<String>,
 }
 
-/// So many groups are tried by themselves if the whole file cannot be used.
+/// The largest number of groups that are tried by themselves if the whole file cannot be used.
 const TRIED: usize = 200;
 
 impl Contents {
-    /// Looks at the whole file or at one group.
+    /// What the whole file or one group has, and whether Stoss can use it.
     pub fn survey(&self, group: Option<&str>) -> Survey {
         let mut cells: Vec<_> = self
             .cells

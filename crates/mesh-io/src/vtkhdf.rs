@@ -166,7 +166,7 @@ pub fn keep_vtkhdf(path: impl AsRef<Path>, count: usize) -> Result<(), MeshIoErr
     let before = VtkhdfFile::open(path)?;
     let found = before.frames.len();
     if count == 0 || found < count {
-        return Err(error(path, format!("it has {found} frames, not {count}")));
+        return Err(error(path, format!("it has {found} frames, {count} of them cannot be kept")));
     }
     if found == count {
         return Ok(());
@@ -235,7 +235,10 @@ impl VtkhdfFile {
         let steps = file.dataset(NUMBERS).and_then(|set| set.read_raw::<u64>()).map_err(failed)?;
         let times = file.dataset(TIMES).and_then(|set| set.read_raw::<f64>()).map_err(failed)?;
         if steps.len() != times.len() {
-            return Err(error(path, "there are not as many times as frames"));
+            return Err(error(
+                path,
+                format!("it has {} steps and {} times: it is damaged, write it again", steps.len(), times.len()),
+            ));
         }
         let frames = steps.into_iter().zip(times).collect();
         Ok(Self { path: path.to_owned(), file, points, cells, frames })

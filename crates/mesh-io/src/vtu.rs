@@ -1,7 +1,7 @@
 //! VTU: one frame of results as a VTK unstructured grid (XML, version 1.0).
 //!
 //! Arrays are inline, `format="binary"`: base64 of an 8-byte length and the values, little endian, not compressed. Coordinates
-//! and fields are `Float64`, connectivity and offsets `Int64`, cell types `UInt8`. NaN passes through. Cells stand in the order elements
+//! and fields are `Float64`, connectivity and offsets `Int64`, cell types `UInt8`. NaN is written as it is. The order of cells is elements
 //! (VTK's types 10, 12, 13, 24, 25, 26, 29), facets (5, 9, 22, 23, 28), lines (4), vertices (1). The order of nodes is the same.
 //! The time goes into the field array `TimeValue`, which VTK's XML readers take as the time of the frame.
 //!

@@ -87,7 +87,7 @@ pub fn read_vtu(path: impl AsRef<Path>) -> Result<VtuData, MeshIoError> {
     read_vtu_from_str(path, &String::from_utf8_lossy(&bytes))
 }
 
-/// [`read_vtu`] for a text in memory; `path` stands in messages only.
+/// [`read_vtu`] for a text in memory; `path` is used in messages only.
 ///
 /// # Errors
 /// [`MeshIoError::Syntax`].

@@ -109,7 +109,7 @@ fn facets(mesh: &Mesh) -> (Vec<Facet>, Vec<Vec<u32>>) {
     (all, sets)
 }
 
-/// One entity for each combination of sets that occurs, so that every node, facet and element stands in the file once.
+/// One entity for each combination of sets that occurs, so that every node, facet and element is in the file once.
 fn write_msh(out: &mut impl Write, mesh: &Mesh) -> io::Result<()> {
     let (facets, facet_sets) = facets(mesh);
     // A name that means nodes and something else by itself is written for the nodes with an addition, for a reader would have to guess.

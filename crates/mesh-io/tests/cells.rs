@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use stoss_mesh::{Elements, Facet, Mesh};
-use stoss_mesh_io::{Contents, MeshIoError, read_contents_from_bytes, read_mesh, write_mesh};
+use stoss_mesh_io::{Contents, FilePosition, MeshIoError, read_contents_from_bytes, read_mesh, write_mesh};
 use stoss_reference_element::{CellKind, FaceKind, Family};
 
 fn data(name: &str) -> PathBuf {
@@ -484,7 +484,10 @@ fn errors_of_cells() {
     nodes.swap(0, 1);
     let error = read("part.msh", &file(&nodes)).unwrap_err();
     assert!(
-        matches!(&error, MeshIoError::InvertedElement { line: 19, element: 3, kind: CellKind::Tet10, .. }),
+        matches!(
+            &error,
+            MeshIoError::InvertedElement { at: FilePosition::Line(19), element: 3, kind: CellKind::Tet10, .. }
+        ),
         "{error}"
     );
     nodes = tet10.2.clone();
@@ -529,7 +532,7 @@ fn errors_of_cells() {
         write_mesh(&path, &mesh).unwrap();
         let error = read_mesh(&path).unwrap_err();
         assert!(matches!(&error, MeshIoError::NonMatchingFacet { kinds, .. } if kinds == "hex20, wedge6"), "{error}");
-        assert!(error.to_string().contains("use linear or quadratic elements on both sides"), "{error}");
+        assert!(error.to_string().contains("use linear elements on both sides, or quadratic ones on both"), "{error}");
     }
 }
 
@@ -540,7 +543,7 @@ fn hexahedra_beside_tetrahedra_are_refused() {
                 9 0.5 0.3 2\n$EndNodes\n$Elements\n3\n11 5 2 1 1 1 2 3 4 5 6 7 8\n12 4 2 2 1 5 6 7 9\n13 4 2 2 1 5 7 8 9\n$EndElements\n";
     let error = read("part.msh", text).unwrap_err();
     assert!(
-        matches!(&error, MeshIoError::NonConformingFacet { elements: [11, 12], kinds, count: 1, line: 19, .. } if kinds == "hex8, tet4"),
+        matches!(&error, MeshIoError::NonConformingFacet { elements: [11, 12], kinds, count: 1, at: FilePosition::Line(19), .. } if kinds == "hex8, tet4"),
         "{error}"
     );
     let told = error.to_string();

@@ -178,11 +178,11 @@ fn steps_are_kept() {
         ]
     );
     assert_eq!((press.pressures.len(), press.pressures[0].surface.as_str(), press.pressures[0].value), (1, "Top", 7.0));
-    assert!(!press.ends.supports);
+    assert!(!press.op_new.supports);
 
     let times = Times { initial: Some(1e-3), period: Some(2.0), ..Times::default() };
     assert_eq!(swing.procedure, Some(Procedure::Dynamic { times, alpha: Some(-0.05), is_explicit: false }));
-    assert!(swing.ends.supports && !swing.ends.forces && !swing.is_nonlinear && swing.supports.is_empty());
+    assert!(swing.op_new.supports && !swing.op_new.forces && !swing.is_nonlinear && swing.supports.is_empty());
     assert_eq!(swing.forces.len(), 1);
     assert!(modes.is_perturbation);
     assert_eq!(modes.procedure, Some(Procedure::Other("FREQUENCY".to_owned())));

@@ -205,7 +205,7 @@ proptest! {
         } else {
             match read_mesh_from_str(name, &damaged) {
                 Ok(mesh) => {
-                    prop_assert_eq!(mesh.check_but_coincident(), Ok(()));
+                    prop_assert_eq!(mesh.check_allowing_coincident(), Ok(()));
                     return Ok(());
                 }
                 Err(error) => error,
@@ -247,7 +247,7 @@ proptest! {
         let name = if file < 6 { "a.msh" } else { "a.vtu" };
         let contents = read_contents_from_bytes(name, &damaged, &mut |_| Err(std::io::ErrorKind::NotFound.into()));
         match contents.and_then(|contents| { contents.survey(None); contents.mesh(None) }) {
-            Ok(mesh) => prop_assert_eq!(mesh.check_but_coincident(), Ok(())),
+            Ok(mesh) => prop_assert_eq!(mesh.check_allowing_coincident(), Ok(())),
             Err(error) => prop_assert!(error.to_string().starts_with(name), "{}", error),
         }
     }
@@ -287,7 +287,7 @@ fn every_truncation() {
                 "a.msh" => assert!(read_mesh_from_str(name, cut).is_err(), "{end}"),
                 _ => {
                     if let Ok(mesh) = read_mesh_from_str(name, cut) {
-                        assert_eq!(mesh.check_but_coincident(), Ok(()));
+                        assert_eq!(mesh.check_allowing_coincident(), Ok(()));
                     }
                 }
             }

@@ -6,7 +6,9 @@
 use std::path::Path;
 
 use stoss_mesh::{Mesh, MeshError};
-use stoss_mesh_io::{MeshIoError, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};
+use stoss_mesh_io::{
+    FilePosition, MeshIoError, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str,
+};
 
 fn data(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -118,7 +120,9 @@ fn unused_nodes_are_dropped() {
 fn other_cells_are_counted_and_refused() {
     // Gmsh's second order without Mesh.SecondOrderIncomplete
     let error = read_mesh(data("cell-wedge18.msh")).unwrap_err();
-    let MeshIoError::Unsupported { line, value, remedy, .. } = &error else { panic!("{error}") };
+    let MeshIoError::Unsupported { at: FilePosition::Line(line), value, remedy, .. } = &error else {
+        panic!("{error}")
+    };
     assert_eq!(value, &format!("2 18-node prisms (type 13) (line {line})"));
     assert!(remedy.contains("Mesh.SecondOrderIncomplete = 1"), "{error}");
     let source = text("cell-wedge18.msh");
@@ -205,7 +209,10 @@ fn problems_of_the_mesh_are_told_in_the_numbers_of_the_file() {
     assert_eq!((coincident.count, coincident.first, coincident.second, mesh.pieces()), (4, 4, 8, 2));
     let overlap = cube(&["8 5 2 0 1 15 25 35 5 55 65 75 45"]);
     let error = read(&overlap).unwrap_err();
-    assert!(matches!(error, MeshIoError::OverlappingElements { elements: [3, 8], line: 22, .. }), "{error}");
+    assert!(
+        matches!(error, MeshIoError::OverlappingElements { elements: [3, 8], at: FilePosition::Line(22), .. }),
+        "{error}"
+    );
     let none = cube(&[]).replace("$Elements\n1\n3 5 2 0 1 5 15 25 35 45 55 65 75", "$Elements\n0");
     assert!(matches!(read(&none), Err(MeshIoError::NoElements { .. })));
 }

@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 
-use crate::element::{distance, edge_range};
+use crate::element::edge_range;
 use crate::validity::not_positive;
+use crate::vector::distance;
 use crate::{Facet, FacetIndex, Mesh, MeshError, SetKind};
 
 /// Two nodes are one if they are closer than this times the shortest edge of the mesh. Files with 6 digits of an element
-/// of 1/1000 of the body's size still tell neighbours from copies.
+/// of 1/1000 of the body's size still distinguish neighbours from copies.
 const COINCIDENT: f64 = 1e-4;
 
 /// An edge has no length if it is shorter than this times the longest one of its element: round-off of the coordinates.
@@ -47,13 +48,12 @@ impl Mesh {
         self.check_sets()
     }
 
-    /// [`Mesh::check`], but two nodes may lie at the same place if no element has both: bodies that
-    /// touch in one file, a crack. Whoever allows that
-    /// tells the user of [`Mesh::coincident_nodes`], for it may be an oversight.
+    /// [`Mesh::check`], but two nodes may lie at the same place if no element has both: bodies that touch in one file, a crack. Whoever allows that should report
+    /// [`Mesh::coincident_nodes`] to the user, because it may be an oversight.
     ///
     /// # Errors
     /// As for [`Mesh::check`].
-    pub fn check_but_coincident(&self) -> Result<(), MeshError> {
+    pub fn check_allowing_coincident(&self) -> Result<(), MeshError> {
         if self.elements.is_empty() {
             return Err(MeshError::NoElements);
         }
@@ -179,26 +179,6 @@ impl Mesh {
             }
         }
         None
-    }
-
-    /// Number of pieces of which no two have a node in common.
-    pub fn pieces(&self) -> usize {
-        // Each node points at one of its piece with a smaller number, the first at itself.
-        let mut parent: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        fn root(parent: &mut [u32], mut n: u32) -> u32 {
-            while parent[n as usize] != n {
-                parent[n as usize] = parent[parent[n as usize] as usize];
-                n = parent[n as usize];
-            }
-            n
-        }
-        for nodes in self.elements.iter() {
-            for &n in &nodes[1..] {
-                let (a, b) = (root(&mut parent, nodes[0]), root(&mut parent, n));
-                parent[a.max(b) as usize] = a.min(b);
-            }
-        }
-        parent.iter().enumerate().filter(|&(n, &p)| n == p as usize).count()
     }
 
     fn check_overlap(&self) -> Result<(), MeshError> {

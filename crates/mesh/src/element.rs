@@ -4,6 +4,8 @@ use std::ops::Deref;
 
 use stoss_reference_element::{CellKind, Family, Integration, MAX_CELL_NODES};
 
+use crate::vector::{det, distance, norm};
+
 /// Places of the nodes of one element, a slice of as many as it has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElementCoordinates {
@@ -44,15 +46,13 @@ impl ElementCoordinates {
         let dn = (self.kind.table().shape_gradient)(xi);
         std::array::from_fn(|i| std::array::from_fn(|k| self.iter().zip(dn).map(|(x, dn)| x[i] * dn[k]).sum()))
     }
-}
 
-impl ElementCoordinates {
     /// The smallest scaled Jacobian (see [`crate::QualityReport::min_scaled_jacobian`]) at a node, and the node.
     pub fn worst_node(&self) -> (f64, usize) {
         let table = self.kind.table();
         let at = |xi: [f64; 3]| {
             let j = self.jacobian(xi);
-            scaled(table.family, &j, xi, det(&j))
+            scaled_jacobian(table.family, &j, xi, det(&j))
         };
         let nodes = table.nodes.iter().enumerate().map(|(k, &xi)| (at(xi), k));
         nodes.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((1.0, 0))
@@ -71,16 +71,9 @@ pub(crate) fn gauss_points(kind: CellKind) -> impl Iterator<Item = ([f64; 3], f6
     kind.rule(Integration::Full).unwrap_or_default().iter().copied()
 }
 
-/// Determinant of a 3 x 3 matrix.
-pub(crate) fn det(m: &[[f64; 3]; 3]) -> f64 {
-    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-}
-
 /// `det J` over the lengths of the tangents that meet at the corner nearest to the point, times the factor that makes it 1 for equal edges.
-pub(crate) fn scaled(family: Family, j: &[[f64; 3]; 3], xi: [f64; 3], det: f64) -> f64 {
+pub(crate) fn scaled_jacobian(family: Family, j: &[[f64; 3]; 3], xi: [f64; 3], det: f64) -> f64 {
     let column = |k: usize| -> [f64; 3] { [j[0][k], j[1][k], j[2][k]] };
-    let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     let difference = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| j[i][a] - j[i][b]) };
     // Tangents along the edges of the simplex in the first `d` directions at its corner nearest to the point.
     let simplex = |d: usize| -> Vec<[f64; 3]> {
@@ -96,13 +89,8 @@ pub(crate) fn scaled(family: Family, j: &[[f64; 3]; 3], xi: [f64; 3], det: f64) 
         Family::Tetrahedron => (simplex(3), 2f64.sqrt()),
         Family::Wedge => (simplex(2).into_iter().chain([column(2)]).collect::<Vec<_>>(), 2.0 / 3f64.sqrt()),
     };
-    let lengths: f64 = tangents.into_iter().map(length).product();
+    let lengths: f64 = tangents.into_iter().map(norm).product();
     if lengths > 0.0 { factor * det / lengths } else { 0.0 }
-}
-
-/// Distance of two points.
-pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
 }
 
 /// Shortest and longest edge of an element, between corners.

@@ -128,13 +128,8 @@ impl Elements {
         self.blocks.iter().flat_map(|block| block.iter().map(|nodes| (block.kind, nodes)))
     }
 
-    /// All node numbers, to be changed.
-    pub fn nodes_mut(&mut self) -> impl Iterator<Item = &mut u32> {
-        self.blocks.iter_mut().flat_map(|block| &mut block.nodes)
-    }
-
     /// Adds a trilinear hexahedron.
-    pub fn push_hex8(&mut self, nodes: [u32; 8]) {
+    pub(crate) fn push_hex8(&mut self, nodes: [u32; 8]) {
         self.push(CellKind::Hex8, &nodes);
     }
 

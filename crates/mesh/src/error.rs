@@ -76,7 +76,7 @@ pub enum MeshError {
         available: Vec<String>,
     },
     /// The set exists but holds something from which the things wanted do not follow.
-    #[error("set \"{name}\" has {has}, but {wanted} are needed here")]
+    #[error("set \"{name}\" has {has}, but {wanted} are needed here: name a set of {wanted}")]
     WrongSetKind {
         /// The name asked for.
         name: String,
@@ -91,11 +91,15 @@ pub enum MeshError {
         /// The name.
         name: String,
     },
-    /// No node lies in the region of the set.
-    #[error("set \"{name}\" is empty: no node lies in {region}; the mesh spans {min:?} to {max:?}")]
+    /// Nothing of the mesh lies in the region of the set.
+    #[error(
+        "set \"{name}\" is empty: no {kind} lie in {region}; the mesh is in {min:?} to {max:?}: move the region or enlarge it"
+    )]
     EmptySet {
         /// The name.
         name: String,
+        /// What is looked for: nodes, or facets all of whose nodes lie in the region.
+        kind: SetKind,
         /// The region in words.
         region: String,
         /// Smallest coordinates of the mesh.
@@ -165,8 +169,8 @@ pub enum MeshError {
     },
     /// Linear elements that are valid, and one of them is not once its edges follow the curved boundary.
     #[error(
-        "as {kind}, element {element} is turned inside out (det J = {jacobian:.1e}) where its edges follow the curved boundary: the mesh is too coarse for its curvature there{}",
-        doubtful(*.sharp)
+        "as {kind}, element {element} is turned inside out (det J = {jacobian:.1e}) where its edges follow the curved boundary: the mesh is too coarse for the curvature there, refine it{}",
+        sharp_edges(*.sharp)
     )]
     CurvedBoundary {
         /// What elements were to become.
@@ -175,7 +179,7 @@ pub enum MeshError {
         element: u32,
         /// `det J` at a point of it (a volume per reference volume).
         jacobian: f64,
-        /// Edges of the boundary that are taken for sharp, although the mesh of a smooth surface may look like that.
+        /// Number of edges of the boundary that are taken for sharp, although they may belong to a coarse mesh of a smooth surface.
         sharp: usize,
     },
     /// Nodes that belong to no element.
@@ -238,7 +242,7 @@ pub enum MeshError {
     },
     /// The volume is not positive, or the moments of volume are too large or too small for floating-point numbers.
     #[error(
-        "the volume is {volume:e}: it must be positive, and its moments positive and finite; if normals point inwards, turn the facets over"
+        "the volume is {volume:e}: it must be positive, and its moments positive and finite; if normals point inwards, reverse the order of the nodes of all facets"
     )]
     Volume {
         /// The volume (length to the third power).
@@ -246,8 +250,8 @@ pub enum MeshError {
     },
     /// Elements that share the corners of a facet but not the nodes on its edges.
     #[error(
-        "elements {elements:?} ({kinds}) share the corners of the facet with nodes {nodes:?} but not its other nodes: use linear or quadratic \
-         elements on both sides"
+        "elements {elements:?} ({kinds}) share the corners of the facet with nodes {nodes:?} but not its other nodes: use linear elements on both \
+         sides, or quadratic ones on both"
     )]
     NonMatchingFacet {
         /// The elements.
@@ -286,13 +290,13 @@ pub enum MeshError {
 /// Angle of two facets, in degrees, from which on conversion takes their edge as sharp.
 const SHARP_DEGREES: f64 = 34.4;
 
-/// Says that edges stay sharp that may be none, as the end of a sentence.
-fn doubtful(sharp: usize) -> String {
+/// Edges that stay sharp although they may belong to a smooth surface, as the end of a sentence.
+fn sharp_edges(sharp: usize) -> String {
     if sharp == 0 {
         return String::new();
     }
     let angle = SHARP_DEGREES;
-    format!(", and {sharp} edges at which facets meet by {angle:.0} to 60 degrees stay sharp")
+    format!("; {sharp} edges at which facets meet by {angle:.0} to 60 degrees are taken for sharp ones")
 }
 
 /// Shorthand for [`MeshError::Parameter`].

@@ -26,7 +26,7 @@ impl Facet {
     }
 
     /// True if `self` and `other` have the same corners in the same sense of rotation.
-    pub fn same_side(&self, other: &Facet) -> bool {
+    pub(crate) fn same_side(&self, other: &Facet) -> bool {
         let (a, b) = (self.nodes.corners(), other.nodes.corners());
         let n = a.len();
         n == b.len() && (0..n).any(|shift| (0..n).all(|i| a[i] == b[(i + shift) % n]))

@@ -23,6 +23,7 @@ mod error;
 mod facet;
 pub mod generate;
 mod mesh;
+mod pieces;
 mod quality;
 mod region;
 pub mod surface;

@@ -1,8 +1,9 @@
 //! The quality report.
 
 use crate::Mesh;
-use crate::element::{det, edge_range, gauss_points, scaled};
+use crate::element::{edge_range, gauss_points, scaled_jacobian};
 use crate::validity::{POOR, not_positive};
+use crate::vector::det;
 
 /// What [`Mesh::quality`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,8 +26,8 @@ pub struct QualityReport {
     pub least_valid_element: u32,
     /// Number of elements with such a bound below 0.1.
     pub poor_elements: usize,
-    /// Those of them for which it stays open if `det J` is positive everywhere ([`crate::Validity::is_open`]).
-    pub open_elements: usize,
+    /// Those of them of which it is not known whether `det J` is positive everywhere ([`crate::Validity::is_undecided`]).
+    pub undecided_elements: usize,
     /// Number of elements with `det J <= 0` at a Gauss point, or at another point of a quadratic element.
     pub inverted_elements: usize,
     /// Length of the shortest edge.
@@ -49,7 +50,7 @@ impl Mesh {
             min_validity: f64::INFINITY,
             least_valid_element: 0,
             poor_elements: 0,
-            open_elements: 0,
+            undecided_elements: 0,
             inverted_elements: 0,
             min_edge: f64::INFINITY,
             max_edge: 0.0,
@@ -62,13 +63,13 @@ impl Mesh {
             let points = gauss_points(x.kind()).map(|(xi, _)| xi).chain(table.nodes.iter().copied());
             for xi in points {
                 let j = x.jacobian(xi);
-                smallest = smallest.min(scaled(table.family, &j, xi, det(&j)));
+                smallest = smallest.min(scaled_jacobian(table.family, &j, xi, det(&j)));
             }
             report.volume += table.mass.iter().map(|&(xi, weight)| det(&x.jacobian(xi)) * weight).sum::<f64>();
             let validity = x.validity();
             report.inverted_elements += usize::from(not_positive(&x, Some(&validity)).is_some());
             report.poor_elements += usize::from(validity.bound < POOR);
-            report.open_elements += usize::from(validity.is_open());
+            report.undecided_elements += usize::from(validity.is_undecided());
             if validity.bound < report.min_validity {
                 (report.min_validity, report.least_valid_element) = (validity.bound, e);
             }
@@ -88,7 +89,7 @@ impl Mesh {
 }
 
 impl QualityReport {
-    /// A sentence on elements whose `det J` is nearly zero at a point, or may be; `None` if there are none.
+    /// A warning about elements whose `det J` is nearly zero at a point, or may be; `None` if there are none.
     pub fn warning(&self) -> Option<String> {
         if self.poor_elements == 0 {
             return None;
@@ -97,12 +98,12 @@ impl QualityReport {
             1 => "1 element has".to_owned(),
             n => format!("{n} elements have"),
         };
-        let open = match self.open_elements {
+        let undecided = match self.undecided_elements {
             0 => String::new(),
-            n => format!("; for {n} of them no bound above zero was found"),
+            n => format!("; of {n} of them it is not known whether the determinant is positive everywhere"),
         };
         Some(format!(
-            "{count} a Jacobian below {POOR} of its mean in the element, or no better bound; the worst is element {} with {:.3}{open}. Small \
+            "{count} a lower bound of the Jacobian determinant below {POOR} of its mean; the smallest is that of element {}, {:.3}{undecided}. Small \
              deformations turn such corners inside out: move nodes on edges nearer to their middles, or remesh",
             self.least_valid_element, self.min_validity
         ))

@@ -1,7 +1,7 @@
 //! Sets from regions of space.
 
 use crate::error::parameter;
-use crate::{Facet, Mesh, MeshError};
+use crate::{Facet, Mesh, MeshError, SetKind};
 
 /// A region of space from which sets follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +80,20 @@ impl std::fmt::Display for Region {
     }
 }
 
+/// A region and the name of a set of what is in it.
+fn check_new_set(name: &str, region: &Region, exists: bool) -> Result<(), MeshError> {
+    region.validate()?;
+    if name.trim().is_empty() {
+        return Err(parameter("set name", name, "must not be empty"));
+    }
+    if exists { Err(MeshError::SetExists { name: name.to_owned() }) } else { Ok(()) }
+}
+
+/// The error for a set without members.
+fn empty(name: &str, kind: SetKind, region: &Region, (min, max): ([f64; 3], [f64; 3])) -> MeshError {
+    MeshError::EmptySet { name: name.to_owned(), kind, region: region.to_string(), min, max }
+}
+
 impl crate::SurfaceMesh {
     /// Adds the set of the facets all of whose nodes are in a region.
     ///
@@ -87,26 +101,14 @@ impl crate::SurfaceMesh {
     /// [`MeshError::Parameter`] if the region or the name is bad, [`MeshError::SetExists`],
     /// [`MeshError::EmptySet`] if no facet lies in the region.
     pub fn add_region_set(&mut self, name: &str, region: &Region) -> Result<(), MeshError> {
-        region.validate()?;
-        if name.trim().is_empty() {
-            return Err(parameter("set name", name, "must not be empty"));
-        }
-        if self.set_names().iter().any(|set| set == name) {
-            return Err(MeshError::SetExists { name: name.to_owned() });
-        }
+        check_new_set(name, region, self.set_names().iter().any(|set| set == name))?;
         let inside = |f: &u32| self.facet_coordinates(*f).iter().all(|&x| region.contains(x));
         let facets: Vec<u32> = (0..self.facets.len() as u32).filter(inside).collect();
         if facets.is_empty() {
-            let (min, max) = self.bounding_box();
-            return Err(MeshError::EmptySet { name: name.to_owned(), region: region.to_string(), min, max });
+            return Err(empty(name, SetKind::Facets, region, self.bounding_box()));
         }
         self.facet_sets.insert(name.to_owned(), facets);
         Ok(())
-    }
-
-    /// Smallest and largest coordinates of all nodes; both `[0, 0, 0]` without nodes.
-    pub fn bounding_box(&self) -> ([f64; 3], [f64; 3]) {
-        crate::mesh::bounding_box(&self.nodes)
     }
 }
 
@@ -135,19 +137,12 @@ impl Mesh {
     ///
     /// # Errors
     /// [`MeshError::Parameter`] if the region or the name is bad, [`MeshError::SetExists`],
-    /// [`MeshError::EmptySet`] if not even a node lies in the region.
+    /// [`MeshError::EmptySet`] if no node lies in the region.
     pub fn add_region_sets(&mut self, name: &str, region: &Region) -> Result<(), MeshError> {
-        region.validate()?;
-        if name.trim().is_empty() {
-            return Err(parameter("set name", name, "must not be empty"));
-        }
-        if self.has_set(name) {
-            return Err(MeshError::SetExists { name: name.to_owned() });
-        }
+        check_new_set(name, region, self.has_set(name))?;
         let nodes = self.nodes_in(region);
         if nodes.is_empty() {
-            let (min, max) = self.bounding_box();
-            return Err(MeshError::EmptySet { name: name.to_owned(), region: region.to_string(), min, max });
+            return Err(empty(name, SetKind::Nodes, region, self.bounding_box()));
         }
         let (facets, elements) = (self.facets_in(region), self.elements_in(region));
         self.node_sets.insert(name.to_owned(), nodes);

@@ -9,11 +9,12 @@ use std::sync::OnceLock;
 
 use stoss_reference_element::{CellKind, Family};
 
-use crate::element::{det, gauss_points};
+use crate::element::gauss_points;
+use crate::vector::det;
 use crate::{ElementCoordinates, ElementPoint};
 
 /// Validity below which an element deserves a warning, and a bound is made sharper by a subdivision.
-pub const POOR: f64 = 0.1;
+pub(crate) const POOR: f64 = 0.1;
 
 /// What is known of `det J` in the whole of an element. The unit is the mean of `det J` in the linear cell with the same corners, which is 1 everywhere in a
 /// parallelepiped, a tetrahedron with straight edges, or a prism.
@@ -21,7 +22,7 @@ pub const POOR: f64 = 0.1;
 pub struct Validity {
     /// `det J` is nowhere below this.
     pub bound: f64,
-    /// The smallest value at a point that was looked at.
+    /// The smallest value at a point that was evaluated.
     pub least: f64,
     /// Natural coordinates of that point.
     pub at: [f64; 3],
@@ -33,14 +34,14 @@ impl Validity {
         self.least.is_nan() || self.least <= 0.0
     }
 
-    /// Whether it stays open if `det J` is positive everywhere: it is at all points that were looked at, and the bound is not.
-    pub fn is_open(&self) -> bool {
+    /// Whether it is not known if `det J` is positive everywhere: it is at all points that were evaluated, and the bound is not.
+    pub fn is_undecided(&self) -> bool {
         !self.is_inverted() && self.bound <= 0.0
     }
 }
 
-/// A point of an element at which `det J` is not positive: Gauss points; of quadratic elements then the nodes, which they invert at first, and what
-/// [`ElementCoordinates::validity`] looks at.
+/// A point of an element at which `det J` is not positive: Gauss points; of quadratic elements then the nodes, which they invert at first, and the points
+/// that [`ElementCoordinates::validity`] evaluates.
 pub(crate) fn not_positive(x: &ElementCoordinates, validity: Option<&Validity>) -> Option<(ElementPoint, f64)> {
     first_not_positive(x).or_else(|| {
         let at = validity.filter(|found| x.kind().is_quadratic() && found.is_inverted())?.at;
@@ -86,7 +87,7 @@ impl ElementCoordinates {
         }
         let unit = self.straight_mean();
         let mut found = Validity { bound: f64::INFINITY, least: f64::INFINITY, at: [0.0; 3] };
-        found.see(values.iter().map(|v| base + v), &basis.points, unit);
+        found.record(values.iter().map(|v| base + v), &basis.points, unit);
         let mut scratch = Vec::new();
         found.bound = (base + basis.smallest_coefficient(&mut values, &mut scratch)) / unit;
         if found.bound < POOR && !found.is_inverted() {
@@ -94,7 +95,7 @@ impl ElementCoordinates {
             for points in &basis.children {
                 values.clear();
                 values.extend(points.iter().map(|&xi| det(&self.jacobian(xi))));
-                found.see(values.iter().copied(), points, unit);
+                found.record(values.iter().copied(), points, unit);
                 bound = bound.min(basis.smallest_coefficient(&mut values, &mut scratch) / unit);
             }
             found.bound = found.bound.max(bound);
@@ -123,8 +124,8 @@ fn mixed(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> f64 {
 }
 
 impl Validity {
-    /// Takes note of values at points.
-    fn see(&mut self, values: impl Iterator<Item = f64>, points: &[[f64; 3]], unit: f64) {
+    /// Keeps the smallest of the values at points.
+    fn record(&mut self, values: impl Iterator<Item = f64>, points: &[[f64; 3]], unit: f64) {
         for (value, &at) in values.zip(points) {
             let value = value / unit;
             if value < self.least || value.is_nan() {

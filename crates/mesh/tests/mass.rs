@@ -303,11 +303,11 @@ fn errors_are_named() {
     let error = MassProperties::of_surface(&open, 1.0).unwrap_err();
     assert!(matches!(error, MeshError::OpenSurface { count: 4, .. }));
     assert!(error.to_string().contains("4 edges"), "{error}");
-    let turned = sphere.clone().turned_over();
+    let turned = sphere.clone().flipped();
     assert!(matches!(MassProperties::of_surface(&turned, 1.0), Err(MeshError::Volume { volume }) if volume < 0.0));
     let plane = Plane { size: [1.0; 2], divisions: [1; 2] }.generate().unwrap();
     let mut two_sided = plane.clone();
-    two_sided.facets.extend(plane.clone().turned_over().facets);
+    two_sided.facets.extend(plane.clone().flipped().facets);
     assert_eq!(MassProperties::of_surface(&two_sided, 1.0), Err(MeshError::Volume { volume: 0.0 }));
     assert_eq!(MassProperties::of_surface(&SurfaceMesh::default(), 1.0), Err(MeshError::NoFacets));
     assert_eq!(MassProperties::of_mesh(&Mesh::default(), 1.0), Err(MeshError::NoElements));

@@ -245,7 +245,7 @@ fn quadrilaterals_meet_quadrilaterals() {
     let upper: (CellKind, &[u32]) = (CellKind::Tet4, &[2, 6, 5, 8]);
     for (others, first) in [(vec![lower, upper], 1), (vec![upper], 1), (vec![lower], 1)] {
         let mesh = beside_a_cube(&others);
-        for error in [mesh.check(), mesh.check_but_coincident()].map(Result::unwrap_err) {
+        for error in [mesh.check(), mesh.check_allowing_coincident()].map(Result::unwrap_err) {
             let MeshError::NonConformingFacet { elements, kinds, centre, count } = &error else { panic!("{error}") };
             assert_eq!((*elements, &kinds[..], *centre, *count), ([0, first], "hex8, tet4", [1.0, 0.5, 0.5], 1));
             assert!(error.to_string().contains("[1.0, 0.5, 0.5]") && error.to_string().contains("[[tie]]"), "{error}");
@@ -299,17 +299,18 @@ fn bodies_that_touch() {
     two.nodes.extend(one.nodes.iter().map(|x| [x[0], x[1], x[2] + height]));
     two.elements.extend(&one.elements, |n| n + shift);
     assert_eq!((one.pieces(), two.pieces()), (1, 2));
+    assert_eq!(two.piece_of_elements(&[5, 0, 4]), [0, 1, 0]);
     assert_eq!(one.coincident_nodes(), None);
     let found = two.coincident_nodes().unwrap();
     assert_eq!(found.count, 9);
     assert!(found.first < shift && found.second >= shift && found.distance < 1e-12);
     assert!(matches!(two.check(), Err(MeshError::DuplicateNodes { .. })));
-    assert_eq!(two.check_but_coincident(), Ok(()));
+    assert_eq!(two.check_allowing_coincident(), Ok(()));
     // a wedge: the edge between nodes 0 and 1 of an element is a point
     let mut wedge = block([1, 1, 1]);
     let [a, b] = [wedge.elements[0][0], wedge.elements[0][1]];
     wedge.nodes[b as usize] = wedge.nodes[a as usize];
-    assert!(wedge.check_but_coincident().is_err());
+    assert!(wedge.check_allowing_coincident().is_err());
 }
 
 #[test]

@@ -45,11 +45,11 @@ fn convex(surface: &SurfaceMesh, inside: [f64; 3], facets: usize) {
         assert!(dot(normal(surface, f), minus(centroid(surface, f), inside)) > 0.0, "facet {f}");
     }
     assert!(surface.volume().unwrap() > 0.0);
-    let turned = surface.clone().turned_over();
+    let turned = surface.clone().flipped();
     assert!(turned.is_closed());
     assert!(turned.facets.iter().zip(&surface.facets).all(|(t, s)| t[0] == s[0] && t[1] == s[s.len() - 1]));
     assert!((turned.volume().unwrap() / surface.volume().unwrap() + 1.0).abs() < 1e-13);
-    assert_eq!(turned.turned_over(), *surface);
+    assert_eq!(turned.flipped(), *surface);
     if !surface.facet_sets.is_empty() {
         let mut all: Vec<u32> = surface.facet_sets.values().flatten().copied().collect();
         all.sort_unstable();
@@ -131,7 +131,7 @@ fn cuboid() {
         };
         assert_eq!(centroids(&block), centroids(&cuboid), "{name}");
     }
-    block = block.turned_over();
+    block = block.flipped();
     assert!((block.volume().unwrap() + 6.0).abs() < 1e-14);
 }
 
@@ -305,7 +305,7 @@ fn boundary_of_a_mesh() {
     let mut mesh = HollowBall { inner_diameter: 1.0, outer_diameter: 2.0, divisions: [3, 3] }.generate().unwrap();
     // an unused node in front, so that numbers change, and a set with a facet between two elements
     mesh.nodes.insert(0, [9.0; 3]);
-    mesh.elements.nodes_mut().for_each(|n| *n += 1);
+    (0..mesh.elements.len()).for_each(|e| mesh.elements[e].iter_mut().for_each(|n| *n += 1));
     mesh.facet_sets.values_mut().flatten().for_each(|f| f.nodes = f.nodes.map(|n| n + 1));
     let (inner, outer) = (mesh.facet(0, 1), mesh.facet_sets["outer"][0]);
     assert_eq!(mesh.facet_index().find(&inner.nodes).len(), 2);

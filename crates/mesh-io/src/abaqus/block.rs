@@ -15,7 +15,7 @@ impl Block {
         self.keyword.name.replace(' ', "")
     }
 
-    /// True if data lines may stand in a file of their own, `INPUT=`; of other keywords that parameter means something else.
+    /// True if data lines may be in a file of their own, `INPUT=`; with other keywords that parameter means something else.
     pub fn takes_input(&self) -> bool {
         const NAMES: [&str; 13] = [
             "AMPLITUDE",

@@ -1,9 +1,8 @@
-//! What data lines say.
+//! The meaning of data lines.
 
 use stoss_mesh::Rotation;
 
-use super::data::{number, range, reals};
-use super::keyword::{fields, unquote};
+use super::fields::{fields, number, range, reals, unquote};
 use super::model::{Kind, Piece, Solid};
 use super::reader::Reader;
 use super::section::Section;

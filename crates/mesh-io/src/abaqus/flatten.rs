@@ -26,7 +26,7 @@ struct Flatten {
 }
 
 impl Reader<'_> {
-    /// Tells [`Contents`] of the elements of other types.
+    /// Adds the elements of other types, and notes on those that are read as others, to [`Contents`].
     pub fn count_others(&mut self) {
         for other in &self.others {
             self.contents.others.push(Other {

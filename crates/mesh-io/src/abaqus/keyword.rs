@@ -1,5 +1,6 @@
 //! Keyword lines and data lines.
 
+use super::fields::{fields, unquote};
 use crate::MeshIoError;
 use crate::lines::Lines;
 use crate::place::Place;
@@ -59,24 +60,9 @@ impl Keyword {
     }
 }
 
+/// In upper case without white space.
 fn squeeze(name: &str) -> String {
     name.split_whitespace().collect::<String>().to_uppercase()
-}
-
-/// A label without white space at its ends and without quotes.
-pub(super) fn unquote(text: &str) -> &str {
-    let text = text.trim();
-    text.strip_prefix('"').and_then(|t| t.strip_suffix('"')).unwrap_or(text)
-}
-
-/// Fields between commas, trimmed; commas within quotes do not count.
-pub(super) fn fields(text: &str) -> impl Iterator<Item = &str> {
-    let mut quoted = false;
-    text.split(move |c| {
-        quoted ^= c == '"';
-        c == ',' && !quoted
-    })
-    .map(str::trim)
 }
 
 /// One item of a file.

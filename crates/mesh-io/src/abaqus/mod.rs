@@ -18,9 +18,9 @@
 //! them for a reader of the whole file.
 
 mod block;
-mod data;
 mod data_lines;
 pub mod deck;
+mod fields;
 mod flatten;
 mod keyword;
 mod model;
@@ -34,7 +34,7 @@ use std::path::Path;
 use crate::include::Include;
 use crate::{Contents, MeshIoError};
 
-/// Does a text look like an input file?
+/// Whether a text looks like an input file.
 pub(crate) fn recognise(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim_start).filter(|l| !l.is_empty() && !l.starts_with("**")).take(200);
     lines.any(|l| {

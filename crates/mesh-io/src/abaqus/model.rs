@@ -1,4 +1,4 @@
-//! What a file says, by parts and instances.
+//! Nodes, elements and sets of a file by parts and instances.
 
 use std::collections::BTreeMap;
 
@@ -60,7 +60,7 @@ pub(super) struct Solid {
     pub place: Place,
 }
 
-/// A part, or what stands in a file outside of parts.
+/// A part, or what is outside of parts in a file.
 #[derive(Clone, Default)]
 pub(super) struct Part {
     pub name: String,
@@ -72,7 +72,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// How much a copy of it weighs.
+    /// A measure of the memory of a copy: nodes, elements and numbers in sets.
     pub fn size(&self) -> usize {
         let sets = self.names.nodes.all.values().chain(self.names.elements.all.values());
         let labels: usize = sets.map(|s| 1 + s.labels.numbers.len() + s.labels.ranges.len()).sum();

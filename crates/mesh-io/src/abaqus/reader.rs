@@ -12,7 +12,7 @@ use super::types::SolidType;
 use crate::include::Include;
 use crate::lines::{Lines, unsupported};
 use crate::place::Place;
-use crate::{Contents, MeshIoError};
+use crate::{Contents, FilePosition, MeshIoError};
 
 /// Keywords that would change the mesh.
 const REFUSED: [&str; 10] =
@@ -198,7 +198,7 @@ impl<'a> Reader<'a> {
         };
         found.ok_or_else(|| MeshIoError::Unknown {
             path: lines.path.to_owned(),
-            line: lines.number,
+            at: FilePosition::Line(lines.number),
             kind: if kind == Kind::Node { "node set (or number)" } else { "element set (or number)" },
             number: name.to_owned(),
         })

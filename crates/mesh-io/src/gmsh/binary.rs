@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::MeshIoError;
 use crate::place::Place;
 
-/// Is this the beginning of a binary file? Its second line says `version 1 size`.
+/// Whether this is the beginning of a binary file: its second line says `version 1 size`.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     let mut lines = bytes.get(..bytes.len().min(200)).unwrap_or_default().split(|&b| b == b'\n');
     let is_format = lines.next().is_some_and(|line| line.trim_ascii() == b"$MeshFormat");

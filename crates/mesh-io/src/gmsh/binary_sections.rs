@@ -27,7 +27,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Contents, MeshIoError> {
     if one == 1_i32.swap_bytes() {
         file.big_endian = true;
     } else if one != 1 {
-        return Err(file.error(place, one, "expected the number 1, which tells the byte order"));
+        return Err(file.error(place, one, "expected the number 1, from which the byte order follows"));
     }
     file.end("MeshFormat")?;
     let order = if file.big_endian { "big-endian" } else { "little-endian" };

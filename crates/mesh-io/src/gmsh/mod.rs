@@ -28,7 +28,7 @@ use crate::lines::{Lines, unsupported};
 use crate::place::Place;
 use crate::{Contents, MeshIoError};
 
-/// Does a text begin like an MSH file?
+/// Whether a text begins like an MSH file.
 pub(crate) fn recognise(text: &str) -> bool {
     text.trim_start().starts_with("$MeshFormat")
 }
@@ -191,7 +191,7 @@ fn read_text(path: &Path, text: &str) -> Result<Contents, MeshIoError> {
     state.finish()
 }
 
-/// Is the version 4.1, or else 2.2? `None` for others.
+/// True for the version 4.1, false for 2.2; `None` for others.
 fn is_new(version: &str) -> Option<bool> {
     match version {
         "2.2" | "2.1" | "2" => Some(false),

@@ -22,10 +22,10 @@ use crate::place::Place;
 use crate::{Contents, MeshIoError, xml};
 use arrays::Arrays;
 
-/// An array with more values than this says something else than what belongs together.
+/// An array with more different values than this is no list of groups.
 const GROUPS: usize = 256;
 
-/// Does a text begin like a VTU file?
+/// Whether a text begins like a VTU file.
 pub(crate) fn recognise(text: &str) -> bool {
     text.contains("<VTKFile") && text.contains("\"UnstructuredGrid\"")
 }
@@ -38,7 +38,7 @@ struct Named {
     is_integer: bool,
 }
 
-/// What a piece has said so far.
+/// What was read of a piece so far.
 #[derive(Default)]
 struct Piece {
     points: usize,
@@ -145,7 +145,7 @@ fn array(arrays: &Arrays, tag: &xml::Tag, section: &str, piece: &mut Piece) -> R
         ("Cells", "offsets") => piece.offsets = arrays.values(tag)?,
         ("Cells", "types") => piece.types = arrays.values(tag)?,
         ("CellData" | "PointData", _) if tag.attribute("NumberOfComponents").is_none_or(|n| n == "1") => {
-            // Text, for instance, is none of our business.
+            // Text, for instance, makes no groups.
             if tag.attribute("type").is_none_or(|kind| !["Int", "UInt", "Float"].iter().any(|n| kind.starts_with(n))) {
                 return Ok(());
             }

@@ -14,8 +14,7 @@
 use std::collections::BTreeMap;
 
 use crate::Mesh;
-use crate::element::distance;
-use crate::vector::{Vector, cross, dot, minus, unit};
+use crate::vector::{Vector, cross, distance, dot, minus, unit};
 
 /// Cosine of the angle of two facets from which on their edge is sharp, 34.4 degrees: a chamfer of 45 degrees is, a round side of twelve facets is not.
 const FEATURE: f64 = 0.825;
@@ -71,12 +70,12 @@ impl Curves {
     }
 
     /// Number of edges that are sharp, and may be those of a coarse mesh of a smooth surface.
-    pub fn doubtful_edges(&self) -> usize {
-        let is_doubtful = |facets: &&Vec<usize>| match facets[..] {
+    pub fn perhaps_smooth_edges(&self) -> usize {
+        let is_perhaps_smooth = |facets: &&Vec<usize>| match facets[..] {
             [f, g] => (CERTAIN..=FEATURE).contains(&dot(self.normals[f], self.normals[g])),
             _ => false,
         };
-        self.edges.values().filter(is_doubtful).count()
+        self.edges.values().filter(is_perhaps_smooth).count()
     }
 
     /// The middle of the edge between two nodes of the mesh, at the places `x`.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use stoss_reference_element::CellKind;
 
-use super::{cannot, restrict};
+use super::{cannot, with_elements};
 use crate::error::parameter;
 use crate::{Elements, Facet, Mesh, MeshError};
 
@@ -38,7 +38,7 @@ pub(super) fn divided(mesh: &Mesh, linear: CellKind, wanted: CellKind) -> Result
         }
         first_child.push(elements.len() as u32);
     }
-    Ok(restrict(mesh, elements, &first_child))
+    Ok(with_elements(mesh, elements, &first_child))
 }
 
 /// Tetrahedra from the smallest node to triangles of the faces that do not have it; a quadrilateral is divided by the diagonal of its smallest node. The

@@ -111,13 +111,14 @@ impl Mesh {
         finish(mesh).map_err(|error| match error {
             MeshError::InvertedElement { element, jacobian, .. } => {
                 let kind = quadratic(kinds[element as usize]);
-                MeshError::CurvedBoundary { kind, element, jacobian, sharp: curves.doubtful_edges() }
+                MeshError::CurvedBoundary { kind, element, jacobian, sharp: curves.perhaps_smooth_edges() }
             }
             other => other,
         })
     }
 }
 
+/// The sum of the places of nodes with weights.
 fn sum(x: &[[f64; 3]], nodes: &[u32], weights: &[f64]) -> [f64; 3] {
     std::array::from_fn(|i| nodes.iter().zip(weights).map(|(&n, w)| w * x[n as usize][i]).sum())
 }
@@ -129,7 +130,7 @@ fn finish(mut mesh: Mesh) -> Result<Mesh, MeshError> {
     Ok(mesh)
 }
 
-/// The refusal of an element that cannot become one of a kind.
+/// The error for an element that cannot become one of a kind.
 fn cannot(element: usize, from: CellKind, to: CellKind) -> MeshError {
     let can = match from {
         CellKind::Hex8 => "",
@@ -140,8 +141,8 @@ fn cannot(element: usize, from: CellKind, to: CellKind) -> MeshError {
     parameter("cell", to.name(), format!("element {element} is a {from} and cannot become a {to}{can}"))
 }
 
-/// Old elements' children: for each old element the range of the new ones.
-fn restrict(mesh: &Mesh, elements: Elements, first_child: &[u32]) -> Mesh {
+/// The mesh with new elements and the sets of the old one: those of old element `e` have the numbers `first_child[e]..first_child[e + 1]`.
+fn with_elements(mesh: &Mesh, elements: Elements, first_child: &[u32]) -> Mesh {
     let mut new = Mesh { nodes: mesh.nodes.clone(), elements, node_sets: mesh.node_sets.clone(), ..Mesh::default() };
     let children = |e: u32| first_child[e as usize]..first_child[e as usize + 1];
     for (name, set) in &mesh.element_sets {

@@ -196,7 +196,7 @@ impl Lines {
         std::array::from_fn(|i| grid::between(core[i], surface[i], self.layers[layer]))
     }
 
-    /// The core of `divisions` cells and the layers on its far sides along the axes that `round` names, turned to `z <= 0`.
+    /// The core of `divisions` cells and the layers on its outer sides along the axes that `round` names, reflected to `z <= 0`.
     fn mesh(&self, divisions: [usize; 3], round: [bool; 3], place: impl Fn([usize; 3], usize) -> [f64; 3]) -> Mesh {
         let mut mesh = Mesh::default();
         let mut numbers: HashMap<([usize; 3], usize), u32> = HashMap::new();

@@ -3,7 +3,7 @@
 use stoss_reference_element::Nodal;
 
 use super::SurfaceMesh;
-use crate::vector::cross;
+use crate::vector::{cross, dot, minus, norm};
 use crate::{MeshError, SetKind};
 
 /// Areas over the square of a facet's size, and edges over its size, that are no more than this are zero: some thousand
@@ -97,13 +97,12 @@ fn degenerate(x: &Nodal<[f64; 3]>) -> bool {
     let sum = |weight: &dyn Fn(usize) -> f64| -> [f64; 3] {
         std::array::from_fn(|i| (0..y.len()).map(|k| weight(k) * y[k][i]).sum())
     };
-    let norm = |a: [f64; 3]| a.iter().map(|c| c * c).sum::<f64>().sqrt();
     // Not a number where the size is zero or infinite, which no comparison passes.
     let exceeds = |value: f64| value > ZERO;
 
     let edges = (0..kind.edge_count()).all(|edge| {
         let [a, b] = kind.side(edge);
-        exceeds(norm(std::array::from_fn(|i| y[b][i] - y[a][i])))
+        exceeds(norm(minus(y[b], y[a])))
     });
     let [d1, d2] = kind.diagonals();
     let normal = cross(sum(&|k| d1[k]), sum(&|k| d2[k]));
@@ -111,7 +110,7 @@ fn degenerate(x: &Nodal<[f64; 3]>) -> bool {
     let unfolded = kind.rule().iter().all(|&(xi, _)| {
         let gradient = kind.shape_gradient(xi);
         let n = cross(sum(&|k| gradient[k][0]), sum(&|k| gradient[k][1]));
-        exceeds((0..3).map(|i| n[i] * normal[i]).sum::<f64>() / area)
+        exceeds(dot(n, normal) / area)
     });
     !(edges && exceeds(area) && unfolded)
 }

@@ -75,6 +75,11 @@ impl SurfaceMesh {
         self.facets[facet as usize].map(|n| self.nodes[n as usize])
     }
 
+    /// Smallest and largest coordinates of all nodes; both `[0, 0, 0]` without nodes.
+    pub fn bounding_box(&self) -> ([f64; 3], [f64; 3]) {
+        crate::mesh::bounding_box(&self.nodes)
+    }
+
     /// All names of sets, sorted, the automatic ones included.
     pub fn set_names(&self) -> Vec<String> {
         let names: BTreeSet<&str> =
@@ -115,9 +120,9 @@ impl SurfaceMesh {
         place(&mut self.nodes, rotation, translation)
     }
 
-    /// The surface with outside and inside exchanged: the nodes of each facet in the opposite order, from the same
-    /// first one.
-    pub fn turned_over(mut self) -> SurfaceMesh {
+    /// The surface with outside and inside exchanged, its normals reversed: the nodes of each facet in the opposite order, from
+    /// the same first one.
+    pub fn flipped(mut self) -> SurfaceMesh {
         for facet in &mut self.facets {
             let nodes = *facet;
             let count = nodes.len();

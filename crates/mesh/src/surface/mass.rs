@@ -6,9 +6,9 @@ use stoss_reference_element::{CellKind, Family, Rule, quadrature};
 
 use super::SurfaceMesh;
 use super::revolution::tip_radius;
-use crate::element::det;
 use crate::error::parameter;
 use crate::generate::validate;
+use crate::vector::det;
 use crate::{Mesh, MeshError};
 
 /// Largest part of the trace by which a tensor of inertia may violate symmetry or positivity of its Euler tensor: that
@@ -181,7 +181,7 @@ impl MassProperties {
 
 impl SurfaceMesh {
     /// The volume that the closed surface encloses (length to the third power), negative if its normals point inwards: then
-    /// [`SurfaceMesh::turned_over`] puts it right. Facets that are not plane count as in [`MassProperties::of_surface`].
+    /// [`SurfaceMesh::flipped`] puts it right. Facets that are not plane count as in [`MassProperties::of_surface`].
     ///
     /// # Errors
     /// [`MeshError::NoFacets`], [`MeshError::FacetNodeOutOfRange`], [`MeshError::OpenSurface`].

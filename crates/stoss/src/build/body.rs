@@ -274,7 +274,7 @@ fn mesh(
             .ok()?;
     }
     place(&key, &body.rotation, body.position, problems, |rotation, by| mesh.transform(rotation, by))?;
-    if let Err(error) = mesh.check_but_coincident() {
+    if let Err(error) = mesh.check_allowing_coincident() {
         problems.add(format!("{key}.mesh"), "", error.to_string(), "correct the mesh");
         return None;
     }

@@ -1,8 +1,7 @@
-//! What an Abaqus or CalculiX input file says beside the mesh, for whoever makes a scene of it.
+//! An Abaqus or CalculiX input file with everything besides the mesh: materials, steps, loads, contacts.
 //!
 //! [`read_deck`] keeps it as it stands: names, numbers, places, in the units of the file. Nothing is computed, no name is looked up, and what it
-//! means for a scene is not decided here. What is not kept stands in [`Deck::left_out`], keyword by keyword and parameter by parameter, so that
-//! nothing is lost without a word.
+//! means for a scene is not decided here. What is not kept is listed in [`Deck::left_out`], keyword by keyword and parameter by parameter.
 //!
 //! | keyword | in the deck |
 //! |---|---|
@@ -18,6 +17,7 @@
 
 mod fill;
 mod rows;
+mod steps;
 
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ impl From<Place> for DeckPlace {
     }
 }
 
-/// Nodes or elements that a line speaks of.
+/// Nodes or elements that a line names.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Target {
     /// One by its number in the file, of an instance if one is named.
@@ -110,7 +110,7 @@ pub struct SolidSection {
     pub elements: String,
     /// The material.
     pub material: String,
-    /// The part in which the section stands, where it stands in one: the set is one of its instances then.
+    /// The part that the section belongs to, if it is in one: the set is then one of its instances.
     pub part: Option<String>,
     /// Its place.
     pub place: DeckPlace,
@@ -167,7 +167,7 @@ pub struct Interaction {
     /// Of `*FRICTION`.
     pub friction: Option<Friction>,
     /// Of `*SURFACE BEHAVIOR`.
-    pub behavior: Option<Behavior>,
+    pub behavior: Option<SurfaceBehavior>,
     /// Its place.
     pub place: DeckPlace,
 }
@@ -183,7 +183,7 @@ pub struct Friction {
 
 /// Pressure against overclosure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Behavior {
+pub struct SurfaceBehavior {
     /// `HARD`, `LINEAR`, `EXPONENTIAL`, `TABULAR`, `TIED`, ... in upper case.
     pub law: String,
     /// The numbers of its data lines.
@@ -248,8 +248,8 @@ pub enum Prescribed {
     Velocity,
     /// Accelerations.
     Acceleration,
-    /// With `FIXED`: the place at the start of the step.
-    Place,
+    /// With `FIXED`: the positions at the start of the step.
+    Fixed,
 }
 
 /// Prescribed displacements, or their rates. Only of the three translations: nodes of solids have no others.
@@ -401,26 +401,26 @@ pub struct Step {
     pub loads: Vec<ElementLoad>,
     /// Pressures on surfaces.
     pub pressures: Vec<SurfacePressure>,
-    /// What ends with this step: what former steps said of it (`OP=NEW`).
-    pub ends: Ends,
+    /// Which keywords of the step have `OP=NEW`.
+    pub op_new: OpNew,
     /// Its place.
     pub place: DeckPlace,
 }
 
-/// What of former steps a step ends.
+/// Keywords of a step with `OP=NEW`, which ends what former steps said by the same keyword.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Ends {
-    /// Supports; `*BOUNDARY, OP=NEW`.
+pub struct OpNew {
+    /// `*BOUNDARY, OP=NEW`: supports.
     pub supports: bool,
-    /// Forces on nodes; `*CLOAD, OP=NEW`.
+    /// `*CLOAD, OP=NEW`: forces on nodes.
     pub forces: bool,
-    /// Loads on elements; `*DLOAD, OP=NEW`.
+    /// `*DLOAD, OP=NEW`: loads on elements.
     pub loads: bool,
-    /// Pressures on surfaces; `*DSLOAD, OP=NEW`.
+    /// `*DSLOAD, OP=NEW`: pressures on surfaces.
     pub pressures: bool,
 }
 
-/// Something that the deck does not keep.
+/// Something of the file that [`Deck`] does not keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOut {
     /// As "*PLASTIC", or "parameter ORIENTATION of *SOLID SECTION".
@@ -431,7 +431,7 @@ pub struct LeftOut {
     pub place: DeckPlace,
 }
 
-/// What an input file says. See the [module](self).
+/// An input file. See the [module](self).
 #[derive(Debug, Clone, Default)]
 pub struct Deck {
     /// The mesh and its sets.
@@ -442,7 +442,7 @@ pub struct Deck {
     pub materials: Vec<Material>,
     /// Sections.
     pub sections: Vec<SolidSection>,
-    /// Nodes with axes of their own. Those without [`LocalAxes::axes`] stand in [`Deck::left_out`], too.
+    /// Nodes with axes of their own. Those without [`LocalAxes::axes`] are in [`Deck::left_out`], too.
     pub local_axes: Vec<LocalAxes>,
     /// Amplitudes.
     pub amplitudes: Vec<Amplitude>,
@@ -475,7 +475,7 @@ impl Deck {
     }
 }
 
-/// Reads an input file with what it says beside the mesh.
+/// Reads an input file with everything besides the mesh.
 ///
 /// # Errors
 /// As [`crate::read_contents`]; also numbers and names of materials, steps and so on that are missing or no numbers.
@@ -485,7 +485,7 @@ pub fn read_deck(path: impl AsRef<Path>) -> Result<Deck, MeshIoError> {
     read_deck_from_bytes(path, &bytes, &mut include::regular)
 }
 
-/// [`read_deck`] for bytes in memory; `path` stands in messages, `include` gives the files that the file includes.
+/// [`read_deck`] for bytes in memory; `path` is used in messages, `include` gives the files that the file includes.
 ///
 /// # Errors
 /// As for [`read_deck`].

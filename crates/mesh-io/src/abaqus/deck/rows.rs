@@ -1,9 +1,8 @@
-//! Keywords with their data lines, and what stands in these.
+//! Keywords with their data lines, and the fields of these.
 
 use super::{DeckPlace, Target};
 use crate::abaqus::block::Block;
-use crate::abaqus::data;
-use crate::abaqus::keyword::{fields, unquote};
+use crate::abaqus::fields::{fields, number, unquote};
 use crate::lines::real;
 use crate::place::Place;
 use crate::{Contents, MeshIoError};
@@ -126,7 +125,7 @@ impl<'a> Row<'a> {
     /// Nodes or elements that the first field means.
     pub fn target(&self) -> Target {
         let text = fields(self.text).next().unwrap_or_default();
-        match data::number(text) {
+        match number(text) {
             _ if text.is_empty() => Target::All,
             Some((number, instance)) => Target::Number { number, instance: instance.map(str::to_owned) },
             None => Target::Set(unquote(text).to_owned()),

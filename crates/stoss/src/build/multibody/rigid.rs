@@ -97,7 +97,7 @@ fn shape(
     place(key, &item.rotation, item.position, problems, |rotation, by| surface.transform(rotation, by))?;
     if let Some(mesh) = &mut mesh {
         place(key, &item.rotation, item.position, problems, |rotation, by| mesh.transform(rotation, by))?;
-        mesh.check_but_coincident().map_err(|error| refused(name, &error, problems)).ok()?;
+        mesh.check_allowing_coincident().map_err(|error| refused(name, &error, problems)).ok()?;
     }
     surface.check().map_err(|error| refused(name, &error, problems)).ok()?;
     for (s, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.body == item.name) {

@@ -1,10 +1,10 @@
-//! Volumes of bounding-volume trees: boxes, and boxes that move.
+//! What bounding-volume trees are made of: boxes, and boxes that move.
 
 use crate::Aabb;
 use nalgebra::Vector3;
 
-/// What a [`crate::BoundingVolumeTree`] is made of.
-pub trait Volume: Copy {
+/// A volume around something, of which a [`crate::BoundingVolumeTree`] is made.
+pub trait BoundingVolume: Copy {
     /// The volume that contains nothing; the neutral element of `union`.
     fn empty() -> Self;
     /// A volume around both.
@@ -15,7 +15,7 @@ pub trait Volume: Copy {
     fn centre(&self) -> Vector3<f64>;
 }
 
-impl Volume for Aabb {
+impl BoundingVolume for Aabb {
     fn empty() -> Self {
         Self::empty()
     }
@@ -54,7 +54,7 @@ impl MovingBox {
     }
 }
 
-impl Volume for MovingBox {
+impl BoundingVolume for MovingBox {
     fn empty() -> Self {
         Self { start: Aabb::empty(), motion: Aabb::empty() }
     }

@@ -1,8 +1,23 @@
-//! What stands in data lines: numbers, labels, ranges.
+//! Fields of a line: numbers, labels, ranges.
 
-use super::keyword::fields;
 use crate::MeshIoError;
 use crate::lines::Lines;
+
+/// A label without white space at its ends and without quotes.
+pub(super) fn unquote(text: &str) -> &str {
+    let text = text.trim();
+    text.strip_prefix('"').and_then(|t| t.strip_suffix('"')).unwrap_or(text)
+}
+
+/// Fields between commas, trimmed; commas within quotes do not count.
+pub(super) fn fields(text: &str) -> impl Iterator<Item = &str> {
+    let mut quoted = false;
+    text.split(move |c| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    })
+    .map(str::trim)
+}
 
 /// A number and the instance before it, if there is one: `12` or `part-1-1.12`.
 pub(super) fn number(field: &str) -> Option<(u64, Option<&str>)> {

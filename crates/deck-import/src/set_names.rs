@@ -1,4 +1,4 @@
-//! Names of sets for nodes and facets of a body: those of the deck where they say it, new ones else.
+//! Names of sets for nodes and facets of a body: those of the deck where it has such sets, else new ones.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use stoss_mesh_io::Solids;
 use stoss_mesh_io::deck::Deck;
 
 use crate::FileNames;
-use crate::bodies::{Bodies, clean};
+use crate::bodies::{Bodies, unique_name};
 
 /// The mesh of a body as the scene names it.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,8 +16,8 @@ pub(crate) struct Source {
     pub group: Option<String>,
 }
 
-/// Chooses sets, and keeps the new ones.
-pub(crate) struct Cover<'a> {
+/// Chooses names, and keeps the new sets.
+pub(crate) struct SetNames<'a> {
     bodies: &'a Bodies,
     names: &'a FileNames,
     /// The mesh of the deck with further sets.
@@ -26,11 +26,11 @@ pub(crate) struct Cover<'a> {
     taken: BTreeSet<String>,
     /// True if the deck itself cannot be the mesh of the scene.
     needs_mesh: bool,
-    /// The meshes that the scene would read of the deck, by the groups.
+    /// For each body the group of the deck that is its mesh, and that mesh as the scene would read it; none if there is no such group.
     direct: Vec<Option<(Option<String>, Mesh)>>,
     /// New sets by their content.
     new_nodes: BTreeMap<Vec<u32>, String>,
-    new_facets: BTreeMap<Vec<(u32, u8)>, String>,
+    new_facets: BTreeMap<Vec<Facet>, String>,
 }
 
 /// How a set is called within a reference; nothing if no reference can name it.
@@ -45,7 +45,7 @@ fn quoted(name: &str) -> Option<String> {
     }
 }
 
-impl<'a> Cover<'a> {
+impl<'a> SetNames<'a> {
     pub fn new(deck: &Deck, solids: &Solids, bodies: &'a Bodies, names: &'a FileNames) -> Self {
         let mesh = solids.mesh.clone();
         let keys = mesh.node_sets.keys().chain(mesh.facet_sets.keys()).chain(mesh.element_sets.keys());
@@ -67,7 +67,7 @@ impl<'a> Cover<'a> {
             })
             .collect();
         let needs_mesh = direct.iter().any(Option::is_none) || !names.deck.to_lowercase().ends_with(".inp");
-        let (new_nodes, new_facets) = Default::default();
+        let (new_nodes, new_facets) = (BTreeMap::new(), BTreeMap::new());
         Self { bodies, names, mesh, taken, needs_mesh, direct, new_nodes, new_facets }
     }
 
@@ -80,39 +80,16 @@ impl<'a> Cover<'a> {
         format!("{}.{set}", self.bodies.name(body))
     }
 
-    /// Notes that a set is used, with the number of members that it must have; `count` finds those that it has when the scene reads the deck.
-    fn uses(&mut self, body: usize, size: usize, count: impl Fn(&Mesh) -> usize) {
-        let fits = self.direct[body].as_ref().is_some_and(|(_, mesh)| count(mesh) == size);
-        self.needs_mesh |= !fits;
-    }
-
     /// References to sets that hold just these nodes of a body. `known` are sets of nodes of the deck, some of them or all.
     pub fn nodes(&mut self, body: usize, wanted: &BTreeSet<u32>, known: &[(&str, &[u32])], hint: &str) -> Vec<String> {
-        let mut rest = wanted.clone();
-        let mut names = Vec::new();
-        for (name, members) in known {
-            let Some(text) = quoted(name) else { continue };
-            let own: Vec<u32> = members.iter().copied().filter(|n| self.bodies.all[body].nodes.contains(n)).collect();
-            if own.is_empty() || !own.iter().all(|n| wanted.contains(n)) || !own.iter().any(|n| rest.contains(n)) {
-                continue;
-            }
-            rest.retain(|n| own.binary_search(n).is_err());
-            self.uses(body, own.len(), |mesh| mesh.node_sets.get(*name).map_or(0, Vec::len));
-            names.push(self.reference(body, &text));
-        }
+        let own = &self.bodies.all[body].nodes;
+        let count = |mesh: &Mesh, name: &str| mesh.node_sets.get(name).map_or(0, Vec::len);
+        let (mut names, rest) = self.known_sets(body, wanted, known, |node| own.contains(node), count);
         if !rest.is_empty() {
-            self.needs_mesh = true;
-            let content: Vec<u32> = rest.into_iter().collect();
-            let name = match self.new_nodes.get(&content) {
-                Some(name) => name.clone(),
-                None => {
-                    let name = clean(hint, &mut self.taken);
-                    self.mesh.node_sets.insert(name.clone(), content.clone());
-                    self.new_nodes.insert(content, name.clone());
-                    name
-                }
-            };
+            let name = self.new_nodes.get(&rest).cloned().unwrap_or_else(|| unique_name(hint, &mut self.taken));
             names.push(self.reference(body, &name));
+            self.mesh.node_sets.insert(name.clone(), rest.clone());
+            self.new_nodes.insert(rest, name);
         }
         names
     }
@@ -125,34 +102,47 @@ impl<'a> Cover<'a> {
         known: &[(&str, &[Facet])],
         hint: &str,
     ) -> Vec<String> {
+        let bodies = self.bodies;
+        let count = |mesh: &Mesh, name: &str| mesh.facet_sets.get(name).map_or(0, Vec::len);
+        let is_own = |facet: &Facet| bodies.of_element(facet.element) == Some(body);
+        let (mut names, rest) = self.known_sets(body, wanted, known, is_own, count);
+        if !rest.is_empty() {
+            let name = self.new_facets.get(&rest).cloned().unwrap_or_else(|| unique_name(hint, &mut self.taken));
+            names.push(self.reference(body, &name));
+            self.mesh.facet_sets.insert(name.clone(), rest.clone());
+            self.new_facets.insert(rest, name);
+        }
+        names
+    }
+
+    /// References to those known sets of which all that belongs to the body is wanted, and what is left. `count`: how many members a set has in the mesh that the
+    /// scene reads of the deck.
+    fn known_sets<T: Copy + Ord>(
+        &mut self,
+        body: usize,
+        wanted: &BTreeSet<T>,
+        known: &[(&str, &[T])],
+        is_own: impl Fn(&T) -> bool,
+        count: impl Fn(&Mesh, &str) -> usize,
+    ) -> (Vec<String>, Vec<T>) {
         let mut rest = wanted.clone();
         let mut names = Vec::new();
         for (name, members) in known {
             let Some(text) = quoted(name) else { continue };
-            let own = members.iter().filter(|facet| self.bodies.of_element(facet.element) == Some(body));
-            let own: Vec<Facet> = own.copied().collect();
-            if own.is_empty() || !own.iter().all(|f| wanted.contains(f)) || !own.iter().any(|f| rest.contains(f)) {
+            let own: Vec<T> = members.iter().copied().filter(&is_own).collect();
+            let adds = own.iter().any(|member| rest.contains(member));
+            if !adds || !own.iter().all(|member| wanted.contains(member)) {
                 continue;
             }
-            rest.retain(|f| own.binary_search(f).is_err());
-            self.uses(body, own.len(), |mesh| mesh.facet_sets.get(*name).map_or(0, Vec::len));
+            for member in &own {
+                rest.remove(member);
+            }
+            let is_whole = self.direct[body].as_ref().is_some_and(|(_, mesh)| count(mesh, name) == own.len());
+            self.needs_mesh |= !is_whole;
             names.push(self.reference(body, &text));
         }
-        if !rest.is_empty() {
-            self.needs_mesh = true;
-            let content: Vec<(u32, u8)> = rest.iter().map(|facet| (facet.element, facet.local)).collect();
-            let name = match self.new_facets.get(&content) {
-                Some(name) => name.clone(),
-                None => {
-                    let name = clean(hint, &mut self.taken);
-                    self.mesh.facet_sets.insert(name.clone(), rest.into_iter().collect());
-                    self.new_facets.insert(content, name.clone());
-                    name
-                }
-            };
-            names.push(self.reference(body, &name));
-        }
-        names
+        self.needs_mesh |= !rest.is_empty();
+        (names, rest.into_iter().collect())
     }
 
     /// The meshes of the bodies, and the mesh that must be written for them.
@@ -173,7 +163,7 @@ impl<'a> Cover<'a> {
             let group = match known.map(|(name, _)| name.clone()) {
                 Some(name) => name,
                 None => {
-                    let name = clean(&body.name, &mut self.taken);
+                    let name = unique_name(&body.name, &mut self.taken);
                     self.mesh.element_sets.insert(name.clone(), body.elements.clone());
                     name
                 }

@@ -1,4 +1,4 @@
-//! What bodies have in dynamics: `*INITIAL CONDITIONS, TYPE=VELOCITY` to velocities, `*DAMPING`.
+//! What bodies have in dynamics only: initial velocities (`*INITIAL CONDITIONS, TYPE=VELOCITY`) and damping (`*DAMPING`).
 
 use std::collections::BTreeMap;
 
@@ -51,16 +51,16 @@ pub(crate) fn velocities(
     all
 }
 
-/// Takes damping away where it cannot act, and tells of it.
+/// Takes damping away where it cannot act, with an entry.
 pub(crate) fn damping(deck: &Deck, bodies: &mut Bodies, timeline: &Timeline, list: &mut List) {
     for body in &mut bodies.all {
         let Some(damping) = body.damping else { continue };
         let place =
             deck.materials.iter().find(|material| material.name == body.material).map(|material| material.place);
         let reason = if !timeline.is_dynamic() {
-            "there is no dynamic step: it does nothing"
+            "there is no dynamic step: it has no effect"
         } else if damping.alpha < 0.0 || damping.beta < 0.0 {
-            "it is negative: nothing is damped"
+            "ALPHA or BETA is negative: the body is not damped"
         } else {
             continue;
         };

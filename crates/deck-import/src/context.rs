@@ -1,0 +1,43 @@
+//! What contacts, supports and loads need of the deck, and where they write.
+
+use stoss_mesh_io::deck::{Deck, DeckPlace};
+
+use crate::axes::LocalAxes;
+use crate::bodies::Bodies;
+use crate::history::amplitude;
+use crate::left_out::List;
+use crate::set_names::SetNames;
+use crate::sets::Lookup;
+use crate::timeline::Timeline;
+use crate::write::Tables;
+
+/// The deck as it was understood so far, and the scene that is made.
+pub(crate) struct Context<'a> {
+    pub deck: &'a Deck,
+    pub bodies: &'a Bodies,
+    pub lookup: &'a Lookup<'a>,
+    pub timeline: &'a Timeline,
+    pub axes: &'a LocalAxes,
+    pub sets: SetNames<'a>,
+    pub scene: Tables,
+    pub list: List,
+}
+
+impl Context<'_> {
+    /// The number of the amplitude of a line, none if the line names none. Nothing, with an entry, if it names one that was not read.
+    pub fn amplitude(
+        &mut self,
+        name: Option<&String>,
+        keyword: &str,
+        place: DeckPlace,
+        consequence: &str,
+    ) -> Option<Option<usize>> {
+        let Some(name) = name else { return Some(None) };
+        let found = amplitude(self.deck, name);
+        if found.is_none() {
+            let consequence = format!("there is no amplitude {name} that can be read: {consequence}");
+            self.list.add(place, keyword, consequence, "define it by a table of times and values");
+        }
+        found.map(Some)
+    }
+}
