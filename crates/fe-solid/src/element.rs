@@ -124,7 +124,7 @@ pub(crate) fn strain<const N: usize, const G: usize>(
 ) -> Result<(Matrix3, SymmetricTensor2), Failure> {
     let f = kernel::deformation_gradient(q, &integration.gradients[gauss_point]);
     check_orientation(&f, level).map_err(|kind| kind.at(gauss_point))?;
-    Ok((f, SymmetricTensor2::from_voigt(kernel::right_cauchy_green(&f))))
+    Ok((f, SymmetricTensor2::from_components(kernel::right_cauchy_green(&f))))
 }
 
 /// `C_n` and `W_n` at every Gauss point.
@@ -223,14 +223,14 @@ fn one_configuration<const N: usize, const G: usize>(
         for g in 0..G {
             let (f, c) = strain(q, integration, g, level)?;
             let stress = law.stress(&c).map_err(|e| FailureKind::from(e).at(g))?;
-            kernel::add_force(&f, &stress.to_voigt(), &integration.gradients[g], integration.weights[g], force);
+            kernel::add_force(&f, &stress.to_components(), &integration.gradients[g], integration.weights[g], force);
         }
         return Ok(());
     };
     for g in 0..G {
         let (f, c) = strain(q, integration, g, level)?;
         let (stress, moduli) = law.stress_and_elasticity(&c).map_err(|e| FailureKind::from(e).at(g))?;
-        let stress = stress.to_voigt();
+        let stress = stress.to_components();
         let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
         kernel::add_force(&f, &stress, gradients, weight, force);
         kernel::tangent_factors(&f, &f, &moduli.0, &stress, 1.0, gradients, weight, g, true, factors);
@@ -260,12 +260,12 @@ fn energy_momentum<const N: usize, const G: usize>(
             None => {
                 let stress = stoss_continuum::energy_momentum_stress(law, c_n, *energy, &c_np1)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-                kernel::add_force(&f_mid, &stress.to_voigt(), gradients, weight, force);
+                kernel::add_force(&f_mid, &stress.to_components(), gradients, weight, force);
             }
             Some((_, factors)) => {
                 let (stress, moduli) = stoss_continuum::energy_momentum_stress_and_tangent(law, c_n, *energy, &c_np1)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-                let stress = stress.to_voigt();
+                let stress = stress.to_components();
                 kernel::add_force(&f_mid, &stress, gradients, weight, force);
                 kernel::tangent_factors(&f_mid, &f_np1, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
             }

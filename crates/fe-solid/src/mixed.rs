@@ -249,16 +249,16 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             let (of_pressure, of_pressure_moduli) = pressure_stress(pressure[g], c, j);
             let Some((_, factors)) = &mut tangent else {
                 let rest = self.parts.rest.stress(c).map_err(|e| FailureKind::from(e).at(g))?;
-                kernel::add_force(f, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+                kernel::add_force(f, &(rest + of_pressure).to_components(), gradients, weight, force);
                 continue;
             };
             let (rest, moduli) = self.parts.rest.stress_and_elasticity(c).map_err(|e| FailureKind::from(e).at(g))?;
-            kernel::add_force(f, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+            kernel::add_force(f, &(rest + of_pressure).to_components(), gradients, weight, force);
             let (of_pressure, of_pressure_moduli) = match before {
                 None => (of_pressure, of_pressure_moduli),
                 Some(_) => pressure_stress(continued[g], c, j),
             };
-            let stress = (rest + of_pressure).to_voigt();
+            let stress = (rest + of_pressure).to_components();
             let moduli = moduli + of_pressure_moduli;
             kernel::tangent_factors(f, f, &moduli.0, &stress, 1.0, gradients, weight, g, true, factors);
             self.add_change_of_volume(g, f, c, j, &mut changes);
@@ -306,18 +306,18 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             let Some((_, factors)) = &mut tangent else {
                 let rest = stoss_continuum::energy_momentum_stress(self.parts.rest, c_n, *energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-                kernel::add_force(&f_mid, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+                kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
                 continue;
             };
             let (rest, mut moduli) =
                 stoss_continuum::energy_momentum_stress_and_tangent(self.parts.rest, c_n, *energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-            kernel::add_force(&f_mid, &(rest + of_pressure).to_voigt(), gradients, weight, force);
-            let stress = (rest + k * (2.0 * continued[g])).to_voigt();
+            kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
+            let stress = (rest + k * (2.0 * continued[g])).to_components();
             moduli.add_scaled(2.0 * continued[g], &discrete_jacobian_gradient_tangent(c_n, jacobians[g], c, j, &k));
             kernel::tangent_factors(&f_mid, f, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
             for (psi, work) in self.basis.iter().zip(&mut works) {
-                kernel::add_force(&f_mid, &k.to_voigt(), gradients, 2.0 * weight * psi[g], work);
+                kernel::add_force(&f_mid, &k.to_components(), gradients, 2.0 * weight * psi[g], work);
             }
             self.add_change_of_volume(g, f, c, j, &mut changes);
         }
@@ -360,7 +360,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         j: f64,
         changes: &mut [NodalVectors<N>; A],
     ) {
-        let inverse = (c.inverse_with_det(j)).to_voigt();
+        let inverse = (c.inverse_with_det(j)).to_components();
         for (psi, change) in self.basis.iter().zip(changes) {
             let weight = self.integration.weights[g] * psi[g];
             kernel::add_force(f, &inverse, &self.integration.gradients[g], weight, change);

@@ -238,7 +238,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
     fn strain(&self, element: usize, x: &NodalVectors<4>) -> (Matrix3, SymmetricTensor2) {
         let gradients = &self.tetrahedra.block.integration(element).gradients[0];
         let f = kernel::deformation_gradient(x, gradients);
-        (f, SymmetricTensor2::from_voigt(kernel::right_cauchy_green(&f)))
+        (f, SymmetricTensor2::from_components(kernel::right_cauchy_green(&f)))
     }
 
     /// `2 F K grad N`, the force of a unit pressure a volume, and `cof F grad N`, the change of `J`.
@@ -247,7 +247,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         let (f, c) = self.strain(element, &(self.place)(element));
         let j = self.jacobians[element];
         let mut change = [[0.0; 4]; 3];
-        kernel::add_force(&f, &c.inverse_with_det(j).to_voigt(), gradients, 1.0, &mut change);
+        kernel::add_force(&f, &c.inverse_with_det(j).to_components(), gradients, 1.0, &mut change);
         if !self.conserving {
             return [change; 2];
         }
@@ -255,7 +255,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         let c_n = &self.tetrahedra.block.history(element)[0].right_cauchy_green;
         let k = discrete_jacobian_gradient(c_n, self.tetrahedra.jacobians[element], &c, j);
         let mut work = [[0.0; 4]; 3];
-        kernel::add_force(&f_mid, &k.to_voigt(), gradients, 2.0, &mut work);
+        kernel::add_force(&f_mid, &k.to_components(), gradients, 2.0, &mut work);
         [work, change]
     }
 }
@@ -295,7 +295,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
                 }
                 _ => law.stress(&c).map_err(failure)? + pressure_stress(p, &c, j).0,
             };
-            kernel::add_force(&left, &stress.to_voigt(), gradients, weight, force);
+            kernel::add_force(&left, &stress.to_components(), gradients, weight, force);
             return Ok(());
         };
         let (stress, moduli) = match (history, k) {
@@ -313,7 +313,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
                 (rest + of_pressure, moduli + of_pressure_moduli)
             }
         };
-        let stress = stress.to_voigt();
+        let stress = stress.to_components();
         kernel::add_force(&left, &stress, gradients, weight, force);
         let (geometric, symmetric) = if self.conserving { (0.5, false) } else { (1.0, true) };
         kernel::tangent_factors(&left, &f, &moduli.0, &stress, geometric, gradients, weight, 0, symmetric, factors);

@@ -41,9 +41,9 @@ proptest! {
         for g in 0..GAUSS_POINTS {
             let (gradients, weight) = (&element.gradients[g], element.weights[g]);
             let f = deformation_gradient(&local, gradients);
-            let c = SymmetricTensor2::from_voigt(right_cauchy_green(&f));
+            let c = SymmetricTensor2::from_components(right_cauchy_green(&f));
             let (stress, moduli) = law.stress_and_elasticity(&c).unwrap();
-            let stress = stress.to_voigt();
+            let stress = stress.to_components();
             add_force(&f, &stress, gradients, weight, &mut expected_force);
             tangent_factors(&f, &f, &moduli.0, &stress, 1.0, gradients, weight, g, true, &mut factors);
         }
