@@ -3,6 +3,7 @@
 use crate::Skin;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
+use stoss_contact::position;
 
 /// A point of integration in contact with a triangle.
 pub(crate) struct Meeting {
@@ -18,17 +19,13 @@ pub(crate) struct Meeting {
 
 /// Vectors of the current areas of the triangles.
 pub(crate) fn areas_of_triangles(skin: &Skin, q: &[f64]) -> Vec<Vector3<f64>> {
-    let node = |k: usize| {
-        let at = 3 * skin.surface_nodes()[k] as usize;
-        Vector3::new(q[at], q[at + 1], q[at + 2])
-    };
-    let position = |vertex: u32| {
+    let of_vertex = |vertex: u32| {
         let mut x = Vector3::zeros();
-        skin.shares(vertex, 1.0, &mut |k, share| x += node(k) * share);
+        skin.shares(vertex, 1.0, &mut |k, share| x += position(q, skin.surface_nodes()[k]) * share);
         x
     };
     let area = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(position);
+        let [a, b, c] = corners.map(of_vertex);
         (b - a).cross(&(c - a)) * 0.5
     };
     skin.triangles().iter().map(area).collect()

@@ -3,6 +3,7 @@
 use crate::{Interactions, Skin, SkinFacet, first_look, is_closed};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
+use stoss_contact::position;
 use stoss_geometry::Aabb;
 
 /// Directions that are tried.
@@ -144,7 +145,7 @@ impl<'a> Overlaps<'a> {
         for (k, body) in [a, b].into_iter().enumerate() {
             let by = if k == 0 { *shift } else { Vector3::zeros() };
             let region = boxes[1 - k].inflated(margin);
-            let at = |node: u32| Vector3::from_column_slice(&self.q[3 * node as usize..3 * node as usize + 3]) + by;
+            let at = |node: u32| position(self.q, node) + by;
             for facet in &self.bodies[&body].facets {
                 let around = facet.nodes.iter().fold(Aabb::empty(), |all, &n| all.union(&Aabb::from_points([&at(n)])));
                 if !around.overlaps(&region) {

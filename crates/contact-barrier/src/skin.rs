@@ -3,6 +3,7 @@
 use crate::Parallel;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
+use stoss_contact::position;
 use stoss_reference_element::FacetNodes;
 
 /// Weight of the vertices and edges against that of the surface, which keeps out what points of integration do not see: corners, and edges that cross.
@@ -59,7 +60,6 @@ impl Skin {
     ///
     /// The order of facets decides the order of sums, nothing else.
     pub fn new(facets: Vec<SkinFacet>, reference: &[f64], place: &dyn Fn(u32) -> Option<Vec<(u32, f64)>>) -> Self {
-        let at = |node: u32| Vector3::from_column_slice(&reference[3 * node as usize..3 * node as usize + 3]);
         let mut nodes: Vec<u32> = facets.iter().flat_map(|f| f.nodes.iter().copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -70,7 +70,7 @@ impl Skin {
         let mut positions: Vec<Vector3<f64>> = Vec::with_capacity(nodes.len() + facets.len());
         for &node in &nodes {
             skin.push(&place(node).unwrap_or_else(|| vec![(node, 1.0)]));
-            positions.push(at(node));
+            positions.push(position(reference, node));
         }
         for (f, facet) in facets.iter().enumerate() {
             let corners: Vec<u32> = facet.nodes.iter().map(|&node| vertex_of(node)).collect();
@@ -226,8 +226,7 @@ impl Skin {
     pub fn at(&self, point: u32, q: &[f64]) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for &(node, weight) in self.terms(point) {
-            let k = 3 * node as usize;
-            sum += Vector3::new(q[k], q[k + 1], q[k + 2]) * weight;
+            sum += position(q, node) * weight;
         }
         sum
     }

@@ -4,9 +4,9 @@ use crate::discrete::RelativeMotion;
 use crate::method::{CARRIED, MortarContact};
 use crate::options::Force;
 use crate::positions::Positions;
-use crate::slot::{Evaluation, Slot, Want, at};
+use crate::slot::{Evaluation, Slot, Want};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{ContactError, ContactRule, LocalContribution, StepConfiguration, position};
 
 /// Part of [`crate::method::CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
 const VANISHING: f64 = 0.1;
@@ -107,7 +107,9 @@ impl MortarContact {
         let area = self.surfaces.rows[k].area;
         force.copy_from_slice(&at_middle.gradient);
         let work: f64 = (slot.nodes.iter().zip(at_middle.gradient.chunks_exact(3)))
-            .map(|(&node, g)| (at(step.q_np1, node) - at(step.q_n, node)).dot(&Vector3::new(g[0], g[1], g[2])))
+            .map(|(&node, g)| {
+                (position(step.q_np1, node) - position(step.q_n, node)).dot(&Vector3::new(g[0], g[1], g[2]))
+            })
             .sum();
         let defect = at_end.value - self.step.gap[k].unwrap_or(0.0) - work;
         let relative = RelativeMotion::new(&middle.positive, &slot.nodes, step.q_n, step.q_np1);

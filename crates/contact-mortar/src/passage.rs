@@ -1,11 +1,10 @@
 //! What goes through a surface in one step is found, not lost.
 
 use crate::method::MortarContact;
-use crate::slot::at;
 use crate::state::Surfaces;
 use crate::surfaces::area_vector;
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, FacetNodes};
+use stoss_contact::{ContactError, FacetNodes, position};
 use stoss_reference_element::Nodal;
 
 impl MortarContact {
@@ -16,7 +15,7 @@ impl MortarContact {
             return Ok(());
         }
         let Surfaces { slave, master, .. } = &self.surfaces;
-        let corner = |q: &[f64], nodes: FacetNodes| nodes.map(|n| at(q, n));
+        let corner = |q: &[f64], nodes: FacetNodes| nodes.map(|n| position(q, n));
         let point = |x: &Nodal<Vector3<f64>>, xi: [f64; 2]| -> Vector3<f64> {
             x.kind().shape(xi).iter().zip(x).map(|(n, x)| x * *n).sum()
         };

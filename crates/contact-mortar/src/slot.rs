@@ -67,11 +67,6 @@ pub(crate) enum Want {
 /// Part of the reference area by which the corners of a row's facets take part in [`Slot::positive`], covered or not: they turn the normal.
 const CORNER_WEIGHT: f64 = 1e-3;
 
-pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
-    let k = 3 * node as usize;
-    Vector3::new(q[k], q[k + 1], q[k + 2])
-}
-
 impl Slot {
     /// Gathers the weights of the facets of a row. `old` are nodes to keep in front.
     pub fn gather<'w>(

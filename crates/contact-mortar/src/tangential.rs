@@ -5,12 +5,12 @@
 
 use crate::frames::{Coordinates, MaterialFrames};
 use crate::slip::{Facet, SlipMeasure, normal_part, tangents};
-use crate::slot::{Group, Slot, at};
+use crate::slot::{Group, Slot};
 use crate::surfaces::diagonals;
 use nalgebra::Vector3;
 use stoss_contact::dual::{Dual, Scalar, V3, dot};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
-use stoss_contact::{ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{ContactRule, LocalContribution, StepConfiguration, position};
 
 /// Arguments of a facet, in components.
 const FACET: usize = 12;
@@ -122,11 +122,11 @@ impl Slot {
     /// Gap vector and diagonals of a facet around the node; zero for a facet that was not there.
     fn facet(&self, group: Option<&Group>, q: &[f64]) -> [V3<f64>; 3] {
         let Some(group) = group else { return [[0.0; 3]; 3] };
-        let origin = at(q, self.nodes[0]);
-        let position = |k: usize| at(q, self.nodes[k]) - origin;
+        let origin = position(q, self.nodes[0]);
+        let relative = |k: usize| position(q, self.nodes[k]) - origin;
         let weights = group.weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
-        let gap: Vector3<f64> = weights.map(|(k, w)| position(k) * *w).sum();
-        let [d_1, d_2] = group.corners.first().map_or([Vector3::zeros(); 2], |c| diagonals(&c.map(position)));
+        let gap: Vector3<f64> = weights.map(|(k, w)| relative(k) * *w).sum();
+        let [d_1, d_2] = group.corners.first().map_or([Vector3::zeros(); 2], |c| diagonals(&c.map(relative)));
         [gap, d_1, d_2].map(Into::into)
     }
 }
@@ -400,10 +400,10 @@ impl NodeFriction<'_> {
             return;
         }
         // Of the weights, in the gap vector at the end and in that at the start.
-        let [origin, origin_n] = [step.q_np1, step.q_n].map(|q| at(q, slot.nodes[0]));
+        let [origin, origin_n] = [step.q_np1, step.q_n].map(|q| position(q, slot.nodes[0]));
         let weights_of_end = self.weights_of_end(at_end);
         for (k, row) in group.derivative.chunks_exact(n).enumerate() {
-            let (x, x_n) = (at(step.q_np1, slot.nodes[k]) - origin, at(step.q_n, slot.nodes[k]) - origin_n);
+            let (x, x_n) = (position(step.q_np1, slot.nodes[k]) - origin, position(step.q_n, slot.nodes[k]) - origin_n);
             for (column, d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                 for i in 0..3 {
                     motion[i * n + column] += x[i] * d;

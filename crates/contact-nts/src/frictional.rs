@@ -4,11 +4,13 @@ use crate::augmented::mean;
 use crate::crossing::{MAX_NODES, local_of};
 use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, SurfaceFriction, carry};
 use crate::kinematics::{Gap, points};
-use crate::method::{NodeToSurface, position};
+use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, Pairing};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
-use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration};
+use stoss_contact::{
+    ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration, position,
+};
 
 /// Bytes of history of a slot: two components of the traction, path slid.
 const HISTORY: usize = 24;

@@ -10,11 +10,10 @@ use crate::options::{ConstraintForm, NodeToSurfaceOptions};
 use crate::slave::Slave;
 use crate::slot::{ElementNodes, Pairing, Slot};
 use crate::work::Work;
-use nalgebra::Vector3;
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactLine, ContactMethod, ContactRule, ContactSurface, ContactWork,
     Enforcement, FacetNodes, History, LocalContribution, MasterPoint, MasterSearch, Report, SlotReport,
-    StepConfiguration, clear_inactive, multipliers_of,
+    StepConfiguration, clear_inactive, multipliers_of, position,
 };
 use stoss_geometry::Patch;
 
@@ -39,11 +38,6 @@ pub struct NodeToSurface {
 
 /// Bytes of history of a slot: facet, gap kept, strayed or not.
 const HISTORY: usize = 13;
-
-pub(crate) fn position(q: &[f64], node: u32) -> Vector3<f64> {
-    let k = 3 * node as usize;
-    Vector3::new(q[k], q[k + 1], q[k + 2])
-}
 
 impl NodeToSurface {
     /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`).

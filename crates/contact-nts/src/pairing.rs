@@ -1,12 +1,12 @@
 //! Which facets a node is paired with, decided in [`stoss_contact::ContactMethod::repair`] and then fixed for the iterations.
 
 use crate::kinematics::Gap;
-use crate::method::{NodeToSurface, position};
+use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, Pairing};
 use crate::work::Work;
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration};
+use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration, position};
 use stoss_geometry::Patch;
 
 /// How far the foot at `n` may lie on the extension of the facet that a node closes on, in halves of an edge: up to one

@@ -3,8 +3,8 @@
 //! Made once from the reference configuration. It holds no positions of the deformed state: whatever depends on them takes
 //! `q` (`3 * nodes` entries, node-major). It searches nothing; that is [`crate::search`].
 
-use crate::ContactError;
-use crate::carriers::{Carriers, position};
+use crate::carriers::Carriers;
+use crate::{ContactError, position};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_geometry::Patch;

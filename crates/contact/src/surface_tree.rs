@@ -1,7 +1,6 @@
 //! Surfaces that move with few vectors: all nodes of a rigid body's surface are carried by its centre and directors.
 
-use crate::carriers::position;
-use crate::{ContactError, ContactSurface};
+use crate::{ContactError, ContactSurface, position};
 use nalgebra::Vector3;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 

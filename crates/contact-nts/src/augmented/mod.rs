@@ -23,13 +23,13 @@ mod element;
 use crate::crossing::{local_of, spread};
 use crate::friction::{FrictionElement, PointHistory, Slip};
 use crate::kinematics::{Gap, LOCAL, points};
-use crate::method::{NodeToSurface, position};
+use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History, LocalContribution, Report,
-    SlotReport, StepConfiguration,
+    SlotReport, StepConfiguration, position,
 };
 
 /// Coordinates at `n` on the extension of the facet of `n+1` are cut off here: any value conserves momenta, but far out the extension is
