@@ -22,7 +22,7 @@ mod element;
 
 use crate::crossing::{local_of, spread};
 use crate::friction::{FrictionElement, PointHistory, Slip};
-use crate::kinematics::{Gap, LOCAL, points};
+use crate::kinematics::{Gap, LOCAL, mean, points};
 use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
@@ -64,11 +64,6 @@ pub struct AugmentedOptions {
 pub struct CoordinateAugmented {
     inner: NodeToSurface,
     options: AugmentedOptions,
-}
-
-/// Mean of two pairs of coordinates.
-pub(crate) fn mean(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
 }
 
 impl NodeToSurface {

@@ -1,9 +1,8 @@
 //! Friction as a part of the contact method: which rule takes what, history, augmentation, energies.
 
-use crate::augmented::mean;
 use crate::crossing::{MAX_NODES, local_of};
 use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, SurfaceFriction, carry};
-use crate::kinematics::{Gap, points};
+use crate::kinematics::{Gap, mean, points};
 use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, Pairing};
