@@ -92,7 +92,7 @@ impl GeneralContact {
     /// Contact of a skin by rules for its classes.
     ///
     /// # Errors
-    /// [`ContactError::EmptySurface`] if there is no facet, [`ContactError::Option`] if the thickness is not positive.
+    /// [`ContactError::EmptySurface`] if there is no facet, [`ContactError::OptionOutOfRange`] if the thickness is not positive.
     pub fn new(
         name: impl Into<String>,
         skin: Skin,
@@ -101,7 +101,7 @@ impl GeneralContact {
     ) -> Result<Self, ContactError> {
         if !(options.thickness > 0.0 && options.thickness.is_finite()) {
             let (option, range) = ("thickness", "a positive length");
-            return Err(ContactError::Option { option, value: options.thickness, range });
+            return Err(ContactError::OptionOutOfRange { option, value: options.thickness, range });
         }
         if skin.facets().is_empty() {
             return Err(ContactError::EmptySurface { side: "general" });
@@ -359,7 +359,7 @@ impl Potential for GeneralContact {
 
     fn begin_step(&mut self, q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
         if !matches!(self.rule, ContactRule::EnergyMomentum | ContactRule::EndPoint) {
-            return Err(ContactError::Rule { method: "general", rule: format!("{:?}", self.rule) });
+            return Err(ContactError::RuleUnavailable { method: "general", rule: format!("{:?}", self.rule) });
         }
         if let Some(springs) = self.next_springs.take() {
             self.springs = springs;

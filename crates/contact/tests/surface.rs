@@ -158,7 +158,7 @@ fn options_are_validated() {
         ("opposing_cosine", SearchOptions { opposing_cosine: 2.0, ..good }),
     ] {
         let error = MasterSearch::new(s.clone(), &q, options).expect_err(name);
-        assert!(matches!(error, ContactError::Option { option, .. } if option == name), "{error}");
+        assert!(matches!(error, ContactError::OptionOutOfRange { option, .. } if option == name), "{error}");
     }
     assert!(matches!(MasterSearch::new(s, &q[..6], good), Err(ContactError::MissingNode { .. })));
 }

@@ -111,7 +111,7 @@ impl CoordinateAugmented {
         match rule {
             ContactRule::EndPoint => Ok(true),
             ContactRule::Midpoint | ContactRule::EnergyMomentum => Ok(false),
-            rule => Err(ContactError::Rule { method: "coordinate augmentation", rule: format!("{rule:?}") }),
+            rule => Err(ContactError::RuleUnavailable { method: "coordinate augmentation", rule: format!("{rule:?}") }),
         }
     }
 

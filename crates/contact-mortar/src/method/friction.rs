@@ -1,12 +1,11 @@
 //! Friction as a part of the contact method: rules, history, augmentation, energies.
 
-use crate::frames::MaterialFrames;
-use crate::friction::{PointHistory, SLIVER, SurfaceFriction};
-use crate::method::MortarContact;
-use crate::sides::Row;
-use crate::slip::SlipMeasure;
+use super::MortarContact;
+use crate::friction::{
+    FrictionState, MaterialFrames, NodeFriction, PointHistory, SLIVER, Scratch, SlipMeasure, SurfaceFriction,
+};
+use crate::rows::Row;
 use crate::slot::Slot;
-use crate::tangential::{FrictionState, NodeFriction, Scratch};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
 use stoss_contact::{
     ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration, position,

@@ -1,11 +1,11 @@
 //! Friction of one slot: traction, force, tangent.
 //!
 //! The traction of a node has two components in an orthonormal frame of its tangent plane. The normal is the mean of those of all its facets, on both
-//! sides of a sharp edge; the tangents turn with the slave's material ([`crate::frames`]). Components are the history: the traction turns with the material.
+//! sides of a sharp edge; the tangents turn with the slave's material (`frames`). Components are the history: the traction turns with the material.
 
-use crate::frames::{Coordinates, MaterialFrames};
-use crate::slip::{Facet, SlipMeasure, normal_part, tangents};
-use crate::slot::{Group, Slot};
+use super::frames::{Coordinates, MaterialFrames};
+use super::slip::{Facet, SlipMeasure, normal_part, tangents};
+use crate::slot::{GapWeights, Slot};
 use crate::surfaces::diagonals;
 use nalgebra::Vector3;
 use stoss_contact::dual::{Dual, Scalar, V3, dot};
@@ -120,7 +120,7 @@ fn along(arguments: &[Facet<f64>], material: &[Coordinates]) -> [V3<f64>; 2] {
 
 impl Slot {
     /// Gap vector and diagonals of a facet around the node; zero for a facet that was not there.
-    fn facet(&self, group: Option<&Group>, q: &[f64]) -> [V3<f64>; 3] {
+    fn facet(&self, group: Option<&GapWeights>, q: &[f64]) -> [V3<f64>; 3] {
         let Some(group) = group else { return [[0.0; 3]; 3] };
         let origin = position(q, self.nodes[0]);
         let relative = |k: usize| position(q, self.nodes[k]) - origin;
@@ -181,7 +181,7 @@ impl NodeFriction<'_> {
     }
 
     /// The same facet at the start of the step.
-    fn old(&self, group: &Group) -> Option<&Group> {
+    fn old(&self, group: &GapWeights) -> Option<&GapWeights> {
         self.start.facets().iter().find(|old| old.facet == group.facet)
     }
 

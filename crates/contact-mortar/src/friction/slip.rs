@@ -88,7 +88,7 @@ pub(crate) fn normal_part<T: Scalar>(x: &Facet<T>) -> V3<T> {
 }
 
 /// Tangent vectors at a node with a normal `n` of this direction. The first one has the direction of `a + b x n` with the sums `a`, `b` of diagonals times
-/// their coordinates ([`crate::frames`]): `E_1` turned as the material is.
+/// their coordinates (`frames`): `E_1` turned as the material is.
 pub(crate) fn tangents<T: Scalar>(normal: V3<T>, along: [V3<T>; 2]) -> [V3<T>; 2] {
     let n = unit(normal);
     let one = T::constant(1.0);
