@@ -1,6 +1,6 @@
 //! The surfaces of all bodies as one set of vertices, edges, triangles and points of integration.
 
-use crate::Parallel;
+use crate::EdgeMollifier;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use stoss_contact::position;
@@ -231,6 +231,12 @@ impl Skin {
         sum
     }
 
+    /// All points of a vector of all nodes.
+    pub(crate) fn place(&self, q: &[f64], points: &mut Vec<Vector3<f64>>) {
+        points.clear();
+        points.extend((0..self.point_count() as u32).map(|p| self.at(p, q)));
+    }
+
     /// The facets.
     pub fn facets(&self) -> &[SkinFacet] {
         &self.facets
@@ -267,23 +273,23 @@ impl Skin {
     }
 
     /// The points of integration of a triangle.
-    pub fn inner_points(&self, triangle: u32) -> std::ops::Range<u32> {
+    pub fn integration_points(&self, triangle: u32) -> std::ops::Range<u32> {
         let first = self.vertex_count as u32 + GAUSS.len() as u32 * triangle;
         first..first + GAUSS.len() as u32
     }
 
     /// The triangle that a point of integration is in; none for vertices.
-    pub fn triangle_of_inner(&self, point: u32) -> Option<u32> {
+    pub fn triangle_of_integration_point(&self, point: u32) -> Option<u32> {
         (point as usize).checked_sub(self.vertex_count).map(|k| (k / GAUSS.len()) as u32)
     }
 
     /// Reference area of a triangle.
-    pub fn area_of(&self, triangle: u32) -> f64 {
-        GAUSS.len() as f64 * self.point_area[self.inner_points(triangle).start as usize]
+    pub fn reference_area(&self, triangle: u32) -> f64 {
+        GAUSS.len() as f64 * self.point_area[self.integration_points(triangle).start as usize]
     }
 
     /// Whether a point is one of integration.
-    pub fn is_inner(&self, point: u32) -> bool {
+    pub fn is_integration_point(&self, point: u32) -> bool {
         point as usize >= self.vertex_count
     }
 
@@ -298,7 +304,7 @@ impl Skin {
     }
 
     /// Whether a point is too near to a triangle on the surface itself to be in contact with it: a vertex and a triangle around it, a point of integration and a triangle that shares a corner with its own.
-    pub fn is_beside(&self, point: u32, triangle: u32) -> bool {
+    pub fn is_adjacent(&self, point: u32, triangle: u32) -> bool {
         let corners = &self.triangles[triangle as usize];
         let own = match (point as usize).checked_sub(self.vertex_count) {
             Some(k) => &self.triangles[k / GAUSS.len()][..],
@@ -317,7 +323,7 @@ impl Skin {
             let corners = self.triangles[triangle as usize].map(|v| self.point_area[v as usize]);
             return 0.5 * GUARD * area.min(UNEVEN * corners.into_iter().fold(0.0, f64::max));
         }
-        let other = self.point_area[self.inner_points(triangle).start as usize];
+        let other = self.point_area[self.integration_points(triangle).start as usize];
         // Sizes as far as they differ by more than a little.
         let bound = UNEVEN * area.min(other);
         let [own, other] = [area.max(bound), other.max(bound)];
@@ -326,11 +332,11 @@ impl Skin {
     }
 
     /// Weight of two edges, an area, and the factor that fades them out where they are parallel. It is a small part of the mean of the areas that belong to them, and not more than of a few of the smaller one.
-    pub fn edge_weight(&self, [e, f]: [u32; 2]) -> (f64, Parallel) {
+    pub fn edge_weight(&self, [e, f]: [u32; 2]) -> (f64, EdgeMollifier) {
         let [e, f] = [e as usize, f as usize];
         let (own, other) = (self.edge_area[e], self.edge_area[f]);
         let weight = 0.25 * GUARD * (own + other).min(2.0 * UNEVEN * own.min(other));
-        (weight, Parallel::of_edges(self.edge_square[e], self.edge_square[f]))
+        (weight, EdgeMollifier::of_edges(self.edge_square[e], self.edge_square[f]))
     }
 }
 

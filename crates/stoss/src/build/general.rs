@@ -12,7 +12,7 @@ use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split
 use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
-    GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, first_look, mitre,
+    GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, check_initial, mitre,
 };
 use stoss_mesh::BOUNDARY;
 
@@ -301,7 +301,7 @@ fn skin(
         problems.add("general_contact.thickness".into(), format!("{thickness:e}"), message, remedy);
         return None;
     }
-    let look = first_look(&skin, rules, &model.reference, table.thickness.unwrap_or(default).max(2.0 * default));
+    let look = check_initial(&skin, rules, &model.reference, table.thickness.unwrap_or(default).max(2.0 * default));
     if let Some(&([f, g], place)) = look.crossings.first() {
         let [a, b] = [f, g].map(|facet| rules.body(skin.facets()[facet as usize].class));
         let (what, deep, remedy) = if a == b {
@@ -419,7 +419,7 @@ fn skin(
         }
     }
     let skin = Skin::new(facets, &model.reference, &|node| places.get(&node).cloned());
-    let look = first_look(&skin, rules, &model.reference, thickness);
+    let look = check_initial(&skin, rules, &model.reference, thickness);
     let near = look.nearest.iter().find(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness);
     // What only touched is farther apart by now.
     if let Some(([a, b], nearest)) = near.filter(|(_, nearest)| nearest.distance < ROUND_OFF * thickness) {

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use stoss_contact::position;
 
 /// A point of integration in contact with a triangle.
-pub(crate) struct Meeting {
+pub(super) struct Meeting {
     pub point: u32,
     /// Triangle that the point is in.
     pub own: u32,
@@ -18,7 +18,7 @@ pub(crate) struct Meeting {
 }
 
 /// Vectors of the current areas of the triangles.
-pub(crate) fn areas_of_triangles(skin: &Skin, q: &[f64]) -> Vec<Vector3<f64>> {
+pub(super) fn areas_of_triangles(skin: &Skin, q: &[f64]) -> Vec<Vector3<f64>> {
     let of_vertex = |vertex: u32| {
         let mut x = Vector3::zeros();
         skin.shares(vertex, 1.0, &mut |k, share| x += position(q, skin.surface_nodes()[k]) * share);
@@ -34,7 +34,7 @@ pub(crate) fn areas_of_triangles(skin: &Skin, q: &[f64]) -> Vec<Vector3<f64>> {
 /// Vectors of the current areas that belong to the surface nodes, of what is in contact and of all, with their sizes.
 ///
 /// A facet is in contact where its points of integration are, each of which stands for its part of the facet, or, if that is more, where those of others meet it (facets of rigid bodies, and large ones, whose own points do not act).
-pub(crate) struct Areas {
+pub(super) struct Areas {
     vectors: [Vec<Vector3<f64>>; 2],
     sizes: [Vec<f64>; 2],
 }
@@ -57,7 +57,7 @@ impl Areas {
         points.keys().for_each(|&(_, t)| by_own[facet(t)] += size(t) / 3.0);
         // What the pair stands for, as it is now.
         let met = |m: &Meeting| {
-            let stretch = size(m.own) / skin.area_of(m.own).max(f64::MIN_POSITIVE);
+            let stretch = size(m.own) / skin.reference_area(m.own).max(f64::MIN_POSITIVE);
             m.weight * stretch / points[&(m.point, m.own)]
         };
         meets.iter().for_each(|m| by_others[facet(m.triangle)] += met(m));
