@@ -1,7 +1,7 @@
 //! The elements of one kind in a body: their reference integrals, and the averages that are those of an element.
 
 use crate::{
-    Level, SolidOptions, SolidStep, StressRule, Volumetric,
+    SolidOptions, SolidStep, StressRule, TimeLevel, Volumetric,
     assembly::{self, Additions, ElementEvaluator},
     cells::{Cells, ElementFailure, Material, PointStrain, Refused},
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory, gather, natural_gradients},
@@ -249,10 +249,11 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
         let integration = &self.integration[element];
         let averaged = match self.averages(material, element) {
             None => None,
-            Some(averages) => Some(averages.pressure_and_energy(&averages.state(&q, Level::End)?)),
+            Some(averages) => Some(averages.pressure_and_energy(&averages.state(&q, TimeLevel::End)?)),
         };
         for gauss_point in 0..G {
-            let (deformation_gradient, right_cauchy_green) = element::strain(&q, integration, gauss_point, Level::End)?;
+            let (deformation_gradient, right_cauchy_green) =
+                element::strain(&q, integration, gauss_point, TimeLevel::End)?;
             let point = PointStrain {
                 gauss_point,
                 deformation_gradient,

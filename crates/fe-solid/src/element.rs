@@ -1,7 +1,7 @@
 //! The stress rules at the Gauss points of one element. Not the arithmetic ([`crate::kernel`]), not the loop over elements.
 
 use crate::{
-    Level,
+    TimeLevel,
     kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
 };
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
@@ -90,9 +90,9 @@ pub(crate) struct Failure {
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum FailureKind {
-    Inverted { determinant: f64, level: Level },
+    Inverted { determinant: f64, level: TimeLevel },
     Constitutive(ConstitutiveError),
-    Collapsed { dilatation: f64, level: Level },
+    Collapsed { dilatation: f64, level: TimeLevel },
 }
 
 impl FailureKind {
@@ -109,7 +109,7 @@ impl From<ConstitutiveError> for FailureKind {
 
 /// `det F > 0` or the reason. Checked on `F` itself: `det C` is positive for an inverted element too.
 #[inline]
-fn check_orientation(f: &Matrix3, level: Level) -> Result<(), FailureKind> {
+fn check_orientation(f: &Matrix3, level: TimeLevel) -> Result<(), FailureKind> {
     let determinant = kernel::determinant(f);
     if determinant > 0.0 { Ok(()) } else { Err(FailureKind::Inverted { determinant, level }) }
 }
@@ -120,7 +120,7 @@ pub(crate) fn strain<const N: usize, const G: usize>(
     q: &NodalVectors<N>,
     integration: &ElementIntegration<N, G>,
     gauss_point: usize,
-    level: Level,
+    level: TimeLevel,
 ) -> Result<(Matrix3, SymmetricTensor2), Failure> {
     let f = kernel::deformation_gradient(q, &integration.gradients[gauss_point]);
     check_orientation(&f, level).map_err(|kind| kind.at(gauss_point))?;
@@ -135,7 +135,7 @@ pub(crate) fn history<const N: usize, const G: usize>(
 ) -> Result<[GaussPointHistory; G], Failure> {
     let mut out = [GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 }; G];
     for (g, slot) in out.iter_mut().enumerate() {
-        let (_, c) = strain(q, integration, g, Level::Start)?;
+        let (_, c) = strain(q, integration, g, TimeLevel::Start)?;
         let energy = law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
         *slot = GaussPointHistory { right_cauchy_green: c, energy };
     }
@@ -150,7 +150,7 @@ pub(crate) fn energy<const N: usize, const G: usize>(
 ) -> Result<f64, Failure> {
     let mut total = 0.0;
     for g in 0..G {
-        let (_, c) = strain(q, integration, g, Level::End)?;
+        let (_, c) = strain(q, integration, g, TimeLevel::End)?;
         total += integration.weights[g] * law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
     }
     Ok(total)
@@ -186,18 +186,18 @@ pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
         (StressRule::EnergyMomentum, None) => unreachable!("energy-momentum rule without history"),
         (StressRule::Configuration { theta }, _) => {
             if !step.rule.reads_start() {
-                return one_configuration(law, integration, step.q_np1, Level::End, factor, force, tangent);
+                return one_configuration(law, integration, step.q_np1, TimeLevel::End, factor, force, tangent);
             }
             if !step.rule.reads_end() {
-                return one_configuration(law, integration, step.q_n, Level::Start, 0.0, force, None);
+                return one_configuration(law, integration, step.q_n, TimeLevel::Start, 0.0, force, None);
             }
             for g in 0..G {
                 let f = kernel::deformation_gradient(step.q_np1, &integration.gradients[g]);
-                check_orientation(&f, Level::End).map_err(|kind| kind.at(g))?;
+                check_orientation(&f, TimeLevel::End).map_err(|kind| kind.at(g))?;
             }
             let q = between(step.q_n, step.q_np1, theta);
             // d q_{n+theta} / d q_np1 = theta
-            one_configuration(law, integration, &q, Level::Intermediate, theta * factor, force, tangent)
+            one_configuration(law, integration, &q, TimeLevel::Intermediate, theta * factor, force, tangent)
         }
     }
 }
@@ -214,7 +214,7 @@ fn one_configuration<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
     integration: &ElementIntegration<N, G>,
     q: &NodalVectors<N>,
-    level: Level,
+    level: TimeLevel,
     factor: f64,
     force: &mut NodalVectors<N>,
     tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
@@ -253,7 +253,7 @@ fn energy_momentum<const N: usize, const G: usize>(
     let mut tangent = tangent;
     for g in 0..G {
         let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
-        let (f_np1, c_np1) = strain(step.q_np1, integration, g, Level::End)?;
+        let (f_np1, c_np1) = strain(step.q_np1, integration, g, TimeLevel::End)?;
         let f_mid = kernel::deformation_gradient(&q_mid, gradients);
         let GaussPointHistory { right_cauchy_green: c_n, energy } = &history[g];
         match &mut tangent {

@@ -45,7 +45,7 @@ mod viscous;
 pub use assembly::{TangentTarget, Workspace};
 pub use body::{InsideOut, SolidBody};
 pub use element::{SolidStep, StressRule};
-pub use error::{Level, SolidError};
+pub use error::{SolidError, TimeLevel};
 pub use load::{
     FollowerPressure, add_follower_pressure, area_matrix, dead_pressure, dead_traction, external_work,
     follower_pressure, surface_area,

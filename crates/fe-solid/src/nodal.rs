@@ -4,7 +4,7 @@
 //! the forces of an element depend on all elements around its nodes, and the tangent has a stencil for each node beside those of the elements.
 
 use crate::{
-    Level, SolidStep, StressRule,
+    SolidStep, StressRule, TimeLevel,
     assembly::{self, Additions, ElementEvaluator},
     block::Block,
     cells::{Cells, ElementFailure, Material, PointStrain},
@@ -103,7 +103,7 @@ impl NodalTetrahedra {
     fn determine(
         &self,
         place: impl Fn(usize) -> NodalVectors<4> + Sync,
-        level: Level,
+        level: TimeLevel,
         out: &mut Vec<f64>,
     ) -> Result<(), ElementFailure> {
         out.resize(self.patches.places.len(), 0.0);
@@ -155,18 +155,18 @@ impl NodalTetrahedra {
         let Additions { first, before, force_weight, force, target, workspace } = to;
         let end = |element: usize| gather(&nodes[element], step.q_np1);
         let (level, theta) = match step.rule {
-            StressRule::EnergyMomentum => (Level::End, 1.0),
-            StressRule::Configuration { theta } if !step.rule.reads_start() => (Level::End, theta),
-            StressRule::Configuration { theta } if !step.rule.reads_end() => (Level::Start, theta),
+            StressRule::EnergyMomentum => (TimeLevel::End, 1.0),
+            StressRule::Configuration { theta } if !step.rule.reads_start() => (TimeLevel::End, theta),
+            StressRule::Configuration { theta } if !step.rule.reads_end() => (TimeLevel::Start, theta),
             StressRule::Configuration { theta } => {
-                self.determine(end, Level::End, &mut scratch.jacobians)?;
-                (Level::Intermediate, theta)
+                self.determine(end, TimeLevel::End, &mut scratch.jacobians)?;
+                (TimeLevel::Intermediate, theta)
             }
         };
         let place = |element: usize| match level {
-            Level::End => end(element),
-            Level::Start => gather(&nodes[element], step.q_n),
-            Level::Intermediate => element::between(&gather(&nodes[element], step.q_n), &end(element), theta),
+            TimeLevel::End => end(element),
+            TimeLevel::Start => gather(&nodes[element], step.q_n),
+            TimeLevel::Intermediate => element::between(&gather(&nodes[element], step.q_n), &end(element), theta),
         };
         self.determine(place, level, &mut scratch.jacobians)?;
         let conserving = step.rule == StressRule::EnergyMomentum;
@@ -355,7 +355,7 @@ impl Cells for NodalTetrahedra {
         self.block.begin_step(material, nodes, q_n)?;
         let nodes = nodes.as_chunks::<4>().0;
         let mut jacobians = std::mem::take(&mut self.jacobians);
-        self.determine(|element| gather(&nodes[element], q_n), Level::Start, &mut jacobians)?;
+        self.determine(|element| gather(&nodes[element], q_n), TimeLevel::Start, &mut jacobians)?;
         self.jacobians = jacobians;
         Ok(())
     }
@@ -412,7 +412,7 @@ impl Cells for NodalTetrahedra {
         self.block.add_energy(material, nodes, q, total)?;
         let nodes = nodes.as_chunks::<4>().0;
         let mut jacobians = Vec::new();
-        self.determine(|element| gather(&nodes[element], q), Level::End, &mut jacobians)?;
+        self.determine(|element| gather(&nodes[element], q), TimeLevel::End, &mut jacobians)?;
         for (node, volume) in self.patches.volumes.iter().enumerate() {
             *total += volume * material.volume().energy(self.dilatation(node, |e| jacobians[e]));
         }
@@ -436,7 +436,7 @@ impl Cells for NodalTetrahedra {
         for &node in &self.patches.places[element] {
             let dilatation = self.dilatation(node as usize, jacobian);
             if dilatation <= 0.0 || dilatation.is_nan() {
-                return Err(FailureKind::Collapsed { dilatation, level: Level::End }.at(0));
+                return Err(FailureKind::Collapsed { dilatation, level: TimeLevel::End }.at(0));
             }
             pressure += material.volume().pressure(dilatation).0 / 4.0;
             energy += material.volume().energy(dilatation) / 4.0;

@@ -1,7 +1,7 @@
 //! The state at a material point inside an element. Not used by any force.
 
 use crate::{
-    Level, SolidBody, SolidError,
+    SolidBody, SolidError, TimeLevel,
     element::{Failure, FailureKind},
     kernel::{self, Matrix3},
     recovery,
@@ -83,7 +83,7 @@ impl SolidBody {
         let determinant = kernel::determinant(&f);
         // `!(det > 0)` also catches a NaN.
         if !(determinant > 0.0 && determinant.is_finite()) {
-            return Err(failure(FailureKind::Inverted { determinant, level: Level::End }));
+            return Err(failure(FailureKind::Inverted { determinant, level: TimeLevel::End }));
         }
         let c = SymmetricTensor2::from_components(kernel::right_cauchy_green(&f));
         let material = self.material();
