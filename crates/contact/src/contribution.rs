@@ -23,6 +23,12 @@ pub enum ContactRule {
     EnergyMomentum,
 }
 
+impl ContactRule {
+    /// All rules.
+    pub const ALL: [Self; 5] =
+        [Self::StartPoint, Self::EndPoint, Self::EndPointMean, Self::Midpoint, Self::EnergyMomentum];
+}
+
 /// Positions that a step's evaluation may read. All slices have `3 * nodes` entries, node-major.
 #[derive(Clone, Copy, Debug)]
 pub struct StepConfiguration<'a> {

@@ -33,11 +33,11 @@ pub use error::ContactError;
 pub use line::ContactLine;
 pub use method::{Bilateral, Constraint, ContactMethod, History};
 pub use position::position;
-pub use potential::{BodyPair, Potential, SurfaceForce, SurfaceNode, WithoutSlots};
+pub use potential::{BodyPair, Potential, PotentialConstraint, SurfaceForce, SurfaceNode};
 pub use report::{
-    ContactWork, Coverage, Held, JointCoordinate, JointReport, JointTorques, Report, SlotFriction, SlotReport,
+    ContactWork, Coverage, JointCoordinate, JointReport, JointTorques, Report, SlotFriction, SlotReport, SupportedNode,
 };
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use stoss_reference_element::{FacetKind, FacetNodes};
-pub use surface::{ContactSurface, IrregularEdge};
+pub use surface::{ContactSurface, NonManifoldEdge};
 pub use surface_tree::SurfaceTree;

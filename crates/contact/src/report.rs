@@ -79,9 +79,9 @@ pub struct JointTorques {
     pub limit: f64,
 }
 
-/// A node that the ground holds along a direction.
+/// A node whose motion along a direction a sliding support prescribes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
+pub struct SupportedNode {
     /// Its global number.
     pub node: u32,
     /// The direction, of length one.
@@ -180,8 +180,8 @@ pub trait Report: Send + Sync + std::fmt::Debug {
     fn joint(&self, _q: &[f64], _multipliers: &[f64]) -> Option<JointReport> {
         None
     }
-    /// What a slot holds at a time, if it lets the ground hold a node along a direction and does nothing else; `None` for everything else.
-    fn held(&self, _slot: usize, _time: f64) -> Option<Held> {
+    /// What a slot of a sliding support prescribes at a time; `None` for all other constraints.
+    fn supported_node(&self, _slot: usize, _time: f64) -> Option<SupportedNode> {
         None
     }
     /// Gap, normal and feature of every slot at a configuration, for output and probes.

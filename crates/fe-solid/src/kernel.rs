@@ -49,7 +49,7 @@ pub fn determinant(m: &Matrix3) -> f64 {
 }
 
 /// `cof M : D`, the derivative of the determinant of `m` along `d`.
-pub fn determinant_change(m: &Matrix3, d: &Matrix3) -> f64 {
+pub(crate) fn determinant_change(m: &Matrix3, d: &Matrix3) -> f64 {
     determinant(&[d[0], m[1], m[2]]) + determinant(&[m[0], d[1], m[2]]) + determinant(&[m[0], m[1], d[2]])
 }
 

@@ -1,6 +1,6 @@
 //! Stresses and strains for output: at Gauss points, and extrapolated to nodes. Not used by any force.
 
-use crate::{SolidBody, SolidError, cells::PointStrain, element::FailureKind};
+use crate::{SolidBody, SolidError, element::FailureKind, element_block::PointStrain};
 use stoss_continuum::{ConstitutiveError, SymmetricTensor2, Tensor2};
 use stoss_reference_element::{CellKind, Rule};
 

@@ -174,7 +174,7 @@ fn an_element_turned_inside_out_at_a_vertex_is_counted() {
         }
         let found = found.unwrap();
         assert_eq!((found.count, found.element), (1, element));
-        assert_eq!(mesh.elements[element][found.vertex], corner as u32);
+        assert_eq!(mesh.elements[element][found.node], corner as u32);
         assert!((found.relative_volume - (1.0 - 3.0 * d)).abs() < 1e-14, "{found:?}");
     }
     let mut q = x;

@@ -97,7 +97,7 @@ impl<T: Scalar> Node<T> {
         let tangents = tangents(normal, along);
         // A node that had no partner at the start of the step begins to slip with the next one.
         let inverse = if support > 0.0 { 1.0 / support } else { 0.0 };
-        Self { tangents, slip: tangents.map(|e| dot(e, weighted_slip).scale(inverse)) }
+        Self { tangents, slip: tangents.map(|e| dot(&e, &weighted_slip).scale(inverse)) }
     }
 
     fn vector(&self, components: [T; 2]) -> V3<T> {
@@ -160,8 +160,8 @@ impl NodeFriction<'_> {
             start.push(at_n);
         }
         let node = Node::new(normal, along(arguments, material), slip, self.support(slot, at_end));
-        let size: f64 = arguments.iter().map(|x| (dot(x[1], x[1]) * dot(x[2], x[2])).sqrt()).sum();
-        let regular = dot(normal, normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
+        let size: f64 = arguments.iter().map(|x| (dot(&x[1], &x[1]) * dot(&x[2], &x[2])).sqrt()).sum();
+        let regular = dot(&normal, &normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
         if !regular {
             return None;
         }
@@ -360,9 +360,9 @@ impl NodeFriction<'_> {
                     to.iter_mut().zip(from).for_each(|(t, m)| *t += d * m);
                 }
                 let by_traction = [by_traction[0], by_traction[1], by_traction[2]];
-                to[n] = dot(by_traction, of.of_pressure);
+                to[n] = dot(&by_traction, &of.of_pressure);
                 for m in 0..multipliers {
-                    to[dim + m] = dot(by_traction, of.of_multipliers[m]);
+                    to[dim + m] = dot(&by_traction, &of.of_multipliers[m]);
                 }
             }
             Slot::for_each_coefficient(group, |a, k, c| {
