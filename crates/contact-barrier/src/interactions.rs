@@ -69,7 +69,7 @@ impl Interactions {
     }
 
     /// The same between different bodies alone: none acts on itself.
-    pub fn between_bodies(&self) -> Self {
+    pub(crate) fn between_bodies(&self) -> Self {
         let (mut all, n) = (self.clone(), self.bodies.len());
         for (k, entry) in all.table.iter_mut().enumerate() {
             if self.bodies[k / n] == self.bodies[k % n] {

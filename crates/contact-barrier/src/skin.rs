@@ -184,7 +184,7 @@ impl Skin {
     }
 
     /// Whether vertices lie elsewhere than in their nodes.
-    pub fn is_inset(&self) -> bool {
+    pub(crate) fn is_inset(&self) -> bool {
         self.nodes.iter().enumerate().any(|(k, &node)| self.terms(k as u32) != [(node, 1.0)])
     }
 
@@ -213,7 +213,7 @@ impl Skin {
     }
 
     /// Mean length of the edges of the triangles in the reference.
-    pub fn mean_edge(&self) -> f64 {
+    pub(crate) fn mean_edge(&self) -> f64 {
         self.edge_square.iter().map(|square| square.sqrt()).sum::<f64>() / self.edge_square.len().max(1) as f64
     }
 
@@ -273,18 +273,18 @@ impl Skin {
     }
 
     /// The points of integration of a triangle.
-    pub fn integration_points(&self, triangle: u32) -> std::ops::Range<u32> {
+    pub(crate) fn integration_points(&self, triangle: u32) -> std::ops::Range<u32> {
         let first = self.vertex_count as u32 + GAUSS.len() as u32 * triangle;
         first..first + GAUSS.len() as u32
     }
 
     /// The triangle that a point of integration is in; none for vertices.
-    pub fn triangle_of_integration_point(&self, point: u32) -> Option<u32> {
+    pub(crate) fn triangle_of_integration_point(&self, point: u32) -> Option<u32> {
         (point as usize).checked_sub(self.vertex_count).map(|k| (k / GAUSS.len()) as u32)
     }
 
     /// Reference area of a triangle.
-    pub fn reference_area(&self, triangle: u32) -> f64 {
+    pub(crate) fn reference_area(&self, triangle: u32) -> f64 {
         GAUSS.len() as f64 * self.point_area[self.integration_points(triangle).start as usize]
     }
 
@@ -299,7 +299,7 @@ impl Skin {
     }
 
     /// The facet that an edge belongs to; the first one of those at it.
-    pub fn facet_of_edge(&self, edge: u32) -> u32 {
+    pub(crate) fn facet_of_edge(&self, edge: u32) -> u32 {
         self.edge_facet[edge as usize]
     }
 
