@@ -45,7 +45,7 @@ pub enum SolidError {
     },
     /// The averaged change of volume of a mixed element is not positive though `det F > 0` at every Gauss point. A step control answers it with a smaller step.
     #[error(
-        "body '{body}': element {element} has collapsed in the mean at Gauss point {gauss_point} (averaged det F = {dilatation:e}, {level})"
+        "body '{body}': element {element} has no volume on average at Gauss point {gauss_point} (averaged det F = {dilatation:e}, {level})"
     )]
     CollapsedElement {
         /// Name of the body.
