@@ -61,16 +61,6 @@ impl Auxiliary {
     }
 }
 
-/// Sets the auxiliaries of slots that are not active to zero and leaves the others, `count` each: a start for multipliers that are counted from what
-/// the last step ended with.
-pub fn clear_inactive(active: &[bool], count: usize, auxiliaries: &mut [f64]) {
-    for (values, active) in auxiliaries.chunks_exact_mut(count.max(1)).zip(active) {
-        if !active {
-            values.fill(0.0);
-        }
-    }
-}
-
 /// The first two of the `count` auxiliaries of a slot, zero where there are none: multipliers of the friction.
 pub fn multipliers_of(slot: usize, count: usize, auxiliaries: &[f64]) -> [f64; 2] {
     let own = auxiliaries.get(slot * count..slot * count + count).unwrap_or_default();

@@ -27,7 +27,7 @@ mod surface_tree;
 
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use carriers::Carriers;
-pub use contribution::{Auxiliary, ContactRule, LocalContribution, StepConfiguration, clear_inactive, multipliers_of};
+pub use contribution::{Auxiliary, ContactRule, LocalContribution, StepConfiguration, multipliers_of};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use line::ContactLine;

@@ -67,14 +67,20 @@ pub trait Constraint: Report {
         &[]
     }
     /// Values from which the iteration starts, for every active slot: at the start of an attempt and after every change of the active set or
-    /// the pairings. `out` has `slot_count() * auxiliaries().len()` entries; it comes with the values so far, at the start of an attempt zeros.
+    /// the pairings. `out` has `slot_count() * auxiliaries().len()` entries; it comes with the values so far, at the start of an attempt zeros. By default
+    /// those of slots that are not active become zero and the others stay: a start for multipliers that are counted from what the last step ended with.
     fn start_auxiliaries(
         &self,
         _step: StepConfiguration<'_>,
         _pressures: &[f64],
-        _active: &[bool],
-        _out: &mut [f64],
+        active: &[bool],
+        out: &mut [f64],
     ) -> Result<(), ContactError> {
+        for (values, active) in out.chunks_exact_mut(self.auxiliaries().len().max(1)).zip(active) {
+            if !active {
+                values.fill(0.0);
+            }
+        }
         Ok(())
     }
     /// [`Self::assemble`] at given values of the auxiliaries; what a method with auxiliaries assembles without them is the state that

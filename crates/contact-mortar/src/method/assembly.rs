@@ -7,8 +7,7 @@ use crate::options::Force;
 use crate::positions::Positions;
 use crate::state::{Integrated, Need, StepState};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactRule, LocalContribution, StepConfiguration, clear_inactive,
-    multipliers_of,
+    Auxiliary, Constraint, ContactError, ContactRule, LocalContribution, StepConfiguration, multipliers_of,
 };
 use stoss_segmentation::GapRange;
 
@@ -147,17 +146,6 @@ impl Constraint for MortarContact {
     /// at the start.
     fn auxiliaries(&self) -> &[Auxiliary] {
         if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
-    }
-
-    fn start_auxiliaries(
-        &self,
-        _step: StepConfiguration<'_>,
-        _pressures: &[f64],
-        active: &[bool],
-        out: &mut [f64],
-    ) -> Result<(), ContactError> {
-        clear_inactive(active, self.auxiliaries().len(), out);
-        Ok(())
     }
 
     fn assemble_with(

@@ -7,7 +7,7 @@ use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, Slot};
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactRule, Enforcement, LocalContribution, StepConfiguration,
-    clear_inactive, multipliers_of, position,
+    multipliers_of, position,
 };
 
 impl NodeToSurface {
@@ -151,17 +151,6 @@ impl Constraint for NodeToSurface {
     /// traction at the start.
     fn auxiliaries(&self) -> &[Auxiliary] {
         if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
-    }
-
-    fn start_auxiliaries(
-        &self,
-        _step: StepConfiguration<'_>,
-        _pressures: &[f64],
-        active: &[bool],
-        out: &mut [f64],
-    ) -> Result<(), ContactError> {
-        clear_inactive(active, self.auxiliaries().len(), out);
-        Ok(())
     }
 
     fn assemble_with(
