@@ -4,7 +4,7 @@ use crate::crossing::{component, spread};
 use crate::gap_gradient::GapGradient;
 use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
-use crate::slot::{ElementNodes, Slot};
+use crate::slot::{ElementNodes, PairedSlot, Slot};
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactRule, Enforcement, LocalContribution, StepConfiguration,
     multipliers_of, position,
@@ -177,7 +177,8 @@ impl Constraint for NodeToSurface {
             };
             let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
             let end = self.gap(slot, pairing.end, step.q_np1)?;
-            self.gradient(slot, &element, pairing, &end, step, want_tangent, &mut gradient)?;
+            let of = PairedSlot { slot, element: &element, pairing, end: &end, step };
+            self.gradient(of, want_tangent, &mut gradient)?;
             let (n, weight) = (3 * element.count, self.slot_weight(slot));
             let pressure = pressures[slot];
             contribution.nodes.extend_from_slice(element.list());
@@ -202,17 +203,7 @@ impl Constraint for NodeToSurface {
                 contribution.tangent[n * dim + n] = -weight * row.d_pressure;
             }
             if self.friction.is_some() {
-                self.add_friction(
-                    slot,
-                    &element,
-                    pairing,
-                    &end,
-                    step,
-                    pressure,
-                    multiplier,
-                    want_tangent,
-                    &mut contribution,
-                )?;
+                self.add_friction(of, pressure, multiplier, want_tangent, &mut contribution)?;
             }
             visit(&contribution);
         }

@@ -23,21 +23,18 @@ use crate::gap_gradient::GapGradient;
 use crate::invariants;
 use crate::kinematics::{Gap, Local, points};
 use crate::method::NodeToSurface;
-use crate::slot::{ElementNodes, Pairing};
-use stoss_contact::{ContactError, ContactRule, StepConfiguration};
+use crate::slot::PairedSlot;
+use stoss_contact::{ContactError, ContactRule};
 
 impl NodeToSurface {
     /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.
     pub(crate) fn gradient(
         &self,
-        slot: usize,
-        element: &ElementNodes,
-        pairing: Pairing,
-        end: &Gap,
-        step: StepConfiguration<'_>,
+        at: PairedSlot<'_>,
         want_tangent: bool,
         out: &mut GapGradient,
     ) -> Result<(), ContactError> {
+        let PairedSlot { slot, element, pairing, end, step } = at;
         let n = 3 * element.count;
         let failed = |facet| ContactError::Projection { node: self.node(slot), facet };
         out.reset(n, want_tangent);

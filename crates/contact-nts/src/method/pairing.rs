@@ -4,7 +4,7 @@ use crate::gap_gradient::GapGradient;
 use crate::kinematics::Gap;
 use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
-use crate::slot::{ElementNodes, Pairing};
+use crate::slot::{ElementNodes, PairedSlot, Pairing};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration, position};
 use stoss_geometry::Patch;
@@ -77,7 +77,8 @@ impl NodeToSurface {
             let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
             let end = self.gap(slot, pairing.end, q_np1)?;
             let step = StepConfiguration { q_n: &self.q_n, q_np1, rule: self.normal.rule };
-            self.gradient(slot, &element, pairing, &end, step, false, &mut gradient)?;
+            let of = PairedSlot { slot, element: &element, pairing, end: &end, step };
+            self.gradient(of, false, &mut gradient)?;
             let Some(mid) = self.gap_at_midpoint(slot, pairing.mid, q_np1) else { continue };
             let pressing: f64 = (0..3).map(|i| mid.gradient[i] * gradient.values[i]).sum();
             if self.slots[slot].rechosen {
